@@ -8,13 +8,12 @@ Sizes of finger, hand and loads are drawn within 15 % of each bundled design in 
 - few: three of them are drawn, and the fit leaves these alone.
 - begun: all are drawn; those that follow from others are where the fit begins.
 
-A refusal that states loads is tried again with these.
+A refusal is tried again with its remedy.
 """
 
 from __future__ import annotations
 
 import random
-import re
 import statistics
 import sys
 import time
@@ -23,11 +22,13 @@ from collections import Counter
 
 from fingertip.cad.verification.fitting import fit_finger
 from fingertip.catalogues.file_kinds import DESIGN, find_file
-from fingertip.design.files import load_tables
+from fingertip.design.files import flatten, load_tables
 from fingertip.design.fit import DERIVED
 from fingertip.design.geometry import DesignTables
 from fingertip.design.new_design import PRESETS
+from fingertip.design.parameters import PARAMETERS
 from fingertip.foundation.errors import DesignError
+from tools.fuzz.remedies import as_changes
 
 BASES = (*PRESETS, "fsr400", "fsr402", "first_finger", "article")
 DRAWN = (
@@ -58,14 +59,14 @@ def judge(number: int, way: str, seed: int) -> tuple[str, float]:
         fit_finger(tables, given, before)
     except DesignError as error:
         seconds = time.process_time() - start
-        loads = dict(re.findall(r"(strength\.\w+): .*; at most ([\d.]*\d)", str(error)))
-        if not loads:
-            return "sizes refused", seconds
+        kind = "loads refused" if str(error).startswith("strength.") else "sizes refused"
+        remedy = flatten(load_tables((), as_changes(error.issues)).tables)
+        typed = tables.with_values({name: value for name, value in remedy if name in PARAMETERS})
         try:
-            fit_finger(tables.with_values({name: float(value) for name, value in loads.items()}), given, before)
+            fit_finger(typed, given, before)
         except DesignError:
             return "remedy fails", seconds
-        return "loads refused", seconds
+        return kind, seconds
     return "fitted", time.process_time() - start
 
 

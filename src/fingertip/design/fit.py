@@ -8,7 +8,6 @@ back towards where it began, as far as the rules allow. The same input gives the
 
 from __future__ import annotations
 
-import functools
 import heapq
 import itertools
 import math
@@ -20,7 +19,7 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_follows, find_unit
 from fingertip.design.refusal import find_remedies
-from fingertip.design.rules.ruleset import BrokenRule, Rule, RuleChecker, record_reads
+from fingertip.design.rules.ruleset import BrokenRule, Rule, RuleChecker
 from fingertip.design.search import PART_RULES, cheapest_first, round_digits
 from fingertip.foundation.errors import DesignError, Issue
 
@@ -43,6 +42,8 @@ _CHECKS, _FEW, _CHECK = 1000, 500, 5
 counts for."""
 _HALVINGS, _BACK_HALVINGS = 6, 5
 """Halvings of the way to the nearest value with which a rule passes, and of the way back to the beginning."""
+_ROUNDS = 3
+"""Largest number of times that the loads of a remedy become what its design holds."""
 _STRONG_HALVINGS = 2
 """Halvings of the way to what makes the bone stronger: each cuts its mesh."""
 _SHARES = (1.0, 0.5, 0.25)
@@ -104,19 +105,26 @@ def fit_design(
     fit, weak = _find(tables, given, guessed, holds, progress)
     if fit:
         return fit
-    if weak:
-        noting, reads = record_reads(tables)
-        list(RuleChecker(noting).find_broken(PART_RULES))
-        named, bounds = {broken.rule.field: broken for broken in weak}, _find_bounds(weak)
-        if reads & bounds.keys():  # parts follow the loads too, so that these are tried as they are typed in
-            weak = _find(tables.with_values(bounds), given, guessed, holds, progress, _FEW)[1]
-            named, bounds = {broken.rule.field: broken for broken in weak} | named, bounds | _find_bounds(weak)
-        sides = {name: "least" if bound > tables.value(name) else "most" for name, bound in bounds.items()}
-        texts = {name: f"{named[name].violation.problem}; at {sides[name]} {bounds[name]:g}." for name in named}
+    named = {broken.rule.field: broken for broken in weak}
+
+    def settle(values: Mapping[str, Any]) -> dict[str, Any] | None:
+        """Add the loads that a fit holds with the values of a remedy; None if no fit follows. Parts follow loads."""
+        for _ in range(_ROUNDS):
+            found, weak = _find(tables.with_values(values), given, guessed, holds, lambda share: None, _FEW)
+            if found:
+                return dict(values)
+            named.update({broken.rule.field: broken for broken in weak if broken.rule.field not in named})
+            values = {**values, **_find_bounds(weak)}
+            if not weak:
+                break
+        return None
+
+    if weak and (values := settle(_find_bounds(weak))):
+        sides = {name: "least" if bound > tables.value(name) else "most" for name, bound in values.items()}
+        texts = {name: f"{named[name].violation.problem}; at {sides[name]} {values[name]:g}." for name in values}
         raise DesignError([Issue(name, text) for name, text in texts.items()])
-    nearer = functools.partial(list_moved, holds=holds, guessed=guessed)
-    broken = _Search(tables, {}).check({})[1]
-    issues = find_remedies(tables, broken, before, [*given], fit=nearer, failed=True)
+    broken = _Search(tables, {}).check({})[1] or weak
+    issues = find_remedies(tables, broken, before, [*given], settle=settle)
     raise DesignError([replace(one, message="(guessed) " * (one.field in guessed) + one.message) for one in issues])
 
 
@@ -173,11 +181,9 @@ def _find_bounds(weak: Sequence[BrokenRule]) -> dict[str, float]:
     return {name: round_digits(low if high == math.inf else high, 3, up=high == math.inf) for name, low, high in ends}
 
 
-def list_moved(
-    tables: DesignTables, given: Collection[str], *, holds: Holds | None = None, guessed: Collection[str] = ()
-) -> tuple[str, ...] | None:
+def list_moved(tables: DesignTables, given: Collection[str]) -> tuple[str, ...] | None:
     """Fit a design as `find_fit` does, but give up early, as a refusal does not wait; name what moved."""
-    fit = find_fit(tables, given, holds=holds, guessed=guessed, checks=_FEW)
+    fit = find_fit(tables, given, checks=_FEW)
     return tuple(move.name for move in fit.moves) if fit else None
 
 

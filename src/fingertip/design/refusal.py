@@ -43,12 +43,12 @@ def find_remedies(
     rules: Iterable[Rule] = RULES,
     *,
     fit: remedies.FitFunction | None = None,
-    failed: bool = False,
+    settle: remedies.SettleFunction | None = None,
 ) -> list[Issue]:
     """Describe what is wrong with a design, each problem with a remedy.
 
     `before` is the design that was changed (the defaults if None), and `changed` names its changes, among which the
-    cause is sought. `fit` is tried on the design; one that has failed is tried on values nearer to those before.
+    cause is sought. `fit` is tried on the design. Where it has failed, `settle` adds to values what makes a fit follow.
     """
     before = before or DesignTables()
     differing = [name for name in PARAMETERS if tables.value(name) != before.value(name)]
@@ -61,12 +61,12 @@ def find_remedies(
         if own := tuple(one for one in broken if (one.rule not in ELECTRONIC_RULES) is of_parts):
             checked = cheapest_first(rule for rule in rules if (rule not in ELECTRONIC_RULES) is of_parts)
             search = Search(checked, cheapest_first(one.rule for one in own), invalid, before)
-            refusal = remedies.Refusal(tables, own, before, changed, search)
-            usable = fit if of_parts and not invalid else None
-            fitted = usable(tables, changed) if usable and not failed else None
+            usable = of_parts and not invalid
+            refusal = remedies.Refusal(tables, own, before, changed, search, usable and settle is not None)
+            fitted = fit(tables, changed) if usable and fit else None
             values = remedies.resolve(refusal, fitted is not None)
-            if usable and failed:
-                values = remedies.approach(refusal, values, usable)
+            if usable and settle:
+                values = remedies.settle(refusal, values, settle)
             issues += _describe(refusal, values, fitted or ())
     return issues
 
@@ -111,7 +111,8 @@ def _format_bound(refusal: remedies.Refusal, name: str, values: remedies.Values)
         intervals = [(value, None) if value > refusal.tables.value(name) else (None, value)]
 
     def verify(end: float | None) -> float | None:
-        return end if end == value or (end is not None and refusal.resolves({name: end})) else None
+        may_hold = end is not None and not refusal.settled
+        return end if end == value or (may_hold and refusal.resolves({name: end})) else None
 
     texts = (_format_interval(name, verify(low), verify(high)) for low, high in intervals)
     return " or ".join(filter(None, texts)) + unit
@@ -134,7 +135,7 @@ def _suggest_bundled_design(refusal: remedies.Refusal, name: str) -> str:
 
 def _list_alternatives(refusal: remedies.Refusal, values: remedies.Values) -> Iterator[str]:
     """Yield what resolves a refusal instead: the bound of the only blamed field, and values that its rules name."""
-    if len(refusal.blamed) > 1:
+    if len(refusal.blamed) > 1 or refusal.settled:
         return
     ((name, broken),) = refusal.blamed.items()
     ends = remedies.list_ends(refusal.tables, name, remedies.find_intervals(name, broken))

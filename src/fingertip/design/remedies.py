@@ -29,13 +29,15 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS, find_kind
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.rules.ruleset import BrokenRule, Interval, find_violations
-from fingertip.design.search import Search, as_typed, is_number, round_digits, round_inwards
+from fingertip.design.search import Search, is_number, round_inwards
 
 _MAX_ROUNDS = 3
 """Maximum number of times that fields which are blamed move to their bounds."""
 Values = dict[str, Any]
 FitFunction = Callable[[DesignTables, Collection[str]], Sequence[str] | None]
 """Fits a design, with the named parameters as they are, and names what moved; None if it finds none that passes."""
+SettleFunction = Callable[[Values], Values | None]
+"""Adds to values of a remedy what a fit needs to follow them; None if none follows."""
 Ends = tuple[float | None, float | None]
 """Ends of an interval of values that pass; None where it has no end within the field's own bounds."""
 
@@ -48,6 +50,8 @@ class Refusal:
     """The design before the changes that may have caused the refusal."""
     changed: tuple[str, ...]
     search: Search
+    settled: bool = False
+    """Whether a fit follows the remedy: other values were not tried with one, and are left out."""
 
     @cached_property
     def blamed(self) -> dict[str, list[BrokenRule]]:
@@ -135,22 +139,17 @@ def _return_towards_before(refusal: Refusal) -> Values:
     return values
 
 
-def approach(refusal: Refusal, values: Values, fit: FitFunction) -> Values:
-    """Take a choice that a rule names, or move a changed number that resolves all half the way back, if a fit follows.
+def settle(refusal: Refusal, values: Values, settled: SettleFunction) -> Values:
+    """Take a choice that a rule names, or the values, if a fit follows; else return what was changed as it was before.
 
-    A fit takes long: one is tried.
+    A choice costs a fit each.
     """
-    for name, value in (pair for one in refusal.broken for pair in one.violation.alternatives.items()):
-        if not is_number(name) and fit(refusal.tables.with_values({name: value}), refusal.changed) is not None:
-            return {name: value}
-    (name, *more) = values
-    if more or name not in refusal.changed or not is_number(name):
-        return values
-    failing, passing = refusal.tables.value(name), values[name]
-    middle = as_typed(name, round_digits((failing + passing) / 2, 3, up=passing > failing))
-    if middle in (failing, passing) or fit(refusal.tables.with_values({name: middle}), refusal.changed) is None:
-        return values
-    return {name: middle}
+    alternatives = (pair for one in refusal.broken for pair in one.violation.alternatives.items())
+    for tried in (*({name: value} for name, value in alternatives if not is_number(name)), values):
+        if found := settled(tried):
+            return found
+    present = ((name, refusal.before.value(name)) for name in refusal.changed)
+    return {name: value for name, value in present if value != refusal.tables.value(name)}
 
 
 def find_passing_value(search: Search, tables: DesignTables, name: str, broken: Iterable[BrokenRule]) -> Any:

@@ -31,6 +31,8 @@ _STRONGER = {
     "skin.thickness_dorsal_mm": 0.5,
     "skin.thickness_side_mm": 0.6,
     "sensor.distance_from_tip_mm": 0.7,
+    "bone.post_height_mm": 1.25,
+    "bone.post_width_mm": 1.25,
     "bone.foot_radius_mm": 1.6,
 }
 """Factors on parameters that make a bone on a post stronger."""

@@ -22,8 +22,9 @@ LIP_GAP_MM, LIP_WIDTH_MM = 0.15, 1.5
 flank; the narrow gap leaves most of what overflows to the notches."""
 LAND_MM = 4.5
 """Least width of the rim between cavity and grooves [mm]."""
-_OUT = 1.05
-"""Least distance of the dorsal ridge's middle from the parting plane, over that of the sensor from the skin's end."""
+_OUT, _FARTHEST_OUT = 1.05, 1.5
+"""Least and largest distance of the dorsal ridge's middle from the parting plane, over that of the sensor from the
+skin's end."""
 RIDGE_HEIGHT_MM, RIDGE_HALF_CREST_MM, RIDGE_LENGTH_MM = 2.0, 0.4, 4.5
 RIDGE_END_MM = 0.5
 """Distance of each end of a ridge from the end of its groove [mm], so that no end locates the core."""
@@ -103,10 +104,12 @@ class MoldLayout:
     def ridge_begins(self) -> tuple[float, float]:
         """Distance from the axis at which the grooves begin: at the sides, and on the dorsal side.
 
-        The dorsal one lies as far out as the sensor is deep: its errors tilt the core.
+        The dorsal one lies as far out as the sensor is deep: its errors tilt the core. Over a sensor at 1 / out of its
+        distance the flanks' errors add up to sqrt(2) (1 + 1 / out) of one: it lies farther out where the skin is thin.
         """
-        beside = self._design.skin.semi_axis_dorsal_mm * self._dims.shrinkage + LAND_MM
-        return self.cavity_half_width + LAND_MM, max(beside, _OUT * self._dims.sensor_z - RIDGE_LENGTH_MM / 2)
+        beside, skin = self._design.skin.semi_axis_dorsal_mm * self._dims.shrinkage + LAND_MM, self._design.skin
+        out = min(_FARTHEST_OUT, max(_OUT, 1.03 / max(skin.thickness_palmar_mm / 2**0.5 - 1.0, 0.5)))
+        return self.cavity_half_width + LAND_MM, max(beside, out * self._dims.sensor_z - RIDGE_LENGTH_MM / 2)
 
     @cached_property
     def notch_x(self) -> float:

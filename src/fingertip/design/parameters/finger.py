@@ -59,6 +59,7 @@ class Skin(ParameterTable):
     pulp_fullness: float = quantity(
         0.91, "", (0.77, 0.9925),
         "Width of the pulp at half its height, relative to the full width (0.5: triangle, 0.866: ellipse, 1: box).",
+        follows=(0.86, 0.95),
     )  # fmt: skip
     nail_fullness: float = quantity(
         0.875, "", (0.77, 0.9925), "Width of the nail side at half its height, relative to the full width."
@@ -66,6 +67,7 @@ class Skin(ParameterTable):
     tip_fullness: float = quantity(
         0.875, "", (0.77, 0.9925),
         "Size of the cross-section halfway along the rounded tip, relative to where the tip begins.",
+        follows=(0.85, 0.95),
     )  # fmt: skip
     crown_radius_mm: float = quantity(
         10.0, "mm", (0, 100), "Radius of the pad's crown along the finger; 0: a straight pad, without a crown.",

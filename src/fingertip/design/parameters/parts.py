@@ -40,11 +40,10 @@ class Bone(ParameterTable):
         "Design wall between cable channel, trough and outer surface; checks require printer.min_wall_mm.",
     )  # fmt: skip
     channel_diameter_mm: float = quantity(
-        2.8,
-        "mm",
-        (0.8, 10),
+        2.8, "mm", (0.8, 10),
         "Diameter of the hole for both wires, from the trough of the tail to the back of the base.",
-    )
+        follows=(2.2, 2.8),
+    )  # fmt: skip
     channel_bend_radius_mm: float = quantity(
         3.0, "mm", (1, 20), "Bend radius of the channel's centre line.", follows=(1, 4)
     )
@@ -69,10 +68,13 @@ class Bone(ParameterTable):
         "post; flange: a plate with bolt holes; clevis: a joint with a pin, whose sizes stand in [hand]; file: an "
         "adapter of your own.",
     )
-    post_width_mm: float = quantity(10.8, "mm", (2, 40), "Diameter of the post, which is its width (interface post).")
+    post_width_mm: float = quantity(
+        10.8, "mm", (2, 40), "Diameter of the post, which is its width (interface post).", follows=(6, 16)
+    )
     post_height_mm: float = quantity(
         8.0, "mm", (2, 40),
         "Height of the post between its two flats, which lock rotation; from post_width_mm on it is round.",
+        follows=(5, 14),
     )  # fmt: skip
     post_length_mm: float = quantity(14.5, "mm", (2, 40), "Length of the post (interface post).")
     socket_diameter_mm: float = quantity(5.0, "mm", (2, 25), "Diameter of the socket (interface socket).")

@@ -110,7 +110,7 @@ def test_what_is_given_or_measured_stays_and_each_move_is_needed(number: int) ->
 
 def test_a_load_that_no_fit_makes_a_finger_hold_is_refused_with_one_that_does() -> None:
     begin, given = tables("adult_finger", **{"strength.grip_force_n": 30.0}), ["strength.grip_force_n"]
-    with pytest.raises(DesignError, match=r"^strength\.grip_force_n: 30 N .* below 2 \(pin of the joint.*$") as refused:
+    with pytest.raises(DesignError, match=r"^strength\.grip_force_n: 30 N .* 2 \(horn of the tendon.*$") as refused:
         fit_finger(begin.with_values({"skin.bump_height_mm": 0.4}), given)  # a fit lowers it: not named
     (held,) = re.findall(r"at most ([\d.]*\d)", str(refused.value))
     fit = fit_finger(begin.with_values({"strength.grip_force_n": float(held)}), given)
@@ -118,8 +118,10 @@ def test_a_load_that_no_fit_makes_a_finger_hold_is_refused_with_one_that_does() 
 
 
 def test_a_pin_that_would_outlast_the_eyes_breaks_first_in_its_grooves() -> None:
-    thick = tables("adult_finger", **{"hand.pin_diameter_mm": 3.3, "strength.grip_force_n": 8.0})
-    assert not bench.pin_grooves(Design.load(design_file("adult_finger")))
+    printed = {"hand.pin": "printed", "hand.pin_diameter_mm": 2.5, "strength.knock_speed_m_s": 1.0}
+    thin = tables("adult_finger").with_values(printed)
+    assert not bench.pin_grooves(Design(**thin.model_dump()))
+    thick = thin.with_values({"hand.pin_diameter_mm": 3.3, "strength.grip_force_n": 8.0})
     design = Design(**fit_finger(thick, ["hand.pin_diameter_mm"]).tables.model_dump())
     solid, radius = MeshEvaluator(0.005).manifold(bench.pin(design)), pin_shear_radius(design)
     for z in bench.pin_grooves(design):
@@ -131,5 +133,5 @@ def test_a_pin_that_would_outlast_the_eyes_breaks_first_in_its_grooves() -> None
 @pytest.mark.full
 def test_most_designs_near_bundled_ones_are_fitted_and_remedies_pass() -> None:
     found = [judge(number, "few", 11)[0] for number in range(20)]
-    assert found.count("fitted") >= 14
+    assert found.count("fitted") >= 17
     assert "remedy fails" not in found

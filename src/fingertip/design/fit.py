@@ -160,7 +160,7 @@ def _find(
             continue
         values = search.move_back(values)
         if holds and (found := holds.judge(tables.with_values(values))):
-            search = _Search(tables, free, holds, {broken.rule.field for broken in found})
+            search = _Search(tables, free, holds)
             nearer = search.find_passing(values, progress, checks)
             values = search.move_back(nearer) if nearer is not None else values
             strong = search.strengthen(values) if nearer is not None else None
@@ -190,14 +190,9 @@ def list_moved(tables: DesignTables, given: Collection[str]) -> tuple[str, ...] 
 class _Search:
     """Search for values of free parameters with which a design passes."""
 
-    def __init__(
-        self, tables: DesignTables, free: Ranges, holds: Holds | None = None, loads: Collection[str] = ()
-    ) -> None:
+    def __init__(self, tables: DesignTables, free: Ranges, holds: Holds | None = None) -> None:
         self._tables, self._free, self._holds = tables, free, holds
-        self._rules = (
-            *cheapest_first(PART_RULES),
-            *(rule for rule in (holds.rules if holds else ()) if rule.field in loads),
-        )
+        self._rules = (*cheapest_first(PART_RULES), *(holds.rules if holds else ()))
         self._checked: dict[tuple[tuple[str, float], ...], tuple[float, tuple[BrokenRule, ...]]] = {}
         self._count = 0
 
@@ -314,7 +309,8 @@ class _Search:
             return dict(values)
         strong, tables = dict(values), self._tables.with_values(values)
         for name, factor in self._holds.stronger.items():
-            for share in _SHARES if name in self._free else ():
+            is_used = name in self._free and ("post" not in name or tables.bone.interface == "post")
+            for share in _SHARES if is_used else ():
                 (low, high), present = self._free[name], tables.value(name)
                 end = min(max(present * factor, low), high)
                 trial = {**strong, name: _round(name, present + share * (end - present))}

@@ -109,9 +109,9 @@ def joint_holds_the_grip(design: DesignTables) -> Limit:
 @_JOINT.at_most("strength.knock_speed_m_s", when=lambda design: design.strength.min_knock_factor)
 def pin_breaks_first(design: DesignTables) -> Limit:
     places = list(interface_of(design).local_stresses(design, design.skin.length_mm))
-    pin = max((place.stress_per_n for place in places if place.place == PIN), default=0.0)
+    pin = next((place.stress_per_n for place in places if place.place == PIN), None)
     eye = max((place.stress_per_n for place in places if place.at_knock), default=math.inf)
-    share = min(1.0, pin / eye / design.strength.min_knock_factor)
+    share = min(1.0, pin / eye / design.strength.min_knock_factor) if pin else 1.0
     return Limit(share * design.strength.knock_speed_m_s, "breaks the eyes of the joint before its pin")
 
 

@@ -81,6 +81,8 @@ class Holds:
 
     rules: tuple[Rule, ...]
     """Rules that cost little, checked beside those of the design."""
+    costly: tuple[Rule, ...]
+    """Rules that are checked beside these where they were broken."""
     judge: Callable[[DesignTables], Sequence[BrokenRule]]
     """Finds what is too weak in a design that passes all rules."""
     stronger: Mapping[str, float]
@@ -160,7 +162,7 @@ def _find(
             continue
         values = search.move_back(values)
         if holds and (found := holds.judge(tables.with_values(values))):
-            search = _Search(tables, free, holds)
+            search = _Search(tables, free, holds, found)
             nearer = search.find_passing(values, progress, checks)
             values = search.move_back(nearer) if nearer is not None else values
             strong = search.strengthen(values) if nearer is not None else None
@@ -190,9 +192,12 @@ def list_moved(tables: DesignTables, given: Collection[str]) -> tuple[str, ...] 
 class _Search:
     """Search for values of free parameters with which a design passes."""
 
-    def __init__(self, tables: DesignTables, free: Ranges, holds: Holds | None = None) -> None:
+    def __init__(
+        self, tables: DesignTables, free: Ranges, holds: Holds | None = None, broken: Collection[BrokenRule] = ()
+    ) -> None:
         self._tables, self._free, self._holds = tables, free, holds
-        self._rules = (*cheapest_first(PART_RULES), *(holds.rules if holds else ()))
+        self._held = (*holds.rules, *(one.rule for one in broken if one.rule in holds.costly)) if holds else ()
+        self._rules = (*cheapest_first(PART_RULES), *self._held)
         self._checked: dict[tuple[tuple[str, float], ...], tuple[float, tuple[BrokenRule, ...]]] = {}
         self._count = 0
 
@@ -233,7 +238,7 @@ class _Search:
     def _list_repairs(self, values: Values, broken: BrokenRule) -> Iterator[dict[str, float]]:
         """List values of free parameters with which a rule passes, or is nearer to passing: of each, and of all."""
         lack, tables, helpful = _measure_lack(broken), self._tables.with_values(values), dict[str, float]()
-        if self._holds and broken.rule in self._holds.rules and (name := broken.rule.field) in self._free:
+        if broken.rule in self._held and (name := broken.rule.field) in self._free:
             bound = _find_bounds([broken])[name]
             if self._free[name][0] <= bound <= self._free[name][1]:
                 yield {name: bound}

@@ -8,7 +8,14 @@ from collections.abc import Callable, Collection, Sequence
 from typing import cast
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.verification.mold import palmar_error_mm, palmar_error_share
+from fingertip.cad.verification.mold import (
+    MAX_BENDING_MM,
+    core_bending_mm,
+    max_plunge_kpa,
+    palmar_error_mm,
+    palmar_error_share,
+    plunge_pressure_kpa,
+)
 from fingertip.cad.verification.skin import MAX_REST_N
 from fingertip.cad.verification.strength import BoneStrength, assess_strength, find_lighter_loads, list_load_points
 from fingertip.cad.verification.verify import check
@@ -36,7 +43,13 @@ _STRONGER = {
     "bone.foot_radius_mm": 1.6,
 }
 """Factors on parameters that make a bone on a post stronger."""
-_JOINT, _BONE, _SKIN = Ruleset(lambda design: design.dimensions.joint), Ruleset(), Ruleset()
+_TILT, _CLEAR_MM, _BESIDE_SENSOR = math.radians(5.0), 0.15, 1.25
+"""Tilt tip up at which a pad must feel a touch, height by which it stands out past the collar there, and distance of
+the touch from the sensor over the radius of its active area. Pads with these turn on below 1 N."""
+_CAST_RESERVE, _COARSE_MM = 0.97, 0.05
+"""Part of a limit of the casting that a fit uses, for the tolerance of the coarse meshes that it cuts."""
+_JOINT, _BONE = Ruleset(lambda design: design.dimensions.joint), Ruleset()
+_CROWN, _SKIN, _CAST = Ruleset(lambda design: design.dimensions.crown), Ruleset(), Ruleset()
 
 
 def fit_finger(
@@ -79,7 +92,45 @@ def find_mend(design: Design, given: Collection[str]) -> Sequence[str]:
 
 def judge(design: DesignTables) -> tuple[BrokenRule, ...]:
     """Find the checks of a build that a design fails, of those that no rule foresees."""
-    return tuple(find_violations((*_SKIN, *_BONE), design))
+    return tuple(find_violations((*_CROWN, *_SKIN, *_CAST, *_BONE), design))
+
+
+@_CROWN.at_least("skin.crown_drop_mm")
+def pad_touches_before_the_collar(design: DesignTables) -> Limit:
+    """A plate that leans on the collar touches the arc of the crown proximal of its apex."""
+    skin, cos, sin = design.skin, math.cos(_TILT), math.sin(_TILT)
+    apex_z = design.dimensions.sensor_z - skin.crown_offset_mm
+    pad = (skin.semi_axis_palmar_mm - skin.crown_radius_mm) * cos + skin.crown_radius_mm - apex_z * sin
+    collar = design.dimensions.collar.section.palmar * cos + design.bone.collar_length_mm * sin
+    return Limit(
+        skin.crown_drop_mm + (_CLEAR_MM + collar - pad) / cos, "lets the collar touch a plate before the pad feels it"
+    )
+
+
+@_CROWN.at_most("skin.crown_offset_mm")
+def pad_touches_near_the_sensor(design: DesignTables) -> Limit:
+    reach = _BESIDE_SENSOR * design.dimensions.sensor.active_diameter_mm / 2
+    return Limit(reach - math.sin(_TILT) * design.skin.crown_radius_mm, "lets a plate touch beside the sensor")
+
+
+@_CAST.at_least("skin.thickness_dorsal_mm")
+def core_goes_down_lightly(design: DesignTables) -> Limit:
+    over = _plunge_kpa(design) / _CAST_RESERVE / max_plunge_kpa(cast(Design, design))
+    return Limit(design.skin.thickness_dorsal_mm * math.sqrt(over), "leaves the silicone no way past the core")
+
+
+@_CAST.at_least("skin.semi_axis_dorsal_mm", core_goes_down_lightly)
+def core_bends_little(design: DesignTables) -> Limit:
+    over = core_bending_mm(cast(Design, design), _plunge_kpa(design)) / _CAST_RESERVE / MAX_BENDING_MM
+    height = design.dimensions.bone_outline.section.dorsal + design.dimensions.flat_depth
+    return Limit(
+        design.skin.semi_axis_dorsal_mm + height * (math.cbrt(over) - 1.0), "lets the core bend as it is lowered"
+    )
+
+
+@functools.lru_cache(maxsize=16)
+def _plunge_kpa(design: DesignTables) -> float:
+    return plunge_pressure_kpa(cast(Design, design), MeshEvaluator(_COARSE_MM))
 
 
 @_SKIN.at_most("skin.bump_height_mm", when=lambda design: design.skin.bump_height_mm)
@@ -134,4 +185,4 @@ def bone_holds_the_knock(design: DesignTables) -> Limit:
     return Limit(found.held_speed_m_s, f"leaves the bone a safety factor below {factor:g} ({where})")
 
 
-_HOLDS = Holds((*_SKIN, *_JOINT), judge, _STRONGER)
+_HOLDS = Holds((*_CROWN, *_SKIN, *_JOINT), (*_CAST,), judge, _STRONGER)

@@ -67,7 +67,7 @@ class Skin(ParameterTable):
     tip_fullness: float = quantity(
         0.875, "", (0.77, 0.9925),
         "Size of the cross-section halfway along the rounded tip, relative to where the tip begins.",
-        follows=(0.85, 0.95),
+        follows=(0.85, 0.92),
     )  # fmt: skip
     crown_radius_mm: float = quantity(
         10.0, "mm", (0, 100), "Radius of the pad's crown along the finger; 0: a straight pad, without a crown.",

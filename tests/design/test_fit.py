@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 import re
 
 import pytest
 
 from benchmarks.fit_near_presets import draw, judge
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import bench
 from fingertip.cad.verification.fitting import fit_finger
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
@@ -17,7 +15,6 @@ from fingertip.design.files import load_tables
 from fingertip.design.fit import DERIVED, fit_design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.hand_sizes import find_hand
-from fingertip.design.interfaces.clevis import pin_shear_radius
 from fingertip.design.new_design import PRESETS, write_new_design
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import PART_RULES, RULES
@@ -115,19 +112,6 @@ def test_a_load_that_no_fit_makes_a_finger_hold_is_refused_with_one_that_does() 
     (held,) = re.findall(r"at most ([\d.]*\d)", str(refused.value))
     fit = fit_finger(begin.with_values({"strength.grip_force_n": float(held)}), given)
     assert assess_strength(Design(**fit.tables.model_dump()), MeshEvaluator(0.02)).grip_safety_factor >= 2.0
-
-
-def test_a_pin_that_would_outlast_the_eyes_breaks_first_in_its_grooves() -> None:
-    printed = {"hand.pin": "printed", "hand.pin_diameter_mm": 2.5, "strength.knock_speed_m_s": 1.0}
-    thin = tables("adult_finger").with_values(printed)
-    assert not bench.pin_grooves(Design(**thin.model_dump()))
-    thick = thin.with_values({"hand.pin_diameter_mm": 3.3, "strength.grip_force_n": 8.0})
-    design = Design(**fit_finger(thick, ["hand.pin_diameter_mm"]).tables.model_dump())
-    solid, radius = MeshEvaluator(0.005).manifold(bench.pin(design)), pin_shear_radius(design)
-    for z in bench.pin_grooves(design):
-        assert solid.slice(z).area() == pytest.approx(math.pi * radius**2, rel=0.01)
-    assert radius < design.dimensions.joint.printed_pin_radius - 0.1
-    assert assess_strength(design, MeshEvaluator(0.02)).held_speed_m_s == math.inf, "the pin saves the bone"
 
 
 @pytest.mark.full

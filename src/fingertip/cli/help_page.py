@@ -72,7 +72,7 @@ class HelpCommand(TyperCommand):
 
             title = "Sizes in --hand FILE; `fingertip picture adult_finger --measure` draws them"
             groups[title] = [(f"{size['letter']} {name}", size["place"]) for name, size in SIZES.items()]
-            groups[title].append(("  knuckle, pin", "tongue or fork; printed, or steel to keep your hand's own"))
+            groups[title].append(("  knuckle, pin", "tongue or fork; steel, or printed"))
         _write_page(self, ctx, formatter, " ".join([*usage, "[OPTIONS]"]), groups)
 
 

@@ -3,7 +3,7 @@
 The stand is a bar with a socket, in which the cross bolt holds the post. Either of its flat sides lies on the table:
 the pad looks up. So it lies on the printer's bed, unless its socket is too wide for a bridge.
 
-The pin prints standing: layers across it shear before the bone breaks. It stands out of the eyes, to be pushed out.
+A printed pin prints standing. It stands out of the eyes, to be pushed out.
 
 The stub is the counterpart of a clevis on a bar. Its knuckle is that of the hand, with a ramp behind the pin: it prints
 lying on its back. The strands of the tendon run in slots to a guide with a rounded mouth, and on to the end of the bar.
@@ -21,7 +21,6 @@ from fingertip.design import Design
 from fingertip.design.geometry.conic import TANGENT_STEP_MM
 from fingertip.design.geometry.joint import Joint
 from fingertip.design.geometry.solids import Box, Cone, Prism, Solid, cylinder, difference, intersection, union
-from fingertip.design.interfaces.clevis import pin_shear_radius
 from fingertip.design.interfaces.clevis_solids import knuckle, stop_top_y
 from fingertip.design.interfaces.interface import MATING_PLAY_MM, middle_y
 from fingertip.design.interfaces.rigid import Post
@@ -66,8 +65,6 @@ _HEAD_MM, _WEDGE_MM, _WEDGED_MM = 1.0, 4.0, 0.1
 """Height and overhang of the pin's head, length of the taper below it, and its radius over the bore's there [mm]."""
 BAR_MM, _CHEEK_MM = 50.0, 2.5
 """Length of the bar, and least thickness of the cheeks of its fork [mm]."""
-_GROOVE_MM, _LEAST_GROOVE_MM = 1.0, 0.02
-"""Width at its floor of the groove beside each cheek in which a strong pin breaks first, and its least depth [mm]."""
 GUIDE_MM, _BACK_MM, _SLACK_MM = 10.0, 3.0, 0.7
 """Length of the guide, its distance behind the shoulder, and its gap around the tendon [mm]."""
 MOUTH_MM, _CHORDS = 1.2, 4
@@ -96,37 +93,12 @@ def pin(design: Design) -> Solid:
     """Build the pin as it stands on its head on the bed, along z; below the head it wedges in a cheek of the bone."""
     joint, length, at = joint_of(design), design.dimensions.pin_length, (0.0, 0.0)
     bore, radius = joint.pin_radius, joint.printed_pin_radius
-    shank = union(
+    return union(
         cylinder("z", at, 0.0, _HEAD_MM, bore + _HEAD_MM),
         Cone("z", at, _HEAD_MM, _HEAD_MM + _WEDGE_MM, bore + _WEDGED_MM, radius),
         cylinder("z", at, _HEAD_MM + _WEDGE_MM, length - _CHAMFER_MM, radius),
         Cone("z", at, length - _CHAMFER_MM, length, radius, radius - _CHAMFER_MM),
     )
-    return difference(shank, *_pin_grooves(design)) if pin_grooves(design) else shank
-
-
-def pin_grooves(design: Design) -> tuple[float, ...]:
-    """Distances from the head's end to the middles of both grooves of a pin that breaks there first [mm]."""
-    joint, dims = joint_of(design), design.dimensions
-    if pin_shear_radius(design) > joint.printed_pin_radius - _LEAST_GROOVE_MM:
-        return ()
-    across = min(dims.eyes.half_width_at(joint.axis_y + side * joint.pin_radius) for side in (-1.0, 1.0))
-    beside = joint.half_width + joint.clearance / 2 * (-1.0 if joint.is_fork else 1.0)
-    return tuple(_HEAD_MM + across + side * beside for side in (-1.0, 1.0))
-
-
-def _pin_grooves(design: Design) -> Iterator[Solid]:
-    """Build what the grooves remove: rings whose sides rise at 45 degrees."""
-    thin, outside, at, half = pin_shear_radius(design), joint_of(design).pin_radius + 0.15, (0.0, 0.0), _GROOVE_MM / 2
-    reach, step = half + outside - thin, 0.05
-    for z in pin_grooves(design):
-        low, high = z - reach - step, z + reach + step
-        yield difference(
-            cylinder("z", at, low + step, high - step, outside),
-            Cone("z", at, low - step, z, outside + 2 * step, thin - half),
-            cylinder("z", at, low - step, high + step, thin),
-            Cone("z", at, z, high + step, thin - half, outside + 2 * step),
-        )
 
 
 def guide(design: Design) -> Guide | None:

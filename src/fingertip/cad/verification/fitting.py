@@ -21,7 +21,6 @@ from fingertip.cad.verification.strength import BoneStrength, assess_strength, f
 from fingertip.cad.verification.verify import check
 from fingertip.design import Design
 from fingertip.design.fit import LEAST_LOADS, Fit, Holds, Move, find_fit, fit_design
-from fingertip.design.formulas.stress_and_knock import PIN
 from fingertip.design.geometry import DesignTables
 from fingertip.design.interfaces import interface_of
 from fingertip.design.rules.ruleset import BrokenRule, Limit, Ruleset, find_violations
@@ -155,15 +154,6 @@ def joint_holds_the_grip(design: DesignTables) -> Limit:
     worst = max(place.stress_per_n for place in interface_of(design).local_stresses(design, farthest_z))
     force = design.strength.material.strength_mpa / worst / design.strength.min_grip_factor
     return Limit(force, f"is more than the joint holds with a safety factor of {design.strength.min_grip_factor:g}")
-
-
-@_JOINT.at_most("strength.knock_speed_m_s", when=lambda design: design.strength.min_knock_factor)
-def pin_breaks_first(design: DesignTables) -> Limit:
-    places = list(interface_of(design).local_stresses(design, design.skin.length_mm))
-    pin = next((place.stress_per_n for place in places if place.place == PIN), None)
-    eye = max((place.stress_per_n for place in places if place.at_knock), default=math.inf)
-    share = min(1.0, pin / eye / design.strength.min_knock_factor) if pin else 1.0
-    return Limit(share * design.strength.knock_speed_m_s, "breaks the eyes of the joint before its pin")
 
 
 @functools.lru_cache(maxsize=16)

@@ -48,9 +48,6 @@ from fingertip.design.interfaces.interface import JointInterface, Shapes
 _AT_GROOVE, _REACH_MM = 1.6, 1.0
 """Stress concentration at the proximal corner of the groove, as found beside collars, and how far it acts [mm]."""
 
-_GROOVE_RESERVE = 1.01
-"""Factor on the safety factors for which the grooves of a pin are cut."""
-
 
 class Clevis(JointInterface):
     """Joint with a pin, whose sizes stand in the table [hand]."""
@@ -112,7 +109,7 @@ class Clevis(JointInterface):
         thickness = _eye_thickness(design.dimensions, joint)
         # A pin that is printed standing of the bone's material shears across its layers beside both cheeks.
         is_printed = design.hand.pin == "printed"
-        shears = VON_MISES_SHEAR / (2 * math.pi * pin_shear_radius(design) ** 2)
+        shears = VON_MISES_SHEAR / (2 * math.pi * joint.printed_pin_radius**2)
         if joint.travel_deg:
             pull = _pull_per_n(design, load_z)
             if is_printed:
@@ -250,25 +247,6 @@ def _eye_stresses(design: DesignTables) -> tuple[float, float, float]:
         factor = STEEL_IN_EYE * pin_peak(thickness / 2, bore, STEEL_MPA / design.strength.material.modulus_mpa)
     shear = VON_MISES_SHEAR / (2 * thickness * (joint.eye_radius - joint.pin_radius))
     return factor / (thickness * (width - bore)), factor, shear
-
-
-def pin_shear_radius(design: DesignTables) -> float:
-    """Radius of a printed pin beside the cheeks [mm].
-
-    A pin that would outlast the eyes at a knock has a groove there, as deep as the grip allows: it breaks first.
-    """
-    joint, stated = _joint_of(design), design.strength
-    radius, slender = joint.printed_pin_radius, VON_MISES_SHEAR / (2 * math.pi)
-    eye, _, end = _eye_stresses(design) if joint.travel_deg else (0.0, 0.0, 0.0)
-    if design.hand.pin == "steel" or not stated.min_knock_factor or max(eye, end) <= 0.0:
-        return radius
-    at = design.skin.length_mm
-    pull = max(_pull_per_n(design, at), tendon_force_per_n(design, at) + 1.0)
-    grip = (
-        slender * pull * _GROOVE_RESERVE * stated.min_grip_factor * stated.grip_force_n / stated.material.strength_mpa
-    )
-    first = slender / (_GROOVE_RESERVE * stated.min_knock_factor * max(eye, end))
-    return min(radius, max(math.sqrt(first), math.sqrt(grip)))
 
 
 def _eye_thickness(dims: Dimensions, joint: Joint) -> float:

@@ -131,8 +131,8 @@ class Hand(ParameterTable):
     axis_height_mm: float = quantity(
         7.0, "mm", (1, 60), "Height of the joint axis above the palmar side of the finger, at the base of its pad."
     )
-    pin: Literal["printed", "steel"] = choice(
-        "printed", "Pin of the joint: printed of the bone's material, so that it breaks first at a knock; or of steel."
+    pin: Literal["steel", "printed"] = choice(
+        "steel", "Pin of the joint: of steel, such as a dowel pin; or printed of the bone's material, which is weaker."
     )
     pin_diameter_mm: float = quantity(2.0, "mm", (1, 8), "Diameter of the bore for the joint's pin.")
     clearance_radius_mm: float = quantity(

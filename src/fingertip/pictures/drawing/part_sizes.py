@@ -28,12 +28,10 @@ from fingertip.design.geometry.sizes import (
     clearance,
     located,
     shared_clearance,
-    size_text,
     symmetric,
 )
 from fingertip.design.geometry.solids import Point3
 from fingertip.design.interfaces import interface_of
-from fingertip.design.interfaces.clevis import pin_shear_radius
 from fingertip.design.interfaces.interface import bolt_clearance, middle_y
 from fingertip.design.interfaces.rigid import Post
 
@@ -76,12 +74,7 @@ def pin_drawing(design: Design) -> PartDrawing:
         Circle("diameter of the pin", OUTER, "end", "z", (0.0, 0.0, length), radius, symmetric(MIN_TOLERANCE_MM),
                "thick: sand it until it slides; thin: it falls out, print again"),
     )  # fmt: skip
-    notes = tuple(
-        f"Groove {size_text(2 * pin_shear_radius(design))} mm thick, {size_text(z)} mm from the end of the head:"
-        " the pin breaks there first."
-        for z in bench.pin_grooves(design)
-    )
-    return PartDrawing("pin", "Pin of the joint", "palmar", design.strength.material.label, sizes, notes)
+    return PartDrawing("pin", "Pin of the joint", "palmar", design.strength.material.label, sizes)
 
 
 def hand_stub_drawing(design: Design) -> PartDrawing:

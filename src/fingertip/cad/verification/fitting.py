@@ -129,7 +129,10 @@ def core_bends_little(design: DesignTables) -> Limit:
 
 @functools.lru_cache(maxsize=16)
 def _plunge_kpa(design: DesignTables) -> float:
-    return plunge_pressure_kpa(cast(Design, design), MeshEvaluator(_COARSE_MM))
+    try:
+        return plunge_pressure_kpa(cast(Design, design), MeshEvaluator(_COARSE_MM))
+    except ValueError:  # a section without a gap, or none, of a trial that breaks other rules
+        return math.inf
 
 
 @_SKIN.at_most("skin.bump_height_mm", when=lambda design: design.skin.bump_height_mm)

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import fingertip
-from fingertip.cad import convert
 from fingertip.catalogues.output_files import default_formats
 from fingertip.design import Design
 from fingertip.foundation import extras
@@ -24,8 +23,8 @@ from tests.conftest import design_file, run_fingertip, run_python
 
 DESIGN = str(design_file("fsr400"))
 STEP = (
-    "formats: step needs the package cadquery-ocp-novtk, which is not installed; "
-    'pip install "fingertip-kit[step]", or leave step out with formats=["stl", "3mf"].'
+    "formats: step needs the package cadquery, which is not installed; "
+    'pip install "fingertip-kit[cadquery]", or leave step out with formats=["stl", "3mf"].'
 )
 
 
@@ -34,7 +33,7 @@ def test_build_makes_stl_and_3mf_and_says_what_step_needs(tmp_path: Path) -> Non
     done = run_fingertip("build", DESIGN, "--parts", "bone", "--out", tmp_path / "out")
     assert done.returncode == 0
     assert {path.suffix for path in (tmp_path / "out").glob("bone.*")} == {".stl", ".3mf"}
-    sentence = 'left out: STEP files and checks against exact solids; pip install "fingertip-kit[step]" adds them'
+    sentence = 'left out: STEP files and checks against exact solids; pip install "fingertip-kit[cadquery]" adds them'
     assert done.stderr == f"{sentence}\n"
     messages: list[str] = []
     found = build(Design(), tmp_path / "python", parts=["bone"], progress=messages.append)
@@ -98,24 +97,6 @@ def test_package_that_cannot_be_imported_is_not_called_missing(tmp_path: Path, m
         extras.load("trimesh", "field")
     reason, command = "No module named 'no_such_module'", extras.install_command("trimesh")
     assert str(caught.value) == (f"field: needs the package trimesh, which cannot be imported ({reason}); {command}.")
-
-
-def test_cadquery_without_its_build_of_ocp_names_what_restores_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    """`pip install "fingertip-kit[step]"` beside cadquery replaces OCP by a build without VTK."""
-    versions = {"cadquery-ocp": "7.9.3", "cadquery-ocp-novtk": "7.9.4"}
-
-    def load(name: str) -> None:
-        raise ModuleNotFoundError("No module named 'OCP.IVtkOCC'")
-
-    monkeypatch.setattr(convert.importlib, "import_module", load)
-    monkeypatch.setattr(convert.metadata, "version", versions.__getitem__)
-    monkeypatch.setattr(extras, "find_pip", lambda: "pip install")
-    with pytest.raises(MissingLibraryError) as caught:
-        fingertip.frames(Design())
-    assert str(caught.value) == (
-        "frames: cadquery cannot be loaded (No module named 'OCP.IVtkOCC'): cadquery-ocp-novtk 7.9.4 has replaced its "
-        "OCP; pip install --force-reinstall --no-deps cadquery-ocp==7.9.3"
-    )
 
 
 def run_venv(folder: Path, shebang: str = "", path: str = "") -> str:

@@ -37,12 +37,12 @@ def named_dependencies() -> list[str]:
 def test_messages_name_the_extra_that_installs_each_package() -> None:
     extras = read_project()["optional-dependencies"]
     for module, extra in EXTRAS.items():
-        package = {"OCP": "cadquery-ocp-novtk", "dask": "distributed"}.get(module, module)  # distributed brings dask
+        package = {"OCP": "cadquery", "dask": "distributed"}.get(module, module)  # distributed brings dask
         assert names_of(extras[extra]) == [package]
     users = set(extras) - {"all", "docs", "test"}
     assert set(EXTRAS.values()) == users
     assert len(extras["all"]) == 1
-    assert set(re.findall(r"[\w-]+", extras["all"][0])) == {DISTRIBUTION, *users} - {"step"}, "cadquery brings OCP"
+    assert set(re.findall(r"[\w-]+", extras["all"][0])) == {DISTRIBUTION, *users}
     assert extras["test"][0] == f"{DISTRIBUTION}[all,docs]"
     assert read_project()["name"] == DISTRIBUTION
 
@@ -52,7 +52,7 @@ def test_constraints_are_plain_pins_of_every_dependency() -> None:
     assert wrong == []
     names = [canonical(line.split("==")[0]) for line in lines()]
     assert names == sorted(set(names))
-    assert set(named_dependencies()) - pins().keys() == {"cadquery-ocp-novtk"}, "cadquery-ocp-proxy fixes its version"
+    assert set(named_dependencies()) <= pins().keys()
     text = CONSTRAINTS.read_text(encoding="utf-8")
     assert not re.search(r"://|(^|\s)[/~@\\]", text), "they name no place"
 

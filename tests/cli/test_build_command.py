@@ -56,15 +56,6 @@ def test_without_libgl_the_step_error_names_the_packages_to_install(tmp_path: Pa
 
 
 @pytest.mark.full
-def test_step_and_drawings_need_no_cadquery(tmp_path: Path) -> None:
-    fake = fake_module(tmp_path, "cadquery", "raise SystemExit('cadquery was loaded')\n")
-    for command in ("build", "drawing"):
-        done = run_fingertip(command, FSR400, "--out", tmp_path / command, PYTHONPATH=fake)
-        assert done.returncode == 0, done.stderr
-    assert (tmp_path / "build/assembly.step").exists()
-
-
-@pytest.mark.full
 def test_hanging_step_process_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from fingertip.cad.files.step_process import StepProcess
     from fingertip.foundation.errors import GeometryError

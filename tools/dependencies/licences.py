@@ -21,8 +21,7 @@ PAGE = ROOT / "docs" / "licences.md"
 
 COPYLEFT = {
     "cadquery-ocp": "contains Open CASCADE Technology (LGPL-2.1 with the Open CASCADE exception), FreeImage (FreeImage "
-    "Public License or GPL), LibRaw (LGPL-2.1 or CDDL-1.0) and JBIG-KIT (GPL-2.0); so does cadquery-ocp-novtk, which "
-    "`step` brings in its place",
+    "Public License or GPL), LibRaw (LGPL-2.1 or CDDL-1.0) and JBIG-KIT (GPL-2.0)",
     "casadi": "LGPL-3.0 or later; contains qpOASES (LGPL-2.1), alpaqa and SLEQP (LGPL-3.0), and Ipopt, Bonmin, Cbc and "
     "Clp (EPL)",
     "nlopt": "the compiled library is governed by the LGPL-2.1 of its part luksan",

@@ -10,11 +10,6 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 CONSTRAINTS = ROOT / "constraints.txt"
-REPLACED = "step"
-"""Extra in whose place `all` has `cadquery`, whose build of OCP excludes that of the extra.
-
-The version of either build is that of cadquery-ocp-proxy, which constraints.txt pins.
-"""
 
 
 def canonical(name: str) -> str:
@@ -57,6 +52,6 @@ def names_of(requirements: Iterable[str]) -> list[str]:
 def users_packages(project: dict[str, Any]) -> list[str]:
     """List what the core and the extras for users ask for directly."""
     extras = project["optional-dependencies"]
-    own = {"all", "docs", "test", REPLACED}
+    own = {"all", "docs", "test"}
     asked = [*project["dependencies"], *(line for name, lines in extras.items() if name not in own for line in lines)]
     return sorted(set(names_of(asked)))

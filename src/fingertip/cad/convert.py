@@ -5,10 +5,8 @@ Use them in CQ-editor and Jupyter, or for analysis.
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 from functools import lru_cache
-from importlib import metadata
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -19,7 +17,7 @@ from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation import extras
-from fingertip.foundation.errors import DesignError, Issue, MissingLibraryError
+from fingertip.foundation.errors import DesignError, Issue
 from fingertip.pad.pad_geometry import PadForm
 
 if TYPE_CHECKING:
@@ -205,19 +203,10 @@ def assembly(design: Design) -> cadquery.Assembly:
 
 
 def _load_cadquery(field: str) -> Any:
-    """Import cadquery, whose build of OCP may have been replaced by that of the extra `step`, which lacks VTK."""
     extras.require(field, "cadquery")
     from fingertip.cad.kernel import brep  # noqa: F401, PLC0415 # names a missing system library
 
-    try:
-        return importlib.import_module("cadquery")
-    except ImportError as error:
-        message = f"cadquery cannot be loaded ({error})"
-        with contextlib.suppress(metadata.PackageNotFoundError):
-            remedy = f"--force-reinstall --no-deps cadquery-ocp=={metadata.version('cadquery-ocp')}"
-            replacing = f"cadquery-ocp-novtk {metadata.version('cadquery-ocp-novtk')}"
-            message += f": {replacing} has replaced its OCP; {extras.find_pip()} {remedy}"
-        raise MissingLibraryError(Issue(field, f"{message}.")) from error
+    return importlib.import_module("cadquery")
 
 
 def _find_solid(design: Design, name: str) -> Solid:

@@ -30,12 +30,12 @@ if TYPE_CHECKING:
 DISTRIBUTION = "fingertip-kit"
 """Name to pip: on the package index `fingertip` is somebody else's."""
 EXTRAS = {
-    "OCP": "step", "cadquery": "cadquery", "trimesh": "mesh", "matplotlib": "plots", "scipy": "sweep",
+    "OCP": "cadquery", "cadquery": "cadquery", "trimesh": "mesh", "matplotlib": "plots", "scipy": "sweep",
     "reportlab": "drawing", "numba": "fast", "pyarrow": "parquet", "nptdms": "tdms", "rosbags": "ros",
     "distributed": "cluster", "dask": "cluster", "pandas": "frames",
 }  # fmt: skip
 """Module of an optional package -> extra that installs it."""
-_PACKAGES = {"OCP": "cadquery-ocp-novtk", "nptdms": "npTDMS"}
+_PACKAGES = {"OCP": "cadquery", "nptdms": "npTDMS"}
 """Module -> name of its package, where they differ."""
 
 

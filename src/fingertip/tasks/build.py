@@ -151,7 +151,7 @@ def plan_build(
     wanted = find_formats(progress) if options.formats is None else options.formats
     formats = select_names("--formats", wanted, tuple(PART_FORMATS))
     if "step" in formats:
-        extras.require("--formats", "OCP", subject="step", alternative="leave step out with --formats stl,3mf")
+        extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
     if options.verify:
         extras.require("--verify", "trimesh", alternative="leave it out")
     if "cq" in formats and "bone" in names and design.bone.interface == "file":
@@ -304,9 +304,9 @@ def _name_prints(plan: BuildPlan) -> list[str]:
 
 def find_formats(progress: Callable[[str], None] = lambda message: None) -> tuple[str, ...]:
     """Return the formats of a build that names none: STL and 3MF, and STEP where its kernel is installed."""
-    if extras.is_installed("OCP"):
+    if extras.is_installed("cadquery"):
         return output_files.default_formats()
-    extras.say_left_out({"OCP": "STEP files and checks against exact solids"}, progress)
+    extras.say_left_out({"cadquery": "STEP files and checks against exact solids"}, progress)
     return tuple(name for name in output_files.default_formats() if name != "step")
 
 

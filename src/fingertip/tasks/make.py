@@ -110,7 +110,7 @@ def make(
         page, _, _ = write_page(design, folder, force=force, prepared=made.page)
     else:
         progress(f"{output_files.PAGE} is left out: it shows the STL files; add stl to the formats")
-    wanted = {"OCP": "STEP files", "reportlab": "drawings"} if named is None or "step" in named else {}
+    wanted = {"cadquery": "STEP files", "reportlab": "drawings"} if named is None or "step" in named else {}
     extras.say_left_out({**wanted, "matplotlib": output_files.PLOT}, progress)
     return Made(parts, drawn, board_paths, signal_paths, sketch, made.detection, page)
 

@@ -45,7 +45,7 @@ def write_drawing(
 
     Raises MissingLibraryError or GeometryError or OutputError.
     """
-    extras.require("drawing", "OCP", "reportlab", alternative="draw a picture with fingertip picture")
+    extras.require("drawing", "cadquery", "reportlab", alternative="draw a picture with fingertip picture")
     folder = PART_FILES.folder(design, out)
     writer = PART_FILES.writer(design, folder, force)
     writer.check_addition(file_names(design))

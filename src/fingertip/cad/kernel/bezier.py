@@ -1,6 +1,6 @@
 """Faces and edges of rational Bezier arcs, and the superconic bodies that are sewn from them, in Open CASCADE.
 
-The scripts of `fingertip build --formats cq` hold what follows as it stands here: it imports nothing of fingertip.
+The scripts of `fingertip build --formats cq` hold these functions too.
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import cadquery as cq
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_Sewing
 from OCP.BRepGProp import BRepGProp
 from OCP.Geom import Geom_BezierCurve, Geom_BezierSurface
@@ -60,11 +61,10 @@ def bezier_edge(row: Sequence[tuple[float, float, float]], z: float) -> Any:
     return BRepBuilderAPI_MakeEdge(Geom_BezierCurve(poles, weights)).Edge()
 
 
-def sew_superconic(section: Sequence[float], spans: Any, make_face: Any) -> Any:
+def sew_superconic(section: Sequence[float], spans: Any) -> Any:
     """Sew four faces for each span along z, and flat ends where it has a width, from a section of four conic arcs.
 
     The section holds its half width, the heights of its palmar and dorsal half, and the weights of their arcs.
-    `make_face` makes a plane face of a list of edges.
     """
     a, palmar, dorsal, palmar_weight, dorsal_weight = section
     quadrants = [  # counter-clockwise
@@ -78,7 +78,8 @@ def sew_superconic(section: Sequence[float], spans: Any, make_face: Any) -> Any:
         z, scale, palmar_scale = span.z[end], span.scale[end], span.palmar[end]
         if scale:
             rows = [[(x * scale, y * (palmar_scale if y < 0 else scale), w) for x, y, w in arc] for arc in quadrants]
-            faces.append(make_face([bezier_edge(row, z) for row in rows]))
+            outline = cq.Wire.assembleEdges([cq.Edge(bezier_edge(row, z)) for row in rows])
+            faces.append(cq.Face.makeFromWires(outline).wrapped)
     sewing = BRepBuilderAPI_Sewing(SEWING_MM)
     for face in faces:
         sewing.Add(face)

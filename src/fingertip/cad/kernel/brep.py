@@ -5,9 +5,11 @@ hold the same description. Superconic bodies become rational Bezier faces, sewn 
 planes, cylinders, cones and tori. Lofts and fillets are not used, because the kernel sometimes returns wrong solids for
 them without an error.
 
-Only this module, `kernel.occ`, `kernel.bezier`, `cad.files.step_writer` and `drawing.hidden_lines` import Open
-CASCADE's bindings (OCP) at the top. Import them only where exact solids are needed, and this module first. cadquery and
-build123d stand on the same bindings: `cadquery.Solid` takes a shape as it is.
+The primitives are cadquery's, made by `kernel.cadquery_primitives`, and stand there once: scripts of
+`fingertip build --formats cq` hold the same functions. Booleans are Open CASCADE's own (`kernel.occ`), with several
+operands at once and in one thread. This module, these two, `kernel.bezier`, `cad.files.step_writer` and
+`drawing.hidden_lines` import cadquery or its bindings (OCP) at the top. Import them only where exact solids are needed,
+and this module first.
 """
 
 from __future__ import annotations
@@ -28,10 +30,11 @@ try:
     from OCP.TopoDS import TopoDS, TopoDS_Shape
     from OCP.TopTools import TopTools_IndexedMapOfShape
 
+    from fingertip.cad.kernel import cadquery_primitives as primitives
     from fingertip.cad.kernel import occ
     from fingertip.cad.kernel.bezier import volume as volume
 except ImportError as error:
-    extras.require("STEP", "OCP", alternative="leave STEP out with --formats stl,3mf")
+    extras.require("STEP", "cadquery", alternative="leave STEP out with --formats stl,3mf")
     message = (
         f"Open CASCADE cannot be loaded ({error}); on Debian or Ubuntu: apt-get install libgl1 libx11-6 libexpat1, or "
         "leave STEP out with --formats stl,3mf."
@@ -74,7 +77,9 @@ class BrepEvaluator:
                 return occ.transform(self.shape(inner), scaling)
             case _:
                 name, arguments = call_of(solid)
-                return getattr(occ, name)(*arguments)
+                return (
+                    occ.placed(*arguments) if name == "placed" else getattr(primitives, name)(*arguments).val().wrapped
+                )
 
 
 def genus(solid: TopoDS_Shape) -> int:

@@ -1,7 +1,6 @@
 """Primitives of parts as cadquery workplanes, from plain numbers [mm].
 
-The scripts that `fingertip build --formats cq` writes hold those that they need, so that a script gives the same solid
-as the STEP file, together with `bezier.py`.
+The B-rep kernel makes the STEP files of them; the scripts of `fingertip build --formats cq` hold the same functions.
 """
 
 from __future__ import annotations
@@ -68,10 +67,7 @@ def superconic(section: Sequence[float], spans: Any) -> cq.Workplane:
     for an ellipse, more for a squarer one.
     """
 
-    def make_face(edges: list[Any]) -> Any:
-        return cq.Face.makeFromWires(cq.Wire.assembleEdges([cq.Edge(edge) for edge in edges])).wrapped
-
-    return cq.Workplane(cq.Solid(sew_superconic(section, spans, make_face)))
+    return cq.Workplane(cq.Solid(sew_superconic(section, spans)))
 
 
 def scaled(part: cq.Workplane, factor: float) -> cq.Workplane:

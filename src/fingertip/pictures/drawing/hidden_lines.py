@@ -19,6 +19,7 @@ from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_REVERSED, TopAbs_WIRE
 from OCP.TopoDS import TopoDS, TopoDS_Shape
 
 from fingertip.cad.kernel import occ
+from fingertip.cad.kernel.cadquery_primitives import box
 from fingertip.design.geometry.sizes import ViewName
 from fingertip.pictures.drawing.primitives import PROJECTIONS, Line2, ProjectedView, Projection
 
@@ -37,7 +38,7 @@ def project(solid: TopoDS_Shape, view: ViewName) -> ProjectedView:
     if view != "section":
         return ProjectedView(*_remove_hidden_lines(solid, PROJECTIONS[view]))
     (x, y, z), (_, far_y, far_z) = occ.bounds(solid)
-    half = occ.cut(solid, occ.box((x - 1.0, y - 1.0, z - 1.0), (0.0, far_y + 1.0, far_z + 1.0)))
+    half = occ.cut(solid, box((x - 1.0, y - 1.0, z - 1.0), (0.0, far_y + 1.0, far_z + 1.0)).val().wrapped)
     visible, _ = _remove_hidden_lines(half, PROJECTIONS[view])
     return ProjectedView(visible, (), _cut_outlines(half, PROJECTIONS[view]))
 

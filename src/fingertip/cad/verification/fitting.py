@@ -8,14 +8,7 @@ from collections.abc import Callable, Collection, Sequence
 from typing import cast
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.verification.mold import (
-    MAX_BENDING_MM,
-    core_bending_mm,
-    max_plunge_kpa,
-    palmar_error_mm,
-    palmar_error_share,
-    plunge_pressure_kpa,
-)
+from fingertip.cad.verification import mold
 from fingertip.cad.verification.skin import MAX_REST_N
 from fingertip.cad.verification.strength import BoneStrength, assess_strength, find_lighter_loads, list_load_points
 from fingertip.cad.verification.verify import check
@@ -114,13 +107,13 @@ def pad_touches_near_the_sensor(design: DesignTables) -> Limit:
 
 @_CAST.at_least("skin.thickness_dorsal_mm")
 def core_goes_down_lightly(design: DesignTables) -> Limit:
-    over = _plunge_kpa(design) / _CAST_RESERVE / max_plunge_kpa(cast(Design, design))
+    over = _plunge_kpa(design) / _CAST_RESERVE / mold.max_plunge_kpa(cast(Design, design))
     return Limit(design.skin.thickness_dorsal_mm * math.sqrt(over), "leaves the silicone no way past the core")
 
 
 @_CAST.at_least("skin.semi_axis_dorsal_mm", core_goes_down_lightly)
 def core_bends_little(design: DesignTables) -> Limit:
-    over = core_bending_mm(cast(Design, design), _plunge_kpa(design)) / _CAST_RESERVE / MAX_BENDING_MM
+    over = mold.core_bending_mm(cast(Design, design), _plunge_kpa(design)) / _CAST_RESERVE / mold.MAX_BENDING_MM
     height = design.dimensions.bone_outline.section.dorsal + design.dimensions.flat_depth
     return Limit(
         design.skin.semi_axis_dorsal_mm + height * (math.cbrt(over) - 1.0), "lets the core bend as it is lowered"
@@ -130,7 +123,7 @@ def core_bends_little(design: DesignTables) -> Limit:
 @functools.lru_cache(maxsize=16)
 def _plunge_kpa(design: DesignTables) -> float:
     try:
-        return plunge_pressure_kpa(cast(Design, design), MeshEvaluator(_COARSE_MM))
+        return mold.plunge_pressure_kpa(cast(Design, design), MeshEvaluator(_COARSE_MM))
     except ValueError:  # a section without a gap, or none, of a trial that breaks other rules
         return math.inf
 
@@ -147,7 +140,7 @@ def bump_rests_lightly(design: DesignTables) -> Limit | None:
 @_SKIN.at_least("skin.thickness_palmar_mm")
 def mold_is_true_over_the_sensor(design: DesignTables) -> Limit:
     built = cast(Design, design)
-    least = palmar_error_mm(built) / palmar_error_share(built)
+    least = mold.palmar_error_mm(built) / mold.palmar_error_share(built)
     return Limit(least, "is too thin for the error with which the mold holds its core")
 
 

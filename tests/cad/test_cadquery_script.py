@@ -14,8 +14,10 @@ import pytest
 
 import fingertip
 from fingertip import Design, build
-from fingertip.cad.files.cadquery_script import _Statements, _Text, write_functions, write_script
-from fingertip.cad.files.named_dimensions import Named, Term, Trace, wrap
+from fingertip.cad.files.cadquery_script import write_functions, write_script
+from fingertip.cad.files.named_dimensions import Trace
+from fingertip.cad.files.named_numbers import Named, Term, wrap
+from fingertip.cad.files.script_text import Statements, Text
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, shapes_of_parameters
 from fingertip.design.geometry import solids
@@ -273,7 +275,7 @@ def test_named_numbers_keep_their_brackets() -> None:
     trace = Trace(Design())
     for number in (a - (b - a), a - (b + 2), (a + b) * -a, a / (b * a), a / b / a, -(a + b), -a * b, 2 - a - -b, 0 - a):
         assert isinstance(number, Named)
-        assert eval(_Text(trace, _Statements(trace)).write(number.term)[0], {}, {"a": 3.0, "b": 0.5}) == number
+        assert eval(Text(trace, Statements(trace)).write(number.term)[0], {}, {"a": 3.0, "b": 0.5}) == number
     assert [a + 0, 1 * a, a * 0] == [a, a, 0.0]
 
 

@@ -2,34 +2,20 @@
 
 from __future__ import annotations
 
-import builtins
-import keyword
-import textwrap
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import chain, count
+from collections.abc import Callable, Iterator
 from typing import cast
 
 from fingertip.cad.files.carried_functions import Carried
-from fingertip.cad.files.named_dimensions import NUMBERS, SOLIDS, Term, Trace, term_of
+from fingertip.cad.files.named_dimensions import NUMBERS, SOLIDS, Trace
+from fingertip.cad.files.script_text import PRIMITIVES, Statements, Text, remark, wrap_code
 from fingertip.cad.shapes.finger import sensor_body
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Difference, Intersection, Primitive, Scaled, Solid, Union, call_of
+from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.rules.ruleset import record_reads
 from fingertip.foundation.numerics import bisect
 
-_WIDTH = 118
-_AS_IT_IS = ", clean=False)"
-"""End of a boolean, whose faces stay as the STEP file has them."""
-_PRIMITIVES = ("box", "cylinder", "cone", "prism", "each", "union")
-_LONG, _AGAIN_LONG, _NAMELESS = 72, 16, 40
-"""Length above which an expression has a name of its own: used once, used again, and used again but held by nothing."""
-_NEVER_NAMED = {"name", "constant", "item", "word", "<", "<=", ">", ">=", "==", "!="}
-_RANKS = {"+": 1, "-": 1, "*": 2, "/": 2, "negative": 2, "**": 3}
-"""Ranks of operations: the higher one binds more tightly; comparisons have 0, all others 4."""
-FINGER = "finger"
-"""Name of the script of the whole finger, with its mold."""
 FINGER, FUNCTIONS = "finger.cq.py", "cq_functions.py"
 """Script of the whole finger with its mold, and the functions of all scripts."""
 _SCRIPT = (
@@ -69,7 +55,6 @@ elif __name__ == "__main__":
     print(f"{part}: {{size.xlen:.3f}} x {{size.ylen:.3f}} x {{size.zlen:.3f}} mm, {{volume({part}.val()):.3f}} mm3")
 """
 )
-_AGAIN = "this number needs a new script: fingertip build design.toml --formats cq --set NAME=VALUE"
 _PARTING = ("parting", "cq.selectors.BoxSelector((-999, -0.01, -999), (999, 0.01, 999))")
 _TAGS = {"bone": ("post", '"<Z"'), "skin": ("end", '"<Z"'), "mold_palmar": _PARTING, "mold_dorsal": _PARTING}
 """Tag of faces of a part, and what selects them."""
@@ -110,9 +95,9 @@ def write_script(design: Design, part: str) -> bytes:
     """Write a part, or the sensor, as a script: parameters, derived lengths, and a statement for each solid."""
     trace = Trace(design)
     (solid,) = trace.build(_maker(part))
-    statements = _Statements(trace)
+    statements = Statements(trace)
     statements.make(part, solid)
-    text = _Text(trace, statements)
+    text = Text(trace, statements)
     made = text.write_statements()
     if part in _TAGS:
         tag, faces = _TAGS[part]
@@ -121,7 +106,7 @@ def write_script(design: Design, part: str) -> bytes:
     functions = ", ".join(sorted({*text.functions, "volume"}))
     return _SCRIPT.format(
         title=part.replace("_", " ").capitalize(), design=design.name, part=part, derived=derived, statements=made,
-        imports="\n".join(_wrap(f"from {FUNCTIONS[:-3]} import ({functions})", "")),
+        imports="\n".join(wrap_code(f"from {FUNCTIONS[:-3]} import ({functions})", "")),
         parameters="\n".join(text.write_atoms("parameter", "bought")),
         fixed="\n".join([*_describe_choices(design, part), *text.write_atoms("fixed")]),
     ).encode()  # fmt: skip
@@ -129,8 +114,8 @@ def write_script(design: Design, part: str) -> bytes:
 
 def write_functions() -> bytes:
     """Write the functions of all scripts, which are the same for every design."""
-    carried = Carried(_wrap)
-    for name in ("superconic", "elbow_tube", "scaled", *_PRIMITIVES):
+    carried = Carried(wrap_code)
+    for name in ("superconic", "elbow_tube", "scaled", *PRIMITIVES):
         carried.add(name)
     for function in (bisect, *NUMBERS, *SOLIDS):
         carried.add(function.__name__, function.__module__)
@@ -157,258 +142,4 @@ def _describe_choices(design: Design, part: str) -> Iterator[str]:
     _maker(part)(cast(Design, tables))
     chosen = [f"{path} = {value}" for path in PARAMETERS
               if path in reads and not isinstance(value := design.value(path), float)]  # fmt: skip
-    yield from _remark(f"What follows holds for {', '.join(chosen)}") if chosen else ()
-
-
-class _Statements:
-    """Statements that make solids, as pieces of text and terms: one for each solid that has a name."""
-
-    def __init__(self, trace: Trace) -> None:
-        self.made: list[tuple[str, list[str | Term]]] = []
-        self._trace = trace
-        self._keys: dict[int, int] = {}
-        self._counts: dict[int, int] = {}
-        self._written: dict[int, str] = {}
-        self._names: dict[int, str] = {}
-        for solid, name in trace.solid_names:
-            self._names.setdefault(self._key(solid), name)
-        self.taken: set[str] = {*PARTS, *dir(builtins), *keyword.kwlist, *trace.atoms, *trace.functions, "cq", "math"}
-
-    def make(self, part: str, solid: Solid) -> None:
-        self._count(solid)
-        self._names.pop(self._key(solid), None)
-        self.made.append((part, self._express(solid)))
-        self._written[self._key(solid)] = part
-
-    def _key(self, solid: Solid) -> int:
-        """Return a number that solids share if they are equal whatever the parameters are."""
-        if id(solid) not in self._keys:
-            call = self._trace.calls.get(id(solid))
-            terms = [call[1]] if call else [term_of(call_of(solid)[1])] if isinstance(solid, Primitive) else []
-            inner = () if terms else map(self._key, _operands(solid))
-            factor = term_of(solid.factor).key if isinstance(solid, Scaled) else 0
-            self._keys[id(solid)] = hash((type(solid).__name__, factor, *(t.key for t in terms), *inner))
-        return self._keys[id(solid)]
-
-    def _count(self, solid: Solid) -> None:
-        key = self._key(solid)
-        self._counts[key] = self._counts.get(key, 0) + 1
-        if self._counts[key] == 1 and id(solid) not in self._trace.calls:
-            for each in _operands(solid):
-                self._count(each)
-
-    def _refer(self, solid: Solid) -> list[str | Term]:
-        """Write a solid as a name, after a statement that makes it, or without a name as it is made."""
-        key = self._key(solid)
-        if key not in self._written:
-            pieces = self._express(solid)
-            base = self._names.get(key)
-            if not base and self._counts.get(key, 0) < 2:
-                return pieces
-            name = self.name(base or "solid")
-            self._written[key] = name
-            self.made.append((name, pieces))
-        return [self._written[key]]
-
-    def name(self, base: str) -> str:
-        name = next(each for each in chain([base], (f"{base}_{i}" for i in count(1))) if each not in self.taken)
-        self.taken.add(name)
-        return name
-
-    def _express(self, solid: Solid) -> list[str | Term]:
-        if id(solid) in self._trace.calls:
-            return [self._trace.calls[id(solid)][1]]
-        match solid:
-            case Union(solids):
-                first, *others = solids
-                return [*self._refer(first), ".union(", *self._list(others), _AS_IT_IS]
-            case Difference(first, subtracted):
-                return [*self._refer(first), ".cut(", *self._list(subtracted), _AS_IT_IS]
-            case Intersection(solids):
-                first, *others = solids
-                each_in = ([".intersect(", *self._refer(each), _AS_IT_IS] for each in others)
-                return [*self._refer(first), *chain(*each_in)]
-            case Scaled(inner, factor):
-                return ["scaled", "(", *self._refer(inner), ", ", term_of(factor), ")"]
-            case primitive:
-                name, arguments = call_of(primitive)
-                return [name, "(", *_join([term_of(each)] for each in arguments), ")"]
-
-    def _list(self, solids: Sequence[Solid]) -> list[str | Term]:
-        if len(solids) == 1:
-            return self._refer(solids[0])
-        return ["each", "(", *_join(self._refer(each) for each in solids), ")"]
-
-
-def _operands(solid: Solid) -> tuple[Solid, ...]:
-    match solid:
-        case Union(solids) | Intersection(solids):
-            return solids
-        case Difference(first, subtracted):
-            return (first, *subtracted)
-        case Scaled(inner):
-            return (inner,)
-    return ()
-
-
-def _join(listed: Iterable[list[str | Term]]) -> list[str | Term]:
-    return [*chain(*([", ", *pieces] for pieces in listed))][1:]
-
-
-class _Text:
-    """Text of terms: those that are long or used again have names, and lines that define them."""
-
-    def __init__(self, trace: Trace, statements: _Statements) -> None:
-        self._trace, self._statements = trace, statements
-        self.functions: set[str] = set()
-        statements.taken |= {*_PRIMITIVES, "superconic", "elbow_tube", "scaled"}
-        self._uses: dict[int, int] = {}
-        self._names: dict[int, str] = {}
-        self._done: dict[int, tuple[str, int]] = {}
-        self.used: set[str] = set()
-        self.lines: list[str] = []
-        for _, pieces in statements.made:
-            for piece, after in zip(pieces, [*pieces[1:], ""], strict=True):
-                if isinstance(piece, Term):
-                    self._count(piece)
-                elif after == "(":
-                    self.functions.add(piece)
-
-    def write_statements(self) -> str:
-        lines: list[str] = []
-        for name, pieces in self._statements.made:
-            texts = (piece if isinstance(piece, str) else self.write(piece)[0] for piece in pieces)
-            lines += _wrap(f"{name} = {''.join(texts)}", "")
-        return "\n".join(lines)
-
-    def write_atoms(self, *kinds: str) -> Iterator[str]:
-        for name, atom in self._trace.atoms.items():
-            if atom.kind in kinds and name in self.used:
-                yield from _comment(f"{name} = {_literal(atom.value)}", atom.meaning)
-
-    def write_conditions(self) -> Iterator[str]:
-        written = dict.fromkeys(self._write_condition(each) for each in self._trace.conditions if each.is_free)
-        kept = [each for each in written if each and each.replace(" >= ", " > ") not in written.keys() - {each}]
-        if kept:
-            yield from _wrap(f"HOLD = ({', '.join(kept)},)", "")
-            yield f'assert all(HOLD), "{_AGAIN}"'
-
-    def _write_condition(self, term: Term) -> str:
-        atoms = _atoms(term)
-        kinds = {self._trace.atoms[each].kind for each in atoms}
-        if not atoms <= self.used or not kinds & {"parameter", "bought"}:
-            return ""
-        left, right = term.operands
-        if term.operation == "!=" and left.operation != "name" and right.operation == "constant":
-            return ""  # it keeps a division from failing
-        return self.write(term, names=False)[0]
-
-    def _count(self, term: Term) -> None:
-        self._uses[term.key] = self._uses.get(term.key, 0) + 1
-        if self._uses[term.key] == 1:
-            for each in term.operands:
-                if isinstance(each, Term):
-                    self._count(each)
-
-    def write(self, term: Term, names: bool = True) -> tuple[str, int]:
-        """Write a term, and return its text and rank."""
-        if term.key in self._names:
-            return self._names[term.key], 4
-        if term.key in self._done:
-            return self._done[term.key]
-        text, rank = self._compose(term, names)
-        if term.operation == "name":
-            self.used.add(text)
-        is_plain = term.operation == "negative" and term.operands[0].operation == "name"
-        is_named = names and term.operation not in _NEVER_NAMED and term.is_free and not is_plain
-        is_again = self._uses.get(term.key, 0) > 1 and len(text) > _AGAIN_LONG
-        if is_named and (is_again or len(text) > _LONG):
-            preferred = self._trace.preferred.get(term.key)
-            found = preferred[0] if preferred else self._trace.variables.get(term.key)
-            if found or (is_again and len(text) > _NAMELESS):
-                name = self._statements.name(found or self._suggest(term))
-                self._names[term.key] = name
-                self.lines += _comment(f"{name} = {text}", preferred[1] if preferred else "")
-                return name, 4
-        self._done[term.key] = text, rank
-        return text, rank
-
-    def _suggest(self, term: Term) -> str:
-        return str(term.operands[0]).rpartition("_")[2].rpartition(".")[2] if term.operation == "call" else "length"
-
-    def _compose(self, term: Term, names: bool) -> tuple[str, int]:
-        def inner(each: Term, rank: int = 0) -> str:
-            text, own = self.write(each, names)
-            return text if own >= rank else f"({text})"
-
-        match term.operation, term.operands:
-            case "name" | "word" | "probe", (text,):
-                return text, 4
-            case "constant", (value,):
-                text = _literal(value if names else float(value))
-                return text, 2 if text.startswith("-") else 4
-            case "tuple", terms:
-                return f"({', '.join(map(inner, terms))}{',' * (len(terms) == 1)})", 4
-            case "item", (whole, i):
-                return f"{inner(whole, 4)}[{i}]", 4
-            case "call", (name, *terms):
-                self.functions |= {name} & self._trace.functions.keys()
-                return f"{name}({', '.join(map(inner, terms))})", 4
-            case "lambda", (variable, body):
-                return f"lambda {variable}: {inner(body)}", 0
-            case "negative", (value,):
-                return f"-{inner(value, 2)}", 2
-            case sign, (left, right):
-                rank = _RANKS.get(sign, 0)
-                if sign == "+" and right.operation == "negative":
-                    sign, right = "-", right.operands[0]
-                elif sign in "+-" and right.operation == "constant" and right.operands[0] < 0.0:
-                    sign, right = "-" if sign == "+" else "+", Term("constant", (-right.operands[0],))
-                return f"{inner(left, rank)} {sign} {inner(right, rank + 1)}", rank
-        raise AssertionError(term)
-
-
-def _atoms(term: Term) -> set[str]:
-    if term.operation == "name":
-        return {term.operands[0]}
-    return set().union(*(_atoms(each) for each in term.operands if isinstance(each, Term)))
-
-
-def _literal(value: object) -> str:
-    if isinstance(value, tuple | list):
-        return f"({', '.join(map(_literal, value))}{',' * (len(value) == 1)})"
-    if isinstance(value, float) and value.is_integer() and abs(value) < 1e6:
-        return f"{value:.1f}"
-    return f'"{value}"' if isinstance(value, str) else repr(value)
-
-
-def _comment(line: str, meaning: str) -> list[str]:
-    """Write a line with a comment, as much of its first sentence as fits; a longer line without one."""
-    words = " ".join(meaning.replace(" [mm]", "").partition(". ")[0].split()).rstrip(".")
-    while words and len(line) + len(words) + 4 > _WIDTH:
-        words = next(filter(None, (words.rpartition(sign)[0] for sign in ("; ", " (", ": ", ", "))), "")
-    return _wrap(line, "") if not words else [f"{line}  # {words}"]
-
-
-def _remark(text: str) -> list[str]:
-    return textwrap.wrap(text, _WIDTH, initial_indent="# ", subsequent_indent="# ")
-
-
-def _wrap(text: str, indent: str) -> list[str]:
-    """Break a statement within brackets where it is too long: after commas, or else at any space."""
-    depth, spaced = 0, []
-    for before, sign in zip(f" {text}", text, strict=False):
-        depth += (sign in "([{") - (sign in ")]}")
-        is_open = depth > 0 and not text.startswith('"')
-        spaced.append(
-            {(True, True): " ", (True, False): "\r"}.get((is_open, before == ","), "\xa0") if sign == " " else sign
-        )
-    for breaks in ("", "\r"):
-        fixed = "".join(" " if each == breaks else "\xa0" if each == "\r" else each for each in spaced)
-        lines = textwrap.wrap(
-            fixed, _WIDTH, initial_indent=indent, subsequent_indent=f"{indent}    ", break_long_words=False,
-            break_on_hyphens=False,
-        )  # fmt: skip
-        if max(map(len, lines), default=0) <= _WIDTH:
-            break
-    return [line.replace("\xa0", " ") for line in lines] or [""]
+    yield from remark(f"What follows holds for {', '.join(chosen)}") if chosen else ()

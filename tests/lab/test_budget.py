@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import json
 import random
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+from benchmarks.peers import trial
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
+from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import binomial_interval, quantile_ranks
 from fingertip.lab.accuracy import budget, budget_report
 from fingertip.lab.accuracy.budget import Curve
@@ -50,23 +51,21 @@ def test_interval_of_a_delay_holds_the_true_one_in_95_of_100(total: int, fractio
 @pytest.mark.full
 def test_errors_of_meshes_and_the_pad_are_those_of_a_second_computation() -> None:
     """Volume of the skin: by Richardson from two other meshes. Share: on a grid of twice the reference's fineness."""
-    volumes, _, _ = budget._refine_meshes(DESIGN)
+    volumes, sections = budget.refine_meshes(DESIGN)
     coarse, fine = (MeshEvaluator(mm).mesh(PARTS["skin"].solid(DESIGN)).volume() for mm in (0.004, 0.002))
     exact = fine + (fine - coarse) * 0.002 / (0.004 - 0.002)  # a mesh's volume is off in proportion to its tolerance
     assert volumes.errors["skin_volume_mm3"][1] == pytest.approx(exact - volumes.values["skin_volume_mm3"], rel=0.15)
-    (pad,) = budget._refine_pad(DESIGN)
+    (pad,) = budget.refine_pad(DESIGN)
     form, fine_mm = PadForm.of_design(DESIGN), layer.GRID_MM / 8
     shares = [layer.find_contacts(form, Pose(tilt), (1.0,), grid_mm=fine_mm)[0].share for tilt in (0.0, 2.0, 5.0, 10.0)]
     assert pad.errors["pad_share"][1] == pytest.approx(abs(pad.values["pad_share"] - min(shares)), abs=4e-4)
-    for curve in (volumes, pad):
+    for curve in (volumes, pad, sections):
         assert all(errors[0] >= errors[2] for errors in curve.errors.values())
         assert min(curve.cpu_s) > 0.0
 
 
 def test_text_names_each_output_once_in_the_table_or_by_its_kind() -> None:
-    curve = Curve(
-        "a", "mm", (3.0, 2.0, 1.0), 1, "0.25 mm", (1, 2, 3), {"pad_share": 0.5}, {"pad_share": (3e-3, 2e-3, 1e-3)}
-    )
+    curve = Curve("a [mm]", (3.0, 2.0, 1.0), 1, (1, 2, 3), {"pad_share": 0.5}, {"pad_share": (3e-3, 2e-3, 1e-3)})
     found = budget_report.list_kinds([curve], GROUPS)
     named = [name for names in found.values() for name in names]
     assert sorted([*named, "pad_share"]) == sorted(GROUPS)
@@ -80,13 +79,24 @@ def test_word_and_design_are_told_apart() -> None:
 
 
 @pytest.mark.full
-def test_command_states_25_outputs_with_errors_that_fall(tmp_path: Path) -> None:
-    done = run_fingertip("accuracy", "budget", "fsr400", "--out", tmp_path / "x", "--json")
+def test_command_states_25_outputs_within_their_intervals() -> None:
+    done = run_fingertip("accuracy", "budget", "fsr400", "--json")
     assert done.returncode == 0, done.stderr
     data = json.loads(done.stdout)
-    assert {path.name for path in (tmp_path / "x").iterdir()} == {*budget_report.FILES, "manifest.json"}
     assert len({name for curve in data["curves"] for name in curve["errors"]}) == 25
     for curve in data["curves"]:
         assert curve["cpu_s"] == sorted(curve["cpu_s"])
         for name, spans in curve["intervals"].items():
             assert all(low <= curve["values"][name] <= (high or 1e9) for low, high in spans[1:2])
+
+
+@pytest.mark.full
+def test_error_of_the_step_is_that_against_equations_that_scipy_solves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a whole trial, from the pad to the envelope of the article's board, whose targets it meets."""
+    for name, value in {"VARIANTS": ("article",), "_REFINEMENTS": (1,), "_ROUNDS": 1}.items():
+        monkeypatch.setattr(trial, name, value)
+    with compiled():
+        found = trial.measure_trial()
+    assert not found.misses_target, found.points
+    between = found.reference_differences["article"]
+    assert (between["force_n"] < 2e-7, between["envelope_v"] < 2e-5) == (True, True), between

@@ -82,7 +82,7 @@ def test_manipulation_converges_with_order_2(kind, mass, knock):
     assert all(order > 1.7 for order in orders.values()), orders  # the pin hits between two points
 
 
-def test_command_states_errors_that_fall_with_the_step_and_agree_with_scipy(tmp_path: Path) -> None:
+def test_command_states_errors_that_fall_with_the_step(tmp_path: Path) -> None:
     done = run_fingertip("accuracy", "article", "--cases", 40, "--jobs", 1, "--out", tmp_path / "x", "--json")
     assert done.returncode == 0, done.stderr
     data = json.loads(done.stdout)
@@ -95,7 +95,6 @@ def test_command_states_errors_that_fall_with_the_step_and_agree_with_scipy(tmp_
         assert forces[0] < 1e-3
         assert forces[0] / forces[2] > 8.0  # 16 with order 2, and the pin hits between two points
         assert all(one["real_time_ratio"] > 1.0 for one in steps)
-    assert data["difference_from_scipy_n"] < 1e-6
     assert [one["wrong"] for one in data["extremes"].values()] == [0, 0, 0]
 
 

@@ -17,13 +17,12 @@ def accuracy(
     of: Path | None = typer.Argument(None, metavar="DESIGN", help="Design, after the word budget."),
     cases: int = typer.Option(5000, help="Number of extreme cases, 1 to 1000000."),
     jobs: int | None = JOBS,
-    out: Path = typer.Option(Path("out/accuracy"), "--out", "-o", help="Folder for accuracy.txt, .json and .png."),
+    out: Path = typer.Option(Path("out/accuracy"), "--out", "-o", help="Folder for accuracy.txt and .json."),
 ) -> None:
     """Measure the errors of simulated traces against run time, and try extreme cases. Exit code 1: one is wrong.
 
     A trial and a grasp of the design run with the program's time step, a half and a quarter of it; the reference has
-    steps 16 times as short, and scipy integrates the contact once more. Extreme and stiff cases of contact and board
-    are held, refused with a reason, or wrong.
+    steps 16 times as short. Extreme and stiff cases of contact and board are held, refused with a reason, or wrong.
 
     After the word budget: errors of 25 named outputs at three settings of steps, grids, meshes and samples each, with
     their CPU time.
@@ -41,14 +40,13 @@ def accuracy(
     extra = Issue("DESIGN", f"{of} is one design too many; name one, or write budget ahead of it.")
     refuse([extra] if of and not is_budget else [])
     loaded = load_design(of if is_budget else design, None, console)
-    writer = SetWriter(out, "accuracy", loaded.name, hash_parameters(loaded.identity()))
-    writer.check(budget_report.FILES if is_budget else report.FILES)
     if is_budget:
         curves = measure_budget(loaded, console.progress)
         shown = loaded.name, curves, {name: output.group for name, output in load_outputs().items()}
-        writer.write(budget_report.as_files(*shown))
         console.result(budget_report.as_data(*shown), budget_report.as_text(*shown))
         return
+    writer = SetWriter(out, "accuracy", loaded.name, hash_parameters(loaded.identity()))
+    writer.check(report.FILES)
     found = measure_accuracy(loaded, cases, console.progress, jobs)
     writer.write(report.as_files(found))
     text = f"{report.as_text(found)}\ndetails: {out / report.FILES[0]}"

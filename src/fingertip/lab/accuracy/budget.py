@@ -8,9 +8,11 @@ model or a data sheet has shown. Other outputs of sweeps are listed by kind.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import chain
+from typing import TypeAlias
 
 import numpy as np
 
@@ -51,32 +53,26 @@ MODEL_ERRORS = {
 }  # fmt: skip
 """Output -> model error where one is known; docs/pad.md and docs/designs.md state how each was found."""
 KINDS = {
-    "closed forms": ("lengths", "board", "noise", "circuit", "acceptance"),
-    "counted": ("checks", "set_checks"),
-    "from trials, with intervals as above": ("detection",),
+    "closed forms": (
+        *("lengths", "board", "noise", "circuit", "acceptance"),
+        *("tendon_force_n", "pad_own_mode_hz", "mold_plunge_pressure_kpa", "mold_creep_mm3"),
+    ),
+    "counted": (
+        *("checks", "set_checks"),
+        *("slips", "unconfirmed_lines", "odd_capacitors", "set_forms", "set_mixtures", "set_days"),
+    ),
     "from a table": ("controller",),
+    "from trials, with intervals as above": ("detection",),
     "from meshes, with errors as above": (
-        "skin",
-        "bone",
-        "mold",
-        "casting",
-        "walls",
-        "strength",
-        "printing",
-        "core",
-        "set",
+        *("skin", "bone", "mold", "casting", "walls", "strength", "printing", "core", "set"),
     ),
     "from the pad layer, with errors as above": ("pad",),
 }
-"""Kind -> groups of outputs of sweeps, where no line of the budget names them."""
-OTHER_KINDS = {
-    "counted": ("slips", "unconfirmed_lines", "odd_capacitors", "set_forms", "set_mixtures", "set_days"),
-    "closed forms": ("tendon_force_n", "pad_own_mode_hz", "mold_plunge_pressure_kpa", "mold_creep_mm3"),
-}
-"""Kind -> outputs that are not of the kind of their group."""
+"""Kind of outputs of sweeps that the budget does not name -> their groups, and outputs that differ from their group."""
 DETECTOR = "fast"
 _TRIALS, _STEPPED = 120, 12
 """Trials that a validation runs, and those of them whose steps are refined."""
+Values: TypeAlias = Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -84,14 +80,11 @@ class Curve:
     """Errors of some outputs at three settings of what they are computed with, and the cost of each."""
 
     source: str
-    unit: str
     settings: tuple[float, ...]
     used: int
     """Index of the setting in use."""
-    compared: str
-    """What errors are measured against."""
     cpu_s: tuple[float, ...]
-    values: Mapping[str, float]
+    values: Values
     """Output -> value at the setting in use; for signals, the largest one."""
     errors: Mapping[str, tuple[float, ...]]
     """Output -> error at each setting; for samples, half of the interval."""
@@ -101,103 +94,101 @@ class Curve:
 
 def measure_budget(design: Design, progress: ReportProgress | None = None) -> tuple[Curve, ...]:
     """Measure the curves of a design. Raises FingertipError."""
-    extras.require("fingertip accuracy", "scipy", "numba", "matplotlib")
-    stages: dict[str, tuple[float, Callable[[Design], Iterator[Curve]]]] = {
-        "time steps": (6.0, _refine_steps), "pad layer": (2.0, _refine_pad), "meshes": (4.0, _refine_meshes),
-        "boards": (2.0, _draw_boards), "trials": (14.0, _draw_trials),
-    }  # fmt: skip
-    work, found = Work("accuracy", {name: weight for name, (weight, _) in stages.items()}, progress), list[Curve]()
+    extras.require("fingertip accuracy", "numba")
+    stages = {"time steps": 6.0, "pad layer": 2.0, "meshes": 4.0, "boards": 2.0, "trials": 14.0}
+    measures = (_refine_steps, refine_pad, refine_meshes, _draw_boards, _draw_trials)
+    work, found = Work("accuracy", stages, progress), list[Curve]()
     with compiled():
-        for name, (_, measure) in stages.items():
+        for name, measure in zip(stages, measures, strict=True):
             work.begin(name)
             found += measure(design)
     return tuple(found)
 
 
 def _refine(
-    source: str, unit: str, settings: tuple[float, ...], used: int, finest: float,
-    compute: Callable[[float], dict[str, float]],
-) -> Curve:  # fmt: skip
+    source: str, settings: tuple[float, ...], used: int, finest: float, compute: Callable[[float], Values]
+) -> Curve:
     """Measure a curve against the finest setting."""
     compute(settings[0])  # loads what is computed once
-    found, cpu_s = [], []
+    found, cpu_s = list[Values](), list[float]()
     for setting in settings:
         begin = time.process_time()
         found.append(compute(setting))
         cpu_s.append(time.process_time() - begin)
-    exact = compute(finest)
-    errors = {name: tuple(abs(one[name] - value) for one in found) for name, value in exact.items()}
-    return Curve(source, unit, settings, used, f"{finest:g} {unit}", tuple(cpu_s), found[used], errors)
+    errors = {name: tuple(abs(one[name] - exact) for one in found) for name, exact in compute(finest).items()}
+    return Curve(source, settings, used, tuple(cpu_s), found[used], errors)
+
+
+def _sample(curve: Curve, spans: Sequence[Mapping[str, Pair]]) -> Curve:
+    """Add intervals, one mapping for each setting; errors are half of them."""
+    intervals = {name: tuple(span[name] for span in spans) for name in spans[0]}
+    halves = {name: tuple((high - low) / 2 for low, high in each) for name, each in intervals.items()}
+    return replace(curve, errors=halves, intervals=intervals)
 
 
 def _refine_steps(design: Design) -> Iterator[Curve]:
     scene = Trial().scene
     steps = measure_steps(design, "trial", scene)
-    quiet = scene.sensing.model_copy(update={"noise": False})
-    largest = run_scene(design, scene.model_copy(update={"outputs": [*steps[0].errors], "sensing": quiet})).columns
-    settings = tuple(1e6 * step.step_s for step in steps)
+    largest = run_scene(design, scene.model_copy(update={"outputs": [*steps[0].errors]})).columns
     yield Curve(
-        "time step", "us", settings, 0, f"steps / {REFERENCE}", tuple(step.cpu_s for step in steps),
+        "time step [us]", tuple(1e6 * step.step_s for step in steps), 0, tuple(step.cpu_s for step in steps),
         {name: float(np.abs(values).max()) for name, values in largest.items()},
         {name: tuple(step.errors[name] for step in steps) for name in steps[0].errors},
     )  # fmt: skip
-    trials = [*article_trials()][:: _TRIALS // _STEPPED]
+    cases = [Case("slip", scene, seed) for scene, seed in [*article_trials()][:: _TRIALS // _STEPPED]]
 
-    def detect(step_us: float) -> dict[str, float]:
-        found = []
-        for scene, seed in trials:
-            base = (SceneRun(design, scene, seed).grid or Grid()).refinement
-            grid, case = Grid(base * round(1e6 / BASE_HZ / step_us)), Case("slip", scene, seed)
-            found += evaluate(case, simulate_trace(design, case, [DETECTOR], grid), DETECTOR, design, [1.0])
-        result = DetectorResult(1.0, tuple(found))
-        onset_s = result.motion_delay_s(0.5) - result.delay_s(0.5)
-        delays = {"delay_ms": 1e3 * result.delay_s(0.5), "slip_onset_ms": 1e3 * onset_s}
-        return delays | {"found_share": result.found_share}
+    def detect(step_us: float) -> Values:
+        grids = [SceneRun(design, case.scene, case.seed).grid or Grid() for case in cases]
+        finer = [Grid(grid.refinement * round(1e6 / BASE_HZ / step_us)) for grid in grids]
+        found = DetectorResult(1.0, tuple(chain(*map(partial(_detect, design), cases, finer))))
+        onset_s = found.motion_delay_s(0.5) - found.delay_s(0.5)
+        return {
+            "delay_ms": 1e3 * found.delay_s(0.5), "slip_onset_ms": 1e3 * onset_s, "found_share": found.found_share,
+        }  # fmt: skip
 
-    yield _refine("time step", "us", (100.0, 50.0, 25.0), 0, 100.0 / REFERENCE, detect)
+    yield _refine("time step [us]", (100.0, 50.0, 25.0), 0, 100.0 / REFERENCE, detect)
 
 
-def _refine_pad(design: Design) -> Iterator[Curve]:
+def _detect(design: Design, case: Case, grid: Grid | None = None) -> list[TrialResult]:
+    return evaluate(case, simulate_trace(design, case, [DETECTOR], grid), DETECTOR, design, [1.0])
+
+
+def refine_pad(design: Design) -> Iterator[Curve]:
     form = PadForm.of_design(design)
 
-    def press(grid_mm: float) -> dict[str, float]:
+    def press(grid_mm: float) -> Values:
         pressed = {tilt: try_contacts(form, Pose(tilt), 1.0, grid_mm=grid_mm) for tilt in TILTS_DEG}
         shares = {tilt: found[0].share if found else 0.0 for tilt, found in pressed.items()}
         low, high, firm = find_contacts(form, Pose(2.0), (0.9, 1.1, 5.0), np.inf, grid_mm)
         wide, grasp = ([s for t, s in shares.items() if a <= t <= b] for a, b in (WIDE_DEG, GRASP_DEG))
-        stiffness = (high.force_n - low.force_n) / (high.depth_mm - low.depth_mm)
         return {
             "pad_share": min(grasp), "pad_share_wide": min(wide), "pad_evenness": min(grasp) / (max(grasp) or 1.0),
-            "pad_stiffness_n_per_mm": stiffness, "pad_strain": firm.strain,
+            "pad_stiffness_n_per_mm": (high.force_n - low.force_n) / (high.depth_mm - low.depth_mm),
+            "pad_strain": firm.strain,
         }  # fmt: skip
 
-    yield _refine("pad layer, grid", "mm", (0.5, GRID_MM, 0.125), 1, GRID_MM / 4, press)
+    yield _refine("pad layer, grid [mm]", (0.5, GRID_MM, 0.125), 1, GRID_MM / 4, press)
 
 
-def _refine_meshes(design: Design) -> Iterator[Curve]:
-    def measure(tolerance_mm: float) -> dict[str, float]:
-        evaluator = MeshEvaluator(tolerance_mm)
-        skin, bone, palmar, dorsal = (
-            evaluator.mesh(PARTS[name].solid(design)) for name in ("skin", "bone", "mold_palmar", "mold_dorsal")
-        )
-        batch = compute_batch(design.silicone.material, measure_poured_cm3(design, evaluator))
-        return {
-            "skin_volume_mm3": skin.volume(), "skin_area_mm2": skin.area(), "bone_volume_mm3": bone.volume(),
-            "mold_palmar_volume_mm3": palmar.volume(), "mold_dorsal_volume_mm3": dorsal.volume(),
-            "min_skin_thickness_mm": min_thickness(design, evaluator),
-            "silicone_in_mold_g": batch.in_cup_g, "silicone_g": batch.total_g,
-        }  # fmt: skip
-
-    yield _refine("mesh, tolerance", "mm", (0.08, 0.02, 0.005), 1, 0.00125, measure)
-
-    def load(evaluator: MeshEvaluator, stations: float) -> dict[str, float]:
+def refine_meshes(design: Design) -> Iterator[Curve]:
+    def load(evaluator: MeshEvaluator, stations: float) -> Values:
         found = assess_strength(design, evaluator, round(stations))
         return {name: getattr(found, name) for name in ("grip_safety_factor", "knock_safety_factor")}
 
-    fine = MeshEvaluator(0.01)
-    yield _refine("strength, sections", "", (40.0, STATIONS, 640.0), 1, 16.0 * STATIONS, partial(load, fine))
-    meshed = lambda tolerance_mm: load(MeshEvaluator(tolerance_mm), STATIONS)  # noqa: E731
-    yield _refine("strength, mesh", "mm", (0.04, 0.01, 0.005), 1, 0.00125, meshed)
+    def measure(tolerance_mm: float) -> Values:
+        evaluator = MeshEvaluator(tolerance_mm)
+        parts = ("skin", "bone", "mold_palmar", "mold_dorsal")
+        meshes = {name: evaluator.mesh(PARTS[name].solid(design)) for name in parts}
+        batch = compute_batch(design.silicone.material, measure_poured_cm3(design, evaluator))
+        return {
+            **{f"{name}_volume_mm3": mesh.volume() for name, mesh in meshes.items()},
+            "skin_area_mm2": meshes["skin"].area(), "min_skin_thickness_mm": min_thickness(design, evaluator),
+            "silicone_in_mold_g": batch.in_cup_g, "silicone_g": batch.total_g, **load(evaluator, STATIONS),
+        }  # fmt: skip
+
+    yield _refine("mesh, tolerance [mm]", (0.08, 0.02, 0.005), 1, 0.00125, measure)
+    sections = (40.0, float(STATIONS), 640.0)
+    yield _refine("strength, sections", sections, 1, 16.0 * STATIONS, partial(load, MeshEvaluator(0.02)))
 
 
 def _draw_boards(design: Design) -> Iterator[Curve]:
@@ -206,49 +197,34 @@ def _draw_boards(design: Design) -> Iterator[Curve]:
     circuit = board_circuit(select_components(design))
     model, values = model_filter(circuit), build_network(circuit, find_gain_bandwidth_hz(design.board)).values
 
-    def draw(boards: float) -> dict[str, float]:
+    def draw(boards: float) -> Values:
         return {"filter_yield": min(compute_yields(model, values, circuit, design.board, round(boards)).values())}
 
     sizes = (1000.0, float(YIELD_BOARDS), 16_000.0)
-    curve = _refine("Monte Carlo, boards", "", sizes, 1, 64_000.0, draw)
     counts = [round(size * draw(size)["filter_yield"]) for size in sizes]
-    intervals = [binomial_interval(count, round(size)) for count, size in zip(counts, sizes, strict=True)]
-    yield _sample(curve, {"filter_yield": intervals})
+    spans = [binomial_interval(count, round(size)) for count, size in zip(counts, sizes, strict=True)]
+    curve = _refine("Monte Carlo, boards", sizes, 1, 64_000.0, draw)
+    yield _sample(curve, [{"filter_yield": span} for span in spans])
 
 
 def _draw_trials(design: Design) -> Iterator[Curve]:
-    sizes, cpu_s, found = (_TRIALS // 4, _TRIALS, 2 * _TRIALS), list[float](), list[TrialResult]()
     trials = [trial for first in range(4) for trial in [*article_trials()][first::4]]
     cases = [Case("slip", scene, seed + first) for first in (0, _TRIALS) for scene, seed in trials]
-    intervals: dict[str, list[Pair]] = {}
-    values: dict[str, float] = {}
-    begin = time.process_time()
-    for number, case in enumerate(cases, start=1):
-        found += evaluate(case, simulate_trace(design, case, [DETECTOR]), DETECTOR, design, [1.0])
-        if number in sizes:
-            cpu_s.append(time.process_time() - begin)
-            result = DetectorResult(1.0, tuple(found))
-            delays = {
-                "delay_ms": (result.delay_s, result.delay_interval, 0.5),
-                "delay_p90_ms": (result.delay_s, result.delay_interval, 0.9),
-                "motion_delay_ms": (result.motion_delay_s, result.motion_delay_interval, 0.5),
-            }
-            now = {name: interval(fraction) for name, (_, interval, fraction) in delays.items()}
-            spans = {name: (1e3 * low, 1e3 * high) for name, (low, high) in now.items()}
-            spans |= {"found_share": result.found_interval, "false_alarms_per_min": result.alarm_interval}
-            for name, span in spans.items():
-                intervals.setdefault(name, []).append(span)
-            if number == _TRIALS:
-                values = {name: 1e3 * delay_s(fraction) for name, (delay_s, _, fraction) in delays.items()}
-                values |= {"found_share": result.found_share, "false_alarms_per_min": result.alarms_per_minute}
-    curve = Curve("detection, trials", "", tuple(map(float, sizes)), 1, "", tuple(cpu_s), values, {})
-    yield _sample(curve, intervals)
-
-
-def _sample(curve: Curve, intervals: Mapping[str, list[Pair]]) -> Curve:
-    """Return a curve whose errors are half of the intervals."""
-    halves = {name: tuple((high - low) / 2 for low, high in spans) for name, spans in intervals.items()}
-    spans = {name: tuple(found) for name, found in intervals.items()}
-    return Curve(
-        curve.source, curve.unit, curve.settings, curve.used, "95 % interval", curve.cpu_s, curve.values, halves, spans
-    )
+    begin, cpu_s, found = time.process_time(), list[float](), list[TrialResult]()
+    for case in cases:
+        found += _detect(design, case)
+        cpu_s.append(time.process_time() - begin)
+    sizes = _TRIALS // 4, _TRIALS, 2 * _TRIALS
+    results = [DetectorResult(1.0, tuple(found[:size])) for size in sizes]
+    values = {
+        "delay_ms": 1e3 * results[1].delay_s(0.5), "delay_p90_ms": 1e3 * results[1].delay_s(0.9),
+        "motion_delay_ms": 1e3 * results[1].motion_delay_s(0.5), "found_share": results[1].found_share,
+        "false_alarms_per_min": results[1].alarms_per_minute,
+    }  # fmt: skip
+    spans = []
+    for one in results:
+        delays = one.delay_interval(0.5), one.delay_interval(0.9), one.motion_delay_interval(0.5)
+        ends = [(1e3 * low, 1e3 * high) for low, high in delays]
+        spans.append(dict(zip(values, [*ends, one.found_interval, one.alarm_interval], strict=True)))
+    cost = tuple(cpu_s[size - 1] for size in sizes)
+    yield _sample(Curve("detection, trials", tuple(map(float, sizes)), 1, cost, values, {}), spans)

@@ -1,30 +1,19 @@
-"""Text, data and picture of the budget of errors that `fingertip.lab.accuracy.budget` measures."""
+"""Text and data of the budget of errors that `fingertip.lab.accuracy.budget` measures."""
 
 from __future__ import annotations
 
-import itertools
-import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any, TypeAlias
 
-from fingertip.foundation import display
-from fingertip.lab.accuracy.budget import KINDS, MODEL_ERRORS, OTHER_KINDS, Curve
+from fingertip.lab.accuracy.budget import KINDS, MODEL_ERRORS, Curve
 from fingertip.lab.accuracy.report import as_table
 from fingertip.lab.report.results import to_number
 
-FILES = "budget.txt", "budget.json", "budget.png"
 Groups: TypeAlias = Mapping[str, str]
 """Output of sweeps -> its group."""
 HEADER = "output", "value", "with", "settings (* in use)", "error at each", "CPU [s] at each", "95 % in use", "model"
-
-
-def as_files(name: str, curves: Sequence[Curve], groups: Groups) -> dict[str, bytes]:
-    """Return file name -> content. Raises MissingLibraryError."""
-    data = json.dumps(as_data(name, curves, groups), indent=1, allow_nan=False)
-    text = as_text(name, curves, groups)
-    return dict(zip(FILES, (f"{text}\n".encode(), f"{data}\n".encode(), plot(curves)), strict=True))
 
 
 def as_data(name: str, curves: Sequence[Curve], groups: Groups) -> dict[str, Any]:
@@ -50,11 +39,11 @@ def as_text(name: str, curves: Sequence[Curve], groups: Groups) -> str:
 
 def _list_rows(curve: Curve) -> Iterator[list[object]]:
     settings = " / ".join(f"{s:g}{'*' if i == curve.used else ''}" for i, s in enumerate(curve.settings))
-    cpu_s, source = " / ".join(f"{one:.2g}" for one in curve.cpu_s), f"{curve.source} [{curve.unit}]"
+    cpu_s = " / ".join(f"{one:.2g}" for one in curve.cpu_s)
     for output, errors in curve.errors.items():
         low, high = curve.intervals[output][curve.used] if output in curve.intervals else (math.nan, math.nan)
         yield [
-            output, f"{curve.values[output]:.4g}", source if curve.unit else curve.source, settings,
+            output, f"{curve.values[output]:.4g}", curve.source, settings,
             " / ".join(f"{error:.1e}" if error else "0" for error in errors), cpu_s,
             "-" if math.isnan(low) else f"{low:.4g} to {high:.4g}", MODEL_ERRORS.get(output, "-"),
         ]  # fmt: skip
@@ -63,26 +52,9 @@ def _list_rows(curve: Curve) -> Iterator[list[object]]:
 def list_kinds(curves: Sequence[Curve], groups: Groups) -> dict[str, list[str]]:
     """List the outputs of sweeps that no curve holds, by kind."""
     held = {name for curve in curves for name in curve.errors}
-    kinds = {name: kind for each in (KINDS, OTHER_KINDS) for kind, names in each.items() for name in names}
+    kinds = {name: kind for kind, names in KINDS.items() for name in names}
     found: dict[str, list[str]] = {kind: [] for kind in KINDS}
     for name, group in groups.items():
         if name not in held:
             found[kinds.get(name) or kinds[group]].append(name)
     return found
-
-
-def plot(curves: Sequence[Curve]) -> bytes:
-    """Plot the relative error of each output over the CPU time, the setting in use filled; returns a PNG."""
-    figure, drawn = display.new_figure(14, 8), [curve for curve in curves if any(map(any, curve.errors.values()))]
-    for axes, curve in zip(figure.subplots(2, -(-len(drawn) // 2), squeeze=False).flat, drawn, strict=False):
-        for colour, (name, errors) in zip(itertools.cycle(display.SERIES), curve.errors.items(), strict=False):
-            relative = [error / (abs(curve.values[name]) or 1.0) for error in errors]
-            known = [i for i, error in enumerate(relative) if 0.0 < error < math.inf]
-            x, y = [curve.cpu_s[i] for i in known], [relative[i] for i in known]
-            axes.loglog(x, y, "o-", color=colour, markerfacecolor="none", label=name)
-            if curve.used in known:
-                axes.loglog([curve.cpu_s[curve.used]], [relative[curve.used]], "o", color=colour)
-        axes.set(xlabel="CPU time [s]", ylabel="relative error", title=curve.source)
-        axes.legend(frameon=False, fontsize=6)
-        display.style_axes(axes, "both")
-    return display.to_png(figure)

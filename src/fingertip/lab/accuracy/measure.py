@@ -1,7 +1,7 @@
 """Errors of simulated traces by the time step, against run time.
 
 Errors are differences from steps `REFERENCE` times as short. Noise is drawn on the base grid and stays the same, so
-every difference is an error of the step. scipy integrates the contact once more, around the onset of slip.
+every difference is an error of the step.
 """
 
 from __future__ import annotations
@@ -16,14 +16,11 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation import extras
-from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.foundation.workers import find_workers, side_by_side
 from fingertip.lab.accuracy.extremes import FamilyResult, try_families
 from fingertip.sim import ManipulationFile, ManipulationResult, SceneFile, SceneResult, run_manipulation, run_scene
-from fingertip.sim.contact.friction import LOAD_SCALE_N, stribeck
 from fingertip.sim.runs.scene import SceneRun
-from fingertip.sim.runs.timeline import mount_pad
 from fingertip.sim.signal.grid import Grid
 from fingertip.sim.simulation import Trial
 
@@ -32,8 +29,6 @@ REFERENCE = 16
 _REFINEMENTS = (1, 2, 4)
 _BEFORE_LOSS_S = 0.005
 """Time before an object is lost from which a grasp is not compared [s]: what hits nothing rings."""
-_WINDOW_S = -0.02, 0.3
-"""Window around the start of the slide in which scipy integrates [s]."""
 
 
 @dataclass(frozen=True)
@@ -79,52 +74,10 @@ def silence(scene: Any, outputs: Sequence[str]) -> Any:
     return scene.model_copy(update={"outputs": [*outputs], "sensing": quiet})
 
 
-def compare_with_scipy(design: Design, trial: Trial) -> float:
-    """Largest difference of the pad's pull from scipy's solution of its equations, around the onset of slip [N]."""
-    run = SceneRun(design, silence(trial.scene, ["shear_m"]), trial.seed)
-    assert run.timeline.slide
-    found = run_scene(design, run.scene, trial.seed, grid=Grid(REFERENCE * (run.grid or Grid()).refinement))
-    since_s = found.time_s - run.timeline.slide.start_s
-    inside = (since_s >= _WINDOW_S[0]) & (since_s <= _WINDOW_S[1])
-    error_m = np.abs(found.columns["shear_m"][inside] - _integrate_contact(run, since_s[inside])).max()
-    return float(error_m) * run.pad.tangential_stiffness_n_per_m(run.force_n)
-
-
-def _integrate_contact(run: SceneRun, since_s: Array) -> Array:
-    """Shear of the pad [m] at moments since the start of the slide, under its constant load, by scipy's LSODA."""
-    f, load, mount, (slide,) = run.friction, run.force_n, mount_pad(run.pad, run.force_n), run.timeline.moves
-    m, k, c = mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m
-    peak, a, scale = slide.peak_m_s, slide.acceleration_m_s2, 1 / math.sqrt(load + LOAD_SCALE_N)
-
-    def carriage(t: float) -> tuple[float, float]:
-        t = max(t, 0.0)
-        return (a * t * t / 2, a * t) if a * t < peak else (peak * t - peak * peak / (2 * a), peak)
-
-    def rates(t: float, state: Array) -> list[float]:
-        x, v, s = state
-        at, speed = carriage(t)
-        g, _ = stribeck(f.curve, v)
-        bending = v - f.sigma0 * abs(v) * scale * s / g
-        grip = load * (f.sigma0 * scale * s + f.sigma1 * load * scale * scale * bending + f.sigma2 * v)
-        return [v, (k * (at - x) + c * (speed - v) - grip) / m, load * scale * bending]
-
-    solve = extras.load("scipy.integrate", "accuracy").solve_ivp
-    state, shear = np.zeros(3), []
-    for begin, end in ((since_s[0], 0.0), (0.0, peak / a), (peak / a, since_s[-1] + 1e-6)):  # from corner to corner
-        inside = since_s[(since_s >= begin) & (since_s < end)]
-        absolute = 1e-10 * np.array([1 / k, 1e-3, 1 / f.sigma0])
-        solution = solve(rates, (begin, end), state, "LSODA", [*inside, end], rtol=1e-9, atol=absolute).y
-        shear += [carriage(t)[0] - x for t, x in zip(inside, solution[0], strict=False)]
-        state = solution[:, -1]
-    return np.array(shear)
-
-
 @dataclass(frozen=True, eq=False)
 class Accuracy:
     design: Design
     steps: tuple[StepError, ...]
-    scipy_n: float
-    """Largest difference from scipy [N]."""
     extremes: tuple[FamilyResult, ...]
 
 
@@ -132,12 +85,11 @@ def measure_accuracy(
     design: Design, cases: int, progress: ReportProgress | None = None, jobs: int | None = 1
 ) -> Accuracy:
     """Measure all of it; the cases do not depend on the design. Raises FingertipError."""
-    extras.require("fingertip accuracy", "scipy", "numba", "matplotlib")
+    extras.require("fingertip accuracy", "numba")
     work = Work("accuracy", {"time steps": 5.0, "extreme cases": 0.004 * cases}, progress)
     with side_by_side(find_workers(jobs)):
         work.begin("time steps")
         grasp = ManipulationFile.load("real_manipulation")
         steps = *measure_steps(design, "trial", Trial().scene), *measure_steps(design, "grasp", grasp)
-        scipy_n = compare_with_scipy(design, Trial())
         work.begin("extreme cases")
-        return Accuracy(design, steps, scipy_n, tuple(try_families(cases, work.advance)))
+        return Accuracy(design, steps, tuple(try_families(cases, work.advance)))

@@ -1,4 +1,4 @@
-"""Text, data and picture of what `fingertip.lab.accuracy.measure` measures."""
+"""Text and data of what `fingertip.lab.accuracy.measure` measures."""
 
 from __future__ import annotations
 
@@ -8,21 +8,20 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from fingertip.foundation import display
 from fingertip.lab.accuracy.extremes import FAMILIES, FamilyResult
-from fingertip.lab.accuracy.measure import REFERENCE, Accuracy, StepError
+from fingertip.lab.accuracy.measure import REFERENCE, Accuracy
 
 SIGNALS = {"force_n": "force [N]", "tactile_v": "tactile voltage [V]", "envelope_v": "envelope [V]"}
-FILES = "accuracy.txt", "accuracy.json", "accuracy.png"
+FILES = "accuracy.txt", "accuracy.json"
 EXTREMES = "family", "against: bound", "tried", "held", "refused", "of inside", "wrong", "worst", "its case", "CPU"
 """Header of the table of extreme cases; "of inside" is the share of those inside the bounds that is refused."""
 
 
 def as_files(found: Accuracy) -> dict[str, bytes]:
-    """Return file name -> content. Raises MissingLibraryError."""
+    """Return file name -> content."""
     text = "\n".join([as_text(found), "", *(line for one in found.extremes for line in _describe_cases(one))])
     data = json.dumps(as_data(found), indent=1, allow_nan=False)
-    return dict(zip(FILES, (f"{text}\n".encode(), f"{data}\n".encode(), plot_steps(found.steps)), strict=True))
+    return dict(zip(FILES, (f"{text}\n".encode(), f"{data}\n".encode()), strict=True))
 
 
 def as_text(found: Accuracy) -> str:
@@ -32,7 +31,6 @@ def as_text(found: Accuracy) -> str:
         *as_table(("run", "step [us]", *map(SIGNALS.get, found.steps[0].errors), "CPU [s]", "x real time"),
                 ([one.run, f"{1e6 * one.step_s:g}", *map(_short, one.errors.values()), f"{one.cpu_s:.2f}",
                   f"{one.real_time_ratio:.0f}"] for one in found.steps)),
-        f"scipy's LSODA integrates the contact at the onset of slip: it differs by {found.scipy_n:.1e} N",
         "",
         f"extreme cases: {f'{len(wrong)} are WRONG' if wrong else 'none is wrong'}",
         *as_table(EXTREMES, map(_count_outcomes, found.extremes)),
@@ -61,7 +59,7 @@ def as_data(found: Accuracy) -> dict[str, Any]:
     extremes = {one.name: dict(zip(EXTREMES[1:], _count_outcomes(one)[1:], strict=True)) for one in found.extremes}
     steps = [asdict(one) for one in found.steps]
     return {
-        "design": found.design.name, "steps": steps, "difference_from_scipy_n": found.scipy_n, "extremes": extremes
+        "design": found.design.name, "steps": steps, "extremes": extremes
     }  # fmt: skip
 
 
@@ -71,17 +69,3 @@ def _short(value: float) -> str:
 
 def as_table(header: Sequence[object], rows: Iterable[Sequence[object]]) -> list[str]:
     return [f"| {' | '.join(map(str, row))} |" for row in (header, ["---"] * len(header), *rows)]
-
-
-def plot_steps(steps: Sequence[StepError]) -> bytes:
-    """Plot each signal's largest error over the CPU time: from left to right steps, half and quarter; returns a PNG."""
-    names, runs = list(steps[0].errors), dict.fromkeys(one.run for one in steps)
-    figure = display.new_figure(4 * len(names), 4)
-    for axes, name in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
-        for run, colour, marker in zip(runs, display.SERIES, "os", strict=False):
-            cpu_ms, errors = zip(*((1e3 * one.cpu_s, one.errors[name]) for one in steps if one.run == run), strict=True)
-            axes.loglog(cpu_ms, errors, color=colour, marker=marker, label=run)
-        axes.set(xlabel="CPU time [ms]", ylabel="largest error", title=SIGNALS[name])
-        axes.legend(frameon=False)
-        display.style_axes(axes, "both")
-    return display.to_png(figure)

@@ -16,11 +16,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.slip.recordings import (
     MIN_QUIET_S,
     QUIET,
     SLIP,
+    Recording,
     RecordingSet,
     Stretch,
     collect_recordings,
@@ -82,22 +84,42 @@ _PRESS_N = 0.2
 """Difference of the normal force from that in air from which the finger touches [N]: half of its press there."""
 
 
-def _read_stage(folder: Path) -> RecordingSet:
-    from scipy.io import loadmat
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One signal of a public set beside what its set says of the motion."""
 
-    def read(path: Path) -> Iterator[Any]:
-        table = np.asarray(loadmat(path, variable_names=["dataQ"]).get("dataQ", np.zeros((0, 0))), dtype=np.float64)
-        if table.ndim != 2 or table.shape[1] != 5 or len(table) < _STAGE_HZ:
-            raise TraceError(Issue(str(path), f"has no variable dataQ of 5 columns and at least {_STAGE_HZ:g} rows."))
-        counts = np.where(table[:, 4] > 2.0**31, table[:, 4] - 2.0**32, table[:, 4])
-        time_s = np.arange(len(table)) / _STAGE_HZ
-        normal_n = _smooth(table[:, 1] * _NORMAL_N_PER_V, round(SPEED_S * _STAGE_HZ))
-        touches = np.abs(normal_n - normal_n[round(SPEED_S * _STAGE_HZ)]) > _PRESS_N
-        stretches = label_motion(time_s, find_speed(counts * _MM_PER_COUNT, _STAGE_HZ), touches)
-        raw = RawTrace(path.name, Trace(time_s, table[:, 0] * _LATERAL_N_PER_V), in_volts=False)
+    name: str
+    rate_hz: float
+    values: Array
+    speed_mm_s: Array
+    touches: NDArray[np.bool_]
+
+    def label(self) -> Iterator[Recording]:
+        time_s = np.arange(len(self.values)) / self.rate_hz
+        stretches = label_motion(time_s, self.speed_mm_s, self.touches)
+        raw = RawTrace(self.name, Trace(time_s, self.values), in_volts=False)
         yield label_trace(raw, stretches, rises_with_force=True)
 
-    return collect_recordings(LAYOUTS["natural_texture"].words, sorted(folder.glob("*.mat")), read, folder)
+
+def read_stage_run(path: Path) -> Run:
+    """Read the lateral force on the fingertip [N]. Raises TraceError."""
+    from scipy.io import loadmat
+
+    table = np.asarray(loadmat(path, variable_names=["dataQ"]).get("dataQ", np.zeros((0, 0))), dtype=np.float64)
+    if table.ndim != 2 or table.shape[1] != 5 or len(table) < _STAGE_HZ:
+        raise TraceError(Issue(str(path), f"has no variable dataQ of 5 columns and at least {_STAGE_HZ:g} rows."))
+    counts = np.where(table[:, 4] > 2.0**31, table[:, 4] - 2.0**32, table[:, 4])
+    normal_n = _smooth(table[:, 1] * _NORMAL_N_PER_V, round(SPEED_S * _STAGE_HZ))
+    touches = np.abs(normal_n - normal_n[round(SPEED_S * _STAGE_HZ)]) > _PRESS_N
+    speed = find_speed(counts * _MM_PER_COUNT, _STAGE_HZ)
+    return Run(path.name, _STAGE_HZ, table[:, 0] * _LATERAL_N_PER_V, speed, touches)
+
+
+def _read_stage(folder: Path) -> RecordingSet:
+    paths = sorted(folder.glob("*.mat"))
+    return collect_recordings(
+        LAYOUTS["natural_texture"].words, paths, lambda path: read_stage_run(path).label(), folder
+    )
 
 
 def _smooth(values: Array, width: int) -> Array:
@@ -110,21 +132,43 @@ def _smooth(values: Array, width: int) -> Array:
 _ROW_S, _PER_ROW = 0.01, 22
 
 
-def _read_biotac(folder: Path) -> RecordingSet:
-    def read(path: Path) -> Iterator[Any]:
-        table = _read_table(path)
-        pressure = np.stack([table[f"pac{i}"] for i in range(1, _PER_ROW + 1)], axis=1).ravel()
-        place = _read_table(path.with_name(path.name.replace("_bio.csv", "_cp.csv")))
-        rate_hz = _PER_ROW / _ROW_S
-        time_s = np.arange(len(pressure)) / rate_hz
-        begin_s = table["timestamp"][0]
-        position_mm = 1000 * np.interp(time_s, place["timestamp"] - begin_s, place["posx"])
-        stretches = label_motion(time_s, find_speed(position_mm, rate_hz), np.full(len(time_s), True))
-        raw = RawTrace(path.name, Trace(time_s, pressure), in_volts=False)
-        yield label_trace(raw, stretches, rises_with_force=True)
+def read_biotac_run(path: Path) -> Run:
+    """Read the pressure of a run, unfolded, and its motion; without static pressure it is in air. Raises TraceError."""
+    table = _read_table(path)
+    folded = np.stack([table[f"pac{i}"] for i in range(1, _PER_ROW + 1)], axis=1).ravel()
+    place = _read_table(path.with_name(path.name.replace("_bio.csv", "_cp.csv")))
+    rate_hz = _PER_ROW / _ROW_S
+    begun_s = place["timestamp"] - table["timestamp"][0]
+    position_mm = 1000 * np.interp(np.arange(len(folded)) / rate_hz, begun_s, place["posx"])
+    touches = np.repeat(table["pdc"] > 0.0, _PER_ROW)
+    return Run(path.name, rate_hz, unfold(folded), find_speed(position_mm, rate_hz), touches)
 
+
+def unfold(values: Array) -> Array:
+    """Undo ``|x - tare|``, as which the set stores its pressure: the signs with the least sum of second differences."""
+    signs = ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0))  # of a sample and the one before
+    costs, steps = [0.0] * 4, list[tuple[bool, ...]]()
+    x = values.tolist()
+    for i in range(2, len(x)):
+        ways = []
+        for now, last in signs:
+            ahead, at = now * x[i] - 2 * last * x[i - 1], 0 if last > 0 else 2
+            plus, minus = costs[at] + abs(ahead + x[i - 2]), costs[at + 1] + abs(ahead - x[i - 2])
+            ways.append((min(plus, minus), minus < plus))
+        costs = [cost for cost, _ in ways]
+        steps.append(tuple(is_minus for _, is_minus in ways))
+    state = costs.index(min(costs))
+    found = [state // 2, state % 2]
+    for step in reversed(steps):  # the sign before the last two, back to the first
+        state = 2 * (state % 2) + step[state]
+        found.append(state % 2)
+    return values * np.where(np.array(found[::-1]) == 0, 1.0, -1.0)
+
+
+def _read_biotac(folder: Path) -> RecordingSet:
     paths = sorted(folder.glob("raw_data/mat*/mat*_bio.csv"))
-    return collect_recordings(LAYOUTS["biotac_slide"].words, paths, read, folder)
+    words = LAYOUTS["biotac_slide"].words
+    return collect_recordings(words, paths, lambda path: read_biotac_run(path).label(), folder)
 
 
 def _read_table(path: Path) -> dict[str, Array]:

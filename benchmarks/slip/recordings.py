@@ -147,6 +147,9 @@ def collect_recordings(
         raise TraceError(Issue(str(folder), "holds no recording of this layout; give the folder that the set is in."))
     if not any(recording.signal.slides for recording in recordings):
         raise TraceError(Issue(str(folder), "holds no slip; label one, or there is no delay to measure."))
+    if not any(slide.motion_s >= SETTLING_S for one in recordings for slide in one.signal.slides[:1]):
+        rest = f"no recording rests for {SETTLING_S:g} s before its first slip, and detectors learn the noise from rest"
+        raise TraceError(Issue(str(folder), f"{rest}; join rest before it, as python -m benchmarks.slip.real does."))
     return RecordingSet(title, _share_quiet(recordings))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -19,6 +20,8 @@ from fingertip.lab.campaign.run import quantile_s
 
 RATES = (0.1, 1.0)
 """Rates of alarms at which delays are compared [1/min]."""
+FOUND_S = 0.2
+"""Time after gross slip within which ON finds it [s]: one that rises later in a long slide did not find its start."""
 
 
 @dataclass
@@ -42,8 +45,9 @@ class Point:
         """Add what was found in a recording."""
         signal = recording.signal
         self.slips += outcome.slides
-        self.delays_s += outcome.delays_s
-        self.motion_delays_s += outcome.motion_delays_s
+        kept = [delay_s <= FOUND_S for delay_s in outcome.delays_s]
+        self.delays_s += itertools.compress(outcome.delays_s, kept)
+        self.motion_delays_s += itertools.compress(outcome.motion_delays_s, kept)
         self.on_shares += outcome.on_shares
         for alarm_s in outcome.alarms_s:
             kind = _find_kind(recording, alarm_s)

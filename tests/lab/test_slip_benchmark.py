@@ -14,8 +14,10 @@ from benchmarks.slip import scores
 from benchmarks.slip.__main__ import main
 from benchmarks.slip.baselines import adapt
 from benchmarks.slip.competitors import COMPETITORS, Competitor, load_own
+from benchmarks.slip.joined import Judged
 from benchmarks.slip.mix_signals import LabelledSignal, Slide, draw_band_noise
-from benchmarks.slip.public_sets import LAYOUTS, read_layout
+from benchmarks.slip.public_sets import LAYOUTS, read_layout, unfold
+from benchmarks.slip.real import judge
 from benchmarks.slip.recordings import Recording, Stretch, draw_held_out, read_folder
 from benchmarks.slip.run import read_options
 from fingertip.design import Design
@@ -23,6 +25,8 @@ from fingertip.foundation.errors import FingertipError, TraceError
 from fingertip.slip.traces.truth import Interval
 
 RATE_HZ = 2000.0
+WAVE = np.round(300.0 * np.sin(0.02 * np.arange(4400)) + 100.0 * np.sin(0.13 * np.arange(4400)))
+"""Pressure of a BioTac, before its set folds it."""
 LABELS = "file,kind,start_s,end_s,motion_s\none.csv,quiet,0.2,1.2,\none.csv,slip,1.5,2.0,1.49\none.csv,tap,2.4,2.5,\n"
 
 
@@ -109,15 +113,19 @@ def make_stage(folder: Path) -> None:
     savemat(folder / "data_temp.mat", {"dataQ": table})
 
 
-def make_biotac(folder: Path) -> None:
-    """Write what R. Gao et al. publish: 22 pressures a row of 10 ms, and lines that end with a comma."""
+def make_biotac(folder: Path, still: int = 160) -> None:
+    """Write what R. Gao et al. publish: 22 pressures a row of 10 ms, folded; rest, slide, motion in air."""
     place = folder / "raw_data/mat1"
     place.mkdir(parents=True)
     pressures = [f"pac{i}" for i in range(1, 23)]
-    lines = [",".join(["timestamp", "tdc", *pressures])]
-    lines += [",".join([f"{1000 + 0.01 * row:.4f}", "3", *["1200"] * 22]) + "," for row in range(200)]
+    wave = np.abs(WAVE).reshape(-1, 22)
+    lines = [",".join(["timestamp", "pdc", *pressures])]
+    lines += [
+        ",".join([f"{1000 + 0.01 * row:.4f}", "3" if row < 180 else "0", *(f"{x:g}" for x in values)]) + ","
+        for row, values in enumerate(wave)
+    ]
     (place / "mat1_1_bio.csv").write_text("\n".join(lines) + "\n")
-    moves = [f"{1000 + 0.005 * row:.4f},{0.025 * 0.005 * row:.6f},0,0,0,0,0,1," for row in range(400)]
+    moves = [f"{1000 + 0.005 * row:.4f},{0.025 * 0.005 * max(row - still, 0):.6f},0,0,0,0,0,1," for row in range(400)]
     (place / "mat1_1_cp.csv").write_text("timestamp,posx,posy,posz,ox,oy,oz, ow\n" + "\n".join(moves) + "\n")
 
 
@@ -153,7 +161,7 @@ def make_piezo(folder: Path) -> None:
     ("layout", "make", "rate_hz", "slip_s", "quiet_s"),
     [
         ("natural_texture", make_stage, 10_000.0, (3.0, 4.0), 1.0),
-        ("biotac_slide", make_biotac, 2200.0, (0.0, 2.0), 0.3),
+        ("biotac_slide", make_biotac, 2200.0, (0.8, 1.8), 0.7),
         ("cluster_texture", make_cluster, 6000.0, (1.0, 2.0), 0.9),
         ("piezo_onset", make_piezo, 2000.0, (1.2, 1.4), 1.0),
     ],
@@ -169,6 +177,31 @@ def test_public_sets_are_read_in_their_published_form(
     assert (slide.onset_s, slide.end_s) == pytest.approx(slip_s, abs=0.06)
     assert one.quiet is not None
     assert len(one.quiet) / rate_hz == pytest.approx(quiet_s, abs=0.15)
+
+
+def test_a_folded_pressure_is_unfolded() -> None:
+    found = unfold(np.abs(WAVE))
+    assert min(np.count_nonzero(found != WAVE), np.count_nonzero(found != -WAVE)) < 10  # samples at a crossing
+
+
+def test_a_set_that_begins_in_the_slide_is_refused(tmp_path: Path) -> None:
+    make_biotac(tmp_path, still=0)
+    with pytest.raises(TraceError, match=r"no recording rests for 0\.5 s before its first slip"):
+        read_layout("biotac_slide", tmp_path)
+
+
+def test_a_late_rise_finds_no_slip_and_each_window_of_rest_may() -> None:
+    """ON for 0.1 s in each second finds the slide that it meets, and one in five windows of 0.2 s in rest."""
+    flags = np.arange(8000) % 2000 < 200
+
+    def run(design: Design, recording: Recording, factors: object) -> list[np.ndarray]:
+        return [flags]
+
+    known = Competitor("known", "", (1.0,), run, lambda _: 0.05, "1")  # type: ignore[arg-type]
+    slides = [Judged("full", "a", RATE_HZ, np.zeros(8000), at_s, at_s, 4.0) for at_s in (2.9, 2.7)]
+    found = judge(Design(), known, [*slides, Judged("rest", "b", RATE_HZ, np.zeros(8000))])
+    assert [delay_s for delay_s, _ in found["full"]] == pytest.approx([0.1, np.inf])
+    assert np.mean(found["null"]) == pytest.approx(0.2, abs=0.05)
 
 
 @pytest.mark.full

@@ -1,0 +1,91 @@
+"""Detectors on real rest and real slides, and a gate for `fast`: `python -m benchmarks.slip.real FOLDER`.
+
+The folder holds two public sets, which you download (`docs/slip_benchmark.md`); `joined` says how they are joined.
+A slide is found if ON begins within 0.2 s of its onset. The null test asks the same of windows in which nothing slips:
+a detector that "finds" much there finds slides by chance. `--judging` takes the slides on which nothing was tuned.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.slip.competitors import COMPETITORS, Competitor
+from benchmarks.slip.joined import STRENGTHS, Judged, read_joined
+from benchmarks.slip.mix import EARLY_S
+from benchmarks.slip.mix_signals import LabelledSignal, Slide
+from benchmarks.slip.recordings import MIN_QUIET_S, SETTLING_S, Recording
+from benchmarks.slip.scores import FOUND_S
+from fingertip.design import Design
+from fingertip.foundation.errors import FingertipError
+from fingertip.foundation.jit import compiled
+from fingertip.lab.campaign.run import quantile_s
+
+LIMITS = {"stage": 0.85, "full": 0.89, "half": 0.7}
+"""Share of the slides that `fast` is ON at least, which the gate asks for: what it reached, less 0.03 to 0.07."""
+
+
+def judge(design: Design, competitor: Competitor, signals: Iterable[Judged]) -> dict[str, list[tuple[float, ...]]]:
+    """Delay [s] and share ON of each slide by kind; under "null", whether each window without slip is "found"."""
+    found = dict[str, list[tuple[float, ...]]]()
+    for one in signals:
+        slides = () if one.motion_s is None else (Slide(one.motion_s, one.onset_s, one.end_s),)
+        signal = LabelledSignal(one.name, one.rate_hz, one.values, slides, (), SETTLING_S)
+        quiet = one.values[: round(MIN_QUIET_S * one.rate_hz)]
+        (on,) = competitor.run(design, Recording(signal, (), quiet, rises_with_force=True), (1.0,))
+        rises_s = (np.flatnonzero(on[1:] & ~on[:-1]) + 1) / one.rate_hz
+        end_s = len(on) / one.rate_hz if one.motion_s is None else one.motion_s - EARLY_S
+        windows = np.arange(SETTLING_S, end_s - FOUND_S, FOUND_S)
+        counts, _ = np.histogram(rises_s, [*windows, windows[-1] + FOUND_S] if len(windows) else [0.0, 0.0])
+        found.setdefault("null", []).extend((float(count > 0),) for count in counts[: len(windows)])
+        if one.motion_s is not None:
+            inside = rises_s[(rises_s >= one.motion_s - EARLY_S) & (rises_s < one.onset_s + FOUND_S)]
+            share = float(np.mean(on[round(one.onset_s * one.rate_hz) : round(one.end_s * one.rate_hz)]))
+            delay_s = max(0.0, float(inside[0]) - one.onset_s) if len(inside) else math.inf
+            found.setdefault(one.kind, []).append((delay_s, share))
+    return found
+
+
+def describe(found: dict[str, list[tuple[float, ...]]]) -> str:
+    """Describe what a detector reaches, as cells of a table."""
+    cells = []
+    for kind in ("stage", *STRENGTHS):
+        delays_s, shares = zip(*found[kind], strict=True)
+        late = (1000 * quantile_s([d for d in delays_s if d < math.inf], len(delays_s), q) for q in (0.5, 0.9))
+        delays = " / ".join(f"{delay:.0f}" if delay < math.inf else "-" for delay in late)
+        cells.append(f"{sum(d < math.inf for d in delays_s)} of {len(delays_s)}, {delays} ms, {np.mean(shares):.2f}")
+    null = [hit for (hit,) in found["null"]]
+    return " | ".join([*cells, f"{100 * np.mean(null):.1f} % of {len(null)}"])
+
+
+def main(words: Sequence[str] | None = None) -> None:
+    """Print a row for each detector; exit with 1 if `fast` misses a limit."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--judging", action="store_true", help="take the slides on which nothing was tuned")
+    parser.add_argument("--detectors", nargs="+", default=list(COMPETITORS), choices=list(COMPETITORS))
+    options = parser.parse_args(words)
+    try:
+        signals = list(read_joined(options.folder, options.judging))
+    except (FingertipError, OSError) as error:
+        sys.exit(str(error))
+    print(f"| detector | stage | {' | '.join(STRENGTHS)} | null test |\n{'| --- ' * 6}|")
+    missed = []
+    with compiled():
+        for name in options.detectors:
+            found = judge(Design.load("article"), COMPETITORS[name], signals)
+            print(f"| {COMPETITORS[name].label} | {describe(found)} |", flush=True)
+            shares = {kind: float(np.mean([share for _, share in found[kind]])) for kind in LIMITS}
+            if name == "fast":
+                low = {kind: least for kind, least in LIMITS.items() if shares[kind] < least}
+                missed = [f"{kind}: ON {shares[kind]:.2f}, at least {least:g}" for kind, least in low.items()]
+    sys.exit("\n".join(missed) or 0)
+
+
+if __name__ == "__main__":
+    main()

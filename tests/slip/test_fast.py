@@ -379,6 +379,47 @@ def test_no_floor_learns_what_may_be_slip_whatever_came_before_it(rise_s: float)
     assert detector.state[fast_state.FLOOR] != held[0]
 
 
+@pytest.mark.parametrize(("kind", "lasts"), [("noise", True), ("tone", False), ("knock", False)])
+def test_vibration_that_lasts_keeps_what_the_trees_began(kind: str, lasts: bool) -> None:
+    """The tree says incipient for the first 20 ms alone: noise then becomes ON and stays, with all floors as they were,
+    also for 0.5 s after it; a tone and what fades do not.
+    """
+    model = replace(ask_one_question(), threshold=20.0, incipient_threshold=1.0)
+    model = replace(model, thresholds=np.full(NODES, 100.0), leaves=np.where(model.leaves > 0, 2.0, -2.0))
+    detector = FastDetector(FastSettings(RATE_HZ, NOISE_V), model)
+    detector.process(4.0 + white_noise(4000))
+    time_s = np.arange(2000) / RATE_HZ
+    volts = {
+        "noise": 5.0 * white_noise(2000, 7),
+        "tone": 12.0 * NOISE_V * np.sin(math.tau * 110 * time_s) + 0.2 * white_noise(2000, 7),
+        "knock": 0.05 * np.exp(-time_s / 0.015) * np.sin(math.tau * 110 * time_s) + white_noise(2000, 7),
+    }[kind]
+    volts[:40] *= 4.0 if kind == "noise" else 1.0
+    output = detector.process(4.0 + volts)
+    assert output.incipient[:100].any()
+    assert output.on.any() == lasts
+    if lasts:
+        first = int(np.argmax(output.on))
+        assert 0.05 < (first - int(np.argmax(output.incipient))) / RATE_HZ < 0.08
+        assert output.on[first:].all()
+        floor_v = detector.threshold_v
+        detector.process(4.0 + white_noise(900, 8))
+        assert detector.threshold_v == floor_v
+        assert not detector.state[fast_state.ON]
+        detector.process(4.0 + white_noise(400, 9))
+        assert detector.threshold_v != floor_v
+
+
+def test_trees_that_nearly_say_slip_for_long_are_taken_at_their_word() -> None:
+    """A score 1 above `HEARD_SCORE` adds up to incipient slip in 40 ticks of vibration that is heard."""
+    model = replace(ask_one_question(), threshold=3.0, incipient_threshold=2.0)
+    model = replace(model, leaves=np.full(NODES + 1, fast.HEARD_SCORE + 1.0))
+    detector = FastDetector(FastSettings(RATE_HZ, NOISE_V), model)
+    assert not detector.process(4.0 + white_noise(4000)).incipient.any()
+    output = detector.process(4.0 + 6.0 * white_noise(1000, 7))
+    assert 0.08 <= np.argmax(output.incipient) / RATE_HZ < 0.2
+
+
 @pytest.mark.parametrize("score", [-0.5, -2.0])
 def test_floors_stand_while_the_score_is_near_slip(score: float) -> None:
     """A score above `STAY_SCORE` that is none of slip holds the floors; one below lets them learn."""

@@ -25,6 +25,8 @@ _COUNTS = (
     "limited_samples still_samples trusted_samples gap_samples fault_samples restart_ticks tick_samples slot_ticks"
 )
 """Coefficients that count samples or ticks: constants without decimals."""
+_TICKS = "LOW_TICKS STEADY_ON_TICKS AFTER_TICKS"
+"""The same among the limits of `fast_state`."""
 
 
 def real(value: float) -> str:
@@ -52,7 +54,8 @@ def _render_constants(design: Design) -> str:
         "LEVEL_SHARE": 1 / (STILL_S * rate),
         "SETTLING_TICKS": round(state[fast_state.SETTLING]),
         "SETTLE_TICKS": -state[fast_state.FLOOR_TICKS],
-        "LOW_TICKS": round(fast_state.LOW_TICKS),
+        **{name: round(getattr(fast_state, name)) for name in _TICKS.split()},
+        "STEADY_COUNT": round(fast_state.STEADY_TICKS),
         "STATED_WIDE": state[fast_state.FLOOR],
         "STATED_UPPER": state[fast_state.UPPER_FLOOR],
         "STATED_INPUT": state[fast_state.INPUT_FLOOR],

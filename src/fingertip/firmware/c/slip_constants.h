@@ -93,6 +93,14 @@
 #define SLIP_HELD_TICKS $HELD_TICKS
 #define SLIP_TONE_TICKS $TONE_TICKS
 
+/* Ticks of a tone in vibration: averaging, at most; ON ends; incipient slip is ON; ON was long; floors stand after it. */
+#define SLIP_STEADY_TICKS $STEADY_TICKS
+#define SLIP_STEADY_COUNT $STEADY_COUNT
+#define SLIP_STEADY_ON_TICKS $STEADY_ON_TICKS
+#define SLIP_SURE_TICKS $SURE_TICKS
+#define SLIP_LONG_TICKS $LONG_TICKS
+#define SLIP_AFTER_TICKS $AFTER_TICKS
+
 /* Energies of the stated noise in both bands, those of unit noise, and the lowest floors [V^2]. */
 #define SLIP_STATED_WIDE $STATED_WIDE
 #define SLIP_STATED_UPPER $STATED_UPPER
@@ -125,8 +133,10 @@
 #define SLIP_UNLEARNING $UNLEARNING
 #define SLIP_STAY_RATIO $STAY_RATIO
 #define SLIP_DECAY_RATIO $DECAY_RATIO
+#define SLIP_FADE_RATIO $FADE_RATIO
+#define SLIP_STEADY_RATIO $STEADY_RATIO
 
-/* Scores: before the first tree; of confidence 0; for ON; by how much less for incipient slip; rise in noise; for staying; smoothing. */
+/* Scores: before the first tree; of confidence 0; for ON; by how much less for incipient slip; rise in noise; for staying; smoothing; of vibration that speaks for slip, and its sum; of a hold. */
 #define SLIP_OFFSET $OFFSET
 #define SLIP_LOWEST_SCORE $LOWEST_SCORE
 #define SLIP_ON_SCORE $THRESHOLD
@@ -134,6 +144,9 @@
 #define SLIP_NOISE_RISE $NOISE_RISE
 #define SLIP_STAY_SCORE $STAY_THRESHOLD
 #define SLIP_SCORE_SMOOTHING $SCORE_SMOOTHING
+#define SLIP_HEARD_SCORE $HEARD_SCORE
+#define SLIP_EVIDENCE $EVIDENCE
+#define SLIP_HOLD_SCORE $HOLD_SCORE
 
 /* 1 if the tactile voltage falls with the force, -1 if it rises. */
 #define SLIP_DIRECTION $DIRECTION

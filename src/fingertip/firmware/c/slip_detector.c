@@ -101,13 +101,52 @@ static slip_real adapt_floor(slip_real level, slip_real energy, slip_real share)
     return level + share * (lesser(energy, SLIP_CLIP_RATIO * level) - level);
 }
 
+enum vibration { NONE, LASTS, SURE };
+
+/* Follow vibration from the moment it is heard: whether it may be what made slip incipient, and is no knock. `upper` and
+ * `wide` are the energies of 20 ms over their floors. */
+static enum vibration hear(slip_state *state, slip_real score, slip_real upper, slip_real wide, bool is_fading,
+                           bool has_ended) {
+    const bool is_heard = upper > SLIP_STAY_RATIO && state->settling == 0;
+    slip_real share = R(1.0) / SLIP_STEADY_TICKS, mean;
+    bool is_steady;
+    if (!is_heard && !state->incipient) {
+        state->heard_ticks = state->steady = 0;
+        state->heard = state->heard_mean = state->heard_square = R(0.0);
+        return NONE;
+    }
+    if (state->heard_ticks < SLIP_STEADY_COUNT) {
+        state->heard_ticks++;
+        share = R(1.0) / (slip_real)(int32_t)state->heard_ticks;
+    }
+    state->heard_mean += share * (state->wide_short - state->heard_mean);
+    state->heard_square += share * (state->wide_short * state->wide_short - state->heard_square);
+    mean = state->heard_mean;
+    is_steady = state->heard_square - mean * mean < SLIP_STEADY_RATIO * mean * mean;
+    state->heard = state->incipient || is_steady ? R(0.0)
+        : greater(state->heard + (score - SLIP_HEARD_SCORE), R(0.0));
+    if (!is_steady) {
+        state->steady = 0;
+    } else if (state->steady <= SLIP_STEADY_ON_TICKS) {
+        state->steady++;
+    }
+    if (has_ended || state->steady > (state->on ? SLIP_STEADY_ON_TICKS : 0)) {
+        return NONE;
+    }
+    if (is_heard && !is_fading) {
+        return SURE;
+    }
+    return (is_heard && state->on) || (wide > SLIP_STAY_RATIO && !is_fading) ? LASTS : NONE;
+}
+
 /* Decide at a tick: features, trees, ON or OFF, floors. `slope` is the squared slope of this sample [V^2]. */
 static void tick(slip_state *state, slip_real slope) {
     slip_real row[SLIP_COUNT];
     slip_real wide_floor, upper_floor, slow_floor, greatest, peak, low, change, half_change, score, share, excess;
     slip_real on_score, input_noise, step_noise;
     unsigned middle, i;
-    bool is_strong, is_moving, is_held;
+    bool is_strong, is_moving, is_held, has_ended, is_fading;
+    enum vibration vibration;
 
     greatest = greater(state->slopes[2], greater(state->slopes[0], state->slopes[1]));
     peak = greater(state->peaks[2], greater(state->peaks[0], state->peaks[1]));
@@ -162,8 +201,8 @@ static void tick(slip_state *state, slip_real slope) {
     row[1] = state->upper_long / upper_floor;
     row[2] = state->wide_short / wide_floor;
     row[3] = state->wide_long / wide_floor;
-    is_strong = (row[1] > SLIP_STAY_RATIO || row[3] > SLIP_STAY_RATIO)
-        && state->wide_short > SLIP_DECAY_RATIO * state->wide_long;
+    has_ended = !(state->wide_short > SLIP_DECAY_RATIO * state->wide_long);
+    is_strong = (row[1] > SLIP_STAY_RATIO || row[3] > SLIP_STAY_RATIO) && !has_ended;
     state->lasting_ticks = row[1] > SLIP_LASTING_RATIO ? state->lasting_ticks + R(1.0) : R(0.0);
     if (row[0] > SLIP_LOUD || row[2] > SLIP_LOUD || row[1] > SLIP_LOUD_20 || row[3] > SLIP_LOUD_20) {
         row[4] = greatest / slow_floor;
@@ -181,7 +220,9 @@ static void tick(slip_state *state, slip_real slope) {
         row[16] = low / wide_floor;
         row[17] = low / (state->wide_long + SLIP_TINY);
         score = evaluate_trees(row);
-    } else {
+        is_fading = !(row[8] > SLIP_FADE_RATIO);
+    } else { /* a quiet signal does not fade */
+        is_fading = true;
         score = SLIP_LOWEST_SCORE;
     }
 
@@ -191,22 +232,31 @@ static void tick(slip_state *state, slip_real slope) {
     on_score = SLIP_ON_SCORE + SLIP_NOISE_RISE * greater(R(0.0), lesser(excess, R(1.0)));
     state->confidence = greater(R(0.0), (score - SLIP_LOWEST_SCORE) / (on_score - SLIP_LOWEST_SCORE));
 
+    vibration = hear(state, score, row[1], row[3], is_fading, has_ended);
     /* Decision: OFF until the floors are learned; slip that has begun stays while its energy does. */
     if (state->settling > 0) {
         state->settling--;
         state->incipient = false;
     } else if (state->incipient) {
         state->smooth_score += SLIP_SCORE_SMOOTHING * (score - state->smooth_score);
-        state->incipient = score > SLIP_STAY_SCORE || (is_strong && state->smooth_score > SLIP_STAY_SCORE);
+        state->incipient = score > SLIP_STAY_SCORE || (is_strong && state->smooth_score > SLIP_STAY_SCORE)
+            || (vibration != NONE && state->smooth_score > SLIP_HOLD_SCORE);
     } else {
         state->smooth_score = on_score - SLIP_INCIPIENT_MARGIN;
-        state->incipient = score > state->smooth_score;
+        state->incipient = score > state->smooth_score || state->heard >= SLIP_EVIDENCE;
     }
-    state->on = state->incipient && (state->on || score > on_score);
+    state->on = state->incipient
+        && (state->on || score > on_score || (vibration == SURE && state->on_ticks >= SLIP_SURE_TICKS));
+    if (state->on && state->on_ticks > SLIP_LONG_TICKS) {
+        state->after = SLIP_AFTER_TICKS;
+    } else if (state->after > 0) {
+        state->after--;
+    }
 
     is_moving = greatest > SLIP_MOVING_RATIO * slow_floor && state->settling == 0;
-    /* No floor learns what the trees may take for slip, however long it lasts and whatever came before it. */
-    is_held = state->incipient || (score > SLIP_STAY_SCORE && state->settling == 0) || state->replaced > 0;
+    /* No floor learns what the trees may take for slip, nor what follows a slide that lasted. */
+    is_held = state->incipient || state->after > 0 || (score > SLIP_STAY_SCORE && state->settling == 0)
+        || state->replaced > 0;
 
     if (state->incipient) {
         /* A tone's energy is constant and that of slip is not: floors follow a tone. */

@@ -65,6 +65,7 @@ typedef struct slip_state {
     slip_real floor_ticks, on_ticks, lasting_ticks;          /* time of learning, of ON, of upper energy [ticks] */
     slip_real mean, mean_square;                             /* of the wide energy while ON */
     slip_real smooth_score, confidence;                      /* confidence: from 1 on, slip turns ON */
+    slip_real heard_mean, heard_square, heard;               /* of the wide energy while heard; sum of its scores */
     slip_real ring[SLIP_RING];                               /* `slow` at every second tick [V] */
     int32_t last_tactile_code, rest_code;                    /* last sample and rest as codes of the converter */
     uint16_t limited;                                        /* samples for which the filtered signal is not used */
@@ -72,6 +73,7 @@ typedef struct slip_state {
     uint16_t settling;                                       /* ticks for which the detector stays OFF at the start */
     uint16_t replaced;                                       /* samples for which a wrong one is reported */
     uint16_t outside;                                        /* samples with a voltage that no force gives */
+    uint16_t heard_ticks, steady, after;                     /* ticks: of vibration, of a tone; floors stand */
     slip_check tactile_check, filtered_check;
     uint16_t phase, slot;                                    /* samples since the last tick, ticks of the slot */
     uint8_t ring_phase, ring_at, low_phase;

@@ -63,6 +63,8 @@ STAY_SCORE = -1.0
 STAY_RATIO = 2.0
 """Ratio of an energy of 20 ms to its floor above which slip stays ON, while its smoothed score exceeds `STAY_SCORE`.
 Without the score, vibration that begins with the grasp would keep the detector ON."""
+HEARD_SCORE = -1.4
+"""Score from which heard vibration speaks for slip; what it exceeds it by is summed up (`fast_state.EVIDENCE`)."""
 SCORE_S = 0.1
 """Time constant with which the score is smoothed while ON [s]."""
 MIN_NOISE_SHARE = 0.5
@@ -363,6 +365,7 @@ def _compute_coefficients(
         noise_rise=settings.threshold_scale * model.noise_rise,
         stay_threshold=min(STAY_SCORE, threshold),
         stay_ratio=STAY_RATIO,
+        heard_score=LOWEST_SCORE + settings.threshold_scale * (HEARD_SCORE - LOWEST_SCORE),
         score_smoothing=1 / (1 + SCORE_S * ticks_per_s),
         statistic_gain=STATISTIC_RATIO,
         number_limit=NUMBER_RATIO * settings.noise_v,

@@ -17,6 +17,7 @@ import math
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.slip.detectors.fast_coefficients import FastCoefficients
 from fingertip.slip.detectors.fast_state import (
+    AFTER,
     BEGUN,
     BOARD_1,
     BOARD_STAGE,
@@ -25,6 +26,7 @@ from fingertip.slip.detectors.fast_state import (
     DECAY_RATIO,
     EDGE,
     EDGE_1,
+    FADE_RATIO,
     FILTERED,
     FILTERED_CHECK,
     FILTERED_STEP,
@@ -88,6 +90,7 @@ from fingertip.slip.detectors.fast_state import (
     evaluate_trees,
     filter_second,
     find_lowest,
+    hear,
     learn_floors,
     measure_changes,
     unlearn_tone,
@@ -278,16 +281,18 @@ def _fast_loop(
             input_excess = slow_floor / (NOISY_RATIO * c.wide_share * c.min_input_floor) - 1.0
             on_score = c.threshold + c.noise_rise * min(max(excess, input_excess, 0.0), 1.0)
             confidence = max((score - c.lowest_score) / (on_score - c.lowest_score), 0.0)
-            is_strong = (
-                rows[at + 1] > c.stay_ratio or rows[at + 3] > c.stay_ratio
-            ) and wide_short > DECAY_RATIO * wide_long
+            has_ended = not wide_short > DECAY_RATIO * wide_long
+            is_strong = (rows[at + 1] > c.stay_ratio or rows[at + 3] > c.stay_ratio) and not has_ended
+            is_fading = not rows[at + 8] > FADE_RATIO
+            vibration = hear(c, score, rows[at + 1], rows[at + 3], is_fading, has_ended, wide_short, state)
             at += stride
 
-            decide(c, score, on_score, is_strong, state)
+            decide(c, score, on_score, is_strong, vibration, state)
             unlearn_tone(c, wide_long, upper_long, state)
             is_settled = state[SETTLING] == 0.0
-            # No floor learns what the trees may take for slip, however long it lasts and whatever came before it.
-            if state[INCIPIENT] == 0.0 and not (score > c.stay_threshold and is_settled) and replaced == 0.0:
+            # No floor learns what the trees may take for slip, nor what follows a slide that lasted.
+            is_held = state[INCIPIENT] > 0.0 or state[AFTER] > 0.0 or (score > c.stay_threshold and is_settled)
+            if not is_held and replaced == 0.0:
                 is_moving = greatest > MOVING_RATIO * slow_floor and is_settled
                 learn_floors(c, wide_long, upper_long, input_long, is_moving, state)
             level = c.statistic_gain * math.sqrt(state[FLOOR])
@@ -316,6 +321,6 @@ def _fast_loop(
 
 
 LOOP = CompiledLoop(
-    _fast_loop, evaluate_trees, check_sample, filter_second, find_lowest, measure_changes, decide, unlearn_tone,
+    _fast_loop, evaluate_trees, check_sample, filter_second, find_lowest, measure_changes, hear, decide, unlearn_tone,
     learn_floors, outputs=6, samples="samples", plain_us=4.0,
 )  # fmt: skip

@@ -37,6 +37,21 @@ UNLEARNED_RATIO = 0.03
 DECAY_RATIO = 0.02
 """Ratio of the wide energies of 6 and 20 ms below which the vibration has ended. After an abrupt end the ratio falls to
 it within 34 ms, however strong the vibration was."""
+FADE_RATIO = 0.02
+"""Ratio of the upper energy of 6 ms to its peak of 80 to 120 ms below which vibration fades, as that of a knock."""
+STEADY_TICKS, STEADY_RATIO = 20.0, 0.15
+"""Ticks over which the energy of 6 ms is averaged, and its squared coefficient of variation below which it is a tone:
+that of 50 Hz has 0.03, noise in 100 Hz 0.8."""
+STEADY_ON_TICKS = 200.0
+"""Ticks for which a tone must last before it ends ON: a slide is steady for shorter times."""
+SURE_TICKS = 30.0
+"""Ticks after which incipient slip is ON if its vibration lasts."""
+EVIDENCE = 40.0
+"""Sum of what scores exceed `FastCoefficients.heard_score` by at which slip is incipient: 15 to 40 ticks on slides."""
+HOLD_SCORE = -3.0
+"""Smoothed score above which vibration that lasts stays slip: without it, a hand's tremor keeps an alarm for ever."""
+LONG_TICKS, AFTER_TICKS = 50.0, 250.0
+"""Ticks of ON after which floors stand for further ticks: a servo's step is over before, a slide falters."""
 JUMP_MOVES = 8.0
 """Ratio of a jump of the filtered signal to its mean movement between two samples, over 6 ms, that the next sample must
 confirm. A jump of less adds some hundredths to the energies of slip, and noise does not reach it."""
@@ -44,6 +59,7 @@ TINY = 1e-30
 IS_INCIPIENT, IS_ON, IS_REPLACED, IS_OUTSIDE = 1.0, 2.0, 4.0, 8.0
 """Flags, which are summed in the loop's last output: decisions, and faults of the input."""
 USED, REPLACED_SAMPLE, CONFIRMED, GLITCH, BEGUN = range(5)
+LASTS, SURE = 1, 2
 
 
 # Indices into the loop's state.
@@ -56,7 +72,8 @@ STEP, FILTERED_STEP, REST, LIMITED, FLOOR, UPPER_FLOOR, INPUT_FLOOR, FLOOR_TICKS
 ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(43, 52)
 INCIPIENT, LOW, LOW_1, LOW_2, LOW_PHASE, ROUGH, STILL, LASTING_TICKS = range(52, 60)
 REPLACED, OUTSIDE, MEAN_MOVE, INPUT_CHECK, FILTERED_CHECK, HELD = 60, 61, 62, 63, 66, 69
-RING_START = 70
+HEARD_TICKS, HEARD_MEAN, HEARD_SQUARE, STEADY, HEARD, AFTER = range(70, 76)
+RING_START = 76
 STATES = RING_START + RING
 
 
@@ -156,20 +173,56 @@ def measure_changes(slow: float, state: MutableFloats) -> tuple[float, float, fl
     return slow, slow - state[RING_START + at], slow - state[RING_START + middle]
 
 
-def decide(c: FastCoefficients, score: float, on_score: float, is_strong: bool, state: MutableFloats) -> None:
-    """Decide whether slip is incipient or ON: not until the floors are learned; it stays while its energy does."""
+def hear(
+    c: FastCoefficients, score: float, upper: float, wide: float, is_fading: bool, has_ended: bool, wide_short: float,
+    state: MutableFloats,
+) -> int:  # fmt: skip
+    """Follow vibration from the moment it is heard: `LASTS` if it may be what made slip incipient, `SURE` if no knock.
+
+    Of a real slide, whose friction moves the slow force, the trees say often that it is nearly slip: the sum of their
+    scores tells. `upper` and `wide` are the energies of 20 ms over their floors.
+    """
+    is_heard = upper > c.stay_ratio and state[SETTLING] == 0.0
+    if not is_heard and state[INCIPIENT] == 0.0:
+        state[HEARD] = state[HEARD_TICKS] = state[HEARD_MEAN] = state[HEARD_SQUARE] = state[STEADY] = 0.0
+        return 0
+    state[HEARD_TICKS] += 1.0
+    share = 1.0 / min(state[HEARD_TICKS], STEADY_TICKS)
+    state[HEARD_MEAN] += share * (wide_short - state[HEARD_MEAN])
+    state[HEARD_SQUARE] += share * (wide_short * wide_short - state[HEARD_SQUARE])
+    mean = state[HEARD_MEAN]
+    is_steady = state[HEARD_SQUARE] - mean * mean < STEADY_RATIO * mean * mean
+    state[STEADY] = state[STEADY] + 1.0 if is_steady else 0.0
+    is_sum = state[INCIPIENT] == 0.0 and not is_steady
+    state[HEARD] = max(state[HEARD] + (score - c.heard_score), 0.0) if is_sum else 0.0
+    is_on = state[ON] > 0.0
+    if has_ended or state[STEADY] > (STEADY_ON_TICKS if is_on else 0.0):
+        return 0
+    if is_heard and not is_fading:
+        return SURE
+    return LASTS if (is_heard and is_on) or (wide > c.stay_ratio and not is_fading) else 0
+
+
+def decide(
+    c: FastCoefficients, score: float, on_score: float, is_strong: bool, vibration: int, state: MutableFloats
+) -> None:
+    """Decide whether slip is incipient or ON: not until the floors are learned; it stays while its vibration does."""
     if state[SETTLING] > 0.0:
         state[SETTLING] -= 1.0
         state[INCIPIENT] = 0.0
     elif state[INCIPIENT] > 0.0:
         state[SMOOTH_SCORE] += c.score_smoothing * (score - state[SMOOTH_SCORE])
-        stays = score > c.stay_threshold or (is_strong and state[SMOOTH_SCORE] > c.stay_threshold)
+        smooth = state[SMOOTH_SCORE]
+        stays = score > c.stay_threshold or (is_strong and smooth > c.stay_threshold)
+        stays = stays or (vibration > 0 and smooth > HOLD_SCORE)
         state[INCIPIENT] = 1.0 if stays else 0.0
     else:
         state[SMOOTH_SCORE] = on_score - c.incipient_margin
-        state[INCIPIENT] = 1.0 if score > state[SMOOTH_SCORE] else 0.0
-    is_on = state[INCIPIENT] > 0.0 and (state[ON] > 0.0 or score > on_score)
+        state[INCIPIENT] = 1.0 if score > state[SMOOTH_SCORE] or state[HEARD] >= EVIDENCE else 0.0
+    is_sure = score > on_score or (vibration == SURE and state[ON_TICKS] >= SURE_TICKS)
+    is_on = state[INCIPIENT] > 0.0 and (state[ON] > 0.0 or is_sure)
     state[ON] = 1.0 if is_on else 0.0
+    state[AFTER] = AFTER_TICKS if is_on and state[ON_TICKS] > LONG_TICKS else max(state[AFTER] - 1.0, 0.0)
 
 
 def unlearn_tone(c: FastCoefficients, wide_long: float, upper_long: float, state: MutableFloats) -> None:

@@ -166,10 +166,11 @@ def test_a_detector_that_misses_less_or_is_sooner_by_a_quarter_is_named(others, 
 @pytest.mark.full
 @pytest.mark.parametrize(("name", "kind"), [("article", "analog"), ("fsr400", "fast"), ("first_finger", "fast")])
 def test_presets_state_a_detector_that_passes_and_that_none_ranks_before(name, kind):
+    """With 24 trials one slip that the article's diode hides for a second decides, so these are the article's 120."""
     design = Design.load(name)
     assert design.detector.kind == kind
     detectors = tuple(DETECTORS) if design.board.has_filter else (kind,)
-    result = run_campaign(design, CampaignPlan(24, 1.0), detectors, (1.0,))
+    result = run_campaign(design, CampaignPlan(120, 0.5), detectors, (1.0,))
     assert find_better(result, kind) is None
     assert [requirement.message for requirement in check_detection(result, kind) if not requirement.passed] == []
 

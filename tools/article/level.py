@@ -160,12 +160,11 @@ def plot(rows: Iterable[Mapping[str, Any]]) -> bytes:
     panels, points = figure.subplots(1, len(DIODES), sharey=True), [LevelPoint(**row) for row in rows]
     for axes, diode in zip(panels, DIODES, strict=True):
         *mine, default = [one for one in points if one.diode == diode]
-        for count in range(len(STATEMENTS) + 1):
-            some = [one for one in mine if sum(one.holds().values()) == count]
-            colour = style.BLUE if count == len(STATEMENTS) else style.TEXT_COLOUR
+        for one in mine:
+            count, is_kept = sum(one.holds().values()), one.holds_first()
             axes.scatter(
-                [one.level_um for one in some], [one.exponent for one in some], s=12 + 6 * count, color=colour,
-                alpha=1.0 if count == len(STATEMENTS) else 0.1 + 0.13 * count, linewidths=0,
+                one.level_um, one.exponent, s=12 + 6 * count, color=style.BLUE if is_kept else style.TEXT_COLOUR,
+                alpha=0.9 if is_kept else 0.1 + 0.13 * count, linewidths=0,
             )  # fmt: skip
         axes.plot(default.level_um, default.exponent, "+", color=style.RED, markersize=14, markeredgewidth=2)
         axes.set_xscale("log")

@@ -196,7 +196,7 @@ def _envelope_loop(
                 is_up = 1.0 if input2 < reversal + is_up * RECOVERY_V else 0.0
                 state2 = find_state(z[at2], math.inf if is_up > 0.0 else rate2, low, high, slew)
                 mode = (2 if state1 else 0) + (1 if state2 else 0)
-                if mode > 0:
+                if state2 != FREE:
                     held[i + 1] = 1.0
                 z[states + 2] = slew if state1 == RISING else -slew if state1 == FALLING else 0.0
                 z[states + 3] = slew if state2 == RISING else -slew if state2 == FALLING else 0.0
@@ -351,5 +351,5 @@ run = CompiledLoop(_envelope_loop, wright_omega, dot, multiply, find_state, outp
 """Follows one board over one chunk of samples.
 
 It carries `CARRIED` numbers and z (the states) to the next chunk, uses z_next and tables as scratch memory, and fills
-filtered, envelope, whether an amplifier was held since the sample before, and the statistics.
+filtered, envelope, whether the second amplifier was held since the sample before, and the statistics.
 """

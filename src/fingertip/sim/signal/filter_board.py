@@ -41,7 +41,7 @@ class BoardSignals:
     envelope_v: Array
     """Output of the rectifier."""
     clips: Array
-    """1 where an amplifier was at its limits since the sample before, else 0."""
+    """1 where the filter's output was at its limits since the sample before, else 0."""
     steps: int
     rejected: int
     implicit: int
@@ -86,7 +86,7 @@ class AnalogStream:
         self.steps = 0
         """Steps taken so far, accepted and rejected."""
         self.clips = np.zeros(0)
-        """1 where an amplifier was at its limits since the sample before, else 0, at the samples processed last."""
+        """1 where the filter's output was at its limits since the sample before, at the samples processed last."""
 
     def process(
         self, voltage_v: Array, after_v: Array | None = None, bend_v: Array | None = None

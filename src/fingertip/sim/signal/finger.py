@@ -79,7 +79,7 @@ class FingerSignals:
     sampled_filtered_v: Array | None = None
     slip_pin_v: Array | None = None
     clips: NDArray[np.bool_] | None = None
-    """True where an amplifier of the filter is at its limits; no output of a scene, and there wherever a board is."""
+    """True where the filter's output is at its limits; no output of a scene, and there wherever a board is."""
 
     @classmethod
     def join(cls, chunks: list[FingerSignals]) -> FingerSignals:

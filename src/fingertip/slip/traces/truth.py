@@ -131,7 +131,7 @@ class Origin:
     motion_s: float | None = None
     """Moment at which the robot begins to slide [s]; None if there is no slide, or it is not known."""
     clip_share: float | None = None
-    """Share of the true slip in which the board's amplifiers are at their limits; None if it is not known."""
+    """Share of the true slip in which the filter's output is at its limits; None if it is not known."""
 
     @property
     def truth(self) -> str:

@@ -11,7 +11,7 @@ from jinja2 import meta, nodes
 
 from fingertip.casting.sheet import CastingSheet
 from fingertip.documents.acceptance import AcceptanceSheet
-from fingertip.documents.finger import BoardCost, FirstScreen, Step
+from fingertip.documents.finger import FirstScreen, Step
 from fingertip.documents.finger_set import SetSheets
 from fingertip.documents.robot import ModelFigures
 from fingertip.documents.template import _environment
@@ -24,13 +24,13 @@ FIELDS: dict[str, tuple[type, dict[str, Any]]] = {
     "acceptance.md": (AcceptanceSheet, {}),
     "casting.md": (CastingSheet, {"steps": tuple[Step, ...], "pictures": Any}),
     "steps.md": (CastingSheet, {}),
-    "start.md": (FirstScreen, {"cost": BoardCost, "usd": Any}),
+    "start.md": (FirstScreen, {"usd": Any}),
     "robot.md": (ModelFigures, dict.fromkeys(ROBOT, Any)),
     "set_acceptance.md": (SetSheets, {}),
     "set_overview.md": (SetSheets, {}),
     "set_parts.md": (SetSheets, {}),
     "set_plan.md": (SetSheets, {}),
-    "set_start.md": (SetSheets, {"cost": BoardCost}),
+    "set_start.md": (SetSheets, {}),
 }
 """Template -> dataclass that fills it, and what it is given besides."""
 

@@ -11,9 +11,6 @@ import textwrap
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from fingertip.board.analysis.board_values import board_values
-from fingertip.board.circuits.board_circuit import board_circuit
-from fingertip.board.fabrication.bom import estimate_cost, purchased_components
 from fingertip.casting.sheet import CastingSheet, add_prices
 from fingertip.design import Design
 from fingertip.design.hand_sizes import SIZES
@@ -59,20 +56,6 @@ def draw_hand_sizes(design: Design | None = None) -> bytes:
 
 
 @dataclass(frozen=True)
-class BoardCost:
-    usd: tuple[float, float] | None
-    """Least and largest sum of the classes of prices; None without a board."""
-    components: int
-
-    @classmethod
-    def of_design(cls, design: Design | None) -> BoardCost:
-        if design is None or not design.board.has_filter:
-            return cls(None, 0)
-        circuit = board_circuit(board_values(design), design.board.channels)
-        return cls(estimate_cost(circuit), len(purchased_components(circuit)))
-
-
-@dataclass(frozen=True)
 class Loads:
     """Loads that break the bone, as the report states them."""
 
@@ -101,7 +84,7 @@ class FirstScreen:
 
 def render_start(screen: FirstScreen) -> str:
     usd = add_prices(screen.casting.things) if screen.casting else None
-    return render_page("start.md", **vars(screen), cost=BoardCost.of_design(screen.design), usd=usd)
+    return render_page("start.md", **vars(screen), usd=usd)
 
 
 def render_basis_table(design: Design) -> str:

@@ -20,8 +20,8 @@ from fingertip.catalogues.output_files import BOARD_DESIGN, BOARD_FOLDER
 from fingertip.design import Design
 from fingertip.design.finger_set import FingerSet, Form
 from fingertip.documents.acceptance import AcceptanceSheet
-from fingertip.documents.finger import BoardCost, list_steps
-from fingertip.documents.template import fill, render_page
+from fingertip.documents.finger import list_steps
+from fingertip.documents.template import fill
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.files import format_csv
 
@@ -256,13 +256,8 @@ def _read_amount(amount: str) -> tuple[float, str]:
 
 
 def render_sheet(name: str, sheets: SetSheets) -> str:
-    """Render overview, plan, parts or acceptance of a set as Markdown."""
+    """Render start, overview, plan, parts or acceptance of a set as Markdown."""
     return fill(f"set_{name}.md", sheets)
-
-
-def render_set_start(sheets: SetSheets, board_design: Design | None) -> str:
-    """Render the first screen of a set, with the board of all its fingers if there is one."""
-    return render_page("set_start.md", **vars(sheets), cost=BoardCost.of_design(board_design))
 
 
 def write_parts_csv(things: Iterable[SharedThing]) -> bytes:

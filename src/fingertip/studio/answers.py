@@ -123,7 +123,7 @@ def answer_figures(design: Design, still_wanted: StillWanted) -> Answer:
     return Answer(figures=render_facts(shown))
 
 
-_FIGURES = ("Size", "Print", "Silicone", "Time", "Money", "Cost of the board's parts")
+_FIGURES = ("Size", "Print", "Silicone", "Time", "Money")
 """Sections of the first screen of a page that the studio shows."""
 
 

@@ -133,7 +133,7 @@ def _render_sheets(
     names = {OVERVIEW: "overview", CASTING_PLAN: "plan", PARTS_LIST: "parts", ACCEPTANCE: "acceptance"}
     pages = {file: finger_set.render_sheet(name, sheets) for file, name in names.items()}
     pictures = {form.design.name: draw_finger(form.design, _PICTURE_PX) for form in fingers.forms}
-    start = finger_set.render_set_start(sheets, fingers.board_design)
+    start = finger_set.render_sheet("start", sheets)
     return {
         **{name: text.encode() for name, text in pages.items()},
         PARTS_CSV: finger_set.write_parts_csv(sheets.things),

@@ -39,15 +39,8 @@ def slide(name: str = "medium", force_n: float = 1.0, **surface: object) -> tupl
 def test_bundled_files_state_every_value_and_begin_with_the_articles() -> None:
     assert tuple(SURFACES)[:6] == ARTICLE_SURFACES
     for name, surface in SURFACES.items():
-        values = (
-            surface.roughness_um,
-            surface.felt_um,
-            surface.felt_exponent,
-            surface.longest_wave_mm,
-            surface.hurst,
-            surface.friction.stribeck_m_s,
-        )
-        assert min(values) > 0.0, name
+        stated = ("roughness_um", "felt_um", "felt_exponent", "longest_wave_mm", "hurst")
+        assert min(*(getattr(surface, key) for key in stated), surface.friction.stribeck_m_s) > 0.0, name
         assert surface.material
         assert (surface.ridge_depth_um > 0.0) == name.startswith("ridged"), name
     roughness = {name: SURFACES[name].roughness_um for name in ARTICLE_SURFACES[:3]}

@@ -13,6 +13,7 @@ from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.pad.response import Pad
 from fingertip.sim import SceneFile, Trial, load_simulation, run_scene, simulate
+from fingertip.sim.report import find_warnings
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.converter import compute_bridge_v
@@ -182,14 +183,21 @@ def test_jump_of_the_cable_is_a_jump_for_the_board():
     assert np.abs(straight[near] - right[near]).max() > 0.1
 
 
-def test_amplifier_models_differ():
-    outs = {}
-    for kind in ("ideal", "real"):
-        scene = load_scene(
-            "hard_tap", **{"tap.force_n": 20.0, "outputs": '["filtered_v"]', "sensing.amplifiers": f'"{kind}"'}
-        )
-        outs[kind] = run_scene(DESIGN, scene).columns["filtered_v"]
-    assert np.abs(outs["real"]).max() == 3.5 < np.abs(outs["ideal"]).max()
+@pytest.mark.full
+def test_a_board_that_clips_says_so():
+    shown = {}
+    for kind, felt_um in (("ideal", 8.0), ("real", 8.0), ("real", 0.8)):
+        changes = {
+            "outputs": '["filtered_v", "slip"]',
+            "surface.felt_um": felt_um,
+            "slide.distance_m": 0.01,
+            "sensing.amplifiers": f'"{kind}"',
+        }
+        result = run_scene(DESIGN, load_scene("sliding_finger", **changes))
+        shown[kind, felt_um] = result.columns["filtered_v"].max(), [*find_warnings(result)], result.clip_share
+    assert shown["real", 8.0][0] == 3.5 < shown["ideal", 8.0][0]
+    assert f"the board clips in {shown['real', 8.0][2]:.0%} of the slide" in shown["real", 8.0][1][-1]
+    assert shown["real", 0.8][1:] == ([], 0.0)
 
 
 FOLDER = ROOT / "params" / "scenes"

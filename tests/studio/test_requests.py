@@ -89,6 +89,8 @@ def list_malformed(server: StudioServer) -> Iterator[tuple[bytes, int, str]]:
         yield post(server, "{}", Content_Length=length), 413, "longer than 1000000 bytes"
     yield post(server, "2\r\n{}\r\n0\r\n\r\n", Content_Length=None, Transfer_Encoding="chunked"), 411, "length"
     yield post(server, TABLES % f'{{"width_mm": {4000 * "9"}}}'), 400, "whole numbers of at most 18 digits"
+    many = json.dumps({f"a{i}": 1 for i in range(50_000)})
+    yield post(server, TABLES % many), 400, "more values than a design has"
     yield post(server, TABLES % f'{{"width_mm": -{5000 * "9"}}}'), 400, "not valid JSON"
     yield post(server, TABLES % r'{"\ud800": 1}'), 400, "not valid JSON"
     yield post(server, TABLES % r'{"width_mm": "\udfff"}'), 400, "not valid JSON"

@@ -14,6 +14,7 @@ from fingertip.sweep import database
 from fingertip.sweep.database import SweepDatabase
 from fingertip.sweep.database_file import FILE
 from tests.sweep.examples import make_plan
+from tools.fuzz import originals
 
 
 def test_second_sweep_in_a_folder_is_refused(tmp_path: Path) -> None:
@@ -117,3 +118,12 @@ def test_many_definitions_are_refused_before_they_are_read(tmp_path: Path) -> No
         connection.executescript("".join(f"CREATE VIEW v{number} AS SELECT 1;" for number in range(1500)))
     with pytest.raises(SweepError, match="is damaged: it has more definitions than a sweep"):
         SweepDatabase.open(tmp_path)
+
+
+def test_a_database_that_another_program_holds_is_in_use(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fingertip.sweep.database_file._BUSY_TIMEOUT_S", 0.01)
+    (tmp_path / "sweep.sqlite").write_bytes(originals.sweep_database())
+    with contextlib.closing(sqlite3.connect(tmp_path / "sweep.sqlite")) as held:
+        held.execute("BEGIN EXCLUSIVE")
+        with pytest.raises(SweepError, match="is in use by another program"):
+            SweepDatabase.open(tmp_path)

@@ -3,7 +3,8 @@
     python -m tools.fuzz.targets --cases 400     the same cases each time, by Hypothesis
 
 A target is a function of bytes: it puts them where the program meets a manifest, the plan of an unfinished replacement,
-a sweep's database, a layout or schematic that somebody edited in KiCad, or a recording. It may raise the errors of the
+a sweep's database, a layout that somebody edited in KiCad, or a recording; or takes them for odd arguments of a public
+function. It may raise the errors of the
 program and nothing else, and it asserts what must hold then. Exit code 1: there is a fault, whose bytes are printed.
 """
 
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import inspect
 import os
 import sys
 import tempfile
@@ -24,6 +26,7 @@ import numpy as np
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
+import fingertip
 from fingertip.board.kicad.netlist import CircuitRecord, read_netlist
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError
@@ -122,9 +125,27 @@ def try_layout(data: bytes) -> None:
     _edit(data, "slip_filter.kicad_pcb", "footprint")
 
 
-def try_schematic(data: bytes) -> None:
-    """Meet a schematic that somebody edited."""
-    _edit(data, "slip_filter.kicad_sch", "symbol")
+_LIGHT = frozenset({
+    "Trace", "Trial", "CampaignPlan", "Readout", "calibrate_printer", "calibrate_sensor", "detect", "detect_file",
+    "detect_stream", "read_trace", "read_weighings",
+})  # fmt: skip
+"""Public names that may get a design: others would work for minutes."""
+_ODD: tuple[object, ...] = (
+    None, True, 0, -1, 1.5, float("nan"), float("inf"), 10**400, "", "fsr400", "\0", b"x", Path("x"), [], [1.0, 2.0],
+    [None], {}, {"a": 1}, {5: 5}, (1,), ("a", "b"), object(), np.zeros(3), np.zeros((3, 5)), np.float64(2e3),
+)  # fmt: skip
+
+
+def try_call(data: bytes) -> None:
+    """Call a public function with odd values: it works, or raises an error of its own that names an argument."""
+    names = [name for name in fingertip.__all__ if callable(getattr(fingertip, name)) and not name.endswith("Error")]
+    name, *rest = names[data[0] % len(names) if data else 0], *data[1:]
+    parameters = list(inspect.signature(getattr(fingertip, name)).parameters.values())
+    values = {each.name: _ODD[byte % len(_ODD)] for each, byte in zip(parameters, rest, strict=False)}
+    values |= {each.name: Design() for each in parameters if each.name == "design" and name in _LIGHT}
+    if all(each.name in values or each.default is not each.empty for each in parameters):
+        with tempfile.TemporaryDirectory() as top, contextlib.chdir(top), contextlib.suppress(FingertipError):
+            getattr(fingertip, name)(**values)
 
 
 def try_recording(data: bytes) -> None:
@@ -146,7 +167,7 @@ def list_examples(name: str) -> list[bytes]:
         "manifest": [originals.board_folder()["manifest.json"]], "plan": [plan],
         "database": [originals.sweep_database()],
         "layout": [_boards()[0]["slip_filter.kicad_pcb"]],
-        "schematic": [_boards()[0]["slip_filter.kicad_sch"]],
+        "call": [bytes([i, j, *range(j, j + 8)]) for i in range(60) for j in range(len(_ODD))],
         "recording": recordings,
     }  # fmt: skip
     return examples[name]
@@ -154,7 +175,7 @@ def list_examples(name: str) -> list[bytes]:
 
 TARGETS: Mapping[str, Callable[[bytes], None]] = {
     "manifest": try_manifest, "plan": try_plan, "database": try_database, "layout": try_layout,
-    "schematic": try_schematic, "recording": try_recording,
+    "call": try_call, "recording": try_recording,
 }  # fmt: skip
 
 

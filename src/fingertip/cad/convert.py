@@ -17,7 +17,7 @@ from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation import extras
-from fingertip.foundation.errors import DesignError, Issue
+from fingertip.foundation.errors import ArgumentError, DesignError, Issue
 from fingertip.pad.pad_geometry import PadForm
 
 if TYPE_CHECKING:
@@ -162,7 +162,10 @@ def mesh_of(shape: cadquery.Workplane | cadquery.Shape, tolerance_mm: float = 0.
         If the mesh is not closed.
     """
     tolerance_mm = MeshEvaluator(tolerance_mm).tolerance_mm
-    points, triangles = getattr(shape, "val", lambda: shape)().tessellate(tolerance_mm, _ANGLE_RAD)
+    whole = getattr(shape, "val", lambda: shape)()
+    if not hasattr(whole, "tessellate"):
+        raise ArgumentError(Issue("shape", f"is of type {type(shape).__name__}; give a cadquery Workplane or Shape."))
+    points, triangles = whole.tessellate(tolerance_mm, _ANGLE_RAD)
     joined, number = join_equal(np.round(np.array([each.toTuple() for each in points]), _DECIMALS))
     corners = number[np.array(triangles)]
     distinct = (corners != np.roll(corners, 1, axis=1)).all(axis=1)

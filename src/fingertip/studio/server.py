@@ -15,6 +15,7 @@ import os
 import secrets
 import socket
 import sys
+import threading
 import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -38,6 +39,8 @@ TOKEN_HEADER = "X-Fingertip-Token"
 """Header of a request that carries the token. A page of another origin cannot set it without being asked first."""
 MAX_PORT = 65535
 _MAX_BODY_BYTES = 1_000_000
+_MAX_VALUES, _MAX_THREADS = 1000, 100
+"""Largest number of values in a request, far above that of parameters, and of threads that hold connections."""
 _TIMEOUT_S = 60.0
 """Time after which a connection that sends nothing is closed [s]."""
 _HTML = "text/html; charset=utf-8"
@@ -90,6 +93,10 @@ class StudioServer(ThreadingHTTPServer):
     @property
     def url(self) -> str:
         return f"http://{self.hosts[0]}/?token={self.token}"
+
+    def verify_request(self, request: Any, client_address: Any) -> bool:
+        """Refuse connections beyond a number, which may be half open; those that send nothing end by themselves."""
+        return threading.active_count() <= _MAX_THREADS
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Print an exception that nobody expected; not that of a connection, which ends where its page is closed."""
@@ -253,6 +260,8 @@ class _Handler(BaseHTTPRequestHandler):
         tables, client, field = content.get("tables"), content.get("client"), content.get("field", "")
         if not isinstance(tables, dict) or not isinstance(client, str) or not isinstance(field, str):
             raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The request holds not both tables and a client.")
+        if sum(len(each) if isinstance(each, dict) else 1 for each in tables.values()) > _MAX_VALUES:
+            raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The request holds more values than a design has.")
         try:
             check_values(tables)
         except UnusableTomlError as error:

@@ -81,6 +81,8 @@ def translated_errors(folder: Path) -> Iterator[None]:
         if "disk is full" in text or "disk I/O error" in text:
             remedy = "free some space, then continue with --resume. The rows written so far are safe"
             raise OutputError(Issue(str(folder), f"cannot be written any further ({text}); {remedy}.")) from error
+        if "locked" in text:
+            raise make_error(folder, f"is in use by another program ({text}); ask again when it has ended.") from error
         if "not a database" in text or "malformed" in text or "no such table" in text:
             problem = f"is not the database of a sweep ({text}); choose another folder with --out."
             raise make_error(folder / FILE, problem) from error

@@ -31,7 +31,12 @@ def read_noise_total(folder: Path, deck: str, net: str) -> float:
     """
     commands = f"noise v({net.lower()}) IJ1 dec 100 0.1 1meg 1\nsetplot noise2\nset filetype=ascii\nwrite all.raw"
     run_ngspice(folder, deck, f"{commands}\nwrdata out onoise_total")
-    head, _, values = (folder / "all.raw").read_text(encoding="utf-8").partition("Values:\n")
+    return sum_noise((folder / "all.raw").read_text(encoding="utf-8"))
+
+
+def sum_noise(raw: str) -> float:
+    """Return the total of a raw file of noise less what ngspice 46 adds for sidewalls [V]."""
+    head, _, values = raw.partition("Values:\n")
     names = [name.removeprefix("v(").removesuffix(")") for name in re.findall(r"^\t\d+\t(\S+)", head, re.MULTILINE)]
     found = dict(zip(names, map(float, values.split()[1:]), strict=True))
     sidewalls = (found[name] ** 2 for name in names if name.startswith("onoise_total") and name.endswith("_idsw"))

@@ -21,7 +21,7 @@ from fingertip.board.components.values import SUPPLIES, VARIANT_CHANGES
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier, find_gain_bandwidth_hz
 from fingertip.tasks.board import write_board
-from tests.board.ngspice import read_noise_total, run_ngspice
+from tests.board.ngspice import read_noise_total, run_ngspice, sum_noise
 from tests.designs import ARTICLE, load_article
 from tests.oracles.filter_formulas import filter_transfer
 
@@ -344,3 +344,17 @@ def test_output_noise_of_the_bridge_amplifier_shows_at_low_gain(gain_resistor: s
     circuit = board_circuit(board_values(ARTICLE)).replace("R14", gain_resistor)
     sources = {source.name: source for source in add_noise(circuit, 4e6).sources}
     assert sources["U2"].noise == pytest.approx(density_nv * 1e-9, rel=1e-3)
+
+
+def test_the_sidewalls_that_ngspice_46_adds_to_each_diode_are_left_out() -> None:
+    """Form of its raw file: the total holds the same sidewall noise once for each diode, though none has a sidewall."""
+    total_v = math.sqrt(3e-5**2 + 2 * 4e-5**2)
+    found = {
+        "v(onoise_total)": total_v,
+        "onoise_total_d1_idsw": 4e-5,
+        "v(onoise_total_d2_idsw)": 4e-5,
+        "v(inoise_d1)": 1,
+    }
+    names = "".join(f"\t{i}\t{name}\tvoltage\n" for i, name in enumerate(found))
+    values = "".join(f"\t{value}\n" for value in found.values())
+    assert sum_noise(f"Variables:\n{names}Values:\n 0{values}") == pytest.approx(3e-5)

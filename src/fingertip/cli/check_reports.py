@@ -93,9 +93,9 @@ def to_junit(suites: Mapping[str, Iterable[Check]], refused: Mapping[str, Iterab
     """
     root = Element("testsuites", name="fingertip check")
     for name, checks in suites.items():
-        _suite(root, _clean(name), tuple(checks))
+        _suite(root, _clean(name), checks)
     for name, issues in (refused or {}).items():
-        _refused_suite(root, _clean(name), tuple(issues))
+        _suite(root, _clean(name), issues)
     for count in ("tests", "failures", "errors"):
         root.set(count, str(sum(int(suite.get(count, "0")) for suite in root)))
     ElementTree.indent(root)
@@ -108,27 +108,23 @@ def message(check: Check) -> str:
     return f"value {check.value:g} {check.unit}".rstrip() + f", must be {check.relation} {check.limit:g}"
 
 
-def _suite(root: Element, name: str, checks: tuple[Check, ...]) -> None:
-    failed = sum(not check.passed for check in checks)
+def _suite(root: Element, name: str, cases: Iterable[Check | Issue]) -> None:
     # Readers group test cases by the dots in the class name, so dots in the design's name are replaced.
-    classname = "fingertip." + name.replace(".", "_")
-    suite = SubElement(root, "testsuite", name=name, tests=str(len(checks)), failures=str(failed), errors="0")
-    suite.set("skipped", "0")
-    for check in checks:
-        case = SubElement(suite, "testcase", classname=classname, name=_clean(check.name))
-        if not check.passed:
-            failure = SubElement(case, "failure", type="check", message=message(check))
-            failure.text = f"{name}: {check.name}: {message(check)}"
-        SubElement(case, "system-out").text = _clean(message(check))
-
-
-def _refused_suite(root: Element, name: str, issues: tuple[Issue, ...]) -> None:
-    suite = SubElement(root, "testsuite", name=name, tests=str(len(issues)), failures="0", errors=str(len(issues)))
-    suite.set("skipped", "0")
-    for issue in issues:
-        field, text = _clean(issue.field), _clean(issue.message)
-        case = SubElement(suite, "testcase", classname="fingertip." + name.replace(".", "_"), name=field or "design")
-        SubElement(case, "error", type="refused", message=text).text = f"{name}: {field}: {text}"
+    suite, counts = SubElement(root, "testsuite", name=name), {"tests": 0, "failures": 0, "errors": 0, "skipped": 0}
+    for each in cases:
+        is_refusal = isinstance(each, Issue)
+        title, text = (each.field, each.message) if isinstance(each, Issue) else (each.name, message(each))
+        title, text = _clean(title), _clean(text)
+        case = SubElement(suite, "testcase", classname="fingertip." + name.replace(".", "_"), name=title or "design")
+        counts["tests"] += 1
+        if isinstance(each, Issue) or not each.passed:
+            tag, kind = ("error", "refused") if is_refusal else ("failure", "check")
+            counts[f"{tag}s"] += 1
+            SubElement(case, tag, type=kind, message=text).text = f"{name}: {title}: {text}"
+        if not is_refusal:
+            SubElement(case, "system-out").text = text
+    for count, number in counts.items():
+        suite.set(count, str(number))
 
 
 def _clean(text: str) -> str:

@@ -81,8 +81,6 @@ class Holds:
 
     rules: tuple[Rule, ...]
     """Rules that cost little, checked beside those of the design."""
-    costly: tuple[Rule, ...]
-    """Rules that are checked beside these where they were broken."""
     judge: Callable[[DesignTables], Sequence[BrokenRule]]
     """Finds what is too weak in a design that passes all rules."""
     stronger: Mapping[str, float]
@@ -162,7 +160,7 @@ def _find(
             continue
         values = search.move_back(values)
         if holds and (found := holds.judge(tables.with_values(values))):
-            search = _Search(tables, free, holds, found)
+            search = _Search(tables, free, holds)
             nearer = search.find_passing(values, progress, checks)
             values = search.move_back(nearer) if nearer is not None else values
             strong = search.strengthen(values) if nearer is not None else None
@@ -192,11 +190,9 @@ def list_moved(tables: DesignTables, given: Collection[str]) -> tuple[str, ...] 
 class _Search:
     """Search for values of free parameters with which a design passes."""
 
-    def __init__(
-        self, tables: DesignTables, free: Ranges, holds: Holds | None = None, broken: Collection[BrokenRule] = ()
-    ) -> None:
+    def __init__(self, tables: DesignTables, free: Ranges, holds: Holds | None = None) -> None:
         self._tables, self._free, self._holds = tables, free, holds
-        self._held = (*holds.rules, *(one.rule for one in broken if one.rule in holds.costly)) if holds else ()
+        self._held = holds.rules if holds else ()
         self._rules = (*cheapest_first(PART_RULES), *self._held)
         self._checked: dict[tuple[tuple[str, float], ...], tuple[float, tuple[BrokenRule, ...]]] = {}
         self._count = 0

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Sequence
 from typing import cast
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.verification import mold
+from fingertip.cad.verification.mold import palmar_error_mm, palmar_error_share
 from fingertip.cad.verification.skin import MAX_REST_N
 from fingertip.cad.verification.strength import BoneStrength, assess_strength, find_lighter_loads, list_load_points
 from fingertip.cad.verification.verify import check
@@ -38,10 +38,8 @@ _STRONGER = {
 _TILT, _CLEAR_MM, _BESIDE_SENSOR = math.radians(5.0), 0.15, 1.25
 """Tilt tip up at which a pad must feel a touch, height by which it stands out past the collar there, and distance of
 the touch from the sensor over the radius of its active area. Pads with these turn on below 1 N."""
-_CAST_RESERVE, _COARSE_MM = 0.97, 0.05
-"""Part of a limit of the casting that a fit uses, for the tolerance of the coarse meshes that it cuts."""
 _JOINT, _BONE = Ruleset(lambda design: design.dimensions.joint), Ruleset()
-_CROWN, _SKIN, _CAST = Ruleset(lambda design: design.dimensions.crown), Ruleset(), Ruleset()
+_CROWN, _SKIN = Ruleset(lambda design: design.dimensions.crown), Ruleset()
 
 
 def fit_finger(
@@ -84,7 +82,7 @@ def find_mend(design: Design, given: Collection[str]) -> Sequence[str]:
 
 def judge(design: DesignTables) -> tuple[BrokenRule, ...]:
     """Find the checks of a build that a design fails, of those that no rule foresees."""
-    return tuple(find_violations((*_CROWN, *_SKIN, *_CAST, *_BONE), design))
+    return tuple(find_violations((*_CROWN, *_SKIN, *_BONE), design))
 
 
 @_CROWN.at_least("skin.crown_drop_mm")
@@ -105,29 +103,6 @@ def pad_touches_near_the_sensor(design: DesignTables) -> Limit:
     return Limit(reach - math.sin(_TILT) * design.skin.crown_radius_mm, "lets a plate touch beside the sensor")
 
 
-@_CAST.at_least("skin.thickness_dorsal_mm")
-def core_goes_down_lightly(design: DesignTables) -> Limit:
-    over = _plunge_kpa(design) / _CAST_RESERVE / mold.max_plunge_kpa(cast(Design, design))
-    return Limit(design.skin.thickness_dorsal_mm * math.sqrt(over), "leaves the silicone no way past the core")
-
-
-@_CAST.at_least("skin.semi_axis_dorsal_mm", core_goes_down_lightly)
-def core_bends_little(design: DesignTables) -> Limit:
-    over = mold.core_bending_mm(cast(Design, design), _plunge_kpa(design)) / _CAST_RESERVE / mold.MAX_BENDING_MM
-    height = design.dimensions.bone_outline.section.dorsal + design.dimensions.flat_depth
-    return Limit(
-        design.skin.semi_axis_dorsal_mm + height * (math.cbrt(over) - 1.0), "lets the core bend as it is lowered"
-    )
-
-
-@functools.lru_cache(maxsize=16)
-def _plunge_kpa(design: DesignTables) -> float:
-    try:
-        return mold.plunge_pressure_kpa(cast(Design, design), MeshEvaluator(_COARSE_MM))
-    except ValueError:  # a section without a gap, or none, of a trial that breaks other rules
-        return math.inf
-
-
 @_SKIN.at_most("skin.bump_height_mm", when=lambda design: design.skin.bump_height_mm)
 def bump_rests_lightly(design: DesignTables) -> Limit | None:
     """The force at rest is proportional to the height of the bump."""
@@ -140,7 +115,7 @@ def bump_rests_lightly(design: DesignTables) -> Limit | None:
 @_SKIN.at_least("skin.thickness_palmar_mm")
 def mold_is_true_over_the_sensor(design: DesignTables) -> Limit:
     built = cast(Design, design)
-    least = mold.palmar_error_mm(built) / mold.palmar_error_share(built)
+    least = palmar_error_mm(built) / palmar_error_share(built)
     return Limit(least, "is too thin for the error with which the mold holds its core")
 
 
@@ -171,4 +146,4 @@ def bone_holds_the_knock(design: DesignTables) -> Limit:
     return Limit(found.held_speed_m_s, f"leaves the bone a safety factor below {factor:g} ({where})")
 
 
-_HOLDS = Holds((*_CROWN, *_SKIN, *_JOINT), (*_CAST,), judge, _STRONGER)
+_HOLDS = Holds((*_CROWN, *_SKIN, *_JOINT), judge, _STRONGER)

@@ -32,7 +32,7 @@ _SHARE_PER_MM, _ERRORS_MM = 1.0, (0.05, 0.1)
 """Share of the palmar skin that may be missing over the error of a flank: 5 % at 0.05 mm, 10 % at 0.1 mm."""
 _BAND_N = 1.0
 """Force of a rubber band [N]: two go twice across the seam, one holds the core down. An assumption."""
-MAX_BENDING_MM, _MAX_FILM_MM, _MAX_AIR_MM3 = 0.01, 0.02, 0.05
+_MAX_BENDING_MM, _MAX_FILM_MM, _MAX_AIR_MM3 = 0.01, 0.02, 0.05
 _SECTIONS = 24
 
 
@@ -57,8 +57,9 @@ def check_mold(design: Design, solids: Solids) -> Iterator[Check]:
     share = palmar_error_share(design)
     yield Check("mold.palmar_error", palmar_error_mm(design), share * design.skin.thickness_palmar_mm, "mm")
     pressure = plunge_pressure_kpa(design, evaluator)
-    yield Check("mold.plunge_pressure", pressure, max_plunge_kpa(design), "kPa")
-    yield Check("mold.core_bending", core_bending_mm(design, pressure), MAX_BENDING_MM, "mm")
+    height = design.mold_layout.foot_z * design.mold_layout.cavity_half_width * 2
+    yield Check("mold.plunge_pressure", pressure, 4e3 * _BAND_N / height, "kPa")
+    yield Check("mold.core_bending", core_bending_mm(design, pressure), _MAX_BENDING_MM, "mm")
     yield Check("mold.creep", seam_mm3(design, pressure), _notches_mm3(design), "mm3")
     yield Check("mold.seat_film", seat_film_mm(design), _MAX_FILM_MM, "mm")
     yield _check_wall(design, evaluator)
@@ -143,11 +144,6 @@ def plunge_pressure_kpa(design: Design, evaluator: MeshEvaluator) -> float:
         slope = 12.0 * speed * (area + (gaps * along).sum() / 2) / (gaps**3 * along).sum()
         pressure += 1e-3 * design.silicone.material.viscosity_pa_s.high * slope * length / _SECTIONS
     return pressure
-
-
-def max_plunge_kpa(design: Design) -> float:
-    """Compute the pressure up to which the rubber bands hold the cup closed [kPa]."""
-    return 4e3 * _BAND_N / (design.mold_layout.foot_z * design.mold_layout.cavity_half_width * 2)
 
 
 def core_bending_mm(design: Design, pressure_kpa: float) -> float:

@@ -145,7 +145,7 @@ def test_unsuitable_settings_give_a_warning():
     assert list(settings_warnings(Design(detector={"window_samples": 200}), "fast")) == []
 
 
-ARTICLE_DESIGN = ("--design", "article")
+ARTICLE_DESIGN = ("--design", "article", "--set", "detector.threshold_v=0.017")
 
 
 def test_the_board_is_simulated_for_a_recording_without_envelope(tmp_path):

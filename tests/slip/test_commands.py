@@ -23,7 +23,7 @@ from tests.slip.recordings import ONSET, PLAIN, T, V, burst, csv, run, single_on
 
 HEADER = "time_s,voltage_v,force_n,slip"
 
-ARTICLE = ("--design", "article")
+ARTICLE = ("--design", "article", "--set", "detector.threshold_v=0.017", "--set", "detector.kind=fast")
 
 
 @pytest.mark.parametrize("surface", ["smooth", "medium", "gross", "wood", "paper", "plastic"])

@@ -186,6 +186,23 @@ def test_sanitizers_find_no_undefined_behaviour(library: Library, tmp_path: Path
     assert np.array_equal(np.frombuffer(done.stdout, np.uint8) > 0, library.detector("float").process(*inputs)[4])
 
 
+@pytest.mark.parametrize("share", [1.0, 0.25])
+def test_codes_are_judged_as_in_python_wherever_s_rests(share: float, tmp_path: Path) -> None:
+    """Codes of a converter whose step is exact in binary; a quarter of S is one of 10 bits in a 12-bit library."""
+    design = Design(detector={"adc_range_v": 4.0})
+    tactile, filtered = slip_recording(design, 4.0).codes(design)
+    assert filtered is not None
+    filtered = np.int32(share * filtered)
+    step_v = design.detector.adc_step_v
+    found = [
+        FastDetector(library_settings(design, in_codes)).process(step_v * tactile, step_v * filtered).on
+        for in_codes in (True, False)
+    ]
+    on = make_library(design, tmp_path).detector("double").process_codes(tactile, filtered)
+    assert np.array_equal(found[0], on)
+    assert np.array_equal(found[0], found[1]) == (share == 1.0)
+
+
 def test_codes_are_volts_without_rounding(either: Library) -> None:
     """The same decisions, and the same ones whatever the code at which the signal begins."""
     recording, design = slip_recording(either.design, 4.0), either.design

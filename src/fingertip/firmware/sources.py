@@ -18,7 +18,7 @@ from fingertip.design.formulas.filter import filtered_range_v, signal_ground_rat
 from fingertip.firmware.fingers import CONVERSIONS, GENERIC, TASK_CONVERSIONS, Fingers
 from fingertip.sim.runs.grip import HISTORY, LONGEST_STEP_S, MIN_PRESENT_N, ForceCurve, GripSettings
 from fingertip.slip.detectors import fast_state
-from fingertip.slip.detectors.fast import STILL_S, FastDetector, FastSettings
+from fingertip.slip.detectors.fast import REST_SHARE, STILL_S, FastDetector, FastSettings, FilteredSignal
 from fingertip.slip.detectors.fast_coefficients import NODES, FastModel, load_model
 
 _COUNTS = (
@@ -76,16 +76,14 @@ def _render_constants(design: Design) -> str:
     return Template(read_template("slip_constants.h").rstrip()).substitute(texts)
 
 
-REST_SHARE = 0.5
-"""Share of the range of the filtered signal by which its mean of 0.2 s may differ from its rest."""
 OPEN_SHARE = 0.5
 """Share of the way from an open sensor's voltage to the end of the range that a good board may be off."""
 SHORTED_SHARE = 0.02
 """Share of the range by which less than a shorted sensor's voltage counts as one."""
 
 
-def library_settings(design: Design) -> FastSettings:
-    """Settings of the detector of a finger, with the voltages that forces give on the board of the design."""
+def library_settings(design: Design, in_codes: bool = False) -> FastSettings:
+    """Settings of a finger's detector, with the voltages that forces give; for codes, with the rest of S too."""
     converter, response = design.detector, find_tactile_response(design)
     lowest, highest = converter.adc_low_v, converter.adc_range_v
     shorted_v = response.open_v - response.transfer_ohm * response.sensor_v / response.source_ohm
@@ -95,7 +93,8 @@ def library_settings(design: Design) -> FastSettings:
         possible = (response.open_v - OPEN_SHARE * (response.open_v - lowest), shorted_v - margin_v)
     else:
         possible = (shorted_v + margin_v, response.open_v + OPEN_SHARE * (highest - response.open_v))
-    return replace(FastSettings.from_design(design), possible_v=possible)
+    filtered = FilteredSignal.from_design(design, in_codes)
+    return replace(FastSettings.from_design(design), possible_v=possible, filtered=filtered)
 
 
 def _start(design: Design, filtered_v: float | None) -> FastDetector:

@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.design.formulas.filter import filtered_range_v
+from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
 from fingertip.foundation.jit import as_samples
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors import fast_coefficients, fast_state
@@ -73,6 +73,8 @@ MIN_NOISE_V_RTHZ = 1.26e-5
 """Smallest noise density taken for stated [V/sqrt(Hz)], that of training: a slip would look like a contact."""
 LIMIT_SHARE = 0.9
 """Share of the filtered signal's range that is used: a stage may be at its limit beyond it."""
+REST_SHARE = 0.5
+"""Share of the range of the filtered signal by which its mean of `STILL_S` may differ from its rest."""
 LIMITED_S = 0.03
 """Time in which the board's filter recovers from a limit [s]."""
 STILL_S = 0.2
@@ -103,12 +105,15 @@ class FilteredSignal:
     """Gain of the board's filter in its passband."""
     range_v: float
     """Largest deviation from its rest that the board and the converter pass [V]."""
+    rest_v: float | None = None
+    """Rest that its mean is compared with, as the library does with codes [V]; None: a recording may have another."""
 
     @classmethod
-    def from_design(cls, design: Design) -> FilteredSignal | None:
+    def from_design(cls, design: Design, in_codes: bool = False) -> FilteredSignal | None:
         """Take the filtered signal from a design; None if its board does not give it to a controller."""
         range_v = filtered_range_v(design.board, design.detector.adc_range_v)
-        return None if range_v is None else cls(design.board.passband_gain, range_v)
+        rest_v = signal_ground_ratio(design.board) * design.board.supply_v if in_codes else None
+        return None if range_v is None else cls(design.board.passband_gain, range_v, rest_v)
 
 
 @dataclass(frozen=True)
@@ -274,6 +279,7 @@ class FastDetector(Detector):
         state[fast_state.INPUT] = voltage_v if abs(voltage_v) <= c.number_limit else 0.0
         state[fast_state.STEP] = state[fast_state.FILTERED_STEP] = math.inf
         state[fast_state.REST] = filtered_v if filtered_v is not None and abs(filtered_v) <= c.number_limit else 0.0
+        state[fast_state.LEVEL] = state[fast_state.REST]
         state[fast_state.STILL] = c.still_samples  # until it changes for the first time
         state[fast_state.MEAN_MOVE] = c.filtered_jump_limit  # noise that may be as great as stated
         # Energies and floors start at those of the stated noise.
@@ -326,10 +332,12 @@ def _compute_coefficients(
     tick = max(1, round(TICK_S * rate))
     ticks_per_s = rate / tick
     least = (MIN_NOISE_SHARE * _band_noise_v(settings, with_filtered)) ** 2
-    filtered_gain, filtered_limit = 0.0, math.inf
+    filtered_gain, filtered_limit, filtered_rest, rest_limit = 0.0, math.inf, 0.0, math.inf
     if with_filtered and settings.filtered:
         filtered_gain = 1 / settings.filtered.gain
         filtered_limit = LIMIT_SHARE * settings.filtered.range_v * filtered_gain
+        if settings.filtered.rest_v is not None:
+            filtered_rest, rest_limit = settings.filtered.rest_v, REST_SHARE * settings.filtered.range_v
     lowest, highest = settings.possible_v
     threshold = LOWEST_SCORE + settings.threshold_scale * (model.threshold - LOWEST_SCORE)
     jump_ratios = (JUMP_RATIO, FILTERED_JUMP_RATIO) if settings.suspects_jumps else (NUMBER_RATIO, NUMBER_RATIO)
@@ -344,6 +352,9 @@ def _compute_coefficients(
         direction=settings.direction,
         filtered_gain=filtered_gain,
         filtered_limit=filtered_limit,
+        filtered_rest=filtered_rest,
+        rest_limit=rest_limit,
+        level_smoothing=1 / (STILL_S * rate),
         limited_samples=float(round(LIMITED_S * rate)),
         still_samples=float(round(STILL_S * rate)),
         short_smoothing=1 / (1 + rate * SHORT_S),

@@ -43,6 +43,10 @@ class FastCoefficients(NamedTuple):
     """Factor from the filtered signal to a voltage at the filter's input; 0 if the board gives no filtered signal."""
     filtered_limit: float
     """Voltage at the filter's input from which on a stage of the board may be at its limit [V]."""
+    filtered_rest: float
+    """Rest of the filtered signal [V]: where its mean is off by more than `rest_limit`, it is not used."""
+    rest_limit: float
+    level_smoothing: float
     limited_samples: float
     """Samples for which the filtered signal is not used after that."""
     still_samples: float

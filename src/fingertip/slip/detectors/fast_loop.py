@@ -44,6 +44,7 @@ from fingertip.slip.detectors.fast_state import (
     JUMP_MOVES,
     LASTING_RATIO,
     LASTING_TICKS,
+    LEVEL,
     LIMITED,
     MEAN_MOVE,
     MOVE_S,
@@ -138,6 +139,13 @@ def _fast_loop(
     for i in range(len(samples)):
         x = samples[i]
         change = x - last_input
+        is_off_level = False
+        if filtered_gain > 0.0:
+            if abs(filtered_samples[i]) <= number_limit:
+                state[LEVEL] += c.level_smoothing * (filtered_samples[i] - state[LEVEL])
+            is_off_level = not -c.rest_limit <= state[LEVEL] - c.filtered_rest <= c.rest_limit
+            if is_off_level and still < still_samples:
+                state[SETTLING] = max(state[SETTLING], c.restart_ticks)
         found = check_sample(x, change, number_limit, jump_limit, trusted_samples, gap_samples, state, INPUT_CHECK)
         if found == REPLACED_SAMPLE:
             change = 0.0
@@ -188,6 +196,8 @@ def _fast_loop(
             if 0.0 < move < filtered_step:
                 filtered_step = move
             still = 0.0 if move > 0.0 else still + 1.0
+            if is_off_level:
+                still = still_samples
             if abs(p) > c.filtered_limit or abs(y) > c.filtered_limit:
                 limited = c.limited_samples
             if limited > 0.0:

@@ -92,7 +92,7 @@ def test_command_states_25_outputs_within_their_intervals() -> None:
 
 @pytest.mark.full
 def test_error_of_the_step_is_that_against_equations_that_scipy_solves(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a whole trial, from the pad to the envelope; the article's board misses its target where its amplifier reverses."""
+    """Of a whole trial, from the pad to the envelope; the article's board misses where its amplifier reverses."""
     for name, value in {"VARIANTS": ("precision",), "_REFINEMENTS": (1,), "_ROUNDS": 1}.items():
         monkeypatch.setattr(trial, name, value)
     with compiled():

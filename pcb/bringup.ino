@@ -1,0 +1,91 @@
+// Tone generator for the bring-up of board fsr400 (bringup.md, Tone): a pin switches between 0 and 3.3 V.
+// It reads T and S of the board as well, and tells what is within its limits.
+#include <Arduino.h>
+
+static const int TONE_PIN = 2;
+static const uint32_t RATE_HZ = 6000;
+
+static const int T_PIN = A0, S_PIN = A1;
+static const float STEP_V = 3.3f / 4096.0f;  // a converter of 12 bits with the supply as its range
+static const float TAP_V = 0.0230f;
+static float mean_v, rms_v, peak_v, tone_v;
+
+// Samples a pin for some periods of the tone, or without one (period 0), and computes what it carries.
+static void measure(int pin, uint32_t period, uint32_t seconds) {
+  const uint32_t whole = period ? period : RATE_HZ, settle = (2 * RATE_HZ / whole + 2) * whole;
+  const uint32_t count = (seconds * RATE_HZ / whole + 1) * whole, start = micros();
+  const float turn_c = cos(TWO_PI / whole), turn_s = sin(TWO_PI / whole);
+  float c = 1.0f, s = 0.0f, sum = 0.0f, squares = 0.0f, re = 0.0f, im = 0.0f, first = 0.0f;
+  uint32_t late = 0;
+  peak_v = 0.0f;
+  for (uint32_t i = 0; i < settle + count; i++) {
+    while (micros() - start < i * 500 / (RATE_HZ / 2000)) {
+    }
+    if (period) {
+      digitalWrite(TONE_PIN, i % period < period / 2 ? HIGH : LOW);
+    }
+    const float v = analogRead(pin) * STEP_V;
+    late += micros() - start > (i + 1) * 500 / (RATE_HZ / 2000);
+    if (i % whole == 0) {
+      c = 1.0f;
+      s = 0.0f;
+    }
+    if (i < settle) {
+      first += (v - first) * 0.001f;
+    } else {
+      const float d = v - first;
+      sum += d;
+      squares += d * d;
+      re += d * c;
+      im += d * s;
+      peak_v = fabs(d) > peak_v ? fabs(d) : peak_v;
+    }
+    const float next = c * turn_c - s * turn_s;
+    s = s * turn_c + c * turn_s;
+    c = next;
+  }
+  digitalWrite(TONE_PIN, LOW);
+  mean_v = first + sum / count;
+  rms_v = sqrt(fabs(squares / count - (sum / count) * (sum / count)));
+  tone_v = sqrt(2.0f * (re * re + im * im)) / count;
+  if (late > count / 100) {
+    Serial.println("This controller is too slow for 6000 samples per second: take a faster one.");
+  }
+}
+
+static void report(const char *name, float volts, float low, float high) {
+  Serial.print(name);
+  Serial.print(volts, 4);
+  Serial.print(" V, ");
+  Serial.print(low, 4);
+  Serial.print(" to ");
+  Serial.print(high, 4);
+  Serial.println(low <= volts && volts <= high ? " ok" : " FAILS");
+}
+
+void setup() {
+  pinMode(TONE_PIN, OUTPUT);
+  analogReadResolution(12);
+  Serial.begin(115200);
+}
+
+void loop() {
+  measure(T_PIN, 0, 1);
+  report("T at rest: ", mean_v, 0.4208f, 0.4714f);
+  measure(S_PIN, 0, 1);
+  report("S at rest: ", mean_v, 1.6087f, 1.6935f);
+  report("S quiet, RMS: ", rms_v, 0.0f, 0.0055f);
+  measure(S_PIN, 150, 1);
+  report("S with 40.0 Hz, RMS: ", tone_v, 0.1020f, 0.1487f);
+  measure(S_PIN, 90, 1);
+  report("S with 66.7 Hz, RMS: ", tone_v, 0.3711f, 0.4576f);
+  measure(S_PIN, 44, 1);
+  report("S with 136.4 Hz, RMS: ", tone_v, 0.5267f, 0.6135f);
+  measure(S_PIN, 6, 1);
+  report("S with 1000.0 Hz, RMS: ", tone_v, 0.1595f, 0.2161f);
+  measure(T_PIN, 6, 1);
+  report("T with 1000.0 Hz, RMS: ", tone_v, 0.0008f, 0.0024f);
+  Serial.println("Tap the board now, for 10 seconds.");
+  measure(S_PIN, 0, 10);
+  report("S tapped, peak: ", peak_v, 0.0f, TAP_V);
+}

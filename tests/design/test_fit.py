@@ -117,5 +117,5 @@ def test_a_load_that_no_fit_makes_a_finger_hold_is_refused_with_one_that_does() 
 @pytest.mark.full
 def test_most_designs_near_bundled_ones_are_fitted_and_remedies_pass() -> None:
     found = [judge(number, "few", 11)[0] for number in range(20)]
-    assert found.count("fitted") >= 17
+    assert found.count("fitted") >= 16
     assert "remedy fails" not in found

@@ -256,7 +256,7 @@ SHORT_SLIDE: dict[str, Any] = {
 
 @pytest.mark.full
 def test_share_out_of_contact_is_an_output() -> None:
-    axes = {"scene.surface.roughness_um": [0.8, 40.0]}
+    axes = {"scene.surface.felt_um": [0.8, 40.0]}
     plan = make_plan(outputs=["out_of_contact_share"], trials=1, scene=SHORT_SLIDE, axes=axes)
     (smooth,), (rough,) = (PointEvaluator(plan).evaluate(i, plan.point(i))[4] for i in range(2))
     assert smooth == 0.0 < 0.1 < rough < 0.6

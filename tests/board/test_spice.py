@@ -332,7 +332,9 @@ def test_total_noise_agrees_with_ngspice(tmp_path: Path, name: str) -> None:
         # The noise is measured against ground, as the ADC measures it. On boards for a controller it contains VMID's.
         assert total[NETS.index(net)] == pytest.approx(read_noise_total(tmp_path, deck, net), rel=0.005), net
     found = board_values(design).noise
-    assert found.tactile_v == pytest.approx(total[NETS.index("TACTILE")], rel=1e-3)
+    assert [found.tactile_v, found.tactile_pin_v] == pytest.approx([total[0], total[3]], rel=1e-3)
+    pin = "FILTERED" if name == "article" else "ADC_FILTERED"
+    assert found.filtered_pin_v == pytest.approx(read_noise_total(tmp_path, deck, pin), rel=0.005)
     assert found.filtered_v == pytest.approx(total[NETS.index("FILTERED")], rel=1e-3)
     figures = {"article": 20.1e-3, "precision": 0.132e-3, "comparator": 0.101e-3}
     assert found.filtered_v == pytest.approx(figures.get(name, found.filtered_v), rel=0.01)

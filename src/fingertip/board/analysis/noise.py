@@ -20,7 +20,7 @@ from fingertip.board.circuits.network import Network, build_network, list_amplif
 from fingertip.board.components import front_end
 from fingertip.board.components.front_end import BOLTZMANN_J_PER_K, TEMPERATURE_K, sensor_conductance_s
 from fingertip.board.parts.circuit import Circuit, parse_component_value
-from fingertip.board.parts.nets import ADC_TACTILE, FILTERED, STAGE1_OUT, TACTILE
+from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, FILTERED, STAGE1_OUT, TACTILE
 from fingertip.foundation.numerics import Array
 
 NETS = (TACTILE, STAGE1_OUT, FILTERED, ADC_TACTILE)
@@ -63,8 +63,11 @@ class NoiseLevels:
 
     tactile_v: float
     filtered_v: float
-    filtered_without_limit_v: float
-    """RMS noise at the filter's output without C20, the low-pass of the first stage."""
+    tactile_pin_v: float
+    filtered_pin_v: float
+    """RMS noise of the filtered signal at the controller's pin; at the filter's output of a board without one."""
+    unlimited_pin_v: float
+    """The same without C20, the low-pass of the first stage."""
     mean_envelope_v: float | None
     """Mean envelope due to noise, after rectification. None in variant article: it is below the diode's threshold."""
 
@@ -126,12 +129,11 @@ def _thermal_noise(value: float) -> float:
 
 def compute_noise_levels(circuit: Circuit, gain_bandwidth_hz: float, envelope_gain: float | None) -> NoiseLevels:
     board = add_noise(circuit, gain_bandwidth_hz)
-    filtered_v = board.total_v(FILTERED)
-    without_limit_v = filtered_v
-    if envelope_gain is not None:
-        without_limit_v = add_noise(circuit.without(LIMITING_CAPACITOR), gain_bandwidth_hz).total_v(FILTERED)
+    unlimited = add_noise(circuit.without(LIMITING_CAPACITOR), gain_bandwidth_hz)
+    pin = ADC_FILTERED if ADC_FILTERED in circuit.net_by_pin.values() else FILTERED
+    tactile_v, filtered_v, tactile_pin_v, pin_v = map(board.total_v, (TACTILE, FILTERED, ADC_TACTILE, pin))
     mean_envelope_v = None if envelope_gain is None else HALF_WAVE_MEAN * envelope_gain * filtered_v
-    return NoiseLevels(board.total_v(TACTILE), filtered_v, without_limit_v, mean_envelope_v)
+    return NoiseLevels(tactile_v, filtered_v, tactile_pin_v, pin_v, unlimited.total_v(pin), mean_envelope_v)
 
 
 def noise_warning(noise: NoiseLevels, threshold_v: float) -> str:

@@ -24,6 +24,8 @@ TONE = "TONE"
 """Net that the controller's pin drives, above ground."""
 COUPLING_OHM, COUPLING_F = "R99", "C99"
 COUPLING_FARAD = 100e-9
+TONE_PIN = 4
+"""Pin that is neither A0 nor A1 of a listed controller: GPIO2 of an ESP32-S3 is A1."""
 PIN_V = 3.3
 """Supply of the controller, between which and 0 its pin switches [V]."""
 TONE_V = math.sqrt(2.0) / math.pi * PIN_V

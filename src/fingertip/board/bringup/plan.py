@@ -134,7 +134,7 @@ class BringUp:
     """Mean at the pins of the controller with the lighter of them; none on a board that it does not sample."""
     tones: tuple[Tone, ...]
     quiet_v: Limits
-    """RMS of the filtered signal without a tone."""
+    """RMS of the filtered signal without a tone, at the pin if the controller samples it."""
     envelope_v: Limits | None
     """Mean of the envelope with the third tone; None on a board without one."""
 
@@ -150,7 +150,7 @@ def plan_bring_up(board: Board, values: BoardValues) -> BringUp:
     sensor_ohm = min(resistance_between(circuit, SENSOR, net) for net in (board.signal_ground, TACTILE))
     alone_a = compute_supply_current_a(circuit, board.rails_v[VCC])
     current_ma = 1e3 * (values.shared.supply_current_a if values.shared else alone_a)
-    tones, noise_v = tuple(_list_tones(board, random)), values.noise.filtered_v
+    tones, noise_v = tuple(_list_tones(board, random)), values.noise.filtered_pin_v
     return BringUp(
         board,
         _limit_short(resistance_between(circuit, VCC, GND)),

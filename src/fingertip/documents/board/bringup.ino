@@ -6,17 +6,18 @@
 {% endif %}
 #include <Arduino.h>
 
-static const int TONE_PIN = 2;
+static const int TONE_PIN = {{ bench.TONE_PIN }};
 static const uint32_t RATE_HZ = {{ bench.SAMPLE_HZ }};
 
 {% if plan.pins_v %}
 static const int T_PIN = A0, S_PIN = A1;{{ "  // change them for each further finger" if fingers | length > 1 }}
+static_assert(TONE_PIN != T_PIN && TONE_PIN != S_PIN, "TONE_PIN is an input here: take another pin");
 static const float STEP_V = {{ bench.PIN_V }}f / 4096.0f;  // a converter of 12 bits with the supply as its range
 static const float TAP_V = {{ tap_v | fixed(4) }}f;
 static float mean_v, rms_v, peak_v, tone_v;
 
-// Samples a pin for some periods of the tone, or without one (period 0), and computes what it carries.
-static void measure(int pin, uint32_t period, uint32_t seconds) {
+// Samples a pin for some periods of the tone, or without one (period 0); prints a text once the mean has settled.
+static void measure(int pin, uint32_t period, uint32_t seconds, const char *text = nullptr) {
   const uint32_t whole = period ? period : RATE_HZ, settle = (2 * RATE_HZ / whole + 2) * whole;
   const uint32_t count = (seconds * RATE_HZ / whole + 1) * whole, start = micros();
   const float turn_c = cos(TWO_PI / whole), turn_s = sin(TWO_PI / whole);
@@ -24,6 +25,9 @@ static void measure(int pin, uint32_t period, uint32_t seconds) {
   uint32_t late = 0;
   peak_v = 0.0f;
   for (uint32_t i = 0; i < settle + count; i++) {
+    if (i == settle && text) {
+      Serial.println(text);
+    }
     while (micros() - start < i * 500 / (RATE_HZ / 2000)) {
     }
     if (period) {
@@ -80,6 +84,7 @@ void loop() {
   report("{{ letters[net] }} at rest: ", mean_v, {{ limits.low | fixed(4) }}f, {{ limits.high | fixed(4) }}f);
 {% endfor %}
   report("S quiet, RMS: ", rms_v, 0.0f, {{ plan.quiet_v.high | fixed(4) }}f);
+  const float quiet_v = peak_v;
 {% for tone in plan.tones %}
 {% set is_long = plan.envelope_v and tone.samples == setup.periods[2] %}
 {% if is_long %}
@@ -88,9 +93,8 @@ void loop() {
   measure({{ letters[tone.net] }}_PIN, {{ tone.samples }}, {{ 20 if is_long else 1 }});
   report("{{ letters[tone.net] }} with {{ tone.hz | fixed(1) }} Hz, RMS: ", tone_v, {{ tone.limits.low | fixed(4) }}f, {{ tone.limits.high | fixed(4) }}f);
 {% endfor %}
-  Serial.println("Tap the board now, for 10 seconds.");
-  measure(S_PIN, 0, 10);
-  report("S tapped, peak: ", peak_v, 0.0f, TAP_V);
+  measure(S_PIN, 0, 10, "Tap the board now, for 10 seconds.");
+  report("S tapped, peak: ", peak_v, 2.0f * quiet_v + STEP_V, TAP_V);
 }
 {% else %}
 static void play(const char *text, uint32_t period) {

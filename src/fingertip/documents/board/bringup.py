@@ -11,10 +11,11 @@ from fingertip.board.bringup import bench
 from fingertip.board.bringup import plan as limits
 from fingertip.board.bringup.plan import PROBES, BringUp, Limits
 from fingertip.board.circuits.channels import describe_sockets
+from fingertip.board.components.values import LOW_LEAKAGE_CLAMP
 from fingertip.board.kicad.placement import Pad, Placement, view_channel
 from fingertip.board.kicad.project import load_project
 from fingertip.board.parts import nets
-from fingertip.board.parts.circuit import CapacitorRequirement, Circuit, format_component_value
+from fingertip.board.parts.circuit import CapacitorRequirement, format_component_value, reference_sort_key
 from fingertip.board.parts.symbols import LOCKING_CONNECTORS
 from fingertip.catalogues.electronics import NAMES
 from fingertip.design import Design
@@ -25,7 +26,7 @@ from fingertip.foundation.errors import join_words
 
 Row = tuple[str, ...]
 
-_LETTERS = {nets.ADC_TACTILE: "T", nets.ADC_FILTERED: "S", nets.FILTERED: "TP3"}
+_LETTERS = {nets.ADC_TACTILE: "T", nets.ADC_FILTERED: "S", nets.ADC_ENVELOPE: "E", nets.FILTERED: "TP3"}
 _TOP_DEPENDS = {nets.ADC_TACTILE: "R8, R9, C9, C19", nets.ADC_FILTERED: "C20, R27, C25"}
 """Parts on which the highest tone at a pin depends beside the filter's."""
 
@@ -51,7 +52,6 @@ def _collect(plan: BringUp, values: BoardValues, design: Design) -> dict[str, An
     return collect_board(values, design) | {
         "plan": plan,
         "limits": limits,
-        "row": _row,
         "bench": bench,
         "setup": plan.board.bench,
         "name": design.name,
@@ -66,31 +66,53 @@ def _collect(plan: BringUp, values: BoardValues, design: Design) -> dict[str, An
         "is_class_2": isinstance(c1, CapacitorRequirement) and "C0G" not in c1.dielectrics,
         "gain": values.achieved_response.passband_gain,
         "coupling_capacitor": format_component_value(bench.COUPLING_FARAD),
-        "ground_end": find_widest(circuit, placement, nets.GND),
         "slip_end": find_end(placement, "R21", nets.SLIP) if has_slip else "",
         "threshold_end": find_end(placement, "R20", nets.THRESHOLD) if has_slip else "",
         "dotted": _join([name for name in parts if name.startswith("U") and name not in small]),
         "diodes": _join([name for name, part in parts.items() if part.symbol.name == "1N4148W"]),
         "small": _join(small),
         "is_locking": parts["J1"].footprint in LOCKING_CONNECTORS,
+        "unseen": join_words(list_unseen(plan)),
         "resistances": list(_list_resistances(plan, placement)),
+        "supplies": list(_list_supplies(plan, placement)),
         "voltages": list(_list_voltages(plan, placement)),
         "tones": list(_list_tones(plan)),
     }
 
 
 def _list_resistances(plan: BringUp, placement: Placement) -> Iterator[Row]:
-    where = "J2: red probe at plus, black at ground"
-    # Behind the MOSFET that blocks a reversed supply, because without power it blocks the meter too.
-    if "Q1" in placement.parts:
-        plus = find_end(placement, "C10", nets.VCC)
-        where = f"C10: red probe at its {plus.removesuffix(' of C10')}, black at the other"
-    yield _row(where, plan.supply_ohm, "ohm", "a short: do not apply power")
+    circuit, plus = plan.board.circuit, _find_plus(placement)
+    yield _row(f"{plus} (red probe) to supply ground", plan.supply_ohm, "ohm", "a short: do not apply power")
     if plan.negative_ohm:
         yield _row("J2: ground to minus", plan.negative_ohm, "ohm", "a short: do not apply power")
         yield _row("J1: between its pins", plan.sensor_ohm, "ohm", "R10 to R13, C7")
     else:
         yield _row("J1 pin 1 to TP1", plan.sensor_ohm, "ohm", "R28 to R30, D6")
+    clamps = [part for part in circuit.components if part.symbol.name == "BAT54S"]
+    pins = join_words([_LETTERS[circuit.net_by_pin[part.reference, "3"]] for part in clamps])
+    where = f"diode range, J3 unplugged: ground to {pins} of J3; these to {plus} (red probe first)"
+    volts = "0.6 to 0.8 V" if clamps[0].value == LOW_LEAKAGE_CLAMP else "0.15 to 0.4 V"
+    yield where, "-", f"{volts} each", join_words([part.reference for part in clamps])
+
+
+def _list_supplies(plan: BringUp, placement: Placement) -> Iterator[Row]:
+    places = {nets.VCC: _find_plus(placement)} | ({nets.VEE: "J2 minus"} if plan.negative_ohm else {})
+    for volts, place in ((plan.board.rails_v[net], place) for net, place in places.items()):
+        margin_v = 0.01 * limits.SUPPLY_PERCENT * abs(volts)
+        yield _row(f"{place} to supply ground", Limits(volts, volts - margin_v, volts + margin_v), "V", "supply")
+    yield _row("mA, into the positive supply", plan.supply_ma, "mA", "an amplifier rotated, bridged or not soldered")
+
+
+def list_unseen(plan: BringUp) -> list[str]:
+    """List the parts that no reading shows when they are open."""
+    seen = {"C1", "C2", "C3"} | ({"C9", "C14", "C19", "C20", "C25", "R8", "R9"} if plan.pins_v else set())
+    parts = (part.reference for part in sorted(plan.board.circuit.components, key=reference_sort_key))
+    return [name for name in parts if name not in seen and (name[0] == "C" or name in ("D6", "R7", "R8", "R9", "R24"))]
+
+
+def _find_plus(placement: Placement) -> str:
+    """Name the place of the positive supply, behind Q1 if there is one: without power it blocks the meter."""
+    return find_end(placement, "C10", nets.VCC) if "Q1" in placement.parts else "J2 plus"
 
 
 def _list_voltages(plan: BringUp, placement: Placement) -> Iterator[Row]:
@@ -98,17 +120,18 @@ def _list_voltages(plan: BringUp, placement: Placement) -> Iterator[Row]:
     for net, limit in plan.open_v.items():
         yield _row(_find_probe(placement, net), limit, "V", PROBES[net][front_end])
     for ohm, limit in plan.dummy_v.items():
-        yield _row(f"TP1, {format_ohm(ohm)} at J1", limit, "V", "TP1")
+        yield _row(f"TP1, {format_ohm(ohm)} at J1", limit, "V", "R28 to R30" if front_end == "stage" else "R10 to R14")
 
 
 def _list_tones(plan: BringUp) -> Iterator[Row]:
     for net, limit in plan.pins_v.items():
         yield _LETTERS[net], "none: mean", *_figures(limit, "V"), "the voltages above"
     if plan.pins_v:
-        yield "S", "none: RMS", *_figures(plan.quiet_v, "V", 4), "hum, oscillation"
+        yield "S", "none: RMS", "-", f"below {plan.quiet_v.high:.4f} V", "hum, oscillation"
     for tone in plan.tones:
         is_top = tone.samples == plan.board.bench.periods[-1]
-        depends = _TOP_DEPENDS[tone.net] if is_top else f"R1 to R5, C1 to C3{', C14' if plan.pins_v else ''}"
+        depends = "as above" if tone is not plan.tones[0] else f"R1 to R5, C1 to C3{', C14' if plan.pins_v else ''}"
+        depends = _TOP_DEPENDS[tone.net] if is_top else depends
         yield _LETTERS[tone.net], f"{tone.hz:.1f} Hz", *_figures(tone.limits, "V", 4), depends
 
 
@@ -145,18 +168,6 @@ def find_end(placement: Placement, reference: str, net: str) -> str:
     """Name the end of a two-terminal part that is at a net, such as "right end of C10"."""
     here, other = sorted(placement.parts[reference].pads, key=lambda pad: pad.net != net)
     return f"{_name_side(here, other)} end of {reference}"
-
-
-def find_widest(circuit: Circuit, placement: Placement, net: str) -> str:
-    """Find the two-terminal part whose pad at a net is the largest, and name that end."""
-    references = (component.reference for component in circuit.components)
-    by_part = {name: placement.parts[name].pads for name in references if name[0] in "RC" and name[1:].isdigit()}
-    at_net = {
-        reference: pads[0].width * pads[0].height
-        for reference, pads in by_part.items()
-        if sum(pad.net == net for pad in pads) == 1
-    }
-    return find_end(placement, max(at_net, key=lambda reference: at_net[reference]), net)
 
 
 def _name_side(pad: Pad, other: Pad) -> str:

@@ -2,7 +2,7 @@
 // It plays one tone after the other, each long enough to read the meter.
 #include <Arduino.h>
 
-static const int TONE_PIN = 2;
+static const int TONE_PIN = 4;
 static const uint32_t RATE_HZ = 6000;
 
 static void play(const char *text, uint32_t period) {

@@ -3,18 +3,18 @@ Differences from ../../../pcb/bringup.ino:
 +// It reads T and S of one finger as well, and tells what is within its limits.
 @@ -8,1 @@
 +static const int T_PIN = A0, S_PIN = A1;  // change them for each further finger
-@@ -74,1 @@
+@@ -78,1 @@
 +  report("T at rest: ", mean_v, 0.4110f, 0.4811f);
-@@ -76,2 @@
+@@ -80,2 @@
 +  report("S at rest: ", mean_v, 1.6037f, 1.7003f);
-+  report("S quiet, RMS: ", rms_v, 0.0f, 0.0066f);
-@@ -79,1 @@
++  report("S quiet, RMS: ", rms_v, 0.0f, 0.0060f);
+@@ -84,1 @@
 +  report("S with 40.0 Hz, RMS: ", tone_v, 0.0907f, 0.1322f);
-@@ -81,1 @@
+@@ -86,1 @@
 +  report("S with 66.7 Hz, RMS: ", tone_v, 0.3298f, 0.4069f);
-@@ -83,1 @@
+@@ -88,1 @@
 +  report("S with 136.4 Hz, RMS: ", tone_v, 0.4681f, 0.5453f);
-@@ -85,1 @@
+@@ -90,1 @@
 +  report("S with 1000.0 Hz, RMS: ", tone_v, 0.1407f, 0.1907f);
-@@ -87,1 @@
+@@ -92,1 @@
 +  report("T with 1000.0 Hz, RMS: ", tone_v, 0.0007f, 0.0022f);

@@ -296,7 +296,9 @@ def list_files(world: World, command: Command) -> Iterator[str]:
         folder = world.master / Path(command.folder).relative_to("out") / place
         for path in sorted(folder.rglob("*") if place == "3d" else folder.iterdir()):
             file = path.relative_to(world.master).as_posix()
-            if path.is_file() and f"out/{file}" not in command.words:  # a file that is named may be a link
+            if (
+                path.is_file() and path.name != ".gitattributes" and f"out/{file}" not in command.words
+            ):  # a file that is named may be a link
                 yield file
 
 

@@ -40,7 +40,16 @@ from tools.article.steps import compare_grids, generate_trials
 
 CHANGES = ["board.variant=divider"]
 DESIGN = Design.load("fsr400", changes=CHANGES)
-FILES = {"README.md", "bom.csv", "manifest.json", "slip_filter.cir", "slip_filter.net", "values.json", "wiring.svg"}
+FILES = {
+    ".gitattributes",
+    "README.md",
+    "bom.csv",
+    "manifest.json",
+    "slip_filter.cir",
+    "slip_filter.net",
+    "values.json",
+    "wiring.svg",
+}
 
 
 def hand_calculated_v(ohm: float, sensor_ohm: float, supply_v: float = 3.3) -> float:

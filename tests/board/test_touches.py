@@ -18,10 +18,11 @@ def simulate_filtered_v(scene: str, **changes: object) -> tuple[np.ndarray, np.n
     """Times [s] and filtered voltages [V] of a scene on the default board with ideal amplifiers."""
     settings = [f"{table}={value}" for table, value in changes.items()]
     path = ROOT / "params" / "scenes" / f"{scene}.toml"
-    result = run_scene(ARTICLE, SceneFile.load(path, changes=[*settings, 'outputs=["filtered_v"]']))
+    result = run_scene(ARTICLE, SceneFile.load(path, changes=[*settings, *IDEAL]))
     return result.time_s, result.columns["filtered_v"]
 
 
+IDEAL = ('sensing.amplifiers="ideal"', 'outputs=["filtered_v"]')
 PRESSES = re.findall(r"to (-\d\.\d) V (?:if the force rises )?within (\d+) ms", TOUCHES)
 
 

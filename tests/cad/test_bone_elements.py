@@ -38,7 +38,10 @@ def test_elements_find_the_predicted_stress(name: str, tmp_path: Path) -> None:
     require_elements()
     design = Design.load(design_file(DESIGNS[name][0]), changes=DESIGNS[name][1].split())
     write_step(design, tmp_path)
-    cuts = [(z, cut, strength._find_concentration(design, z)) for z, cut in strength._cut(design, MeshEvaluator(0.02))]
+    cuts = [
+        (z, cut, strength._find_concentration(design, z))
+        for z, cut in strength._cut(design, MeshEvaluator(0.02), strength.STATIONS)
+    ]
     (weakest,) = strength._find_weakest_section(design, strength.list_load_points(design)["apex"], cuts)
     low = interface_of(design).beam_begin_z(design, -np.inf)
     if design.bone.interface == "post":

@@ -152,7 +152,7 @@ def test_pin_limits_a_knock_and_shears_across_both_ends() -> None:
     held = assess.Knock(weak, springs, 30.0, 20.0)
     assert held.safety_factor(stated) == 1.5
     assert assess.Knock(weak, springs, 30.0, math.inf).safety_factor(stated) < 0.5
-    joint = Design.load("adult_finger")
+    joint = Design.load("adult_finger", changes={"hand.pin": "printed"})
     (shear,) = (found.stress_per_n for found in interface_of(joint).local_stresses(joint, 25.0) if found.place == PIN)
     lever = 2 / 3 * stop_height_mm(joint)
     pull = (25.0 + joint.bone.base_length_mm) / lever + 1.0
@@ -185,7 +185,7 @@ def test_own_material_holds_what_its_figures_say() -> None:
 def test_nominal_stress_of_the_post_is_that_of_the_beam():
     """Just below its foot, where neither hole nor socket acts, without the factor of the foot."""
     design = Design(bone=ROUND)
-    sections = dict(assess._cut(design, MeshEvaluator(0.005)))
+    sections = dict(assess._cut(design, MeshEvaluator(0.005), assess.STATIONS))
     bone = design.bone
     foot = interface_of(design).foot_length(design)
     z = max(z for z in sections if z < -bone.base_length_mm - foot)

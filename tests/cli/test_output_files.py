@@ -26,6 +26,7 @@ FILES = (
     ("acceptance fsr400", "--out", ".md", "fingertip.documents.acceptance.acceptance_sheet"),
     ("check fsr400", "--junit", ".xml", "fingertip.cad.verification.verify.verify"),
     ("check fsr400", "--sarif", ".sarif", "fingertip.cad.verification.verify.verify"),
+    ("make fsr400", "--zip", ".zip", "fingertip.tasks.build.verify"),
     ("simulate", "--out", ".csv", "fingertip.sim.Simulation.write"),
     ("simulate", "--plot", ".png", "fingertip.sim.Simulation.run"),
     ("detect trace.csv", "--plot", ".png", "fingertip.detection.recordings.detect_file"),

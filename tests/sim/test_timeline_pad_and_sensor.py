@@ -81,12 +81,14 @@ def test_stiffness_is_the_layer_s_at_1_n_with_hertz_power_and_mindlin_s_ratio():
 
 
 def test_profile_has_the_given_roughness_below_the_cutoff():
-    heights = generate_profile(random.Random(1), SURFACES["medium"], 0.0, 0.5).heights_m
+    surface = SURFACES["medium"]
+    heights = generate_profile(random.Random(1), surface, 0.0, 0.5).heights_m
     spectrum = np.abs(np.fft.rfft(heights * np.hanning(len(heights)))) ** 2
     waves_per_m = np.fft.rfftfreq(len(heights), 5e-6)
     window = np.mean(np.hanning(len(heights)) ** 2)
     rough = 2 * spectrum[waves_per_m > 1 / 0.8e-3 * 0.98].sum() / len(heights) ** 2 / window
-    assert math.sqrt(rough) == pytest.approx(0.8e-6 * math.sqrt(math.pi / 2), rel=0.1)
+    felt_m = surface.felt_um * surface.roughness_um**surface.felt_exponent * 1e-6
+    assert math.sqrt(rough) == pytest.approx(felt_m * math.sqrt(math.pi / 2), rel=0.1)
 
 
 @pytest.mark.parametrize("frequency", [20.0, 90.0, 180.0])

@@ -6,7 +6,7 @@ A `Design` comes in; a `Circuit` goes out, from which all files follow, and `Boa
 >>> from fingertip.board import board_circuit
 >>> from fingertip.board.components.values import select_components
 >>> board_circuit(select_components(Design())).component("R1").value
-'2.4k'
+'24k'
 """
 
 from fingertip.board.analysis.board_values import BoardValues, board_values

@@ -13,7 +13,18 @@ import typer
 from fingertip.cli.check import describe_cause, offer_fit
 from fingertip.cli.check_reports import message
 from fingertip.cli.console import Console
-from fingertip.cli.options import CHANGES, DESIGN_FILE, FORCE, MATERIAL, command, flag, load_design, load_fingers
+from fingertip.cli.options import (
+    CHANGES,
+    DESIGN_FILE,
+    FORCE,
+    MATERIAL,
+    command,
+    find_file_issues,
+    flag,
+    load_design,
+    load_fingers,
+    refuse,
+)  # fmt: skip
 from fingertip.foundation.errors import FingertipError, Issue, join_words
 from fingertip.foundation.files import write_zip
 
@@ -90,11 +101,13 @@ def _format_build(result: Build) -> list[str]:
 
 
 def _list_remarks(result: Build, room: int, rewrite: Callable[[str], str] = str) -> list[str]:
-    """List failed checks in so many lines: each is cut to its share, and those without one are counted."""
+    """List failed checks in so many lines, those of a set with their remedies: each is cut to its share, and those without one are counted."""
     from fingertip.catalogues.output_files import REPORT
 
     failed = (check for check in result.checks if not check.passed)
-    remarks = [f"FAILED {check.name}: {message(check)}; {describe_cause(check, False)}" for check in failed]
+    remarks = [
+        f"FAILED {check.name}: {message(check)}; {describe_cause(check, rewrite is not str)}" for check in failed
+    ]
     shown = [rewrite(remark) for remark in (remarks if len(remarks) <= room else remarks[: room - 1])]
     share: dict[str, Any] = {"max_lines": room // max(1, len(shown)), "subsequent_indent": "  ", "placeholder": " ..."}
     lines = [line for remark in shown for line in textwrap.wrap(remark, _MAX_WIDTH, **share)]
@@ -136,8 +149,7 @@ def make(
     """
     from fingertip.design.finger_set import is_set
 
-    if zip_file and zip_file.is_dir():
-        raise FingertipError(Issue("--zip", f"{zip_file} is a folder; give the name of a file."))
+    refuse(find_file_issues("--zip", zip_file, ".zip"))
     if is_set(design):
         _make_set(console, design, out, split_names(formats), force, changes or (), zip_file)
         return

@@ -101,7 +101,7 @@ def _format_build(result: Build) -> list[str]:
 
 
 def _list_remarks(result: Build, room: int, rewrite: Callable[[str], str] = str) -> list[str]:
-    """List failed checks in so many lines, those of a set with their remedies: each is cut to its share, and those without one are counted."""
+    """List failed checks in so many lines, each cut to its share, and count the rest; those of a set have remedies."""
     from fingertip.catalogues.output_files import REPORT
 
     failed = (check for check in result.checks if not check.passed)

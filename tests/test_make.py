@@ -131,9 +131,3 @@ def test_a_folder_becomes_one_archive_without_dates_and_links(tmp_path: Path) ->
         write_zip(inside, folder)
         assert inside.read_bytes() == beside.read_bytes()
     assert zipfile.ZipFile(inside).namelist() == ["finger/print/plate.3mf"]
-
-
-def test_a_folder_in_place_of_the_archive_is_refused_before_work_starts() -> None:
-    done = run_fingertip("make", "first_finger", "--zip", ".")
-    assert done.returncode == 2
-    assert done.stderr == "error: --zip: . is a folder; give the name of a file.\n"

@@ -103,7 +103,7 @@ def test_the_readme_states_what_a_first_finger_takes() -> None:
     assert at_hand[1:] == (in_all, in_all)
     for words in (
         f"{sheet.printed_g:g} g of PETG, {round(sheet.print_h)} hours", f"{sheet.batch.total_g:g} g of two-part",
-        f"{sheet.days} days: printing, {sheet.work_h[0]:g} hours, a day of cure, {sheet.work_h[1]:g} hours",
+        f"{sheet.days} days: printing, {sheet.work_h[0]:g} hours of work, a day of cure, {sheet.work_h[1]:g} hours",
         f"{least} to {most} US dollars to order; {at_hand[0]} to {in_all}",
     ):  # fmt: skip
         assert words in readme

@@ -51,7 +51,7 @@ class Refusal:
     changed: tuple[str, ...]
     search: Search
     settled: bool = False
-    """Whether a fit follows the remedy: other values were not tried with one, and are left out."""
+    """True if a fit follows the remedy: other values were not tried with one, and are left out."""
 
     @cached_property
     def blamed(self) -> dict[str, list[BrokenRule]]:

@@ -99,7 +99,7 @@ The board has the first one."""
 
 @dataclass(frozen=True)
 class Amplifiers:
-    """Where the filter's two amplifiers end; voltages against the signal ground."""
+    """Limits of the filter's two amplifiers; voltages against the signal ground."""
 
     bandwidth_hz: float
     slew_v_per_s: float

@@ -93,7 +93,7 @@ class _Source:
     path: Path
     encoding: str
     change: Change
-    """What leaves the values of a line."""
+    """Change of a line that leaves its values."""
     header: Header
     first_line: int
     """Line number of the first sample."""

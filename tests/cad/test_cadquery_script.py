@@ -58,6 +58,9 @@ class Part:
     def intersect(self, other: Part, clean: bool) -> Part:
         return Part(solids.Intersection((self.solid, other.solid)))
 
+    def solids(self) -> Part:
+        return self
+
     def tag(self, name: str) -> None:
         assert name
 
@@ -96,7 +99,7 @@ def functions() -> Mapping[str, Any]:
         exec(text, names)
     made = {name: lambda *a, make=make: Part(make(*map(to_tuple, a))) for name, make in PRIMITIVES.items()}
     names.update(made | {"superconic": superconic, "scaled": lambda part, by: Part(solids.Scaled(part.solid, by))})
-    names["each"] = lambda *parts: Part(*(part.solid for part in parts))
+    names["stack"] = lambda *parts: Part(*(part.solid for part in parts))
     return names
 
 
@@ -268,6 +271,19 @@ def test_scripts_name_what_they_make(scripts: Path) -> None:
         assert "import fingertip" not in each
         assert "from fingertip" not in each
     assert write_script(Design(), "bone") == text.encode()
+    assert text.index("\nbody = ") < text.index("\n# Below\nbelow_low_x = ") < text.index("\nbelow = ")
+
+
+def test_refused_number_ends_with_its_condition_and_remedy() -> None:
+    text = write_script(Design(), "bone").decode()
+    assert "around the bone that retains the skin [> 0, <= 3]\n" in text
+    wanted = r"^bone_groove_depth_mm != 0\.0 does not hold; .* --formats cq --set bone\.groove_depth_mm=VALUE$"
+    with pytest.raises(AssertionError, match=wanted):
+        run_script(text, "bone", bone_groove_depth_mm=0.0)
+    for name in ("nothing", "RAMP_SLOPE"):
+        with pytest.raises(AssertionError, match=f"no parameter {name}"):
+            run_script(f"CHANGES = {{'{name}': 1.0}}\n{text}", "bone")
+    assert functions()["bisect"](lambda y: y < 0.3, 0.0, 1.0)[1] == 0.3
 
 
 def test_named_numbers_keep_their_brackets() -> None:
@@ -285,6 +301,8 @@ def test_scripts_run_alone_give_the_solids_of_the_step_files(scripts: Path) -> N
 
     finger = (scripts / "finger.cq.py").read_text()
     (scripts / "wider.cq.py").write_text(finger.replace("CHANGES = {}", 'CHANGES = {"bone_channel_diameter_mm": 3.0}'))
+    (scripts / "wrong.cq.py").write_text(finger.replace("CHANGES = {}", 'CHANGES = {"nothing": 3.0}'))
+    assert "not all of these are parameters: nothing" in run_python("-c", ALONE, str(scripts), "wrong.cq.py").stderr
     done = run_python("-c", ALONE, str(scripts), "finger.cq.py", "stand.cq.py")
     assert done.returncode == 0, done.stderr
     assert done.stdout.split() == [*NAMES[:-1], "sensor", "finger", "stand"]
@@ -293,6 +311,7 @@ def test_scripts_run_alone_give_the_solids_of_the_step_files(scripts: Path) -> N
         assert made.Volume() == pytest.approx(wanted.Volume(), rel=1e-9)
         assert made.Center().toTuple() == pytest.approx(wanted.Center().toTuple(), abs=1e-6)
         assert len(made.Faces()) == len(wanted.Faces())
+        assert made.ShapeType() == "Solid"
     assert run_python("-c", ALONE, str(scripts), "wider.cq.py").returncode == 0
     made = cadquery.Shape.importBrep(str(scripts / "bone.brep"))
     changed = fingertip.part_solid(Design.load(changes={"bone.channel_diameter_mm": 3.0}), "bone")

@@ -193,7 +193,7 @@ class Parameter:
 
 def list_parameters(provisional: Collection[str] = ()) -> Iterator[Parameter]:
     for path, field in PARAMETERS.items():
-        bounds, meaning = _format_bounds(field), field.description or ""
+        bounds, meaning = format_bounds(field), field.description or ""
         mark, kind = _MARKS[path.partition(".")[0]] if path in provisional else ("", find_kind(path))
         yield Parameter(path, field.default, find_unit(field), bounds, kind, mark + meaning)
 
@@ -242,7 +242,7 @@ def to_toml(design: Tables, heading: str = "") -> str:
     return tomlkit.dumps(document)
 
 
-def _format_bounds(field: FieldInfo) -> str:
+def format_bounds(field: FieldInfo) -> str:
     if choices := list_choices(field):
         return " | ".join(choices)
     bounds = find_bounds(field)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from typing import cast
 
-from fingertip.cad.files.carried_functions import Carried
+from fingertip.cad.files.carried_functions import Carried, require
 from fingertip.cad.files.named_dimensions import NUMBERS, SOLIDS, Trace
 from fingertip.cad.files.script_text import PRIMITIVES, Statements, Text, remark, wrap_code
 from fingertip.cad.shapes.finger import sensor_body
@@ -25,6 +26,7 @@ _SCRIPT = (
 # Lengths are in mm; x is the width, y points to the back, z to the tip. All that follows from a parameter below follows
 # when it is changed here. No rule checks it; where it would need other statements, the script says so and ends.
 # With all checks, and for choices: fingertip build design.toml --formats cq --set NAME=VALUE
+# Booleans have clean=False: faces stay as they are in the STEP file.
 
 import math
 
@@ -34,15 +36,13 @@ import cadquery as cq
 # Parameters
 
 {parameters}
-globals().update({{name: value for name, value in globals().get("CHANGES", {{}}).items() if name in globals()}})
+for changed, value in globals().get("CHANGES", {{}}).items():
+    assert isinstance(globals().get(changed), float), f"CHANGES: this script has no parameter {{changed}}"
+    globals()[changed] = value
 
 # Fixed for this design
 
 {fixed}
-
-# Derived lengths
-
-{derived}
 
 # {title}
 
@@ -73,10 +73,11 @@ CHANGES = {{}}
 COLOURS = {{
 {colours}
 }}
-made = {{name: run_path(str(Path(__file__).with_name(f"{{name}}.cq.py")), {{"CHANGES": CHANGES}}) for name in COLOURS}}
-unknown = [name for name in CHANGES if not any(name in each for each in made.values())]
-assert not unknown, f"no script has a parameter {{unknown}}"
-parts = {{name: made[name][name] for name in COLOURS}}
+paths = {{name: Path(__file__).with_name(f"{{name}}.cq.py") for name in COLOURS}}
+given = {{name: {{key: value for key, value in CHANGES.items() if f"{{key}} = " in path.read_text("utf-8")}}
+    for name, path in paths.items()}}
+assert set(CHANGES) == set().union(*given.values()), f"not all of these are parameters: {{', '.join(CHANGES)}}"
+parts = {{name: run_path(str(path), {{"CHANGES": given[name]}})[name] for name, path in paths.items()}}
 finger = cq.Assembly(name="{design}")
 for name, part in parts.items():
     finger.add(part, name=name, color=cq.Color(*COLOURS[name]))
@@ -98,14 +99,13 @@ def write_script(design: Design, part: str) -> bytes:
     statements = Statements(trace)
     statements.make(part, solid)
     text = Text(trace, statements)
-    made = text.write_statements()
+    made = "\n".join([*text.write_statements(), f"{part} = {part}.solids()"])
     if part in _TAGS:
         tag, faces = _TAGS[part]
         made += f'\n{part}.faces({faces}).tag("{tag}")'
-    derived = "\n".join([*text.lines, *text.write_conditions()])
-    functions = ", ".join(sorted({*text.functions, "volume"}))
+    functions = ", ".join(sorted({*re.findall(r"(\w+)\(", made), "volume"} & statements.functions))
     return _SCRIPT.format(
-        title=part.replace("_", " ").capitalize(), design=design.name, part=part, derived=derived, statements=made,
+        title=part.replace("_", " ").capitalize(), design=design.name, part=part, statements=made.lstrip(),
         imports="\n".join(wrap_code(f"from {FUNCTIONS[:-3]} import ({functions})", "")),
         parameters="\n".join(text.write_atoms("parameter", "bought")),
         fixed="\n".join([*_describe_choices(design, part), *text.write_atoms("fixed")]),
@@ -115,9 +115,9 @@ def write_script(design: Design, part: str) -> bytes:
 def write_functions() -> bytes:
     """Write the functions of all scripts, which are the same for every design."""
     carried = Carried(wrap_code)
-    for name in ("superconic", "elbow_tube", "scaled", *PRIMITIVES):
+    for name in PRIMITIVES:
         carried.add(name)
-    for function in (bisect, *NUMBERS, *SOLIDS):
+    for function in (require, bisect, *NUMBERS, *SOLIDS):
         carried.add(function.__name__, function.__module__)
     head = '"""Functions of the CadQuery scripts beside this file [mm]: solids, and numbers that follow."""'
     return f"{head}\n\n{carried.write()}\n".encode()

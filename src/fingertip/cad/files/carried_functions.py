@@ -25,8 +25,7 @@ class Carried:
         self._wrap = wrap
 
     def write(self) -> str:
-        imports = (f"from {module} import {', '.join(sorted(names))}" if names else f"import {module}"
-                   for module, names in sorted(self._imports.items()))  # fmt: skip
+        imports = (f"{head} {', '.join(sorted(names))}".strip() for head, names in sorted(self._imports.items()))
         head = [line for text in imports for line in self._wrap(text, "")]
         constants = [f"{name} = {value}" for name, value in self._constants.items()]
         return "\n\n".join(["\n".join(head), "\n".join(constants), *self._texts.values()])
@@ -42,7 +41,7 @@ class Carried:
                 source = found.module or ""
                 if source.startswith("fingertip"):
                     return self.add(alias.name, source)
-            names = self._imports.setdefault(source or ast.unparse(alias), {})
+            names = self._imports.setdefault(f"from {source} import" if source else f"import {ast.unparse(alias)}", {})
             names |= {alias.name: None} if source else {}
             return name
         if isinstance(found, ast.expr):
@@ -110,3 +109,10 @@ class _Plain(ast.NodeTransformer):
 
     def visit_Name(self, node: ast.Name) -> ast.AST:
         return ast.Name(self._resolve(node.id), node.ctx)
+
+
+def require(holds: bool, condition: str, *names: str) -> None:
+    """Refuse a number with which a script would need other statements."""
+    if not holds:
+        remedy = f"fingertip build design.toml --formats cq --set {'=VALUE or '.join(names)}=VALUE"
+        raise AssertionError(f"{condition} does not hold; write a new script: {remedy}")

@@ -37,7 +37,7 @@ SOLIDS = (foot.round_foot, foot.flat_foot, mold.extrude, mold.belt_seat, mold.en
 """Functions that make a solid of plain numbers, which scripts carry too."""
 _MODULES = ("fingertip.cad.shapes.", "fingertip.design.interfaces.", "fingertip.design.geometry")
 """Modules that make solids of parameters."""
-_SHORT = 5
+_SHORT = 7
 """Length up to which the name of a variable says too little without that of its function."""
 _LOCK = threading.Lock()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 import keyword
+import re
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain, count
@@ -11,18 +12,23 @@ from itertools import chain, count
 from fingertip.cad.files.named_dimensions import Trace
 from fingertip.cad.files.named_numbers import Term, term_of
 from fingertip.cad.shapes.parts import PARTS
+from fingertip.design.files import format_bounds
 from fingertip.design.geometry.solids import Difference, Intersection, Primitive, Scaled, Solid, Union, call_of
+from fingertip.design.parameters import PARAMETERS
 
-_WIDTH = 118
+_WIDTH, _NEAREST = 118, 6
+"""Width of a line, and the largest number of parameters that a refusal names: those nearest to its condition."""
 _AS_IT_IS = ", clean=False)"
 """End of a boolean, whose faces stay as the STEP file has them."""
-PRIMITIVES = ("box", "cylinder", "cone", "prism", "each", "union")
+PRIMITIVES = ("box", "cylinder", "cone", "prism", "stack", "union", "superconic", "elbow_tube", "scaled")
+_PATHS = {path.replace(".", "_"): path for path in PARAMETERS}
 _LONG, _AGAIN_LONG, _NAMELESS = 72, 16, 40
 """Length above which an expression has a name of its own: used once, used again, and used again but held by nothing."""
 _NEVER_NAMED = {"name", "constant", "item", "word", "<", "<=", ">", ">=", "==", "!="}
 _RANKS = {"+": 1, "-": 1, "*": 2, "/": 2, "negative": 2, "**": 3}
 """Ranks of operations: the higher one binds more tightly; comparisons have 0, all others 4."""
-_AGAIN = "this number needs a new script: fingertip build design.toml --formats cq --set NAME=VALUE"
+_PLACES = {"box": "low_x low_y low_z high_x high_y high_z", "superconic": "half_width palmar dorsal"}
+"""Meaning of the numbers that a primitive takes."""
 
 
 class Statements:
@@ -30,6 +36,7 @@ class Statements:
 
     def __init__(self, trace: Trace) -> None:
         self.made: list[tuple[str, list[str | Term]]] = []
+        self.places: dict[int, str] = {}
         self._trace = trace
         self._keys: dict[int, int] = {}
         self._counts: dict[int, int] = {}
@@ -37,7 +44,8 @@ class Statements:
         self._names: dict[int, str] = {}
         for solid, name in trace.solid_names:
             self._names.setdefault(self._key(solid), name)
-        self.taken: set[str] = {*PARTS, *dir(builtins), *keyword.kwlist, *trace.atoms, *trace.functions, "cq", "math"}
+        self.functions = {*PRIMITIVES, *trace.functions, "require", "volume"}
+        self.taken: set[str] = {*PARTS, *dir(builtins), *keyword.kwlist, *trace.atoms, *self.functions, "cq", "math"}
 
     def make(self, part: str, solid: Solid) -> None:
         self._count(solid)
@@ -70,7 +78,7 @@ class Statements:
             base = self._names.get(key)
             if not base and self._counts.get(key, 0) < 2:
                 return pieces
-            name = self.name(base or "solid")
+            name = self.name(base or "body")
             self._written[key] = name
             self.made.append((name, pieces))
         return [self._written[key]]
@@ -97,12 +105,14 @@ class Statements:
                 return ["scaled", "(", *self._refer(inner), ", ", term_of(factor), ")"]
             case primitive:
                 name, arguments = call_of(primitive)
+                for place, item in zip(_PLACES.get(name, "").split(), chain(*arguments), strict=False):
+                    self.places.setdefault(term_of(item).key, place)
                 return [name, "(", *_join([term_of(each)] for each in arguments), ")"]
 
     def _list(self, solids: Sequence[Solid]) -> list[str | Term]:
         if len(solids) == 1:
             return self._refer(solids[0])
-        return ["each", "(", *_join(self._refer(each) for each in solids), ")"]
+        return ["stack", "(", *_join(self._refer(each) for each in solids), ")"]
 
 
 def _operands(solid: Solid) -> tuple[Solid, ...]:
@@ -125,41 +135,51 @@ class Text:
 
     def __init__(self, trace: Trace, statements: Statements) -> None:
         self._trace, self._statements = trace, statements
-        self.functions: set[str] = set()
-        statements.taken |= {*PRIMITIVES, "superconic", "elbow_tube", "scaled"}
         self._uses: dict[int, int] = {}
         self._names: dict[int, str] = {}
         self._done: dict[int, tuple[str, int]] = {}
         self.used: set[str] = set()
-        self.lines: list[str] = []
-        for _, pieces in statements.made:
-            for piece, after in zip(pieces, [*pieces[1:], ""], strict=True):
-                if isinstance(piece, Term):
-                    self._count(piece)
-                elif after == "(":
-                    self.functions.add(piece)
+        self._made: list[tuple[str, list[str]]] = [("", [])]
+        self._solid = ""
+        for piece in chain(*(pieces for _, pieces in statements.made)):
+            if isinstance(piece, Term):
+                self._count(piece)
 
-    def write_statements(self) -> str:
-        lines: list[str] = []
-        for name, pieces in self._statements.made:
-            texts = (piece if isinstance(piece, str) else self.write(piece)[0] for piece in pieces)
-            lines += wrap_code(f"{name} = {''.join(texts)}", "")
-        return "\n".join(lines)
+    def write_statements(self) -> list[str]:
+        """Write solids, each after the lengths that it needs first, and conditions, after the last length in them."""
+        for solid, pieces in self._statements.made:
+            self._solid, begin = solid, len(self._made)
+            texts = [piece if isinstance(piece, str) else self.write(piece)[0] for piece in pieces]
+            if self._made[begin:]:
+                self._made.insert(begin, ("", ["", f"# {solid.replace('_', ' ').capitalize()}"]))
+            self._made.append((solid, wrap_code(f"{solid} = {''.join(texts)}", "")))
+        places = {name: i for i, (name, _) in enumerate(self._made) if name}
+        for condition, parameters in self._list_conditions():
+            last = max(places.get(word, 0) for word in re.findall(r"\w+", condition))
+            line = f"require({', '.join((condition, *map(_literal, (condition, *parameters))))})"
+            self._made[last][1].extend(wrap_code(line, ""))
+        return [line for _, lines in self._made for line in lines]
 
     def write_atoms(self, *kinds: str) -> Iterator[str]:
+        compared = {(each.operation, each.operands[0].key, each.operands[1].key) for each in self._trace.conditions}
         for name, atom in self._trace.atoms.items():
             if atom.kind in kinds and name in self.used:
-                yield from _comment(f"{name} = {_literal(atom.value)}", atom.meaning)
+                meaning, bounds = atom.meaning, format_bounds(PARAMETERS[_PATHS[name]]) if name in _PATHS else ""
+                if any((sign, Term("name", (name,)).key, term_of(0.0).key) in compared for sign in ("!=", ">")):
+                    meaning, bounds = meaning.partition("; 0: ")[0], bounds.replace(">= 0,", "> 0,")
+                yield from _comment(f"{name} = {_literal(atom.value)}", meaning, f" [{bounds}]" * bool(bounds))
 
-    def write_conditions(self) -> Iterator[str]:
-        written = dict.fromkeys(self._write_condition(each) for each in self._trace.conditions if each.is_free)
-        kept = [each for each in written if each and each.replace(" >= ", " > ") not in written.keys() - {each}]
-        if kept:
-            yield from wrap_code(f"HOLD = ({', '.join(kept)},)", "")
-            yield f'assert all(HOLD), "{_AGAIN}"'
+    def _list_conditions(self) -> Iterator[tuple[str, list[str]]]:
+        """List the conditions, with the parameters that are nearest to each."""
+        written = {self._write_condition(each): each for each in self._trace.conditions if each.is_free}
+        for text, term in written.items():
+            if text and text.replace(" >= ", " > ") not in written.keys() - {text}:
+                names = [name for name in _atoms(term) if self._trace.atoms[name].kind != "fixed"]
+                paths = [_PATHS.get(name) or name.replace("sensor_", "custom_sensor.") for name in names]
+                yield text, paths[:_NEAREST] + ["TABLE.KEY"] * (len(paths) > _NEAREST)
 
     def _write_condition(self, term: Term) -> str:
-        atoms = _atoms(term)
+        atoms = _atoms(term).keys()
         kinds = {self._trace.atoms[each].kind for each in atoms}
         if not atoms <= self.used or not kinds & {"parameter", "bought"}:
             return ""
@@ -193,13 +213,14 @@ class Text:
             if found or (is_again and len(text) > _NAMELESS):
                 name = self._statements.name(found or self._suggest(term))
                 self._names[term.key] = name
-                self.lines += _comment(f"{name} = {text}", preferred[1] if preferred else "")
+                self._made.append((name, _comment(f"{name} = {text}", preferred[1] if preferred else "")))
                 return name, 4
         self._done[term.key] = text, rank
         return text, rank
 
     def _suggest(self, term: Term) -> str:
-        return str(term.operands[0]).rpartition("_")[2].rpartition(".")[2] if term.operation == "call" else "length"
+        called = re.sub(".*[_.]", "", str(term.operands[0])) if term.operation == "call" else "length"
+        return f"{self._solid}_{self._statements.places.get(term.key, called)}"
 
     def _compose(self, term: Term, names: bool) -> tuple[str, int]:
         def inner(each: Term, rank: int = 0) -> str:
@@ -217,7 +238,6 @@ class Text:
             case "item", (whole, i):
                 return f"{inner(whole, 4)}[{i}]", 4
             case "call", (name, *terms):
-                self.functions |= {name} & self._trace.functions.keys()
                 return f"{name}({', '.join(map(inner, terms))})", 4
             case "lambda", (variable, body):
                 return f"lambda {variable}: {inner(body)}", 0
@@ -233,10 +253,13 @@ class Text:
         raise AssertionError(term)
 
 
-def _atoms(term: Term) -> set[str]:
-    if term.operation == "name":
-        return {term.operands[0]}
-    return set().union(*(_atoms(each) for each in term.operands if isinstance(each, Term)))
+def _atoms(term: Term) -> dict[str, None]:
+    """List the names in a term, those first that stand the nearest to it."""
+    terms, seen = [term], set[int]()
+    for each in terms:  # it grows
+        terms += [inner for inner in each.operands if isinstance(inner, Term) and each.key not in seen]
+        seen.add(each.key)
+    return {each.operands[0]: None for each in terms if each.operation == "name"}
 
 
 def _literal(value: object) -> str:
@@ -247,12 +270,12 @@ def _literal(value: object) -> str:
     return f'"{value}"' if isinstance(value, str) else repr(value)
 
 
-def _comment(line: str, meaning: str) -> list[str]:
-    """Write a line with a comment, as much of its first sentence as fits; a longer line without one."""
+def _comment(line: str, meaning: str, bounds: str = "") -> list[str]:
+    """Write a line with a comment, as much of its first sentence as fits, and bounds; a longer line without one."""
     words = " ".join(meaning.replace(" [mm]", "").partition(". ")[0].split()).rstrip(".")
-    while words and len(line) + len(words) + 4 > _WIDTH:
+    while words and len(line) + len(words) + len(bounds) + 4 > _WIDTH:
         words = next(filter(None, (words.rpartition(sign)[0] for sign in ("; ", " (", ": ", ", "))), "")
-    return wrap_code(line, "") if not words else [f"{line}  # {words}"]
+    return wrap_code(line, "") if not words else [f"{line}  # {words}{bounds}"]
 
 
 def remark(text: str) -> list[str]:
@@ -261,6 +284,7 @@ def remark(text: str) -> list[str]:
 
 def wrap_code(text: str, indent: str) -> list[str]:
     """Break a statement within brackets where it is too long: after commas, or else at any space."""
+    text = re.sub('"[^"]*"', lambda quoted: quoted[0].replace(" ", "\xa0"), text)
     depth, spaced = 0, []
     for before, sign in zip(f" {text}", text, strict=False):
         depth += (sign in "([{") - (sign in ")]}")

@@ -75,10 +75,10 @@ def scaled(part: cq.Workplane, factor: float) -> cq.Workplane:
     return cq.Workplane(part.val().scale(factor))
 
 
-def each(*parts: cq.Workplane) -> cq.Workplane:
-    """Put several parts on one workplane, so that a boolean takes them at once."""
+def stack(*parts: cq.Workplane) -> cq.Workplane:
+    """Put several parts on the stack of one workplane, so that a boolean takes them at once."""
     return cq.Workplane().newObject([part.val() for part in parts])
 
 
 def union(first: cq.Workplane, *others: cq.Workplane) -> cq.Workplane:
-    return first.union(each(*others), clean=False)
+    return first.union(stack(*others), clean=False)

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import Any
 
 RECORDING = threading.local()
-"""Its `conditions`, if any, take each comparison of such numbers."""
+"""Store of a thread: its `conditions`, if any, take each comparison of such numbers."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -132,7 +132,8 @@ def test_default_folder_keeps_a_board_of_another_circuit(tmp_path: Path, monkeyp
     assert run_fingertip("board", "article", "--set", "board.cutoff_hz=80", "-q").returncode == 0
     layout = Path("out/article/board/slip_filter.kicad_pcb")
     before = layout.read_bytes()
-    other = ("article", "--set", "board.variant=comparator", "--set", "board.supply_v=3.3", "-q")
+    other = ("article", "--set", "board.variant=comparator", "--set", "board.supply_v=3.3")
+    other = (*other, "--set", "detector.threshold_v=0.011", "-q")
     refused = run_fingertip("board", *other)
     assert refused.returncode == 2
     assert "holds a board of 'article' with another circuit" in refused.stderr
@@ -156,7 +157,7 @@ def test_sheet_of_another_design_is_removed_with_a_word(tmp_path: Path) -> None:
     assert notes == []
     write_board(load_article(["board.cutoff_hz=80"]), tmp_path, progress=notes.append)
     (note,) = notes
-    assert note.startswith("removed files of another design: bringup.md, bringup.ino, wiring.svg; --bringup")
+    assert note.startswith("removed files of another design: bringup.ino, bringup.md, wiring.svg; --bringup")
     assert not (tmp_path / "bringup.md").exists()
 
 

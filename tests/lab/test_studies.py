@@ -106,15 +106,6 @@ def test_page_beside_the_article_is_that_of_the_data() -> None:
     assert page.PAGE.read_text() == page.render_page(data)
 
 
-@pytest.mark.full
-def test_vibration_of_the_contact_force_is_the_stated_one() -> None:
-    stated = json.loads(DATA.read_text())["contact_mn"]
-    for name in ("smooth", "gross"):
-        measured_n = page.measure_contact_n(Design.load("article"), name)
-        assert 1000 * measured_n == pytest.approx(stated[name], abs=0.01)
-    assert stated["gross"] / stated["smooth"] == pytest.approx(16, rel=0.5)
-
-
 @pytest.mark.parametrize("bits", [10, 12])
 def test_thresholds_follow_the_step_of_another_converter(bits: int) -> None:
     converter = Variation("", change_converter(bits, 5.0))

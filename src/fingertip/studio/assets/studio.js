@@ -119,14 +119,15 @@
     if (answer.superseded) return null; // by a newer request of this page
     if (answer.issues) {
       if (answer.bands) showBands(find(answer.issues[0].field), answer);
-      keepPlace(() => showRefusals(answer.issues, answer.passing));
       const paths = answer.issues.map((issue) => issue.field).filter(find).slice(0, MAX_LINKS);
-      say(`✗ ${answer.issues.length} refused; the view shows the last design that passed: `, 'failed', paths);
-      if (offersFit) {
+      keepPlace(() => { // the line of the verdict grows too
+        showRefusals(answer.issues, answer.passing);
+        say(`✗ ${answer.issues.length} refused; the view shows the last design that passed: `, 'failed', paths);
+        if (!offersFit) return;
         const button = make('button', { type: 'button', id: 'fit', textContent: 'Fit the other values' });
         button.addEventListener('click', fit);
         byId('verdict').firstChild.append(button);
-      }
+      });
       return null;
     }
     if (answer.error) {

@@ -33,7 +33,7 @@ _FIRST_POINT = ("d", "points", "x y", "cx cy", "x1 y1")
 def check_folder(folder: Path) -> Iterator[str]:
     """Yield the broken promises of all files below a folder."""
     for path in sorted(path for path in folder.rglob("*") if path.is_file()):
-        for promise in PROMISES.get(path.suffix, ()) or (is_expected,):
+        for promise in PROMISES.get(path.suffix or path.name, ()) or (is_expected,):
             try:
                 promise(path)
             except Exception as error:
@@ -296,5 +296,6 @@ PROMISES: Mapping[str, tuple[Callable[[Path], None], ...]] = {
     ".net": (*_TEXT, is_kicad), ".kicad_sch": (*_TEXT, is_kicad), ".kicad_pcb": (*_TEXT, is_kicad),
     ".c": (*_TEXT, is_c), ".h": (*_TEXT, is_c), ".ino": (*_TEXT, is_c), ".cir": (*_TEXT,), ".md": (*_TEXT,),
     ".properties": (*_TEXT,), ".txt": (*_TEXT,), ".urdf": (*_TEXT,), ".xml": (*_TEXT,),
+    ".gitattributes": (*_TEXT,),
 }  # fmt: skip
 """Promises of each kind of file by the end of its name."""

@@ -263,7 +263,7 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
             left_out = "quotes" if re.fullmatch(r"[-+.\de\s]+", value) else "its unit"
             return Issue(field, f"{shown} is not a number; write {number}, without {left_out}.")
         case "float_type" if type(value) is int:
-            return Issue(field, f"{shown} is too large; it is beyond every float.")
+            return Issue(field, f"{shown} is too large for a float; write a smaller number{unit and ' in' + unit}.")
         case "float_type" | "int_type":
             number = "a whole number" if kind == "int_type" else "a number"
             quotes = ", without quotes" if isinstance(value, str) else ""

@@ -75,7 +75,7 @@ TEXTS: dict[str, tuple[str | bytes, tuple[object, ...], str]] = {
     ),
     "LVM": (lvm("One"), (), ""),
     "LVM without times": (lvm("No"), (), ""),
-    "LVM of four segments": (lvm("One", 4), (), "among the samples (and 5 more), and passed over"),
+    "LVM of four segments": (lvm("One", 4), (), "among the samples (and 2 more), and passed over"),
 }  # fmt: skip
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.detection.warnings import flat_warnings
-from fingertip.slip.traces.columns import bare, is_named, parse_number
+from fingertip.slip.traces.columns import bare_lines, is_named, parse_number
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.survey import examine
 from fingertip.slip.traces.trace import ColumnMap
@@ -40,8 +40,8 @@ def test_numbers_are_read_as_instruments_write_them() -> None:
 
 def test_lines_that_name_their_values_leave_these(tmp_path: Path) -> None:
     assert all(map(is_named, NAMED))
-    assert {line: bare(line).strip() for line in NAMED} == NAMED
-    assert bare('{"t": 1, "v": 2') == '{"t": 1, "v": 2', "a line that was cut off is no object"
+    assert dict(zip(NAMED, map(str.strip, bare_lines(NAMED)), strict=True)) == NAMED
+    assert [*bare_lines(['{"t": 1, "v": 2'])] == ['{"t": 1, "v": 2'], "a line that was cut off is no object"
     volts = (f"{v:.5f}" for v in V)
     lines = [f'{{"v": {v}, "at": {{"t": {t:.4f}}}}}' for v, t in zip(volts, T, strict=True)]
     (tmp_path / "t.txt").write_text("ready\n" + "\n".join(lines) + '\n{"v": 1.2')

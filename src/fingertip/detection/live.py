@@ -14,7 +14,7 @@ from fingertip.detection.warnings import StepWatch, settings_warnings
 from fingertip.foundation.errors import Issue, TraceError, shorten
 from fingertip.slip.detectors import registry
 from fingertip.slip.traces import sampling
-from fingertip.slip.traces.columns import bare, is_named, parse_number, split_cells
+from fingertip.slip.traces.columns import bare_lines, parse_number, split_cells
 from fingertip.slip.traces.csv_dialect import Header, find_header
 from fingertip.slip.traces.trace import NANOSEC, ColumnMap, bounded_lines
 
@@ -152,7 +152,7 @@ def open_stream(
     lines: Iterable[str | bytes], columns: ColumnMap, *alternatives: ColumnMap
 ) -> tuple[Header, NumberedLines]:
     """Read the header and the line of units; return it and all lines below that are not empty. Raises TraceError."""
-    remaining = (bare(line) if is_named(line) else line for line in bounded_lines(lines, NAME))
+    remaining = bare_lines(bounded_lines(lines, NAME))
     header = find_header(NAME, remaining, columns, *alternatives)
     rows = ((n, line) for n, line in enumerate(remaining, start=header.line + 1) if line.strip())
     if (first := next(rows, None)) is None or header.is_unit_line(first[1]):

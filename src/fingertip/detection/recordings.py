@@ -25,7 +25,7 @@ from fingertip.slip.scored_detection import Detection
 from fingertip.slip.scored_detection import detect as detect_in_trace
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.sampling import check_rate, rises_as_time
-from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace, as_numbers, signal_warnings
+from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace, as_numbers
 from fingertip.slip.traces.truth import Origin, read_origin
 
 Progress = Callable[[str], None]
@@ -224,8 +224,10 @@ def _doubt_signals(recording: _Recording) -> Iterator[str]:
         return
     yield from warnings.hum_warnings(volts, design.detector.sample_rate_hz)
     yield from warnings.polarity_warnings(volts, design)
-    yield from signal_warnings(trace, design.detector, design.board.has_filter)
-    yield from warnings.flat_warnings(volts, design)
+    if np.ptp(volts) == 0.0 and volts[0] < design.detector.adc_range_v - 1.5 * design.detector.adc_step_v:
+        yield f"the voltage is constant at {volts[0]:g} V; is a sensor connected?"
+    else:
+        yield from warnings.flat_warnings(volts, design)
     yield from warnings.settings_warnings(design, recording.detector)
     # A filtered signal has finer steps. Thresholds follow from the recording itself after a calibration.
     if registry.find_second_column(design, recording.detector) is not None and trace.filtered_v is not None:

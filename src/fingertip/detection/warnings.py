@@ -67,7 +67,7 @@ def step_warnings(volts: Array, design: Design, detector: str) -> Iterator[str]:
     )
 
 
-# Warnings of a signal that is limited below the end of the converter, as by the supply of an amplifier.
+# Warnings of a signal at a limit: the end of the converter, or one below it, as by the supply of an amplifier.
 
 _LEAST_RUN, _LEAST_FLAT, _DEVIATIONS = 4, 10, 6.0
 """Least equal samples in a row, all samples in such rows, and standard deviations over chance, that are a limit."""
@@ -76,27 +76,41 @@ _BLOCK = 100
 
 
 def flat_warnings(volts: Array, design: Design) -> Iterator[str]:
-    """Warn of runs of the largest or smallest voltage [V] that are longer than steps and noise of the rest explain."""
-    low, high = design.detector.adc_low_v, design.detector.adc_range_v - 1.5 * design.detector.adc_step_v
-    for limit, noun in ((volts.max(initial=low), "largest"), (volts.min(initial=high), "smallest")):
-        at_rest = noun == "smallest" and not design.board.has_filter  # a divider rests at 0 V
-        is_flat = volts == limit
-        edges = np.flatnonzero(np.diff(is_flat.astype(np.int8), prepend=0, append=0))
-        runs, rest = edges[1::2] - edges[::2], volts[~is_flat]
-        blocks = (np.diff(rest) == 0.0)[: (len(rest) - 1) // _BLOCK * _BLOCK].reshape(-1, _BLOCK)
-        if at_rest or limit >= high or limit <= low + design.detector.adc_step_v / 2 or not len(blocks):
-            continue  # the end of the converter is told as such
-        repeats = min(0.999, float(blocks.mean(axis=1).max()) + 1 / len(rest))
-        runs = np.sort(runs)[::-1]
-        chance = len(runs) * repeats ** (runs - 1.0)  # how many runs of a length or more are expected
-        is_long = (np.arange(1, len(runs) + 1) - chance > _DEVIATIONS * np.sqrt(chance)) & (runs >= _LEAST_RUN)
-        count = int(runs[: np.flatnonzero(is_long)[-1] + 1].sum()) if is_long.any() else 0
+    """Warn of voltages [V] at the converter's end, and of runs of the largest or smallest that noise does not explain.
+
+    A divider rests at 0 V.
+    """
+    settings = design.detector
+    high, limits = settings.adc_range_v - 1.5 * settings.adc_step_v, {"largest": volts.max(initial=-np.inf)}
+    low = settings.adc_low_v + settings.adc_step_v / 2 if design.board.has_filter else -np.inf
+    if design.board.has_filter:
+        limits["smallest"] = volts.min(initial=np.inf)
+    if clipped := int(np.sum((volts >= high) | (volts <= low))):
+        yield (
+            f"{f'all {clipped}' if clipped == len(volts) else f'{clipped} of {len(volts)}'} samples are at the limits "
+            f"of the ADC range, {settings.adc_range_text}: slip is not visible there. Attenuate the signal before the "
+            "ADC, or record with a wider range (detector.adc_range_v)."
+        )
+    for noun, limit in limits.items():
+        count = _count_flat(volts, limit) if low < limit < high else 0
         if count >= _LEAST_FLAT:
             yield (
                 f"{count} of {len(volts)} samples ({100 * count / len(volts):.2g} %) are flat at {limit:.4g} V, the "
                 f"{noun} voltage: an amplifier, or the sensor itself, is at its limit, and slip is not visible there. "
                 "Lower the gain or the force, or move the rest of the signal."
             )
+
+
+def _count_flat(volts: Array, limit: float) -> int:
+    """Count the samples in runs of one voltage [V] that are longer than steps and noise of the rest explain."""
+    is_flat = volts == limit
+    edges, rest = np.flatnonzero(np.diff(is_flat.astype(np.int8), prepend=0, append=0)), volts[~is_flat]
+    blocks = (np.diff(rest) == 0.0)[: (len(rest) - 1) // _BLOCK * _BLOCK].reshape(-1, _BLOCK)
+    repeats = min(0.999, float(blocks.mean(axis=1).max(initial=1.0 / _BLOCK)) + 1 / len(volts))
+    runs = np.sort(edges[1::2] - edges[::2])[::-1]
+    chance = len(runs) * repeats ** (runs - 1.0)  # how many runs of a length or more are expected
+    is_long = (np.arange(1, len(runs) + 1) - chance > _DEVIATIONS * np.sqrt(chance)) & (runs >= _LEAST_RUN)
+    return int(runs[: np.flatnonzero(is_long)[-1] + 1].sum()) if is_long.any() and len(blocks) else 0
 
 
 class StepWatch:

@@ -7,7 +7,7 @@ import csv
 import datetime
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -104,17 +104,41 @@ _NAMED = re.compile(r"\s*(\{.*\}|.* -?> .*|[A-Za-z_][^,;\t:=]*[:=]\s*[-+.\d].*)\
 _NAME = re.compile(r"(^.* -?> )|[A-Za-z_][A-Za-z_0-9 .]*[:=] *")
 
 
+# LabVIEW's measurement files (LVM): a header, and one more above each segment; both end with the same line.
+#
+# Reference: National Instruments, "Specification for the LabVIEW Measurement File (.lvm)".
+
+LABVIEW, _SEGMENT, _END = "LabVIEW Measurement", "Channels", "***End_of_Header***"
+
+
+def plain_labview(lines: Iterable[str]) -> Iterator[str]:
+    """Leave the samples of a LabVIEW file below its names: headers of segments are empty, and comments cut off."""
+    width, is_header = 0, True
+    for line in lines:
+        is_header = is_header or line.startswith(_SEGMENT)
+        if is_header or not line.strip():
+            is_header = is_header and not line.startswith(_END)
+            yield "\n" if width else line
+            continue
+        delimiter = "\t" if "\t" in line else ","
+        cells = line.rstrip("\r\n").split(delimiter)
+        width = width or (cells.index("Comment") if "Comment" in cells else len(cells))
+        yield f"{delimiter.join(cells[:width])}\n"
+
+
 def is_named(line: str) -> bool:
     """Return whether a line names its values, or begins with a monitor's time stamp."""
     return _NAMED.fullmatch(line) is not None
 
 
-def bare(line: str) -> str:
-    """Leave the values of a line that names them; of a JSON object those within others too, in their order."""
-    if line.lstrip().startswith("{"):
-        with contextlib.suppress(ValueError, RecursionError):
-            return f"{','.join(_list_values(json.loads(line)))}\n"
-    return _NAME.sub("", line)
+def bare_lines(lines: Iterable[str]) -> Iterator[str]:
+    """Leave the values of lines that name them; of a JSON object those within others too, in their order."""
+    for line in lines:
+        plain = _NAME.sub("", line) if is_named(line) else line
+        if line.lstrip().startswith("{"):
+            with contextlib.suppress(ValueError, RecursionError):
+                plain = f"{','.join(_list_values(json.loads(line)))}\n"
+        yield plain
 
 
 def _list_values(value: object) -> Iterator[str]:

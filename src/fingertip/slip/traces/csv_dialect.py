@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from fingertip.foundation.errors import Issue, TraceError, raise_issues
@@ -34,8 +34,6 @@ class Header:
     """Line number in the file, from 1; 0 if the columns are numbers and the first line holds them already."""
     text: str = ""
     """The line itself, by which a header that is repeated among the samples is known."""
-    is_loose: bool = False
-    """True if lines may have other numbers of cells, as in LabVIEW's files, whose comments are the last cell."""
     has_samples_above: bool = False
     """True if samples stand above it, as where a recording of a controller begins while it runs already."""
 
@@ -56,14 +54,13 @@ class Header:
         return first if minimum <= first < len(self.names) else len(self.names)
 
 
-def read_start(lines: Iterable[str]) -> list[str]:
-    """Read the first lines of a file, in which its header must be."""
-    start, size = list[str](), 0
+def read_start(lines: Iterable[str]) -> Iterator[str]:
+    """Yield the first lines of a file, in which its header must be."""
+    size = 0
     for line in itertools.islice(lines, SURVEYED_LINES):
-        start.append(line)
+        yield line
         if (size := size + len(line)) > _MAX_SURVEYED:
-            break
-    return start
+            return
 
 
 def adapt_labview(lines: Sequence[str], columns: ColumnMap) -> ColumnMap:
@@ -91,27 +88,18 @@ def find_header(name: str, lines: Iterable[str], columns: ColumnMap, *alternativ
     sample. Raises TraceError.
     """
     seen: list[str] = []
-    size = samples = 0
-    for number, line in enumerate(lines, start=1):
-        text = line.lstrip("\ufeff") if number == 1 else line
+    for number, text in enumerate(read_start(lines), start=1):
         if "\0" in text:  # UTF-16 without a byte order mark
             raise TraceError(Issue(name, NOT_TEXT))
         is_comment = text.lstrip().startswith("#")
-        text = text.lstrip().lstrip("#") if is_comment else text
         for candidate in (columns, *alternatives):
             if not is_comment and (found := _match_numbers(text, candidate)):
-                before = seen[-1] if seen and not samples else ""
-                return Header(*found, number - 1, _strip_comment(before))
-            cells, delimiter = _split(text, candidate)
+                return Header(*found, number - 1, _strip_comment(seen[-1]) if seen else "")
+            cells, delimiter = _split(text.lstrip().lstrip("#") if is_comment else text, candidate)
             if all(candidate.name_in_file(column) in cells for column in candidate.required):
                 raise_issues(TraceError, _duplicate_issues(f"{name}, line {number}", cells, candidate))
-                return Header(tuple(cells), delimiter, number, _strip_comment(text), has_samples_above=samples > 0)
-        size += len(line)
-        seen.append("" if _SEPARATOR.fullmatch(text.strip()) else line.lstrip("\ufeff"))
-        if not is_comment and text.strip():
-            samples += samples > 0 or _is_sample(text)
-        if number == SURVEYED_LINES or size > _MAX_SURVEYED:
-            break
+                return Header(tuple(cells), delimiter, number, _strip_comment(text), any(map(_is_sample, seen)))
+        seen.append("" if _SEPARATOR.fullmatch(text.strip()) else text)
     if not any(map(str.strip, seen)):
         message = f"is empty; a trace is a CSV file with the columns {_join_required(columns)}."
         raise TraceError(Issue(name, message))
@@ -119,7 +107,7 @@ def find_header(name: str, lines: Iterable[str], columns: ColumnMap, *alternativ
 
 
 def _strip_comment(line: str) -> str:
-    return line.lstrip("\ufeff").strip().lstrip("#").strip()
+    return line.strip().lstrip("#").strip()
 
 
 def list_numbers(columns: ColumnMap) -> list[int]:
@@ -179,7 +167,7 @@ def _normalise_case(cells: list[str], columns: ColumnMap) -> list[str]:
 
 def _is_sample(line: str) -> bool:
     """Return whether a line contains numbers and times only."""
-    return any(all(map(is_value, split_plain(line, delimiter))) for delimiter in DELIMITERS)
+    return line.strip() != "" and any(all(map(is_value, split_plain(line, delimiter))) for delimiter in DELIMITERS)
 
 
 def _header_issues(name: str, lines: Sequence[str], columns: ColumnMap) -> list[Issue]:

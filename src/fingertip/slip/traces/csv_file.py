@@ -31,13 +31,7 @@ _TAIL_BYTES = 4096
 _PROBE_BYTES = 2**20
 """Length of the pieces in which the encoding of a file is tested [bytes]."""
 
-# LabVIEW's measurement files (LVM): a header, and one more above each segment; both end with the same line.
-#
-# Reference: National Instruments, "Specification for the LabVIEW Measurement File (.lvm)".
-
-_LVM, _SEGMENT, _END = "LabVIEW Measurement", "Channels", "***End_of_Header***"
-
-Change = Callable[[str], str]
+Change = Callable[[Iterable[str]], Iterator[str]]
 _FLAGS = {"true": 1.0, "false": 0.0}
 """Words for slip, as data frames write it, in small letters -> number."""
 
@@ -48,29 +42,32 @@ def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
     LabVIEW's measurement files (LVM) are read by their own names of the columns. Raises TraceError or OSError.
     """
     name, encoding = str(path), _detect_encoding(path)
-    start = read_start(_read_lines(path, encoding))
+    start = [*read_start(_read_lines(path, encoding))]
+    change: Change = iter
     last = [*filter(str.strip, start)][-20:]
-    change: Change = text.bare if 2 * sum(map(text.is_named, last)) > len(last) else str
-    start, is_lvm = [*map(change, start)], start[:1] != [] and start[0].lstrip("\ufeff").startswith(_LVM)
-    if is_lvm:
-        columns = adapt_labview(start, columns)
+    if start and start[0].startswith(text.LABVIEW):
+        change = text.plain_labview
+    elif 2 * sum(map(text.is_named, last)) > len(last):
+        change = text.bare_lines
+    start = [*change(start)]
+    columns = adapt_labview(start, columns) if change is text.plain_labview else columns
     try:
         header = find_numbered_header(start, columns) or find_header(name, start, columns)
     except TraceError as error:
-        if change is str:
+        if change is not text.bare_lines:
             raise
         what = "JSON lines" if last[0].lstrip().startswith("{") else "labels or time stamps"
         note = f"the file holds {what}, whose values are taken in their order: "
         raise TraceError(replace(issue, message=note + issue.message) for issue in error.issues) from None
-    header, below = replace(header, is_loose=is_lvm), "".join(start[header.line : header.line + 1])
+    below = "".join(start[header.line : header.line + 1])
     first_line = header.line + (2 if below.strip() and header.is_unit_line(below) else 1)
     source = _Source(path, encoding, change, header, first_line, columns.with_simulated_names(header.names))
     return _read_valid(source) or _read_by_line(source)
 
 
-def _read_lines(path: Path, encoding: str, change: Change = str, most: int | None = None) -> Iterator[str]:
+def _read_lines(path: Path, encoding: str, change: Change = iter, most: int | None = None) -> Iterator[str]:
     with path.open(encoding=encoding, errors="replace") as file:
-        yield from map(change, bounded_lines(file, str(path), most))
+        yield from change(bounded_lines(file, str(path), most))
 
 
 def _detect_encoding(path: Path) -> str:
@@ -93,7 +90,7 @@ class _Source:
     path: Path
     encoding: str
     change: Change
-    """Change of a line that leaves its values."""
+    """Change of the lines that leaves their values."""
     header: Header
     first_line: int
     """Line number of the first sample."""
@@ -190,7 +187,7 @@ def _read_by_line(source: _Source) -> RawTrace:
     if samples.start is not None:
         notes.append(f"{name}, time_s: dates are read as seconds since {samples.start.isoformat()}")
     issues = list(_find_issues(name, source, samples))
-    if source.header.is_loose and samples.passed_over.count and "time_s" not in samples.values:
+    if source.change is text.plain_labview and samples.passed_over.count and "time_s" not in samples.values:
         message = "holds several segments, and no times that join them; keep the lines of one, or export X_Columns One."
         issues.append(Issue(name, message))
     values: dict[str, Array] = {column: np.array(cells) for column, cells in samples.values.items()}
@@ -209,22 +206,13 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
     )
     after_header, most = False, SAMPLES_LIMIT.value
     below = (entry for entry in lines if entry[0] >= source.first_line and entry[1].strip())
-    within = False
     for number, line in below:
-        if header.is_loose and (within or line.startswith(_SEGMENT)):
-            if not within:
-                samples.passed_over.add(number, line)
-            within = not line.startswith(_END)
-            continue
         if header.is_repeated(line) or line.lstrip().startswith("#") or (after_header and header.is_unit_line(line)):
             samples.passed_over.add(number, line)
             after_header = True
             continue
         after_header = False
         cells = text.split_cells(line, header.delimiter)
-        if header.is_loose:
-            cells = cells[: len(header.names)]
-            samples.width = len(cells) if len(cells) > max(places.values()) else len(header.names)
         samples.width = width = samples.width or header.count_cells(len(cells), source.columns)
         samples.lines.append(number)
         if len(samples.lines) > most:

@@ -19,11 +19,11 @@ from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TomlFileError, TraceError, gather, raise_issues
 from fingertip.foundation.input_files import check_archive
 from fingertip.foundation.numerics import Array
-from fingertip.slip.traces.array_files import LOADERS, RATE
+from fingertip.slip.traces.array_files import KINDS, RATE, load_arrays
 from fingertip.slip.traces.csv_file import read_csv
 from fingertip.slip.traces.sampling import check_rate, restore_even_times
 from fingertip.slip.traces.survey import Content, Survey, examine, join_seconds
-from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace, check_trace_file
+from fingertip.slip.traces.trace import BOARD_COLUMNS, ColumnMap, RawTrace, Trace, check_trace_file
 
 # Kinds of files, known by their first bytes: how each is read, or the sentence that says how to convert it.
 
@@ -64,7 +64,7 @@ _MIN_STATED_HZ = 1e-300
 
 
 def identify(path: Path) -> str:
-    """Return the kind of a file from `LOADERS`, a sentence that says how to convert it, or "csv". Raises OSError."""
+    """Return the kind of a file from `KINDS`, a sentence that says how to convert it, or "csv". Raises OSError."""
     with path.open("rb") as file:
         head = file.read(_HEAD_BYTES)
     for kind, signatures in _SIGNATURES.items():
@@ -75,7 +75,7 @@ def identify(path: Path) -> str:
     if head.startswith(b"PK\x03\x04"):
         return _identify_zip(path)
     suffix = path.suffix.lower()
-    if suffix.lstrip(".") in LOADERS:
+    if suffix.lstrip(".") in KINDS:
         return suffix.lstrip(".")
     return _ENDINGS.get(suffix, "csv")
 
@@ -147,13 +147,12 @@ def read_raw_trace(path: Path, columns: ColumnMap) -> RawTrace:
         kind = identify(path)
         if kind == "csv":
             return _with_even_times(read_csv(path, columns), columns)
-        if kind not in LOADERS:
+        if kind not in KINDS:
             raise TraceError(Issue(str(path), kind))
-        arrays = LOADERS[kind](path, columns)
+        arrays = _split_tables(load_arrays(kind, path, _list_wanted(columns)))
     except OSError as error:
         reason = error.strerror or str(error)
         raise TraceError(Issue(str(path), f"cannot be read ({reason}); give the path of a trace.")) from None
-    arrays = _split_tables(arrays)
     columns = columns.with_simulated_names(arrays)
     missing = [column for column in columns.required if columns.name_in_file(column) not in arrays]
     if RATE in arrays and "time_s" in missing:
@@ -161,6 +160,13 @@ def read_raw_trace(path: Path, columns: ColumnMap) -> RawTrace:
     if arrays and missing:
         _raise_missing(path, kind, arrays, columns, missing)
     return _with_even_times(_from_arrays(str(path), arrays, columns), columns)
+
+
+def _list_wanted(columns: ColumnMap) -> set[str]:
+    """List the names of the arrays that a trace takes; `NAME/2` is a column of the array NAME."""
+    names = {*map(columns.name_in_file, columns.looked_for)}
+    tables = {name.rpartition("/")[0] for name in names if name.rpartition("/")[2].isdecimal()}
+    return {*names, *tables, *(f"sampled_{column}" for column in BOARD_COLUMNS), RATE}
 
 
 def _split_tables(arrays: Mapping[str, Any]) -> dict[str, Any]:
@@ -176,12 +182,10 @@ def _split_tables(arrays: Mapping[str, Any]) -> dict[str, Any]:
 def _raise_missing(path: Path, kind: str, arrays: Mapping[str, Any], columns: ColumnMap, missing: list[str]) -> None:
     """Propose the columns that are missing by the content of all arrays."""
     loaded, values, contents = dict(arrays), dict[str, Array](), list[Content]()
-    unread = [name for name, array in arrays.items() if array is None][:_MOST_SURVEYED]
-    for batch in (unread[i : i + len(COLUMNS)] for i in range(0, len(unread), len(COLUMNS))):
+    if unread := [name for name, array in arrays.items() if array is None][:_MOST_SURVEYED]:
         with contextlib.suppress(TraceError):  # of one that is too large
-            found = LOADERS[kind](path, ColumnMap(dict(zip(COLUMNS, batch, strict=False)), 1.0))
-            loaded |= {name: found[name] for name in (*batch, RATE) if name in found}
-    for name, array in _split_tables(loaded).items():
+            loaded |= _split_tables(load_arrays(kind, path, unread))
+    for name, array in loaded.items():
         flat = np.ravel(() if array is None else array)
         if name != RATE and flat.dtype.kind in "bifuM" and flat.size == max(np.shape(array), default=1):
             seconds = _read_dates(flat)[0] if flat.dtype.kind == "M" else flat
@@ -225,13 +229,15 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> Ra
     if not arrays:
         raise TraceError(Issue(name, f"contains no arrays; save {' and '.join(columns.required)}."))
     if columns.rate_hz is None and columns.name_in_file("time_s") not in arrays and RATE in arrays:
-        stated = np.asarray(arrays[RATE])
-        rate_hz = _parse_rate(stated)
-        if not rate_hz:
-            message = f"contains {_describe(stated)}; save the rate in Hz as one number, such as 2000"
-            issues.append(Issue(f"{name}, {RATE}", f"{message}, or give --rate-hz."))
-        # A placeholder replaces a wrong rate, so that the other arrays are still validated.
-        columns = replace(columns, rate_hz=rate_hz or 1.0)
+        stated, rate_hz = np.asarray(arrays[RATE]), 0.0
+        with contextlib.suppress(TypeError, ValueError):  # of another type, or of several values
+            rate_hz = float(stated.item())
+        if not _MIN_STATED_HZ < rate_hz < float("inf"):
+            shown = f"{stated.size or 'no'} value{'s' * (stated.size > 1)}" if stated.size != 1 else repr(stated.item())
+            message = f"contains {shown}; save the rate in Hz as one number, such as 2000, or give --rate-hz."
+            issues.append(Issue(f"{name}, {RATE}", message))
+            rate_hz = 1.0  # so that the other arrays are still validated
+        columns = replace(columns, rate_hz=rate_hz)
     for column in columns.looked_for:
         name_in_file = columns.name_in_file(column)
         if name_in_file not in arrays:
@@ -244,7 +250,7 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> Ra
             if columns.time_scale != 1.0:
                 issues.append(Issue("--time-scale", f"does not apply to the dates in {name}; leave it out."))
         values[column] = np.zeros(0)
-        if array.dtype.kind not in "bifu":
+        if array.dtype.kind not in "bifu" or array.ndim > 2:
             issues.append(Issue(f"{name}, {name_in_file}", f"has the type {array.dtype}; give an array of numbers."))
         elif array.ndim == 0:
             issues.append(Issue(f"{name}, {name_in_file}", "is a single number; give one value per sample."))
@@ -268,20 +274,3 @@ def _read_dates(array: NDArray[Any]) -> tuple[NDArray[Any], str]:
     if not flat.size:
         return np.zeros(0), "holds no dates"
     return (flat - flat[0]) / second, f"dates are read as seconds since {flat[0]}"
-
-
-def _parse_rate(stated: NDArray[Any]) -> float | None:
-    """Parse the sampling rate that an archive states [Hz]; None if it is not one number above 0."""
-    if stated.size != 1 or stated.dtype.kind not in "iufUS":
-        return None
-    try:
-        rate_hz = float(stated.ravel()[0])
-    except ValueError:
-        return None
-    return rate_hz if _MIN_STATED_HZ < rate_hz < float("inf") else None
-
-
-def _describe(stated: NDArray[Any]) -> str:
-    if stated.size != 1:
-        return f"{stated.size} values" if stated.size else "no value"
-    return repr(stated.ravel()[0].item())

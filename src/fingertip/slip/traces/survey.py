@@ -177,7 +177,7 @@ def join_seconds(contents: Sequence[Content], values: Mapping[str, Array]) -> It
 
 def survey_lines(lines: Sequence[str]) -> Survey | None:
     """Survey the first lines of a text file; None if no body of numbers is found."""
-    filled = [(number, line.lstrip("\ufeff")) for number, line in enumerate(lines, 1) if line.strip()]
+    filled = [(number, line) for number, line in enumerate(lines, 1) if line.strip()]
     data = [(number, line) for number, line in filled if not line.lstrip().startswith("#")]
     if not data:
         return None
@@ -186,7 +186,7 @@ def survey_lines(lines: Sequence[str]) -> Survey | None:
     width = Counter(len(cells) for _, cells in rows[len(rows) // 2 :]).most_common(1)[0][0]
     columns = zip(*(cells for _, cells in rows if len(cells) == width), strict=True)
     numeric = [i for i, cells in enumerate(columns) if 2 * sum(map(is_value, cells)) > len(cells)]
-    shown = ([cells[i] for i in numeric] if len(cells) >= width else [] for _, cells in rows)  # the last one a comment
+    shown = ([cells[i] for i in numeric] if len(cells) == width else [] for _, cells in rows)
     is_sample = [any(cells) and all(is_value(cell) for cell in cells if cell) for cells in shown]
     place = next((i for i in range(len(rows)) if all(is_sample[i : i + _LEAST_RUN])), None)
     if place is None:
@@ -197,7 +197,6 @@ def survey_lines(lines: Sequence[str]) -> Survey | None:
     header, names, units = _find_header(above, width, numeric)
     # Rigol writes the increment below its name, and Tektronix the settings beside the samples.
     settings = [*(cells for _, cells in above), *zip(names, units, strict=False), *(cells[:3] for cells in body[:30])]
-    names = names[:width]  # LabVIEW names comments too
     is_plain = len(names) == width == len(set(names)) and all(names) and not any("+" in name for name in names)
     is_plain = is_plain and sum(map(str.isdecimal, names)) != 1  # two names that are numbers win over numbers
     contents, values = list[Content](), dict[str, Array]()

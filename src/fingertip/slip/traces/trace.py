@@ -251,21 +251,6 @@ class RawTrace:
         return self.has_all_times and len(time_s) > 1 and bool(np.isfinite(time_s).all())
 
 
-def signal_warnings(trace: Trace, detector: DetectorParameters, has_filter: bool = True) -> Iterator[str]:
-    """Warn of a voltage that makes detection unreliable: clipped by the ADC, or constant. A divider rests at 0 V."""
-    volts, maximum, step = trace.voltage_v, detector.adc_range_v, detector.adc_step_v
-    lowest = step / 2 + detector.adc_low_v if has_filter else -np.inf
-    clipped = int(np.sum((volts >= maximum - 1.5 * step) | (volts <= lowest)))
-    if np.ptp(volts) == 0.0 and volts[0] < maximum - 1.5 * step:
-        yield f"the voltage is constant at {volts[0]:g} V; is a sensor connected?"
-    elif clipped:
-        count = f"all {clipped}" if clipped == len(volts) else f"{clipped} of {len(volts)}"
-        yield (
-            f"{count} samples are at the limits of the ADC range, {detector.adc_range_text}: slip is not visible "
-            "there. Attenuate the signal before the ADC, or record with a wider range (detector.adc_range_v)."
-        )
-
-
 # Limits on the size of a recording.
 
 MAX_LINE = 2**20
@@ -329,7 +314,7 @@ def bounded_lines(lines: Iterable[str | bytes], name: str, most: int | None = No
         if most is not None and number > most:
             message = f"has more than {most} lines; {_REMEDY}, or raise {SAMPLES_LIMIT.variable}."
             raise TraceError(Issue(name, message))
-        yield line
+        yield line.lstrip("\ufeff") if number == 1 else line
 
 
 def shape_message(shape: Sequence[int], item_bytes: int = 8) -> str | None:

@@ -17,9 +17,11 @@ Reference: L. Piegl and W. Tiller, The NURBS Book, 2nd ed., section 7.3 (the qua
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
 
 from fingertip.design.geometry.profile import (
     Crown,
@@ -31,6 +33,7 @@ from fingertip.design.geometry.profile import (
     palmar_scale,
     tip_control,
 )
+from fingertip.foundation.numerics import bisect
 
 if TYPE_CHECKING:
     from fingertip.design.parameters.parts import Bone
@@ -60,8 +63,7 @@ def weight_of_fullness(fullness: float) -> float:
     return (fullness - 0.5) / math.sqrt(2.0 * (1.0 - fullness))
 
 
-@dataclass(frozen=True)
-class CrossSection:
+class CrossSection(NamedTuple):
     """Cross-section by half width and two half heights [mm], each half with its own arc weight."""
 
     half_width: float
@@ -75,18 +77,44 @@ class CrossSection:
 
         The palmar height is scaled by `palmar_scale` if given.
         """
-        dorsal = self.dorsal * scale, self.dorsal_weight
-        palmar = self.palmar * (scale if palmar_scale is None else palmar_scale), self.palmar_weight
-        height, weight = dorsal if y >= 0 else palmar
-        if scale <= 0.0 or abs(y) >= height:
-            return 0.0
-        return scale * self.half_width * arc_abscissa(abs(y) / height, weight)
+        return half_width_at(self, y, scale, palmar_scale)
 
     def dorsal_height_at(self, x: float, scale: float = 1.0) -> float:
         """Return the height y [mm] of the dorsal side, whose arc is symmetric, at x [mm]; 0 outside."""
-        if scale <= 0.0 or abs(x) >= self.half_width * scale:
-            return 0.0
-        return scale * self.dorsal * arc_abscissa(abs(x) / (self.half_width * scale), self.dorsal_weight)
+        return dorsal_height_at(self, x, scale)
+
+
+def half_width_at(section: CrossSection, y: float, scale: float = 1.0, palmar_scale: float | None = None) -> float:
+    """Return the half width of a scaled section at height y [mm]; 0 outside it."""
+    half_width, palmar, dorsal, palmar_weight, dorsal_weight = section
+    below = scale if palmar_scale is None else palmar_scale
+    height, weight = (dorsal * scale, dorsal_weight) if y >= 0 else (palmar * below, palmar_weight)
+    if scale <= 0.0 or abs(y) >= height:
+        return 0.0
+    return scale * half_width * arc_abscissa(abs(y) / height, weight)
+
+
+def dorsal_height_at(section: CrossSection, x: float, scale: float = 1.0) -> float:
+    """Return the height y of the dorsal side of a scaled section at x [mm]; 0 outside it."""
+    half_width, _, dorsal, _, weight = section
+    if scale <= 0.0 or abs(x) >= half_width * scale:
+        return 0.0
+    return scale * dorsal * arc_abscissa(abs(x) / (half_width * scale), weight)
+
+
+def depth_with_width(section: CrossSection, half_width: float) -> float:
+    """Return the depth below y = 0 down to which a section has this half width [mm]."""
+    return bisect(lambda y: half_width_at(section, -y) >= half_width, 0.0, section[1], halvings=40)[0]
+
+
+def height_with_width(section: CrossSection, half_width: float, scale: float) -> float:
+    """Return the height above y = 0 up to which a scaled section has this half width [mm]."""
+    return bisect(lambda y: half_width_at(section, y, scale) >= half_width, 0.0, section[2], halvings=40)[0]
+
+
+def depth_with_step(outer: CrossSection, inner: CrossSection, step: float, deepest: float) -> float:
+    """Return the depth, `deepest` at most, down to which a section stands out of another by a step [mm]."""
+    return bisect(lambda y: half_width_at(outer, -y) - half_width_at(inner, -y) >= step, 0.0, deepest, halvings=40)[0]
 
 
 @dataclass(frozen=True)
@@ -126,17 +154,7 @@ class ConicBody:
 
     def scale_at(self, z: float) -> float:
         """Return the scale of the section at height z [mm]; 0 outside the body."""
-        for (z0, s0), (z1, s1) in zip(self.stations, self.stations[1:], strict=False):
-            if z0 <= z <= z1 and z0 < z1:
-                return s0 + (s1 - s0) * (z - z0) / (z1 - z0)
-        z1, s1 = self.stations[-1]
-        if self.tip is None or not z1 < z < self.tip.z:
-            return 0.0
-        # Barycentric coordinates of the conic satisfy l1^2 = 4 w^2 l0 l2. Here l2 = zeta - l1 and l0 = 1 - zeta.
-        zeta = (z - z1) / (self.tip.z - z1)
-        b = 4.0 * self.tip.weight**2 * (1.0 - zeta)
-        l1 = 2.0 * b * zeta / (b + math.sqrt(b * b + 4.0 * b * zeta))
-        return (1.0 - zeta) * s1 + l1 * self.tip_control()
+        return scale_at(self.stations, self.tip, z)
 
     def half_width_at(self, y: float, z: float) -> float:
         """Return the half width [mm] of the body at (y, z) [mm]; 0 outside it."""
@@ -147,15 +165,29 @@ class ConicBody:
         return self.section.dorsal_height_at(x, self.scale_at(z))
 
 
+def scale_at(stations: Sequence[tuple[float, float]], tip: Tip | None, z: float) -> float:
+    """Return the scale at height z [mm] between stations, or on a tip after the last one; 0 outside."""
+    for (z0, s0), (z1, s1) in pairwise(stations):
+        if z0 <= z <= z1 and z0 < z1:
+            return s0 + (s1 - s0) * (z - z0) / (z1 - z0)
+    z1, s1 = stations[-1]
+    if tip is None or not z1 < z < tip[0]:
+        return 0.0
+    # Barycentric coordinates of the conic satisfy l1^2 = 4 w^2 l0 l2. Here l2 = zeta - l1 and l0 = 1 - zeta.
+    zeta = (z - z1) / (tip[0] - z1)
+    b = 4.0 * tip[1] ** 2 * (1.0 - zeta)
+    l1 = 2.0 * b * zeta / (b + math.sqrt(b * b + 4.0 * b * zeta))
+    return (1.0 - zeta) * s1 + l1 * tip_control(stations, tip)
+
+
 TANGENT_STEP_MM = 0.05
 """Step between a round surface and the flat ones beside it [mm]: tangent ones leave a stray edge in the B-rep solid."""
 
 
 def offset_section(section: CrossSection, gap_mm: float) -> CrossSection:
     """Enlarge a section: half width and both half heights grow by `gap_mm` [mm]."""
-    return replace(
-        section, half_width=section.half_width + gap_mm, palmar=section.palmar + gap_mm, dorsal=section.dorsal + gap_mm
-    )
+    half_width, palmar, dorsal, *weights = section
+    return CrossSection(half_width + gap_mm, palmar + gap_mm, dorsal + gap_mm, *weights)
 
 
 def inset_body(body: ConicBody, inset: float) -> ConicBody:
@@ -190,15 +222,24 @@ def add_groove(bone: Bone, body: ConicBody) -> ConicBody:
     """
     if bone.groove_depth_mm == 0.0:
         return body
-    base, (z_a, s_a), (z_b, s_b) = body.stations
+    groove = bone.groove_distance_mm, bone.groove_depth_mm, bone.groove_width_mm
+    radius = max(body.section.half_width, body.section.dorsal)
+    return replace(body, stations=lay_groove(body.stations, body.tip, radius, groove))
+
+
+def lay_groove(
+    stations: Sequence[tuple[float, float]], tip: Tip | None, radius: float, groove: tuple[float, float, float]
+) -> tuple[tuple[float, float], ...]:
+    """Lay a groove, by its distance, depth and width, into the taper of a body; its flanks rise at 45 degrees [mm]."""
+    (base, (z_a, s_a), (z_b, s_b)), (distance, depth, width) = stations, groove
     taper = (s_a - s_b) / (z_b - z_a)
-    rise = 1.0 / max(body.section.half_width, body.section.dorsal)  # slope of a flank: scale per mm
-    z0 = bone.groove_distance_mm + bone.groove_depth_mm
-    z1 = z0 + bone.groove_width_mm
-    floor = 1.0 - bone.groove_depth_mm * rise
-    s0, s1 = (body.scale_at(z) * floor for z in (z0, z1))
+    rise = 1.0 / radius  # slope of a flank: scale per mm
+    z0 = distance + depth
+    z1 = z0 + width
+    floor = 1.0 - depth * rise
+    s0, s1 = (scale_at(stations, tip, z) * floor for z in (z0, z1))
     # Heights at which the lines of the flanks meet the taper s = s_a - taper (z - z_a).
     low = (s0 + rise * z0 - s_a - taper * z_a) / (rise - taper)
     high = (s_a + taper * z_a - s1 + rise * z1) / (rise + taper)
     edges = ((low, s_a - taper * (low - z_a)), (z0, s0), (z1, s1), (high, s_a - taper * (high - z_a)))
-    return replace(body, stations=(base, (z_a, s_a), *edges, (z_b, s_b)))
+    return base, (z_a, s_a), *edges, (z_b, s_b)

@@ -9,12 +9,19 @@ from __future__ import annotations
 import math
 from functools import cached_property
 
-from fingertip.design.geometry.conic import ConicBody, CrossSection, farthest_side, weight_of_fullness
+from fingertip.design.geometry.conic import (
+    ConicBody,
+    CrossSection,
+    depth_with_step,
+    depth_with_width,
+    farthest_side,
+    height_with_width,
+    weight_of_fullness,
+)
 from fingertip.design.geometry.foot import LEDGE_MM
 from fingertip.design.geometry.joint import BESIDE_LINE_MM, HORN_RADIUS_MM, MIN_HORN_RADIUS_MM, Joint, TendonAnchor
 from fingertip.design.geometry.profile import Tip
 from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE, SkinDimensions
-from fingertip.foundation.numerics import bisect
 
 KNOT_WIRES = 3.0
 """Least thickness of a knot in both wires, in diameters of one of them. An assumption."""
@@ -161,12 +168,11 @@ class Dimensions(SkinDimensions):
         section, joint = self.bone_outline.section, self.joint
         between = joint.half_width if joint and joint.is_fork else 0.0
         needed = max(self.tail_half_width, between) + self._design.bone.wall_mm
-        deepest = bisect(lambda y: section.half_width_at(-y) >= needed, 0.0, section.palmar, halvings=40)[0]
+        deepest = depth_with_width(section, needed)
         if self.crown:
             # The pad's base is lower than the bone's outline: the corners of the base stay within the collar.
             deepest = min(deepest, self.base_palmar_height - self._design.skin.thickness_side_mm)
-            within = bisect(lambda y: self.collar_step_at(y) >= _MIN_COLLAR_STEP_MM, 0.0, deepest, halvings=40)[0]
-            deepest = min(deepest, within)
+            deepest = min(deepest, depth_with_step(self.collar.section, section, _MIN_COLLAR_STEP_MM, deepest))
         return max(self.flat_depth, deepest)
 
     def collar_step_at(self, depth: float) -> float:
@@ -210,13 +216,10 @@ class Dimensions(SkinDimensions):
         A sharp edge does not print, and is cut off. The outline is the bone's unless another is given.
         """
         outline = outline or self.bone_outline
-        thick_y = self._height_y(half_width + self._design.bone.wall_mm, z, outline)
-        edge_y = self._height_y(half_width, z, outline)
+        section, scale = outline.section, outline.scale_at(z)
+        thick_y = height_with_width(section, half_width + self._design.bone.wall_mm, scale)
+        edge_y = height_with_width(section, half_width, scale)
         return thick_y if edge_y - thick_y > _SHARP * self._design.bone.wall_mm else None
-
-    def _height_y(self, half_width: float, z: float, outline: ConicBody) -> float:
-        """Find the dorsal height at which half the width of an outline is this [mm]."""
-        return bisect(lambda y: outline.half_width_at(y, z) >= half_width, 0.0, outline.section.dorsal, halvings=40)[0]
 
     @cached_property
     def collar(self) -> ConicBody:

@@ -59,7 +59,7 @@ class Joint:
     @property
     def ramp_deg(self) -> float:
         """Angle about the pin along which the eye rises to a stop: a step there would be a notch."""
-        return min(math.degrees(math.acos(self.eye_radius / self.radius)), self.travel_deg) / 2
+        return ramp_angle_deg(self.radius, self.eye_radius, self.travel_deg)
 
     def stopped_profile(self, reach: float) -> tuple[tuple[float, float], ...]:
         """Return the corners (y, z) of the eye between its stops, counter-clockwise; the arc about the pin is missing.
@@ -71,15 +71,27 @@ class Joint:
 
         Units: `reach` [mm].
         """
-        angle, ramp = math.radians(self.travel_deg), math.radians(self.ramp_deg)
-        foot = (-self.radius * math.sin(angle), -self.radius * math.cos(angle))
-        along = min(reach, reach / math.sin(angle))
-        far = (foot[0] - along * math.cos(angle), foot[1] + along * math.sin(angle))
-        inside = self.eye_radius - TANGENT_STEP_MM
-        ramps = [(-inside * math.sin(at), -inside * math.cos(at)) for at in (angle - ramp, ramp)]
-        dorsal = ((0.0, -self.radius), (reach, -self.radius), (reach, reach))
-        corners = (*dorsal, (far[0], reach), far, foot, ramps[0], (0.0, 0.0), ramps[1])
-        return tuple((self.axis_y + y, self.axis_z + z) for y, z in corners)
+        return eye_corners((self.axis_y, self.axis_z), self.radius, self.eye_radius, self.travel_deg, reach)
+
+
+def ramp_angle_deg(radius: float, eye_radius: float, travel_deg: float) -> float:
+    """Return the angle about the pin along which an eye rises from its own radius to that of a stop."""
+    return min(math.degrees(math.acos(eye_radius / radius)), travel_deg) / 2
+
+
+def eye_corners(
+    axis: tuple[float, float], radius: float, eye_radius: float, travel_deg: float, reach: float
+) -> tuple[tuple[float, float], ...]:
+    """Return the corners (y, z) of an eye between its stops, but for its round part about the axis [mm]."""
+    angle, ramp = math.radians(travel_deg), math.radians(ramp_angle_deg(radius, eye_radius, travel_deg))
+    foot = (-radius * math.sin(angle), -radius * math.cos(angle))
+    along = min(reach, reach / math.sin(angle))
+    far = (foot[0] - along * math.cos(angle), foot[1] + along * math.sin(angle))
+    inside = eye_radius - TANGENT_STEP_MM
+    ramps = [(-inside * math.sin(at), -inside * math.cos(at)) for at in (angle - ramp, ramp)]
+    dorsal = ((0.0, -radius), (reach, -radius), (reach, reach))
+    corners = (*dorsal, (far[0], reach), far, foot, ramps[0], (0.0, 0.0), ramps[1])
+    return tuple((axis[0] + y, axis[1] + z) for y, z in corners)
 
 
 HORN_RADIUS_MM, MIN_HORN_RADIUS_MM = 4.0, 2.0

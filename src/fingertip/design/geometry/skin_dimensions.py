@@ -93,9 +93,7 @@ class SkinDimensions:
     def max_crown_drop(self) -> float:
         """Largest drop whose two arcs fit between the crown's apex and the skin's proximal end, and are not steep."""
         skin = self._design.skin
-        reach = 2.0 * skin.crown_radius_mm
-        sine = min(_MAX_CROWN_SINE, max(0.0, self.crown_apex_z / reach)) if reach else 0.0
-        return min(reach * (1.0 - math.sqrt(1.0 - sine * sine)), skin.semi_axis_palmar_mm - _MIN_BASE_HEIGHT_MM)
+        return largest_drop(skin.crown_radius_mm, self.crown_apex_z, skin.semi_axis_palmar_mm)
 
     @cached_property
     def base_palmar_height(self) -> float:
@@ -144,7 +142,7 @@ class SkinDimensions:
 
     def flat_depth_at(self, z: float) -> float:
         """Return the depth of the flat, of the ramp, or of the platform at a height z [mm], in the middle plane."""
-        return max(self.flat_depth, self.platform_depth - RAMP_SLOPE * max(0.0, self.ramp[1] - z))
+        return ramp_depth(z, self.flat_depth, self.platform_depth, self.ramp[1])
 
     def platform_half_width_at(self, z: float) -> float:
         """Return half the width of platform or ramp at a height z [mm]; 0 without one."""
@@ -152,3 +150,15 @@ class SkinDimensions:
             return 0.0
         squared = self.platform_radius**2 - (z - self.sensor_z) ** 2
         return max(math.sqrt(max(0.0, squared)), self.neck_half_width if z < self.sensor_z else 0.0)
+
+
+def largest_drop(radius: float, apex_z: float, height: float) -> float:
+    """Return the largest drop of a crown, by its radius, the height z of its apex, and that of the pad [mm]."""
+    reach = 2.0 * radius
+    sine = min(_MAX_CROWN_SINE, max(0.0, apex_z / reach)) if reach else 0.0
+    return min(reach * (1.0 - math.sqrt(1.0 - sine * sine)), height - _MIN_BASE_HEIGHT_MM)
+
+
+def ramp_depth(z: float, flat: float, platform: float, end: float) -> float:
+    """Return the depth at z of a flat, of the ramp that rises from it up to a height `end`, or of a platform [mm]."""
+    return max(flat, platform - RAMP_SLOPE * max(0.0, end - z))

@@ -110,8 +110,7 @@ def tendon_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> tupl
     section, foot = design.dimensions.collar.section, -design.bone.collar_length_mm
     reach, inner = 2 * (section.half_width + section.palmar + section.dorsal), anchor.half_width
     low, y, z = joint.low_z - reach, anchor.horn_y + anchor.horn_radius, anchor.horn_low_z
-    angles = [math.pi / 2 * i / _HORN_CHORDS for i in range(_HORN_CHORDS + 1)]
-    horn = tuple((y - anchor.horn_radius * math.cos(a), z + anchor.horn_radius * math.sin(a)) for a in angles)
+    horn = horn_arc((y, z), anchor.horn_radius)
     up = anchor.low_z + anchor.line / 2
     corners = ((-reach, low), (anchor.horn_y, low), *horn, (y, up), (-reach, up))
     slope, removed = collar_slope(design, anchor), [_back_way(design, anchor, joint)]
@@ -119,6 +118,12 @@ def tendon_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> tupl
         groove = Box((side[0], -reach, anchor.low_z), (side[1], reach, foot))
         removed += [difference(groove, slope), Prism("x", corners, *side)]
     return tuple(removed)
+
+
+def horn_arc(middle: tuple[float, float], radius: float) -> tuple[tuple[float, float], ...]:
+    """List points (y, z) of the quarter of a circle on which the tendon turns [mm]."""
+    angles = [math.pi / 2 * i / _HORN_CHORDS for i in range(_HORN_CHORDS + 1)]
+    return tuple((middle[0] - radius * math.cos(a), middle[1] + radius * math.sin(a)) for a in angles)
 
 
 def _back_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> Solid:

@@ -15,9 +15,9 @@ import pytest
 import fingertip
 from fingertip import Design, build
 from fingertip.cad.files.cadquery_script import write_functions, write_script
-from fingertip.cad.files.named_dimensions import Trace
 from fingertip.cad.files.named_numbers import Named, Term, wrap
-from fingertip.cad.files.script_text import Statements, Text
+from fingertip.cad.files.script_text import Text
+from fingertip.cad.files.trace import Trace
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, shapes_of_parameters
 from fingertip.design.geometry import solids
@@ -93,13 +93,12 @@ PRIMITIVES = {
 @cache
 def functions() -> Mapping[str, Any]:
     """Run the functions of the scripts, without cadquery, whose primitives are replaced."""
-    _, imports, code = write_functions().decode().split("\n\n", 2)
     names: dict[str, Any] = {}
-    for text in (re.sub(r"(?m)^(from OCP|import cadquery|    ).*", "", imports), code):
-        exec(text, names)
+    for text in write_functions().values():
+        exec(re.sub(r"(?m)^(from OCP|from cq_|import cadquery).*", "", text.decode()), names)
     made = {name: lambda *a, make=make: Part(make(*map(to_tuple, a))) for name, make in PRIMITIVES.items()}
     names.update(made | {"superconic": superconic, "scaled": lambda part, by: Part(solids.Scaled(part.solid, by))})
-    names["stack"] = lambda *parts: Part(*(part.solid for part in parts))
+    names |= {"stack": lambda *parts: Part(*(part.solid for part in parts)), "in_plane": abs}
     return names
 
 
@@ -108,8 +107,7 @@ def run_script(text: str, part: str, **changed: float) -> solids.Solid:
         text, count = re.subn(rf"(?m)^{name} = \S+", f"{name} = {value!r}", text)
         assert count == 1
     names = dict(functions())
-    kept = re.sub(r"(?s)import cadquery as cq\nfrom cq_functions import \(.*?\)\n", "", text)
-    names |= {"cq": type("cq", (), {"selectors": type("s", (), {"BoxSelector": lambda *corners: corners})})}
+    kept = re.sub(r"(?s)import cadquery as cq\n|from cq_\w+ import \(.*?\)\n", "", text)
     exec(kept.partition('\nif "show_object"')[0], names)
     made: Part = names[part]
     return made.solid
@@ -264,14 +262,14 @@ def test_scripts_name_what_they_make(scripts: Path) -> None:
     ):
         assert f"\n{line}" in text
     texts = {path.name: path.read_text() for path in scripts.glob("*.py")}
-    assert set(texts) == {*(f"{name}.cq.py" for name in (*NAMES, "sensor", "finger")), "cq_functions.py"}
+    assert set(texts) == {*(f"{name}.cq.py" for name in (*NAMES, "sensor", "finger")), "cq_numbers.py", "cq_solids.py"}
     for each in texts.values():
         assert max(map(len, each.splitlines())) <= 120
         assert len(each.splitlines()) <= 350
         assert "import fingertip" not in each
         assert "from fingertip" not in each
     assert write_script(Design(), "bone") == text.encode()
-    assert text.index("\nbody = ") < text.index("\n# Below\nbelow_low_x = ") < text.index("\nbelow = ")
+    assert text.index("\nbody = ") < text.index("\n# Below flat\nbelow_flat_low_x = ") < text.index("\nbelow_flat = ")
 
 
 def test_refused_number_ends_with_its_condition_and_remedy() -> None:
@@ -280,18 +278,18 @@ def test_refused_number_ends_with_its_condition_and_remedy() -> None:
     wanted = r"^bone_groove_depth_mm != 0\.0 does not hold; .* --formats cq --set bone\.groove_depth_mm=VALUE$"
     with pytest.raises(AssertionError, match=wanted):
         run_script(text, "bone", bone_groove_depth_mm=0.0)
-    for name in ("nothing", "RAMP_SLOPE"):
+    for name in ("nothing", "ALONG_FLOOR_MM"):
         with pytest.raises(AssertionError, match=f"no parameter {name}"):
             run_script(f"CHANGES = {{'{name}': 1.0}}\n{text}", "bone")
     assert functions()["bisect"](lambda y: y < 0.3, 0.0, 1.0)[1] == 0.3
 
 
 def test_named_numbers_keep_their_brackets() -> None:
-    a, b = (wrap(value, Term("name", (name,))) for name, value in {"a": 3.0, "b": 0.5}.items())
-    trace = Trace(Design())
+    text = Text(Trace(Design(), PARTS["skin"].solid), "skin")
+    a, b = (wrap(value, Term("name", name)) for name, value in {"a": 3.0, "b": 0.5}.items())
     for number in (a - (b - a), a - (b + 2), (a + b) * -a, a / (b * a), a / b / a, -(a + b), -a * b, 2 - a - -b, 0 - a):
         assert isinstance(number, Named)
-        assert eval(Text(trace, Statements(trace)).write(number.term)[0], {}, {"a": 3.0, "b": 0.5}) == number
+        assert eval(text.write(number.term)[0], {}, {"a": 3.0, "b": 0.5}) == number
     assert [a + 0, 1 * a, a * 0] == [a, a, 0.0]
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from fingertip.cad.files.cadquery_script import FUNCTIONS, write_finger, write_functions, write_script
+from fingertip.cad.files.cadquery_script import write_finger, write_functions, write_script
 from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.settings import FDM, SLA
@@ -232,8 +232,7 @@ def _collect(
         contents |= render_sheets(design, step.also)
     if "cq" in plan.formats:
         contents |= {part_file(name, "cq"): write_script(design, name) for name in plan.names}
-        contents[FUNCTIONS] = write_functions()
-        contents |= write_finger(design) if plan.is_whole else {}
+        contents |= write_functions() | (write_finger(design) if plan.is_whole else {})
     if casting:
         drawn = [f"{output_files.STEPS_FOLDER}/{name}" for name in pictures]
         contents[output_files.SHEET] = render_sheet(casting, drawn).encode()

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from functools import cache
 from typing import cast
 
-from fingertip.cad.files.carried_functions import Carried, require
-from fingertip.cad.files.named_dimensions import NUMBERS, SOLIDS, Trace
-from fingertip.cad.files.script_text import PRIMITIVES, Statements, Text, remark, wrap_code
+from fingertip.cad.files import carried_functions as carried
+from fingertip.cad.files.script_text import FUNCTIONS, PRIMITIVES, Text, remark, wrap_code
+from fingertip.cad.files.trace import NUMBERS, SOLIDS, Trace
 from fingertip.cad.shapes.finger import sensor_body
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.rules.ruleset import record_reads
-from fingertip.foundation.numerics import bisect
 
-FINGER, FUNCTIONS = "finger.cq.py", "cq_functions.py"
-"""Script of the whole finger with its mold, and the functions of all scripts."""
+FINGER, _NUMBERS, _SOLIDS = "finger.cq.py", "cq_numbers", "cq_solids"
+"""Script of the whole finger with its mold, and the modules of the functions of all scripts."""
 _SCRIPT = (
     '"""{title} of the fingertip {design}, in CadQuery: run it with Python, or open it in CQ-editor."""'
     + """
@@ -55,9 +55,10 @@ elif __name__ == "__main__":
     print(f"{part}: {{size.xlen:.3f}} x {{size.ylen:.3f}} x {{size.zlen:.3f}} mm, {{volume({part}.val()):.3f}} mm3")
 """
 )
-_PARTING = ("parting", "cq.selectors.BoxSelector((-999, -0.01, -999), (999, 0.01, 999))")
-_TAGS = {"bone": ("post", '"<Z"'), "skin": ("end", '"<Z"'), "mold_palmar": _PARTING, "mold_dorsal": _PARTING}
-"""Tag of faces of a part, and what selects them."""
+_HEADS = {
+    _NUMBERS: '"""Numbers that follow from others, for the CadQuery scripts beside this file [mm]."""',
+    _SOLIDS: '"""Solids of numbers, for the CadQuery scripts beside this file [mm]."""',
+}
 _FINGER = (
     '"""The whole finger {design} with its mold, in CadQuery, of the scripts beside this one."""'
     + """
@@ -94,33 +95,51 @@ elif __name__ == "__main__":
 
 def write_script(design: Design, part: str) -> bytes:
     """Write a part, or the sensor, as a script: parameters, derived lengths, and a statement for each solid."""
-    trace = Trace(design)
-    (solid,) = trace.build(_maker(part))
-    statements = Statements(trace)
-    statements.make(part, solid)
-    text = Text(trace, statements)
-    made = "\n".join([*text.write_statements(), f"{part} = {part}.solids()"])
-    if part in _TAGS:
-        tag, faces = _TAGS[part]
-        made += f'\n{part}.faces({faces}).tag("{tag}")'
-    functions = ", ".join(sorted({*re.findall(r"(\w+)\(", made), "volume"} & statements.functions))
+    trace = Trace(design, _maker(part))
+    text = Text(trace, part)
+    made = "\n".join(text.write_statements(_list_tags(part, trace.design)))
+    called, fixed = {*re.findall(r"(\w+)\(", made), "volume"} & FUNCTIONS, trace.atoms.items()
+    imports: list[str] = []
+    for module, each in _carry().items():
+        read = {name for name, atom in fixed if name in text.used and each.constants.get(name) == repr(atom.value)}
+        text.used -= read
+        if names := sorted(read | (called & each.functions.keys())):
+            imports += wrap_code(f"from {module} import ({', '.join(names)})", "")
     return _SCRIPT.format(
         title=part.replace("_", " ").capitalize(), design=design.name, part=part, statements=made.lstrip(),
-        imports="\n".join(wrap_code(f"from {FUNCTIONS[:-3]} import ({functions})", "")),
-        parameters="\n".join(text.write_atoms("parameter", "bought")),
+        imports="\n".join(imports), parameters="\n".join(text.write_atoms("parameter", "bought")),
         fixed="\n".join([*_describe_choices(design, part), *text.write_atoms("fixed")]),
     ).encode()  # fmt: skip
 
 
-def write_functions() -> bytes:
-    """Write the functions of all scripts, which are the same for every design."""
-    carried = Carried(wrap_code)
+def _list_tags(part: str, design: Design) -> Iterator[tuple[str, str, float | None]]:
+    """List the tags of faces: name, what selects them, and a height y in that."""
+    dims = design.dimensions
+    if part in ("bone", "skin"):
+        yield "post" if part == "bone" else "end", '"<Z"', None
+    if part == "bone":
+        yield "flat", "in_plane({})", -dims.flat_depth
+        yield "pocket", "in_plane({})", dims.pocket_depth - dims.platform_depth
+    if part.startswith("mold"):
+        yield "parting", "in_plane({})", 0.0
+
+
+def write_functions() -> dict[str, bytes]:
+    """Write the modules of the functions of all scripts, which are the same for every design."""
+    return {f"{name}.py": f"{_HEADS[name]}\n\n{each.write()}\n".encode() for name, each in _carry().items()}
+
+
+@cache
+def _carry() -> dict[str, carried.Carried]:
+    numbers = carried.Carried(wrap_code)
+    for function in NUMBERS:
+        numbers.add(function.__name__, function.__module__)
+    solids = carried.Carried(wrap_code, numbers, _NUMBERS)
     for name in PRIMITIVES:
-        carried.add(name)
-    for function in (require, bisect, *NUMBERS, *SOLIDS):
-        carried.add(function.__name__, function.__module__)
-    head = '"""Functions of the CadQuery scripts beside this file [mm]: solids, and numbers that follow."""'
-    return f"{head}\n\n{carried.write()}\n".encode()
+        solids.add(name, carried.PRIMITIVES)
+    for name, module in (("require", carried.__name__), *((each.__name__, each.__module__) for each in SOLIDS)):
+        solids.add(name, module)
+    return {_NUMBERS: numbers, _SOLIDS: solids}
 
 
 def write_finger(design: Design) -> dict[str, bytes]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterable
+from functools import cache
 from pathlib import Path
 
 _SOURCES = Path(__file__).parents[2]
@@ -16,51 +17,52 @@ PRIMITIVES, _SOLIDS = "fingertip.cad.kernel.cadquery_primitives", "fingertip.des
 
 
 class Carried:
-    """Functions, each after those that it calls; `wrap` breaks a line with an indent."""
+    """Functions, each after those that it calls; `wrap` breaks a line, and those `beside` are in a module `name`."""
 
-    def __init__(self, wrap: Callable[[str, str], Iterable[str]]) -> None:
-        self._texts: dict[str, str] = {}
-        self._constants: dict[str, str] = {}
+    def __init__(
+        self, wrap: Callable[[str, str], Iterable[str]], beside: Carried | None = None, name: str = ""
+    ) -> None:  # fmt: skip
+        self.functions: dict[str, str] = {}
+        self.constants: dict[str, str] = {}
         self._imports: dict[str, dict[str, None]] = {}
-        self._wrap = wrap
+        self._wrap, self._beside, self._name = wrap, beside, name
 
     def write(self) -> str:
         imports = (f"{head} {', '.join(sorted(names))}".strip() for head, names in sorted(self._imports.items()))
-        head = [line for text in imports for line in self._wrap(text, "")]
-        constants = [f"{name} = {value}" for name, value in self._constants.items()]
-        return "\n\n".join(["\n".join(head), "\n".join(constants), *self._texts.values()])
+        constants = [f"{name} = {value}" for name, value in self.constants.items()]
+        return "\n".join(self._break([*imports, "", *constants, "", *"\n\n".join(self.functions.values()).split("\n")]))
 
-    def add(self, name: str, module: str = PRIMITIVES) -> str:
-        """Add what a module calls so, with all that it needs, and return its name in the script."""
+    def add(self, name: str, module: str) -> None:
+        """Add what a module calls so, with all that it needs."""
         module, name = (PRIMITIVES, name.lower()) if module == _SOLIDS else (module, name)
-        statements, bare = _read_module(module), name.strip("_")
-        found = statements[name]
-        if isinstance(found, ast.Import | ast.ImportFrom):
-            alias, source = next(each for each in found.names if name in (each.asname, each.name)), ""
-            if isinstance(found, ast.ImportFrom):
-                source = found.module or ""
-                if source.startswith("fingertip"):
-                    return self.add(alias.name, source)
-            names = self._imports.setdefault(f"from {source} import" if source else f"import {ast.unparse(alias)}", {})
-            names |= {alias.name: None} if source else {}
-            return name
-        if isinstance(found, ast.expr):
-            self._constants[bare] = ast.unparse(found)
-        elif bare not in self._texts:
-            self._texts[bare] = ""  # it may call itself
-            tree = _Plain(lambda each: self.add(each, module) if each in statements else each).visit(found)
-            del self._texts[bare]
-            self._texts[bare] = self._write(tree)
-        return bare
+        found, bare = _read_module(module)[name], name.strip("_")
+        if self._beside and bare in self._beside.functions:
+            self._imports.setdefault(f"from {self._name} import", {})[bare] = None
+        elif isinstance(found, ast.Import | ast.ImportFrom):
+            alias = next(each for each in found.names if name in (each.asname, each.name))
+            if isinstance(found, ast.Import):
+                self._imports[f"import {ast.unparse(alias)}"] = {}
+            elif (found.module or "").startswith("fingertip"):
+                self.add(alias.name, found.module or "")
+            else:
+                self._imports.setdefault(f"from {found.module} import", {})[name] = None
+        elif isinstance(found, ast.expr):
+            self.constants[bare] = ast.unparse(found)
+        elif bare not in self.functions:
+            tree = _Plain().visit(ast.parse(ast.unparse(found)))
+            self.functions[bare] = ""  # it may call itself
+            for each in dict.fromkeys(node.id for node in ast.walk(tree) if isinstance(node, ast.Name)):
+                if each in _read_module(module):
+                    self.add(each, module)
+            del self.functions[bare]
+            self.functions[bare] = ast.unparse(ast.fix_missing_locations(_Bare().visit(tree)))
 
-    def _write(self, tree: ast.AST) -> str:
-        lines: list[str] = []
-        for line in ast.unparse(ast.fix_missing_locations(tree)).splitlines():
-            indent = line[: len(line) - len(line.lstrip())]
-            lines += self._wrap(line.lstrip(), indent) if line else [""]
-        return "\n".join(lines)
+    def _break(self, lines: Iterable[str]) -> Iterable[str]:
+        for line in lines:
+            yield from self._wrap(line.lstrip(), line[: len(line) - len(line.lstrip())]) if line else ("",)
 
 
+@cache
 def _read_module(module: str) -> dict[str, ast.stmt | ast.expr]:
     """Read a module: name -> its definition, the import that brings it, or the value of a constant."""
     path = _SOURCES.joinpath(*module.split(".")[1:]).with_suffix(".py")
@@ -74,41 +76,39 @@ def _read_module(module: str) -> dict[str, ast.stmt | ast.expr]:
             case ast.Assign([ast.Name(name)], value):
                 found[name] = value
             case ast.Assign([ast.Tuple(targets)], ast.Tuple(values)):
-                found |= {target.id: value for target, value in zip(targets, values, strict=True)
-                          if isinstance(target, ast.Name)}  # fmt: skip
+                found |= dict(zip(map(ast.unparse, targets), values, strict=True))
     return found
 
 
 class _Plain(ast.NodeTransformer):
-    """Strips annotations and all but the first line of docstrings, and resolves the names of the module."""
+    """Strips annotations and all but the first line of docstrings."""
 
-    def __init__(self, resolve: Callable[[str], str]) -> None:
-        self._resolve = resolve
+    def generic_visit(self, node: ast.AST) -> ast.AST:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and (text := ast.get_docstring(node)):
+            node.body[0] = ast.Expr(ast.Constant(text.partition("\n")[0]))
+        if isinstance(node, ast.FunctionDef | ast.arg):
+            setattr(node, "returns" if isinstance(node, ast.FunctionDef) else "annotation", None)
+        if isinstance(node, ast.ClassDef):
+            for each in node.body:
+                if isinstance(each, ast.AnnAssign):
+                    each.annotation = ast.Name("object", ast.Load())
+            node.body = [self.visit(each) if isinstance(each, ast.FunctionDef) else each for each in node.body]
+            return node
+        if isinstance(node, ast.AnnAssign) and node.value:
+            node = ast.Assign([node.target], node.value, lineno=0)
+        return super().generic_visit(node)
+
+
+class _Bare(ast.NodeTransformer):
+    """Writes private names without their underscores, and functions of primitives for their classes."""
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
-        node.returns, node.name = None, node.name.strip("_")
-        return self._visit_body(node)
-
-    def visit_ClassDef(self, node: ast.ClassDef) -> ast.AST:
-        for each in node.body:
-            if isinstance(each, ast.AnnAssign):
-                each.annotation = ast.Name("object", ast.Load())
-        return self._visit_body(node)
-
-    def _visit_body(self, node: ast.FunctionDef | ast.ClassDef) -> ast.AST:
-        if text := ast.get_docstring(node):
-            node.body[0] = ast.Expr(ast.Constant(text.partition("\n")[0]))
-        self.generic_visit(node)
-        return node
-
-    def visit_arg(self, node: ast.arg) -> ast.AST:
-        return ast.arg(node.arg)
-
-    def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.AST:
-        return self.generic_visit(ast.Assign([node.target], node.value, lineno=0) if node.value else node)
+        node.name = node.name.strip("_")
+        return self.generic_visit(node)
 
     def visit_Name(self, node: ast.Name) -> ast.AST:
-        return ast.Name(self._resolve(node.id), node.ctx)
+        is_primitive = node.id in _read_module(_SOLIDS) and node.id.lower() in _read_module(PRIMITIVES)
+        return ast.Name(node.id.lower() if is_primitive else node.id.strip("_") or "_", node.ctx)
 
 
 def require(holds: bool, condition: str, *names: str) -> None:

@@ -3,35 +3,25 @@
 from __future__ import annotations
 
 import operator
-import threading
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
-RECORDING = threading.local()
-"""Store of a thread: its `conditions`, if any, take each comparison of such numbers."""
+NOTED: list[Term] = []
+"""Comparisons of such numbers, as they came out."""
 
 
-@dataclass(frozen=True, eq=False)
 class Term:
-    """Expression: an operation and its operands. Equal ones have the same key."""
+    """Expression: an operation (a sign, "name", "constant", "call", "item", "tuple"...) and its operands."""
 
-    operation: str
-    """Name of it: a sign, "name", "constant", "call", "item", "tuple", "lambda" or "probe"."""
-    operands: tuple[Any, ...]
-    length: int = 0
-    """Number of items, of a sequence."""
+    def __init__(self, operation: str, *operands: Any, length: int = 0) -> None:
+        self.operation, self.operands, self.length = operation, operands, length
+        self._key = hash((operation, *(each if isinstance(each, Term) else repr(each) for each in operands)))
 
-    @cached_property
-    def key(self) -> int:
-        return hash((self.operation, *(each.key if isinstance(each, Term) else repr(each) for each in self.operands)))
+    def __hash__(self) -> int:
+        return self._key
 
-    @cached_property
-    def is_free(self) -> bool:
-        """True unless it holds the variable of a lambda."""
-        terms = (each for each in self.operands if isinstance(each, Term))
-        return self.operation in ("lambda", "name") or (self.operation != "probe" and all(t.is_free for t in terms))
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Term) and self._key == other._key
 
 
 def term_of(value: Any) -> Term:
@@ -39,12 +29,12 @@ def term_of(value: Any) -> Term:
     if isinstance(value, Named):
         return value.term
     if not isinstance(value, tuple | list):
-        return value if isinstance(value, Term) else Term("constant", (value,))
-    terms = tuple(map(term_of, value))
+        return value if isinstance(value, Term) else Term("constant", value)
+    terms = [term_of(each) for each in value]
     whole = terms[0].operands[0] if terms and terms[0].operation == "item" else None
-    if whole and whole.length == len(terms) and all(t.operands == (whole, i) for i, t in enumerate(terms)):
+    if whole and whole.length == len(terms) and all(t == Term("item", whole, i) for i, t in enumerate(terms)):
         return whole  # type: ignore[no-any-return]
-    return Term("tuple", terms)
+    return Term("tuple", *terms)
 
 
 def _operators(sign: str, compute: Callable[[float, float], float], neutral: float | None) -> tuple[Any, Any]:
@@ -57,7 +47,9 @@ def _operators(sign: str, compute: Callable[[float, float], float], neutral: flo
             return left if right == neutral else 0.0
         if not isinstance(left, Named) and (left == 0.0 or (left == neutral and sign in "+*")):
             return right if left == neutral and sign != "-" else -right if sign == "-" else 0.0
-        return Named(compute(float(left), float(right)), Term(sign, (term_of(left), term_of(right))))
+        if not isinstance(left, Named) and left == -1.0 and sign == "*":
+            return -right
+        return Named(compute(float(left), float(right)), Term(sign, term_of(left), term_of(right)))
 
     return combine, lambda right, left: combine(left, right)
 
@@ -67,8 +59,7 @@ def _comparison(sign: str, opposite: str, compute: Callable[[float, float], bool
         if not isinstance(right, float | int):
             return NotImplemented
         outcome = compute(float(left), float(right))
-        if (noted := getattr(RECORDING, "conditions", None)) is not None:
-            noted.append(Term(sign if outcome else opposite, (term_of(left), term_of(right))))
+        NOTED.append(Term(sign if outcome else opposite, term_of(left), term_of(right)))
         return outcome
 
     return compare
@@ -99,7 +90,7 @@ class Named(float):
     def __neg__(self) -> Named:
         if self.term.operation == "negative":
             return Named(-float(self), self.term.operands[0])
-        return Named(-float(self), Term("negative", (self.term,)))
+        return Named(-float(self), Term("negative", self.term))
 
     def __abs__(self) -> Named:
         return self if self >= 0.0 else -self
@@ -111,15 +102,17 @@ def is_named(value: Any) -> bool:
 
 def plain(value: Any) -> Any:
     if isinstance(value, tuple | list):
-        kept = [plain(each) for each in value]
-        return type(value)(*kept) if hasattr(value, "_fields") else type(value)(kept)
+        return _rebuild(value, map(plain, value))
     return float(value) if isinstance(value, Named) else value
 
 
 def wrap(value: Any, term: Term) -> Any:
     """Name a number, or all numbers of a sequence, by a term that yields it."""
     if isinstance(value, tuple | list):
-        whole = Term(term.operation, term.operands, len(value))
-        items = [wrap(each, Term("item", (whole, i))) for i, each in enumerate(value)]
-        return type(value)(*items) if hasattr(value, "_fields") else type(value)(items)
+        whole = Term(term.operation, *term.operands, length=len(value))
+        return _rebuild(value, (wrap(each, Term("item", whole, i)) for i, each in enumerate(value)))
     return Named(float(value), term) if isinstance(value, float | int) else value
+
+
+def _rebuild(value: Any, items: Any) -> Any:
+    return type(value)(*items) if hasattr(value, "_fields") else type(value)(items)

@@ -82,3 +82,8 @@ def stack(*parts: cq.Workplane) -> cq.Workplane:
 
 def union(first: cq.Workplane, *others: cq.Workplane) -> cq.Workplane:
     return first.union(stack(*others), clean=False)
+
+
+def in_plane(y: float) -> cq.Selector:
+    """Select the faces whose middle lies in the plane at a height y."""
+    return cq.selectors.BoxSelector((-999, y - 0.01, -999), (999, y + 0.01, 999))

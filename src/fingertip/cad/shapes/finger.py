@@ -102,9 +102,11 @@ def _cut_flat(design: Design, body: ConicBody, inset_mm: float) -> Solid:
         )
 
     flat, base, low = dims.flat_depth - inset_mm, dims.base_flat_depth, body.stations[0][0] - margin
+    below_base = below(base, low)
     if base == dims.flat_depth:
-        return difference(SuperconicSolid(body), below(flat, low))
-    return difference(SuperconicSolid(body), below(base, low), below(flat, -_STEP_IN_COLLAR_MM))
+        return difference(SuperconicSolid(body), below_base)
+    below_flat = below(flat, -_STEP_IN_COLLAR_MM)
+    return difference(SuperconicSolid(body), below_base, below_flat)
 
 
 def _platform(design: Design, body: ConicBody, inset_mm: float) -> tuple[Solid, ...]:

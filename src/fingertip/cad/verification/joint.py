@@ -102,7 +102,8 @@ def _wedge(design: Design, joint: Joint) -> float:
     """Half the volume of a stop as long as the pin's radius, pressed past the shoulder by the angle beyond it [mm3]."""
     dims = design.dimensions
     # Beside the strands of a tendon the stop ends at their horns.
-    half = min(dims.bone_outline.section.half_width, dims.anchor.half_width if dims.anchor else dims.joint_half_width)
+    free = dims.anchor.half_width if dims.anchor else dims.joint_base_half_width
+    half = min(dims.bone_outline.section.half_width, free)
     width = 2 * (half - joint.half_width if joint.is_fork else joint.half_width)
     depth = math.tan(math.radians(_BEYOND_STOP_DEG))
     return 0.25 * width * depth * joint.pin_radius**2

@@ -224,7 +224,8 @@ def add_groove(bone: Bone, body: ConicBody) -> ConicBody:
         return body
     groove = bone.groove_distance_mm, bone.groove_depth_mm, bone.groove_width_mm
     radius = max(body.section.half_width, body.section.dorsal)
-    return replace(body, stations=lay_groove(body.stations, body.tip, radius, groove))
+    stations = lay_groove(body.stations, body.tip, radius, groove)
+    return replace(body, stations=stations)
 
 
 def lay_groove(

@@ -101,10 +101,10 @@ class Dimensions(SkinDimensions):
         hand, joint, section = self._design.hand, self.joint, self.collar.section
         if joint is None or hand.tendon_distance_mm == 0.0:
             return None
-        line, half = hand.tendon_diameter_mm, self.joint_half_width - 1.5 * hand.tendon_diameter_mm
+        line, half = hand.tendon_diameter_mm, self.joint_base_half_width - 1.5 * hand.tendon_diameter_mm
         corner = farthest_side(section.half_width, section.dorsal, section.dorsal_weight, _RIM_POINTS)
-        slope = corner * (1.0 - min(1.0, (half + LEDGE_MM) / section.half_width))
-        high = -self._design.bone.collar_length_mm - slope
+        share = (half + LEDGE_MM) / section.half_width
+        high = -self._design.bone.collar_length_mm - corner * (1.0 - min(1.0, share))
         low, y = high - line - BESIDE_LINE_MM, joint.axis_y - hand.tendon_distance_mm
         back = self.bone_outline.section.dorsal_height_at(half) - 1.5 * line
         # The tendon presses on the horns at a grip: they are rounder where that needs more, and there is room.
@@ -126,7 +126,7 @@ class Dimensions(SkinDimensions):
         return max(collar, min(deepest, collar + MAX_PROUD_MM))
 
     @property
-    def joint_half_width(self) -> float:
+    def joint_base_half_width(self) -> float:
         """Half the width of a joint's base at its palmar corners, which stand out of the collar's outline."""
         return self.collar.section.half_width_at(-self.base_flat_depth)
 
@@ -171,8 +171,8 @@ class Dimensions(SkinDimensions):
         deepest = depth_with_width(section, needed)
         if self.crown:
             # The pad's base is lower than the bone's outline: the corners of the base stay within the collar.
-            deepest = min(deepest, self.base_palmar_height - self._design.skin.thickness_side_mm)
-            deepest = min(deepest, depth_with_step(self.collar.section, section, _MIN_COLLAR_STEP_MM, deepest))
+            lowest = min(deepest, self.base_palmar_height - self._design.skin.thickness_side_mm)
+            deepest = min(lowest, depth_with_step(self.collar.section, section, _MIN_COLLAR_STEP_MM, lowest))
         return max(self.flat_depth, deepest)
 
     def collar_step_at(self, depth: float) -> float:

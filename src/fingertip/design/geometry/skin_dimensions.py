@@ -133,7 +133,8 @@ class SkinDimensions:
     def ramp(self) -> tuple[float, float]:
         """Heights z at which the ramp from the flat to the platform begins and ends."""
         high = self.sensor_z - self.platform_radius
-        return high - self._design.bone.platform_mm / RAMP_SLOPE, high
+        low = high - self._design.bone.platform_mm / RAMP_SLOPE
+        return low, high
 
     @cached_property
     def ramp_excess(self) -> float:

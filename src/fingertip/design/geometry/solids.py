@@ -169,8 +169,6 @@ def call_of(primitive: Primitive) -> tuple[str, tuple[Any, ...]]:
         case ElbowTube(start_y, start_z, exit_z, end_y, bend_radius, radius):
             return "elbow_tube", (start_y, start_z, exit_z, end_y, bend_radius, radius)
         case SuperconicSolid(body):
-            section = body.section
-            form = (section.half_width, section.palmar, section.dorsal, section.palmar_weight, section.dorsal_weight)
-            return "superconic", (form, body.spans)
+            return "superconic", (body.section, body.spans)
         case Placed(body, rows):
             return "placed", (body.brep, rows)

@@ -104,7 +104,7 @@ def base_between_the_strands(design: DesignTables) -> Limit | None:
     if joint is None or dims.anchor is None:
         return None
     inner = max(dims.tail_half_width, joint.half_width if joint.is_fork else 0.0) + design.bone.wall_mm
-    widest = (dims.joint_half_width - inner) / 1.5
+    widest = (dims.joint_base_half_width - inner) / 1.5
     what = "leaves no wall between the tendon's strands and the trough or the joint"
     return Limit(widest, what, alternatives={"hand.tendon_distance_mm": 0.0})
 

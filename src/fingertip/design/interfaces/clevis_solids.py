@@ -30,7 +30,7 @@ _HORN_CHORDS, _BACK_WAY_MM = 12, 3.0
 def joint_base(design: DesignTables, joint: Joint, top: float) -> Solid:
     """Build the base up to a height with its hard stops; palmar it is as wide down to the end of the bent stop."""
     dims, collar = design.dimensions, design.dimensions.collar.section
-    low, half = joint.low_z - joint.radius, dims.joint_half_width
+    low, half = joint.low_z - joint.radius, dims.joint_base_half_width
     outline = SuperconicSolid(ConicBody(collar, ((low, 1.0), (top, 1.0))))
     base = union(outline, Box((-half, -dims.joint_depth, joint.low_z - 1.0), (half, joint.axis_y, top)))
     if not joint.travel_deg:
@@ -43,8 +43,8 @@ def joint_base(design: DesignTables, joint: Joint, top: float) -> Solid:
 def stop_toe_y(design: DesignTables, joint: Joint, top: float) -> float:
     """Palmar end of the stop of the bent finger, which is a wall thick there."""
     angle, toe_z = math.radians(joint.travel_deg), top - design.bone.wall_mm - joint.axis_z
-    toe_y = joint.axis_y - (joint.radius + toe_z * math.cos(angle)) / math.sin(angle)
-    return max(-design.dimensions.joint_depth, toe_y)
+    toe_at_wall = joint.axis_y - (joint.radius + toe_z * math.cos(angle)) / math.sin(angle)
+    return max(-design.dimensions.joint_depth, toe_at_wall)
 
 
 def stop_top_y(design: DesignTables, joint: Joint) -> float:
@@ -65,7 +65,7 @@ def stop_height_mm(design: DesignTables) -> float:
 def space(design: DesignTables, joint: Joint) -> Solid:
     """Build the space that the hand needs: all but the eyes proximal to the base, and the gap between them."""
     section = design.dimensions.collar.section
-    reach = 2 * (section.half_width + section.palmar + section.dorsal)
+    reach = 2 * (section.half_width + section.dorsal + section.palmar)
     low, high = joint.low_z - reach, joint.shoulder_z
     beyond = Box((-reach, -reach, low), (reach, reach, high))
     y, half = joint.axis_y, joint.half_width
@@ -73,22 +73,23 @@ def space(design: DesignTables, joint: Joint) -> Solid:
     eyes = [eye_profile(joint, reach)]
     if not joint.travel_deg:
         eyes.append(flat_foot("x", y - joint.eye_radius, y + joint.eye_radius, line, end, reach))
-    around = difference(beyond, *eyes)
+    beside_eyes = difference(beyond, *eyes)
     if not joint.is_fork:
         tongue = Box((-half, -2 * reach, low - reach), (half, 2 * reach, end))
-        return union(around, difference(beyond, tongue, flat_foot("y", -half, half, line, end, 2 * reach)))
+        return union(beside_eyes, difference(beyond, tongue, flat_foot("y", -half, half, line, end, 2 * reach)))
     gap = Box((-half, -reach, low), (half, reach, high))
-    return union(around, gap, Box((-reach, stop_top_y(design, joint), low), (reach, reach, high)))
+    above_stop = Box((-reach, stop_top_y(design, joint), low), (reach, reach, high))
+    return union(beside_eyes, gap, above_stop)
 
 
 def eye_profile(joint: Joint, reach: float) -> Solid:
     """Build an eye of any width: round about the pin, and with the hard stops or narrower than the base."""
     y, z = joint.axis_y, joint.axis_z
-    around = cylinder("x", (y, z), -reach, reach, joint.eye_radius)
+    round_eye = cylinder("x", (y, z), -reach, reach, joint.eye_radius)
     if joint.travel_deg:
-        return union(Prism("x", joint.stopped_profile(reach), -reach, reach), around)
+        return union(Prism("x", joint.stopped_profile(reach), -reach, reach), round_eye)
     half = joint.eye_radius - TANGENT_STEP_MM
-    return union(Box((-reach, y - half, z), (reach, y + half, z + reach)), around)
+    return union(Box((-reach, y - half, z), (reach, y + half, z + reach)), round_eye)
 
 
 def pin_bore(joint: Joint, half_length: float) -> Solid:
@@ -108,22 +109,24 @@ def tendon_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> tupl
     On the back wires and rubber band run to the joint at the height of the groove's floor.
     """
     section, foot = design.dimensions.collar.section, -design.bone.collar_length_mm
-    reach, inner = 2 * (section.half_width + section.palmar + section.dorsal), anchor.half_width
-    low, y, z = joint.low_z - reach, anchor.horn_y + anchor.horn_radius, anchor.horn_low_z
-    horn = horn_arc((y, z), anchor.horn_radius)
-    up = anchor.low_z + anchor.line / 2
-    corners = ((-reach, low), (anchor.horn_y, low), *horn, (y, up), (-reach, up))
-    slope, removed = collar_slope(design, anchor), [_back_way(design, anchor, joint)]
-    for side in ((inner, reach), (-reach, -inner)):
-        groove = Box((side[0], -reach, anchor.low_z), (side[1], reach, foot))
-        removed += [difference(groove, slope), Prism("x", corners, *side)]
-    return tuple(removed)
+    reach, inner = 2 * (section.half_width + section.dorsal + section.palmar), anchor.half_width
+    low, up = joint.low_z - reach, anchor.low_z + anchor.line / 2
+    corners = horn_corners((anchor.horn_y, anchor.horn_low_z), anchor.horn_radius, (low, up), reach)
+    slope, sides = collar_slope(design, anchor), ((inner, reach), (-reach, -inner))
+    right_groove, left_groove = (
+        difference(Box((low_x, -reach, anchor.low_z), (high_x, reach, foot)), slope) for low_x, high_x in sides
+    )
+    right_horn, left_horn = (Prism("x", corners, *side) for side in sides)
+    return _back_way(design, anchor, joint), right_groove, right_horn, left_groove, left_horn
 
 
-def horn_arc(middle: tuple[float, float], radius: float) -> tuple[tuple[float, float], ...]:
-    """List points (y, z) of the quarter of a circle on which the tendon turns [mm]."""
-    angles = [math.pi / 2 * i / _HORN_CHORDS for i in range(_HORN_CHORDS + 1)]
-    return tuple((middle[0] - radius * math.cos(a), middle[1] + radius * math.sin(a)) for a in angles)
+def horn_corners(
+    begin: tuple[float, float], radius: float, z: tuple[float, float], reach: float
+) -> tuple[tuple[float, float], ...]:
+    """List corners (y, z) below a horn, the quarter of a circle on which the tendon turns from `begin` on [mm]."""
+    y, angles = begin[0] + radius, [math.pi / 2 * i / _HORN_CHORDS for i in range(_HORN_CHORDS + 1)]
+    arc = [(y - radius * math.cos(a), begin[1] + radius * math.sin(a)) for a in angles]
+    return (-reach, z[0]), (begin[0], z[0]), *arc, (y, z[1]), (-reach, z[1])
 
 
 def _back_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> Solid:

@@ -1,0 +1,231 @@
+"""Solids whose numbers remember how they follow from the parameters of a design.
+
+A part is built once more with such numbers in place of plain ones. It is the same, bit by bit, and becomes a term that
+can be written: of solids, and of numbers made of parameters, constants of the program, arithmetic, and calls of the
+math module or of `NUMBERS` and `SOLIDS`, which scripts hold as they stand. A comparison of such numbers decides which
+solid is made: it is noted, and the script asks again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import inspect
+import math
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import is_dataclass, replace
+from functools import cached_property, reduce
+from itertools import pairwise
+from types import FrameType, ModuleType, SimpleNamespace
+from typing import Any, NamedTuple
+
+from fingertip.cad.files.named_numbers import NOTED, Named, Term, is_named, plain, term_of, wrap
+from fingertip.cad.shapes import finger, mold
+from fingertip.cad.shapes.engraving import letter_outlines
+from fingertip.catalogues.electronics import SENSORS, ForceSensor
+from fingertip.design import Design
+from fingertip.design.geometry import conic, foot, joint, profile, skin_dimensions
+from fingertip.design.geometry.solids import Difference, Intersection, Scaled, Solid, Union, call_of
+from fingertip.design.interfaces import clevis_solids
+from fingertip.design.parameters import PARAMETERS
+
+NUMBERS = (
+    conic.arc_abscissa, conic.weight_of_fullness, conic.farthest_corner, conic.farthest_side, conic.half_width_at,
+    conic.dorsal_height_at, conic.depth_with_width, conic.depth_with_step, conic.height_with_width, conic.scale_at,
+    conic.lay_groove, profile.lay_spans, profile.lay_crown, profile.palmar_scale, profile.tip_control,
+    skin_dimensions.largest_drop, skin_dimensions.ramp_depth, joint.ramp_angle_deg, joint.eye_corners,
+    clevis_solids.horn_corners, foot.foot_line, foot.foot_length,
+)  # fmt: skip
+"""Functions of plain numbers that scripts carry."""
+SOLIDS = (foot.round_foot, foot.flat_foot, mold.extrude, mold.belt_seat, mold.engrave_letter, finger.ramp_slab)
+"""Functions that make a solid of plain numbers, which scripts carry too."""
+_CARRIED = {each.__name__ for each in (*NUMBERS, *SOLIDS)}
+_UNSAID = {*_CARRIED, "spans"}
+"""Functions whose name says too little of what they return."""
+_MODULES = ("fingertip.cad.shapes.", "fingertip.design.interfaces.", "fingertip.design.geometry")
+"""Modules that make solids of parameters."""
+_SHORT = 7
+"""Length up to which the name of a variable says too little without that of its function."""
+_LOCK = threading.Lock()
+
+
+class Atom(NamedTuple):
+    """Number that stands in a script as it is: its value, what it means, and "parameter", "bought" or "fixed"."""
+
+    value: Any
+    meaning: str
+    kind: str
+
+
+class Trace:
+    """Build of a part with named numbers."""
+
+    def __init__(self, design: Design, maker: Callable[[Design], Solid]) -> None:
+        self.atoms: dict[str, Atom] = {}
+        self.derived: dict[Term, tuple[str, str]] = {}
+        """Derived length -> its name and meaning."""
+        self.variables: dict[Term, str] = {}
+        """Number or solid -> the variable that held it, or the function that returned it."""
+        self._calls: dict[int, tuple[Solid, Term]] = {}
+        self._found: list[tuple[Solid, str]] = []
+        self._model = design.sensor.model
+        values = {
+            path: self._atom(path.replace(".", "_"), value, declared.description or "", "parameter")
+            for path, declared in PARAMETERS.items()
+            if isinstance(value := design.value(path), float)
+        }
+        with _LOCK, self._replaced(), self._watched():
+            NOTED.clear()
+            self.design = design.with_values(values)
+            solid, self.conditions = maker(self.design), list(NOTED)
+            self.part = self.term(solid)
+        for solid, name in self._found:
+            self.variables.setdefault(self.term(solid), name)
+
+    def term(self, solid: Solid) -> Term:
+        """Return the term of a solid."""
+        if id(solid) in self._calls:
+            return self._calls[id(solid)][1]
+        match solid:
+            case Union(solids):
+                return Term("union", *map(self.term, solids))
+            case Difference(first, cuts):
+                return Term("cut", *map(self.term, (first, *cuts)))
+            case Intersection(solids):
+                return reduce(lambda *both: Term("intersect", *both), map(self.term, solids))
+            case Scaled(inner, factor):
+                return Term("solid", "scaled", self.term(inner), term_of(factor))
+        name, arguments = call_of(solid)
+        return Term("solid", name, *map(term_of, arguments))
+
+    def _atom(self, name: str, value: Any, meaning: str, kind: str) -> Any:
+        while self.atoms.setdefault(name, Atom(value, meaning, kind)).value != value:
+            name += "_"
+        return wrap(value, Term("name", name))
+
+    def _name_sensor(self, sensor: ForceSensor) -> ForceSensor:
+        """Name the sizes of the sensor, which is bought."""
+        named = {
+            key: self._atom(f"sensor_{key}", value, f"of the {sensor.label}", "bought")
+            for key, value in vars(sensor).items() if isinstance(value, float)
+        }  # fmt: skip
+        return replace(sensor, **named)
+
+    @contextlib.contextmanager
+    def _replaced(self) -> Iterator[None]:
+        """Replace functions and constants in the modules that make solids by those that name."""
+        functions = {name: self._traced(each, f"math.{name}") for name, each in vars(math).items() if callable(each)}
+        new: dict[int, Any] = {id(math): SimpleNamespace(**vars(math) | functions)}
+        new |= {id(each): self._traced(each, each.__name__) for each in (*NUMBERS, *SOLIDS)}
+        new[id(letter_outlines)] = self._outline_letters
+        new[id(SENSORS)] = {key: self._name_sensor(each) for key, each in SENSORS.items() if key == self._model}
+        before: list[tuple[ModuleType, str, Any]] = []
+        modules = [each for name, each in sorted(sys.modules.items()) if name.startswith(_MODULES)]
+        meanings = {key: text for module in modules for key, text in read_meanings(module).items()}
+        for module in modules:
+            for name, value in list(vars(module).items()):
+                first = value[0] if isinstance(value, tuple) and value else value
+                if id(value) in new or (name.isupper() and isinstance(first, float)):
+                    before.append((module, name, value))
+                    meaning = meanings.get((name, value), "") if id(value) not in new else ""
+                    setattr(module, name, new.get(id(value)) or self._atom(name.strip("_"), value, meaning, "fixed"))
+            for function in (min, max):
+                before.append((module, function.__name__, None))
+                setattr(module, function.__name__, self._extreme(function))
+        try:
+            yield
+        finally:
+            for module, name, value in before:
+                if value is None:
+                    delattr(module, name)
+                else:
+                    setattr(module, name, value)
+
+    def _traced(self, function: Callable[..., Any], name: str) -> Any:
+        def call(*given: Any, **by_name: Any) -> Any:
+            if not any(map(is_named, (*given, *by_name.values()))):
+                return function(*given, **by_name)
+            arguments = given
+            if name in _CARRIED:
+                signature = inspect.signature(function)
+                arguments = signature.bind(*given, **by_name).args
+                defaults = [each.default for each in signature.parameters.values()]
+                while not is_named(arguments[-1]) and arguments[-1] == defaults[len(arguments) - 1]:
+                    arguments = arguments[:-1]
+            value, term = function(*map(plain, arguments)), Term("call", name, *map(term_of, arguments))
+            if isinstance(value, Solid):
+                self._calls[id(value)] = value, Term("solid", *term.operands)
+                return value
+            return wrap(value, term)
+
+        return call
+
+    def _extreme(self, function: Any) -> Any:
+        def choose(*given: Any, **how: Any) -> Any:
+            values = tuple(given[0]) if len(given) == 1 else given
+            if how or not any(isinstance(each, Named) for each in values):
+                return function(values, **how)
+            return wrap(function(map(float, values)), Term("call", function.__name__, *map(term_of, values)))
+
+        return choose
+
+    def _outline_letters(self, text: str, stroke_width: float) -> Any:
+        meaning = f'Outlines of the letters "{text}" in units of their grid, fixed by the name of the design'
+        name = f"letters_{text.lower().replace('-', '_')}"
+        return self._atom(name, letter_outlines(text, float(stroke_width)), meaning, "fixed")
+
+    def _name(self, name: str, value: Any, meaning: str = "") -> None:
+        """Name a derived number, or those of a body or another set of them."""
+        if isinstance(value, conic.ConicBody):
+            self._name(f"{name}_spans", value.spans)
+        if is_dataclass(value) or hasattr(value, "_fields"):
+            for key, each in (vars(value) if is_dataclass(value) else value._asdict()).items():
+                self._name(f"{name}_{key}", each)
+        if is_named(value):
+            self.derived.setdefault(term_of(value), (name, meaning))
+
+    @contextlib.contextmanager
+    def _watched(self) -> Iterator[None]:
+        """Note the variables that hold solids and numbers, and the functions that return them."""
+        returned: list[tuple[Solid, str]] = []
+
+        def watch(frame: FrameType, event: str, result: Any) -> None:
+            module, name = frame.f_globals.get("__name__", ""), frame.f_code.co_name
+            is_ours = module.startswith(_MODULES) and not module.endswith(".solids")
+            if event != "return" or not is_ours or name[0] == "<" or name[:2] == "__" or name in _UNSAID:
+                return
+            owner = frame.f_locals.get("self")
+            declared = getattr(type(owner), name, None)
+            if isinstance(declared, cached_property | property) and not is_dataclass(owner):
+                self._name(name, result, declared.__doc__ or "")
+            name = getattr(owner, "name", name) if name == "shapes" else name.strip("_").removeprefix("add_")
+            for variable, value in frame.f_locals.items():
+                if isinstance(value, Solid) and variable != "self":
+                    self._found.append((value, variable))
+                elif is_named(value):
+                    self.variables[term_of(value)] = variable if len(variable) > _SHORT else f"{name}_{variable}"
+            if is_named(result):
+                self.variables.setdefault(term_of(result), name)
+            results = result if isinstance(result, tuple) else (result,)
+            returned.extend((each, name) for each in results if isinstance(each, Solid))
+
+        before = sys.getprofile()
+        sys.setprofile(watch)
+        try:
+            yield
+        finally:
+            sys.setprofile(before)
+            self._found += reversed(returned)
+
+
+def read_meanings(module: ModuleType) -> dict[tuple[str, Any], str]:
+    """Read the texts below the constants of a module, by name and value."""
+    import ast  # noqa: PLC0415
+
+    found: dict[tuple[str, Any], str] = {}
+    for statement, after in pairwise(ast.parse(inspect.getsource(module)).body):
+        match statement, after:
+            case ast.Assign([ast.Name(name)]), ast.Expr(ast.Constant(str(text))) if name.isupper():
+                found[name, vars(module)[name]] = text
+    return found

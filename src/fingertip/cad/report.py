@@ -25,6 +25,8 @@ from fingertip.pad.survey import survey_pad
 if TYPE_CHECKING:
     import pandas
 
+_DECIMALS = 3
+"""Decimals of what trimesh finds: it adds up volumes in another order on other machines."""
 DESIGN_HEADING = "Design from which these files were built. `fingertip build` accepts this file."
 
 
@@ -57,6 +59,8 @@ class Build:
     """Casting sheet, a `CastingSheet` of `fingertip.casting.sheet`; None unless all parts were built."""
     removed: tuple[str, ...] = ()
     """Files of another design that were removed from the folder."""
+    opinions: tuple[Check, ...] = ()
+    """What trimesh finds in the mesh files; what does not pass is among the checks too."""
 
     @property
     def passed(self) -> bool:
@@ -125,6 +129,9 @@ class Build:
             bought = hardware(self.design, names)
             shown = [name for name in names if not PARTS[name].is_tool]
             report["assembly"] = {"file": ASSEMBLY, "parts": shown, "hardware": [item.name for item in bought]}
+        for check in self.opinions:
+            file, _, found = check.name.partition(".trimesh.")
+            report.setdefault("trimesh", {}).setdefault(file, {})[found] = round(check.value, _DECIMALS)
         if self.strength:
             report["strength"] = strength_data(self.strength)
         if any(built.part.name == "skin" for built in self.parts):

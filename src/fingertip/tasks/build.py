@@ -15,6 +15,7 @@ from fingertip.cad.printing.settings import FDM, SLA
 from fingertip.cad.report import DESIGN_HEADING, Build, BuiltPart
 from fingertip.cad.shapes.parts import PARTS, exact_parts, hardware, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
+from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.printing import check_brep_solid
 from fingertip.cad.verification.second_opinion import second_opinions
 from fingertip.cad.verification.verify import VerifiedParts, verify
@@ -94,7 +95,7 @@ def build(
     force
         Whether files may be overwritten that no build wrote, or that were changed since.
     verify
-        Whether trimesh reads each STL and 3MF file too, as a second opinion among the checks.
+        Whether trimesh reads each STL and 3MF file too, as a second opinion in the report, in a process of its own.
     progress
         Called with a message at each step.
 
@@ -184,6 +185,7 @@ def run_build(
     stages = {
         "parts": 2.0, "rest": 3.0 * (meanwhile is not None),
         "pictures": 1.0 * options.pictures, "STEP files": (4.0 + 6.0 * options.drawings) * ("step" in plan.formats),
+        "second opinion": 0.5 * options.verify,
     }  # fmt: skip
     work = Work("", stages, progress)
     with contextlib.ExitStack() as stack:
@@ -193,6 +195,11 @@ def run_build(
         if options.pictures and plan.is_whole:
             drawing = stack.enter_context(in_background(_draw_steps, design, options.tolerance_mm))
         verified = verify(design, plan.names, plan.formats, plan.evaluator, work.within("parts"))
+        opinions: Callable[[], tuple[Check, ...]] = tuple
+        if options.verify:
+            opinions = stack.enter_context(
+                in_background(second_opinions, dict(verified.contents), dict(verified.meshes))
+            )
         casting = casting_sheet(design, plan.evaluator) if plan.is_whole else None
         if meanwhile:
             meanwhile(work.within("rest"))
@@ -202,6 +209,8 @@ def run_build(
         if process:
             work.begin("STEP files")
             step = process.result(advance=work.advance)
+        work.begin("second opinion")
+        verified = replace(verified, opinions=opinions())
     return _write(plan, _collect(plan, verified, step, casting, tuple(pictures)), pictures, progress)
 
 
@@ -219,15 +228,13 @@ def _collect(
 ) -> Build:
     """Collect files and checks, those of the exact solids included, and report on them."""
     design, tolerance_mm = plan.design, plan.options.tolerance_mm
-    checks = list(verified.checks)
+    checks = [*verified.checks, *(each for each in verified.opinions if not each.passed)]
     for name, measured in step.measurements.items():
         scale = print_scale(design, PARTS[name])
         checks += check_brep_solid(design, PARTS[name], verified.meshes[name], measured, scale, tolerance_mm)
     if plan.exact:
         checks += check_brep_assembly(design, step.measurements, step.volumes_mm3)
     contents = dict(verified.contents) | step.contents
-    if plan.options.verify:
-        checks += second_opinions(contents, verified.meshes)
     if plan.options.drawings:
         contents |= render_sheets(design, step.also)
     if "cq" in plan.formats:
@@ -240,7 +247,7 @@ def _collect(
     built = tuple(BuiltPart(PARTS[n], verified.meshes[n], files[n], step.measurements.get(n)) for n in plan.names)
     result = Build(
         design, plan.parts.folder, tolerance_mm, built, contents, verified.prints, tuple(checks), verified.strength,
-        casting,
+        casting, opinions=verified.opinions,
     )  # fmt: skip
     contents[output_files.REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
     contents |= copy_design(design, output_files.DESIGN, DESIGN_HEADING)

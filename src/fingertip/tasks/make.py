@@ -93,7 +93,10 @@ def make(
     report = work.within("parts")
     with in_background(_simulate_and_draw, design, plan.has_page) as beside:
         board = plan_board(design, folder / output_files.BOARD_FOLDER, force=force, bring_up=True, top=folder)
-        options = BuildOptions(formats=plan.formats, pictures=True, drawings=plan.has_drawings, force=force)
+        options = BuildOptions(
+            formats=plan.formats, pictures=True, drawings=plan.has_drawings, force=force,
+            verify=extras.is_installed("trimesh"),
+        )  # fmt: skip
         parts = run_build(
             plan_build(design, folder, options), report, lambda stage: rest.append(_make_rest(plan, beside, stage))
         )

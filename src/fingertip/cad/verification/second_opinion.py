@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import itertools
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -23,12 +24,11 @@ _PARTNERS = {"mold_palmar": ("mold_dorsal", -1.0), "mold_dorsal": ("mold_palmar"
 """Name of a mold half -> that of the other, and the way along y by which it comes off."""
 
 
-def second_opinions(contents: Mapping[str, bytes], meshes: Mapping[str, Mesh]) -> Iterator[Check]:
+def second_opinions(contents: Mapping[str, bytes], meshes: Mapping[str, Mesh]) -> tuple[Check, ...]:
     """Read the STL and 3MF file of each part with trimesh. Raises GeometryError or MissingLibraryError."""
-    for name, mesh in meshes.items():
-        for suffix in (".stl", ".3mf"):
-            if data := contents.get(name + suffix):
-                yield from _compare(f"{name}{suffix}", _read(name + suffix, data), mesh)
+    files = ((f"{name}{suffix}", mesh) for name, mesh in meshes.items() for suffix in (".stl", ".3mf"))
+    found = (_compare(file, _read(file, contents[file]), mesh) for file, mesh in files if file in contents)
+    return tuple(itertools.chain(*found))
 
 
 def check_file(path: Path) -> tuple[Check, ...]:

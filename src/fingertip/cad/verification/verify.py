@@ -38,6 +38,8 @@ class VerifiedParts:
     """Files of the printed parts as they lie on the bed."""
     checks: tuple[Check, ...]
     strength: BoneStrength | None
+    opinions: tuple[Check, ...] = ()
+    """What trimesh finds in the mesh files, if it was asked."""
 
 
 def check(

@@ -17,6 +17,7 @@ from fingertip.cad.verification import mold as checks
 from fingertip.cad.verification.check import Solids
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import POURED
+from fingertip.design.geometry.plunge import LOWERING_S, estimate_pressure_kpa
 from fingertip.design.geometry.solids import Box, cylinder, difference, union
 from fingertip.design.new_design import PRESETS
 from fingertip.foundation.errors import DesignError
@@ -28,9 +29,9 @@ FINGER = Design.load("first_finger")
 THICK = "silicone.product=own silicone.viscosity_pa_s={}"
 
 
-def run(*changes: str, name: str = "first_finger") -> dict[str, float]:
+def run(*changes: str) -> dict[str, float]:
     """Return the excess of each check's value over its limit; negative if it passes."""
-    design = Design.load(name, changes=" ".join(changes).split())
+    design = Design.load("first_finger", changes=" ".join(changes).split())
     found = checks.check_mold(design, Solids.of(design, MeshEvaluator(TOLERANCE), parts_by_name(design)))
     return {check.name: (check.value - check.limit) * (-1 if check.relation == "at least" else 1) for check in found}
 
@@ -44,7 +45,10 @@ def test_first_finger_passes_with_figures_near_those_of_the_study() -> None:
     assert checks.palmar_error_mm(FINGER) == pytest.approx(0.14, abs=0.005)
     longer = FINGER.with_values({"skin.length_mm": 33.0})
     assert checks.palmar_error_mm(longer) < 0.15, "the seat of a longer core is wider"
-    assert 0.5 < checks.plunge_pressure_kpa(FINGER, EVALUATOR) < 2.0
+    for name in ("adult_finger", "fsr402"):
+        pressure = checks.plunge_pressure_kpa(design := Design.load(name), EVALUATOR)
+        assert 0.5 < pressure < 4.0
+        assert 1.0 <= estimate_pressure_kpa(design) / pressure < 1.1, "the rule leaves a margin to the solids"
 
 
 @pytest.mark.parametrize("name", sorted({*DESIGNS, *PRESETS} - {"first_finger"}))
@@ -65,9 +69,13 @@ def test_checks_find_their_defects(changes: str, wanted: set[str]) -> None:
     assert failed(changes) == wanted
 
 
-def test_core_that_thick_silicone_would_bend_is_found() -> None:
-    excess = run(THICK.format(60), name="fsr402")
-    assert {check for check, value in excess.items() if value > 0.0} == {"mold.plunge_pressure", "mold.core_bending"}
+def test_core_that_thick_silicone_would_bend_is_refused_and_found() -> None:
+    with pytest.raises(DesignError, match=r"part the halves of the mold.*\n.*a core that own silicone bends by"):
+        Design.load("fsr402", changes=THICK.format(60).split())
+    thick = Design.load("fsr402").with_values({"silicone.product": "own", "silicone.viscosity_pa_s": 60.0})
+    failing = [check.name for check in checks.check_mold(thick, Solids.of(thick, EVALUATOR, parts_by_name(thick)))
+               if not check.passed]  # fmt: skip
+    assert failing == ["mold.plunge_pressure", "mold.core_bending"]
 
 
 def test_thin_wall_behind_letters_is_found_and_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -135,7 +143,7 @@ def test_seam_fills_to_the_depth_of_creeping_flow() -> None:
     assert checks.seam_mm3(wide, 1.5) == pytest.approx(4 * checks.seam_mm3(FINGER, 1.5))
     silicone, length = FINGER.silicone.material, FINGER.skin.length_mm
     head = silicone.density_g_cm3.high * 9.81 * length * 60 * silicone.planned_pot_life_min
-    integral = head / silicone.viscosity_pa_s.low + 1500 * checks.LOWERING_S / silicone.viscosity_pa_s.high
+    integral = head / silicone.viscosity_pa_s.low + 1500 * LOWERING_S / silicone.viscosity_pa_s.high
     seam = 2 * FINGER.mold_layout.cavity_half_width + 4 / 3 * length
     assert checks.seam_mm3(FINGER, 1.5) == pytest.approx(0.1**2 * math.sqrt(integral / 6) * seam)
 

@@ -17,6 +17,7 @@ from fingertip.cad.verification.skin import check_fitting_stretch
 from fingertip.cad.verification.trapped_air import LEANS_DEG, trapped_mm3
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import GAP_MM, NOTCH_MM, RIDGE_END_MM, RIDGE_HEIGHT_MM, RIDGE_LENGTH_MM
+from fingertip.design.geometry.plunge import BAND_N, LOWERING_S, MAX_BENDING_MM, core_bending_mm, max_pressure_kpa
 from fingertip.design.geometry.solids import Solid, difference, scaled, union
 from fingertip.foundation.numerics import Array
 
@@ -26,13 +27,9 @@ _THINNER = ("silicone.product", "silicone.viscosity_pa_s")
 _RISE_MM = 0.5
 """Rise of the core by a print that is too large by 0.3 mm at each seat, which costs no skin [mm]."""
 _GRAVITY_M_S2 = 9.81
-LOWERING_S = 30.0
-"""Time in which the core is lowered [s]."""
 _SHARE_PER_MM, _ERRORS_MM = 1.0, (0.05, 0.1)
 """Share of the palmar skin that may be missing over the error of a flank: 5 % at 0.05 mm, 10 % at 0.1 mm."""
-_BAND_N = 1.0
-"""Force of a rubber band [N]: two go twice across the seam, one holds the core down. An assumption."""
-_MAX_BENDING_MM, _MAX_FILM_MM, _MAX_AIR_MM3 = 0.01, 0.02, 0.05
+_MAX_FILM_MM, _MAX_AIR_MM3 = 0.02, 0.05
 _SECTIONS = 24
 
 
@@ -57,9 +54,8 @@ def check_mold(design: Design, solids: Solids) -> Iterator[Check]:
     share = palmar_error_share(design)
     yield Check("mold.palmar_error", palmar_error_mm(design), share * design.skin.thickness_palmar_mm, "mm")
     pressure = plunge_pressure_kpa(design, evaluator)
-    height = design.mold_layout.foot_z * design.mold_layout.cavity_half_width * 2
-    yield Check("mold.plunge_pressure", pressure, 4e3 * _BAND_N / height, "kPa")
-    yield Check("mold.core_bending", core_bending_mm(design, pressure), _MAX_BENDING_MM, "mm")
+    yield Check("mold.plunge_pressure", pressure, max_pressure_kpa(design), "kPa")
+    yield Check("mold.core_bending", core_bending_mm(design, pressure), MAX_BENDING_MM, "mm")
     yield Check("mold.creep", seam_mm3(design, pressure), _notches_mm3(design), "mm3")
     yield Check("mold.seat_film", seat_film_mm(design), _MAX_FILM_MM, "mm")
     yield _check_wall(design, evaluator)
@@ -132,10 +128,7 @@ def palmar_limits(design: Design) -> SeatLimits:
 
 
 def plunge_pressure_kpa(design: Design, evaluator: MeshEvaluator) -> float:
-    """Compute the pressure at the tip at the end of the way by lubrication: dp/dz = 12 mu v (A + g / 2) / c.
-
-    A is the area of the core's section, g and c the integrals of the gap and of its cube around it.
-    """
+    """Compute the pressure at the tip as `plunge.estimate_pressure_kpa`, from sections of both solids."""
     room, core = evaluator.manifold(cavity(design)), evaluator.manifold(core_within_skin(design))
     length, pressure = core.bounding_box()[5], 0.0
     speed = (length - design.mold_layout.pour_z) / LOWERING_S
@@ -144,17 +137,6 @@ def plunge_pressure_kpa(design: Design, evaluator: MeshEvaluator) -> float:
         slope = 12.0 * speed * (area + (gaps * along).sum() / 2) / (gaps**3 * along).sum()
         pressure += 1e-3 * design.silicone.material.viscosity_pa_s.high * slope * length / _SECTIONS
     return pressure
-
-
-def core_bending_mm(design: Design, pressure_kpa: float) -> float:
-    """Compute the deflection of the core's tip if the pressure acted on all of one side, and none on the other.
-
-    Of its section half counts: the middle is infill.
-    """
-    section, dims = design.dimensions.bone_outline.section, design.dimensions
-    height, width = section.dorsal + dims.flat_depth, 2 * section.half_width
-    stiffness = design.strength.material.modulus_mpa * 0.5 * width * height**3 / 12
-    return 1e-3 * pressure_kpa * width * (design.skin.length_mm - design.skin.thickness_tip_mm) ** 4 / (8 * stiffness)
 
 
 def _measure_gap_around(room: Manifold, core: Manifold, z: float) -> tuple[Array, Array, float]:
@@ -200,7 +182,7 @@ def seat_film_mm(design: Design) -> float:
     Between long strips of width b a load F per length L leaves h with 2 F t / L = mu b^3 / h^2 (Reynolds).
     """
     flanks, silicone = design.mold_layout.flanks, design.silicone.material
-    share = _BAND_N / (len(flanks) * math.sqrt(0.5))
+    share = BAND_N / (len(flanks) * math.sqrt(0.5))
     width = 1e-3 * math.sqrt(2.0) * 2 * flanks[0].point_mm[2]
     length, time_s = 1e-3 * (RIDGE_LENGTH_MM - 2 * RIDGE_END_MM), 30 * silicone.planned_pot_life_min
     return 1e3 * math.sqrt(silicone.viscosity_pa_s.high * length * width**3 / (2 * share * time_s))

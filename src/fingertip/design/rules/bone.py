@@ -1,12 +1,13 @@
-"""Rules of the bone: hole of the wires, trough of the tail, collar and groove; and of the walls of its mold."""
+"""Rules of the bone: hole of the wires, trough of the tail, collar and groove; and of mold and core."""
 
 from __future__ import annotations
 
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.dimensions import HEAD_MM, KNOT_WIRES, TAIL_MM
 from fingertip.design.geometry.mold_layout import BELT_MM
+from fingertip.design.geometry.plunge import MAX_BENDING_MM, core_bending_mm, estimate_pressure_kpa, max_pressure_kpa
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
-from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally, tip_within_skin
+from fingertip.design.rules.skin import SOUND_SECTIONS, bone_left_at_sides, bone_left_dorsally, tip_within_skin
 from fingertip.foundation.numerics import bisect
 
 WALL_RULES, RULES, MOLD_RULES = Ruleset(), Ruleset(), Ruleset()
@@ -108,3 +109,27 @@ def groove_clear_of_sensor(design: DesignTables) -> Violation | None:
 def mold_wall_holds_cuts(design: DesignTables) -> Limit:
     depth, wall = max(BELT_MM[1], design.mold.engraving_depth_mm), design.printer.min_wall_mm
     return Limit(depth + wall, f"leaves less than printer.min_wall_mm={wall:g} behind belts and letters")
+
+
+@MOLD_RULES.rule("skin.thickness_dorsal_mm", *SOUND_SECTIONS)
+def cup_stays_closed(design: DesignTables) -> Violation | None:
+    pressure, most = estimate_pressure_kpa(design), max_pressure_kpa(design)
+    if pressure <= most:
+        return None
+    return Violation(
+        f"{design.skin.thickness_dorsal_mm:g} mm lets {design.silicone.material.label} past the core so slowly that "
+        f"{pressure:.2f} kPa part the halves of the mold, whose bands hold {most:.2f} kPa",
+        lack=pressure / most - 1.0,
+    )
+
+
+@MOLD_RULES.rule("skin.semi_axis_dorsal_mm", *SOUND_SECTIONS)
+def core_stays_straight(design: DesignTables) -> Violation | None:
+    bending = core_bending_mm(design, estimate_pressure_kpa(design))
+    if bending <= MAX_BENDING_MM:
+        return None
+    return Violation(
+        f"{design.skin.semi_axis_dorsal_mm:g} mm leaves a core that {design.silicone.material.label} bends by "
+        f"{bending:.4f} mm while it is lowered, more than {MAX_BENDING_MM:g} mm",
+        lack=bending / MAX_BENDING_MM - 1.0,
+    )

@@ -169,14 +169,14 @@ def flat_edges_within_skin(design: DesignTables) -> Violation | None:
     )
 
 
-_SOUND_SECTIONS = (
+SOUND_SECTIONS = (
     tip_within_skin, bone_left_at_sides, bone_left_dorsally, bone_reaches_tip, taper_reaches_tip, sensor_fits_flat,
     flat_within_bone, flat_edges_within_skin,
 )  # fmt: skip
 """Prerequisites of every rule that measures the silicone between bone and surface."""
 
 
-@RULES.at_most("skin.min_thickness_mm", *_SOUND_SECTIONS, active_area_within_head, slack=_THICKNESS_SLACK)
+@RULES.at_most("skin.min_thickness_mm", *SOUND_SECTIONS, active_area_within_head, slack=_THICKNESS_SLACK)
 def skin_is_thick_enough(design: DesignTables) -> Limit | None:
     thinnest = min_skin_thickness(design, design.dimensions)
     return Limit(thinnest, f"is more than the {thinnest:.2f} mm at the skin's thinnest place")

@@ -160,7 +160,7 @@ GAP = fingertip.Trace(np.delete(np.arange(999), np.arange(300, 400)) / 1000, np.
     ("recording", "rate_hz", "told"),
     [
         (np.zeros(9), None, "recording: has shape (9,) and no rate; give voltages (n,) with rate_hz"),
-        (np.zeros((9, 3)), 2000.0, "has shape (9, 3) and rate_hz=2000"),
+        (np.zeros((9, 3)), None, "has shape (9, 3) and no rate"),
         (np.zeros(9), -1.0, "rate_hz: -1 Hz is out of range"),
         ("volts", 2000.0, "recording: is no array of numbers"),
         (np.ones(9, complex), 2000.0, "recording: is no array of numbers (its type is complex128)"),

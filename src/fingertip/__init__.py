@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from fingertip.calibration.sensor import calibrate_sensor, read_weighings
     from fingertip.design import Design
     from fingertip.detection.live import StreamDetection, detect_stream
-    from fingertip.detection.recordings import FileDetection, detect, detect_file
+    from fingertip.detection.recordings import FileDetection, detect, detect_channels, detect_file
     from fingertip.foundation.display import Picture
     from fingertip.foundation.errors import FingertipError
     from fingertip.lab.campaign.plan import CampaignPlan
@@ -67,7 +67,7 @@ _NAMES = {
     "calibration.sensor": "calibrate_sensor read_weighings",
     "design": "Design",
     "detection.live": "StreamDetection detect_stream",
-    "detection.recordings": "FileDetection detect detect_file",
+    "detection.recordings": "FileDetection detect detect_channels detect_file",
     "foundation.display": "Picture",
     "foundation.errors": "FingertipError",
     "lab.campaign.plan": "CampaignPlan",
@@ -94,9 +94,10 @@ __all__ = [
     "BoardValues", "Build", "CampaignPlan", "Design", "Detection", "FileDetection", "FingertipError", "Made",
     "ManipulationFile", "Picture", "Readout", "SceneFile", "SlipChain", "StreamDetection", "Trace", "Trial",
     "__version__", "assembly", "board_values", "bone", "build", "calibrate_printer", "calibrate_sensor", "check",
-    "detect", "detect_file", "detect_stream", "frames", "make", "mesh_of", "mold", "part_mesh", "part_solid",
-    "part_trimesh", "part_workplane", "picture", "read_trace", "read_weighings", "run_manipulation", "run_scene",
-    "run_sweep", "simulate", "skin", "validate", "write_board", "write_drawing", "write_firmware", "write_robot",
+    "detect", "detect_channels", "detect_file", "detect_stream", "frames", "make", "mesh_of", "mold", "part_mesh",
+    "part_solid", "part_trimesh", "part_workplane", "picture", "read_trace", "read_weighings", "run_manipulation",
+    "run_scene", "run_sweep", "simulate", "skin", "validate", "write_board", "write_drawing", "write_firmware",
+    "write_robot",
 ]  # fmt: skip
 
 

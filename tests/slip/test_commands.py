@@ -346,7 +346,14 @@ def test_a_series_whose_index_holds_the_times(unit: str) -> None:
     index = T if unit == "s" else pandas.to_timedelta(1000 * T, unit="ms")
     onset_s = fingertip.detect(pandas.Series(V, index=index)).intervals[0].onset_s
     assert onset_s == fingertip.detect(np.column_stack([T, V])).intervals[0].onset_s
-    wide = np.column_stack([T, V, V, V, V])
-    with pytest.raises(fingertip.FingertipError, match=r"a time and 4 columns; .* as in recording\[:, \[0, 1\]\]"):
-        fingertip.detect(wide)
-    assert fingertip.detect(wide[:, [0, 1]]).intervals[0].onset_s == onset_s
+    wide = np.column_stack([V, np.full_like(V, 2.3), V])
+    for recording, names, rate_hz in (
+        (np.column_stack([T, wide]), "123", None), (wide, "012", 2000.0),
+        (pandas.DataFrame(wide, index=index, columns=[*"abc"]), "abc", None),
+    ):  # fmt: skip
+        found = fingertip.detect_channels(recording, rate_hz=rate_hz)
+        assert {name: [i.onset_s for i in each.intervals] for name, each in found.items()} == dict(
+            zip(names, ([onset_s], [], [onset_s]), strict=True)
+        )
+        with pytest.raises(fingertip.FingertipError, match=rf"holds 3 channels, {names[0]}, .* call detect_channels"):
+            fingertip.detect(recording, rate_hz=rate_hz)

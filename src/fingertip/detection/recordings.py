@@ -17,7 +17,7 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.detection import warnings
 from fingertip.detection.adaptation import Adaptation, QuietPart, equivalent_noise_v
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError, join_words, shorten
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.analog_and_digital import measure_noise_level
 from fingertip.slip.detectors.noise import NoiseLevel
@@ -45,8 +45,8 @@ def detect(
     ----------
     recording
         A trace, or what numpy makes an array of: voltages, which take `rate_hz`, or rows of time and voltage; or a
-        series of pandas whose index holds the times. Without
-        `envelope_v`, the detector `analog` takes the output of the design's board, simulated for the voltage.
+        series of pandas whose index holds the times. Without `envelope_v`, the detector `analog` takes the output of
+        the design's board, simulated for the voltage.
     design
         Source of filters, window, threshold and board; by default the default design. It is adapted to the rate of the
         recording if it does not state one itself.
@@ -67,7 +67,10 @@ def detect(
     design = design or Design()
     kind = registry.check_detector(design, detector)
     adaptation = Adaptation(detector, noise_is_measured=noise_v is not None)
-    trace = _read_array(recording, rate_hz)
+    trace, *others = (channels := _read_channels(recording, rate_hz)).values()
+    if others:
+        problem = f"holds {len(channels)} channels, {shorten(join_words(channels), 200)}"
+        raise TraceError(Issue("recording", f"{problem}; call detect_channels with the same arguments, or give one."))
     raw = RawTrace("trace", trace, in_volts=noise_v is None, is_array=True)
     if rate_hz is not None:
         design = adaptation.to_rate(design, rate_hz)
@@ -78,24 +81,43 @@ def detect(
     return detect_in_trace(trace, design, detector, noise_v)
 
 
-def _read_array(recording: Any, rate_hz: float | None) -> Trace:
+def detect_channels(
+    recording: Any,
+    design: Design | None = None,
+    detector: str = registry.DEFAULT,
+    noise_v: float | None = None,
+    *,
+    rate_hz: float | None = None,
+) -> dict[str, Detection]:
+    """Detect slip in each channel of an array of one row per sample, or of a data frame.
+
+    The first column, or a frame's index, holds the times where it rises as these do, or where there is no `rate_hz`.
+    The other parameters, and the exceptions, are those of `detect`. Channels are named as a frame's columns, or by the
+    number of their column from 0.
+    """
+    channels = _read_channels(recording, rate_hz)
+    return {name: detect(trace, design, detector, noise_v, rate_hz=rate_hz) for name, trace in channels.items()}
+
+
+def _read_channels(recording: Any, rate_hz: float | None) -> dict[str, Trace]:
+    """Read the channels of a recording by name: the columns beside one that holds the times. Raises TraceError."""
     if isinstance(recording, Trace):
-        return recording
-    times: Any = getattr(getattr(recording, "index", None), "values", None)  # of a series of pandas
-    if rate_hz is None and isinstance(times, np.ndarray) and times.dtype.kind in "fmM" and len(times):
-        times = times if times.dtype.kind == "f" else (times - times[0]) / np.timedelta64(1, "s")
-        recording = np.column_stack([times, as_numbers("recording", recording)])
-    array = as_numbers("recording", recording)
-    if array.ndim == 2 and array.shape[1] == 2:
-        return Trace(array[:, 0].copy(), array[:, 1].copy())
-    if array.ndim != 1 or rate_hz is None:
-        shape = f"has shape {array.shape} and {'no rate' if rate_hz is None else f'rate_hz={rate_hz:g}'}"
-        if array.ndim == 2 and array.shape[1] > 2 and rises_as_time(array[:, 0]):
-            problem = f"has a time and {array.shape[1] - 1} columns; give one of these, as in recording[:, [0, 1]]."
-            raise TraceError(Issue("recording", problem))
+        return {"voltage_v": recording}
+    array, names = as_numbers("recording", recording), [*map(str, getattr(recording, "columns", ()))]
+    array = array[:, None] if array.ndim == 1 else array
+    index: Any = getattr(getattr(recording, "index", None), "values", None)  # of a series or a frame of pandas
+    if rate_hz is None and isinstance(index, np.ndarray) and index.dtype.kind in "fmM" and len(index):
+        times = index if index.dtype.kind == "f" else (index - index[0]) / np.timedelta64(1, "s")
+        array, names = np.column_stack([times, array]), ["", *(names or ["voltage_v"])]
+    has_times = array.ndim == 2 and array.shape[1] > 1 and (array.shape[1] == 2 or rises_as_time(array[:, 0]))
+    if array.ndim != 2 or not array.shape[1] or (rate_hz is None and not has_times):
+        shape = f"has shape {np.shape(recording)} and {'no rate' if rate_hz is None else f'rate_hz={rate_hz:g}'}"
         raise TraceError(Issue("recording", f"{shape}; give voltages (n,) with rate_hz, or time and voltage (n, 2)."))
-    check_rate(rate_hz)
-    return Trace(np.arange(len(array)) / rate_hz, array)
+    if rate_hz is not None:
+        check_rate(rate_hz)
+    time_s = array[:, 0] if has_times or rate_hz is None else np.arange(len(array)) / rate_hz
+    places = range(int(has_times), array.shape[1])
+    return {(names or [*map(str, range(array.shape[1]))])[i]: Trace(time_s.copy(), array[:, i].copy()) for i in places}
 
 
 @dataclass(frozen=True, eq=False)

@@ -186,7 +186,7 @@ def make_hand_sketch(
 @pytest.mark.full
 @pytest.mark.parametrize("macro", HAND_BOARDS)
 def test_the_example_of_a_hand_tells_which_finger_slips_and_which_has_a_fault(macro: str, tmp_path: Path) -> None:
-    """Index slips from 0.5 s on; the wire of T of the ring finger breaks at 1.5 s; S of the little finger is dead."""
+    """Index slips from 0.5 s on; the wire of T of the ring finger breaks at 1.5 s; S of the little finger is dead; T of the thumb is limited."""
     design = Design()
     program = make_hand_sketch(tmp_path / "library", macro, plan_fingers(design, "5", HAND_BOARDS[macro]))
     count = round(2.5 * design.detector.sample_rate_hz)
@@ -196,6 +196,7 @@ def test_the_example_of_a_hand_tells_which_finger_slips_and_which_has_a_fault(ma
     volts[:, 2], volts[:, 3] = slip_recording(design, 2.5).inputs
     volts[3000:, 6] = 0.0
     volts[:, 9] = 1.65
+    volts[:, 0] = np.minimum(volts[:, 0] + np.arange(count) / 4000, 1.8)
     codes = np.round(volts / step).astype(int)
     given = "\n".join(" ".join(map(str, row)) for row in codes.tolist())
     done = subprocess.run([str(program)], input=given, capture_output=True, text=True, check=True)
@@ -206,6 +207,7 @@ def test_the_example_of_a_hand_tells_which_finger_slips_and_which_has_a_fault(ma
         ("index", "slips"),
         ("ring", "has a voltage that no force gives"),
         ("little", "has a silent S"),
+        ("thumb", "has a flat T"),
     }
     assert 0.5 < told["index", "slips"] < 0.6
     assert 1.5 < told["ring", "has a voltage that no force gives"] < 1.6

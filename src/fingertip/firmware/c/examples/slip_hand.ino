@@ -76,11 +76,12 @@ static void show(const slip_codes codes[SLIP_FINGERS]) {
 
 // Tell what the detectors found in a control period, and tighten the grip.
 static void control(uint32_t number, unsigned on, const uint32_t sums[SLIP_FINGERS]) {
-  static unsigned last_on, last_replaced, last_outside, last_still;
+  static unsigned last_on, last_replaced, last_outside, last_still, last_flat;
   const uint32_t time_ms = (uint64_t)number * 1000000u / SLIP_SAMPLE_RATE_MILLIHZ;
   const unsigned replaced = slip_hand_faults(&hand, SLIP_IS_REPLACED);
   const unsigned outside = slip_hand_faults(&hand, SLIP_IS_OUTSIDE);
   const unsigned still = slip_hand_faults(&hand, SLIP_IS_STILL);
+  const unsigned flat = slip_hand_faults(&hand, SLIP_IS_FLAT);
   slip_grip_input inputs[SLIP_FINGERS];
   for (unsigned i = 0; i < SLIP_FINGERS; i++) {
     inputs[i].tactile_v = SLIP_ADC_LOW_V + SLIP_ADC_STEP_V * ((slip_real)sums[i] / (slip_real)PERIOD);
@@ -99,10 +100,12 @@ static void control(uint32_t number, unsigned on, const uint32_t sums[SLIP_FINGE
   tell(time_ms, replaced & ~last_replaced, "has lost or wrong samples");
   tell(time_ms, outside & ~last_outside, "has a voltage that no force gives: check its wires");
   tell(time_ms, still & ~last_still, "has a silent S: check its wire");
+  tell(time_ms, flat & ~last_flat, "has a flat T: at a limit, where slip is not visible");
   last_on = on;
   last_replaced = replaced;
   last_outside = outside;
   last_still = still;
+  last_flat = flat;
 }
 
 void loop() {

@@ -17,8 +17,9 @@ from fingertip import Design, build
 from fingertip.cad.files.cadquery_script import write_functions, write_script
 from fingertip.cad.files.named_numbers import Named, Term, wrap
 from fingertip.cad.files.script_text import Text
-from fingertip.cad.files.trace import Trace
+from fingertip.cad.files.trace import Trace, name_letters
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
+from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, shapes_of_parameters
 from fingertip.design.geometry import solids
 from fingertip.design.geometry.conic import ConicBody, CrossSection
@@ -27,6 +28,7 @@ from fingertip.design.parameters import PARAMETERS
 from tests.conftest import ROOT, run_python
 
 NAMES = ("bone", "skin", "mold_palmar", "mold_dorsal", "core", "stand")
+MODULES = ("cq_letters.py", "cq_numbers.py", "cq_solids.py")
 ALONE = """
 import runpy, sys
 sys.modules["fingertip"] = None  # importing it would fail
@@ -94,7 +96,7 @@ PRIMITIVES = {
 def functions() -> Mapping[str, Any]:
     """Run the functions of the scripts, without cadquery, whose primitives are replaced."""
     names: dict[str, Any] = {}
-    for text in write_functions().values():
+    for text in write_functions(Design()).values():
         exec(re.sub(r"(?m)^(from OCP|from cq_|import cadquery).*", "", text.decode()), names)
     made = {name: lambda *a, make=make: Part(make(*map(to_tuple, a))) for name, make in PRIMITIVES.items()}
     names.update(made | {"superconic": superconic, "scaled": lambda part, by: Part(solids.Scaled(part.solid, by))})
@@ -107,7 +109,8 @@ def run_script(text: str, part: str, **changed: float) -> solids.Solid:
         text, count = re.subn(rf"(?m)^{name} = \S+", f"{name} = {value!r}", text)
         assert count == 1
     names = dict(functions())
-    kept = re.sub(r"(?s)import cadquery as cq\n|from cq_\w+ import \(.*?\)\n", "", text)
+    names |= {name_letters(each): letter_outlines(each, STROKE_WIDTH) for each in re.findall(r"letters_(\w+)", text)}
+    kept = re.sub(r"(?s)import cadquery as cq\n|from cq_\w+ import (\(.*?\)|\w+(, \w+)*)\n", "", text)
     exec(kept.partition('\nif "show_object"')[0], names)
     made: Part = names[part]
     return made.solid
@@ -262,7 +265,7 @@ def test_scripts_name_what_they_make(scripts: Path) -> None:
     ):
         assert f"\n{line}" in text
     texts = {path.name: path.read_text() for path in scripts.glob("*.py")}
-    assert set(texts) == {*(f"{name}.cq.py" for name in (*NAMES, "sensor", "finger")), "cq_numbers.py", "cq_solids.py"}
+    assert set(texts) == {*(f"{name}.cq.py" for name in (*NAMES, "sensor", "finger")), *MODULES}
     for each in texts.values():
         assert max(map(len, each.splitlines())) <= 120
         assert len(each.splitlines()) <= 350

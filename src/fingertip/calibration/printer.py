@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fingertip.design import Design
-from fingertip.design.geometry.mold_layout import LEDGE_MM
+from fingertip.design.geometry.mold_layout import PLATE_LEDGE_MM
 from fingertip.foundation.errors import DesignError, Issue, raise_issues
 
 CALIPER_MM = 0.03
@@ -42,7 +42,7 @@ class Calibration:
 def find_nominal_mm(design: Design) -> tuple[float, float]:
     """Return the thickness of the cup's palmar half and the width of the core's plate, as the files hold them."""
     layout, scale = design.mold_layout, design.printer.scale_percent / 100.0
-    return scale * layout.palmar_height, scale * 2.0 * (layout.half_width + LEDGE_MM)
+    return scale * layout.palmar_height, scale * 2.0 * (layout.half_width + PLATE_LEDGE_MM)
 
 
 def calibrate_printer(design: Design, half_thickness_mm: float, plate_width_mm: float | None = None) -> Calibration:

@@ -18,7 +18,7 @@ from fingertip.cad.shapes.finger import cavity
 from fingertip.casting.sheet import CastingSheet
 from fingertip.design import Design
 from fingertip.design.geometry.dimensions import KNOT_WIRES
-from fingertip.design.geometry.mold_layout import BELT_MM, GAP_MM, LEDGE_MM, PLATE_MM, STRAP_Y_MM
+from fingertip.design.geometry.mold_layout import BELT_MM, GAP_MM, PLATE_LEDGE_MM, PLATE_MM, STRAP_Y_MM
 from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, intersection, scaled, union
 from fingertip.design.interfaces.interface import middle_y
 from fingertip.design.interfaces.rigid import Post, Socket
@@ -197,7 +197,7 @@ def pour(bench: Bench, sheet: CastingSheet) -> Scene:
 def lower(bench: Bench, sheet: CastingSheet) -> Scene:
     """Show the core seated under a third rubber band, and the silicone that comes out."""
     m, y, side, depth = bench.design.mold_layout, STRAP_Y_MM, 0.4 * BELT_MM[0], BELT_MM[1]
-    x, top, foot, face = m.half_width + LEDGE_MM - depth, -PLATE_MM, m.foot_z - depth, -m.palmar_height
+    x, top, foot, face = m.half_width + PLATE_LEDGE_MM - depth, -PLATE_MM, m.foot_z - depth, -m.palmar_height
     outer = Box((-x - _BAND_MM, y - side, top - _BAND_MM), (x + _BAND_MM, y + side, foot + _BAND_MM))
     band = difference(outer, Box((-x, y - 2 * side, top), (x, y + 2 * side, foot)))
     places = [(across, out) for across in (-m.notch_x, m.notch_x) for out in (face - 0.4, m.dorsal_height + 0.4)]

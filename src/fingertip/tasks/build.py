@@ -239,7 +239,7 @@ def _collect(
         contents |= render_sheets(design, step.also)
     if "cq" in plan.formats:
         contents |= {part_file(name, "cq"): write_script(design, name) for name in plan.names}
-        contents |= write_functions() | (write_finger(design) if plan.is_whole else {})
+        contents |= write_functions(design) | (write_finger(design) if plan.is_whole else {})
     if casting:
         drawn = [f"{output_files.STEPS_FOLDER}/{name}" for name in pictures]
         contents[output_files.SHEET] = render_sheet(casting, drawn).encode()

@@ -9,15 +9,17 @@ from typing import cast
 
 from fingertip.cad.files import carried_functions as carried
 from fingertip.cad.files.script_text import FUNCTIONS, PRIMITIVES, Text, remark, wrap_code
-from fingertip.cad.files.trace import NUMBERS, SOLIDS, Trace
+from fingertip.cad.files.trace import NUMBERS, SOLIDS, Trace, name_letters
+from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines
 from fingertip.cad.shapes.finger import sensor_body
+from fingertip.cad.shapes.mold import LABEL
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.rules.ruleset import record_reads
 
-FINGER, _NUMBERS, _SOLIDS = "finger.cq.py", "cq_numbers", "cq_solids"
+FINGER, _NUMBERS, _SOLIDS, _LETTERS = "finger.cq.py", "cq_numbers", "cq_solids", "cq_letters"
 """Script of the whole finger with its mold, and the modules of the functions of all scripts."""
 _SCRIPT = (
     '"""{title} of the fingertip {design}, in CadQuery: run it with Python, or open it in CQ-editor."""'
@@ -58,6 +60,7 @@ elif __name__ == "__main__":
 _HEADS = {
     _NUMBERS: '"""Numbers that follow from others, for the CadQuery scripts beside this file [mm]."""',
     _SOLIDS: '"""Solids of numbers, for the CadQuery scripts beside this file [mm]."""',
+    _LETTERS: '"""Outlines of engraved letters, for the CadQuery scripts beside this file [units of their grid]."""',
 }
 _FINGER = (
     '"""The whole finger {design} with its mold, in CadQuery, of the scripts beside this one."""'
@@ -105,6 +108,8 @@ def write_script(design: Design, part: str) -> bytes:
         text.used -= read
         if names := sorted(read | (called & each.functions.keys())):
             imports += wrap_code(f"from {module} import ({', '.join(names)})", "")
+    if letters := [name for name, atom in fixed if atom.kind == "letters" and name in text.used]:
+        imports.insert(0, f"from {_LETTERS} import {', '.join(letters)}")
     return _SCRIPT.format(
         title=part.replace("_", " ").capitalize(), design=design.name, part=part, statements=made.lstrip(),
         imports="\n".join(imports), parameters="\n".join(text.write_atoms("parameter", "bought")),
@@ -124,9 +129,12 @@ def _list_tags(part: str, design: Design) -> Iterator[tuple[str, str, float | No
         yield "parting", "in_plane({})", 0.0
 
 
-def write_functions() -> dict[str, bytes]:
-    """Write the modules of the functions of all scripts, which are the same for every design."""
-    return {f"{name}.py": f"{_HEADS[name]}\n\n{each.write()}\n".encode() for name, each in _carry().items()}
+def write_functions(design: Design) -> dict[str, bytes]:
+    """Write the modules of the functions of all scripts, and of the letters in the mold of a design."""
+    texts = {name: each.write() for name, each in _carry().items()}
+    letters = (f"{name_letters(each)} = {letter_outlines(each, STROKE_WIDTH)}" for each in (LABEL, design.name))
+    texts[_LETTERS] = "\n\n".join("\n".join(wrap_code(each, "")) for each in letters)
+    return {f"{name}.py": f"{_HEADS[name]}\n\n{each}\n".encode() for name, each in texts.items()}
 
 
 @cache

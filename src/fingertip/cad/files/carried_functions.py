@@ -47,7 +47,8 @@ class Carried:
             else:
                 self._imports.setdefault(f"from {found.module} import", {})[name] = None
         elif isinstance(found, ast.expr):
-            self.constants[bare] = ast.unparse(found)
+            text = ast.unparse(found)
+            assert self.constants.setdefault(bare, text) == text, "two modules have constants of one name"
         elif bare not in self.functions:
             tree = _Plain().visit(ast.parse(ast.unparse(found)))
             self.functions[bare] = ""  # it may call itself

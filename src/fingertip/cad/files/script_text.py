@@ -27,7 +27,7 @@ _LONG, _AGAIN_LONG, _NAMELESS = 72, 16, 40
 _NEVER_NAMED = {"name", "constant", "item", "negative"}
 _RANKS = {"+": 1, "-": 1, "*": 2, "/": 2, "negative": 2, "**": 3}
 """Ranks of operations: the higher one binds more tightly; comparisons have 0, all others 4."""
-_MADE = {"union", "cut", "intersect", "solid"}
+_MADE = {"union", "cut", "intersect", "solid", "solids", "member"}
 """Operations that make solids."""
 _PLACES = {"box": "low_x low_y low_z high_x high_y high_z", "superconic": "section spans", "prism": "axis corners"}
 """Meaning of what a primitive takes."""
@@ -46,7 +46,8 @@ class Text:
         self._places: dict[Term, str] = {}
         self._solid = part
         self.used: set[str] = set()
-        self._count(trace.part)
+        for each in (*trace.conditions, trace.part):
+            self._count(each)
 
     def write_statements(self, tags: Iterable[tuple[str, str, float | None]]) -> list[str]:
         """Write the part, with tags of faces: a name, what selects them, and a number in that."""
@@ -96,7 +97,8 @@ class Text:
         """Write a solid, after those of which it is made and that have names, and after the lengths that it needs."""
         for inner in self._list_named(term):
             if inner not in self._names:
-                self._write_solid(self._name(self._trace.variables.get(inner, "body")), inner)
+                known = inner if inner.operation != "solids" else Term("member", inner, 0)
+                self._write_solid(self._name(self._trace.variables.get(known, "body")), inner)
         self._solid, begin = name, len(self._made)
         text = self._compose(term, True)[0]
         if self._made[begin:]:
@@ -107,8 +109,8 @@ class Text:
     def _list_named(self, term: Term) -> Iterator[Term]:
         for each in term.operands:
             if isinstance(each, Term) and each.operation in _MADE:
-                is_named = each in self._trace.variables or self._uses[each] > 1
-                yield from (each,) if is_named else self._list_named(each)
+                is_named = each.operation == "solids" or each in self._trace.variables or self._uses[each] > 1
+                yield from (each,) if is_named and each.operation != "member" else self._list_named(each)
 
     def _name(self, base: str) -> str:
         name = next(each for each in chain([base], (f"{base}_{i}" for i in count(2))) if each not in self._taken)
@@ -139,13 +141,17 @@ class Text:
                 return f"{inner(whole, 4)}[{i}]", 4
             case "call", (name, *terms):
                 return f"{name}({', '.join(map(inner, terms))})", 4
-            case "solid", (name, *terms):
+            case "member", (whole, _):
+                return f"*{self._names[whole]}", 4
+            case "solid" | "solids", (name, *terms):
                 items = chain(*(each.operands for each in terms)) if name == "box" else terms
                 self._places |= dict(zip(items, _PLACES.get(name, "").split(), strict=False))
                 return f"{name}({', '.join(map(inner, terms))})", 4
             case ("union" | "cut" | "intersect") as name, (first, *others):
-                texts = [inner(each) for each in others]
-                tools = texts[0] if len(texts) == 1 else f"stack({', '.join(texts)})"
+                texts = list(dict.fromkeys(map(inner, others)))
+                tools = ", ".join(texts)
+                if len(texts) > 1 or tools.startswith("*"):
+                    tools = f"stack({tools})"
                 return f"{inner(first, 4)}.{name}({tools}, clean=False)", 4
             case "negative", (value,):
                 return f"-{inner(value, 2)}", 2

@@ -38,7 +38,7 @@ NUMBERS = (
     clevis_solids.horn_corners, foot.foot_line, foot.foot_length,
 )  # fmt: skip
 """Functions of plain numbers that scripts carry."""
-SOLIDS = (foot.round_foot, foot.flat_foot, mold.extrude, mold.belt_seat, mold.engrave_letter, finger.ramp_slab)
+SOLIDS = (foot.round_foot, foot.flat_foot, mold.extrude, mold.belt_seat, mold.engrave_letters, finger.ramp_slab)
 """Functions that make a solid of plain numbers, which scripts carry too."""
 _CARRIED = {each.__name__ for each in (*NUMBERS, *SOLIDS)}
 _UNSAID = {*_CARRIED, "spans"}
@@ -51,7 +51,7 @@ _LOCK = threading.Lock()
 
 
 class Atom(NamedTuple):
-    """Number that stands in a script as it is: its value, what it means, and "parameter", "bought" or "fixed"."""
+    """Number in a script as it is: its value, what it means, and "parameter", "bought", "fixed" or "letters"."""
 
     value: Any
     meaning: str
@@ -107,7 +107,7 @@ class Trace:
     def _name_sensor(self, sensor: ForceSensor) -> ForceSensor:
         """Name the sizes of the sensor, which is bought."""
         named = {
-            key: self._atom(f"sensor_{key}", value, f"of the {sensor.label}", "bought")
+            key: self._atom(f"sensor_{key}", value, f"{key[:-3].replace('_', ' ')} of the {sensor.label}", "bought")
             for key, value in vars(sensor).items() if isinstance(value, float)
         }  # fmt: skip
         return replace(sensor, **named)
@@ -157,6 +157,10 @@ class Trace:
             if isinstance(value, Solid):
                 self._calls[id(value)] = value, Term("solid", *term.operands)
                 return value
+            if isinstance(value, tuple) and isinstance(value[0], Solid):
+                whole = Term("solids", *term.operands)
+                self._calls |= {id(each): (each, Term("member", whole, i)) for i, each in enumerate(value)}
+                return value
             return wrap(value, term)
 
         return call
@@ -171,19 +175,7 @@ class Trace:
         return choose
 
     def _outline_letters(self, text: str, stroke_width: float) -> Any:
-        meaning = f'Outlines of the letters "{text}" in units of their grid, fixed by the name of the design'
-        name = f"letters_{text.lower().replace('-', '_')}"
-        return self._atom(name, letter_outlines(text, float(stroke_width)), meaning, "fixed")
-
-    def _name(self, name: str, value: Any, meaning: str = "") -> None:
-        """Name a derived number, or those of a body or another set of them."""
-        if isinstance(value, conic.ConicBody):
-            self._name(f"{name}_spans", value.spans)
-        if is_dataclass(value) or hasattr(value, "_fields"):
-            for key, each in (vars(value) if is_dataclass(value) else value._asdict()).items():
-                self._name(f"{name}_{key}", each)
-        if is_named(value):
-            self.derived.setdefault(term_of(value), (name, meaning))
+        return self._atom(name_letters(text), letter_outlines(text, float(stroke_width)), "", "letters")
 
     @contextlib.contextmanager
     def _watched(self) -> Iterator[None]:
@@ -198,13 +190,18 @@ class Trace:
             owner = frame.f_locals.get("self")
             declared = getattr(type(owner), name, None)
             if isinstance(declared, cached_property | property) and not is_dataclass(owner):
-                self._name(name, result, declared.__doc__ or "")
+                if isinstance(result, conic.ConicBody):
+                    self.derived.setdefault(term_of(result.spans), (f"{name}_spans", ""))
+                for key, each in _list_named(name, result):
+                    self.derived.setdefault(term_of(each), (key, declared.__doc__ or "" if each is result else ""))
             name = getattr(owner, "name", name) if name == "shapes" else name.strip("_").removeprefix("add_")
             for variable, value in frame.f_locals.items():
                 if isinstance(value, Solid) and variable != "self":
                     self._found.append((value, variable))
-                elif is_named(value):
-                    self.variables[term_of(value)] = variable if len(variable) > _SHORT else f"{name}_{variable}"
+                elif variable != "self":
+                    long = variable if len(variable) > _SHORT else f"{name}_{variable}"
+                    for key, each in _list_named(long, value):
+                        self.variables[term_of(each)] = key if each is value else self.variables.get(term_of(each), key)
             if is_named(result):
                 self.variables.setdefault(term_of(result), name)
             results = result if isinstance(result, tuple) else (result,)
@@ -217,6 +214,19 @@ class Trace:
         finally:
             sys.setprofile(before)
             self._found += reversed(returned)
+
+
+def name_letters(text: str) -> str:
+    return f"letters_{text.lower().replace('-', '_')}"
+
+
+def _list_named(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """List a named value, and those in a set of values."""
+    if is_dataclass(value) or hasattr(value, "_fields"):
+        for key, each in (vars(value) if is_dataclass(value) else value._asdict()).items():
+            yield from _list_named(f"{name}_{key}", each)
+    if is_named(value):
+        yield name, value
 
 
 def read_meanings(module: ModuleType) -> dict[tuple[str, Any], str]:

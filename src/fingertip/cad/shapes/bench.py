@@ -59,9 +59,9 @@ def socket_ceiling_mm(design: Design) -> float:
     return 2 * max(radius * math.sqrt(0.5), math.sqrt(max(0.0, radius**2 - half**2)))
 
 
-LOOSE_MM, _CHAMFER_MM = 0.1, 0.4
+LOOSE_MM, _PIN_CHAMFER_MM = 0.1, 0.4
 """Difference in radius by which a tongue's bore is wider than the bone's, and the chamfer at the pin's end [mm]."""
-_HEAD_MM, _WEDGE_MM, _WEDGED_MM = 1.0, 4.0, 0.1
+_PIN_HEAD_MM, _WEDGE_MM, _WEDGED_MM = 1.0, 4.0, 0.1
 """Height and overhang of the pin's head, length of the taper below it, and its radius over the bore's there [mm]."""
 BAR_MM, _CHEEK_MM = 50.0, 2.5
 """Length of the bar, and least thickness of the cheeks of its fork [mm]."""
@@ -69,7 +69,7 @@ GUIDE_MM, _BACK_MM, _SLACK_MM = 10.0, 3.0, 0.7
 """Length of the guide, its distance behind the shoulder, and its gap around the tendon [mm]."""
 MOUTH_MM, _CHORDS = 1.2, 4
 """Radius at which the mouth of the guide is rounded [mm], and chords of its arc."""
-_NOTCHES_MM, _NOTCH_MM, _NOTCH_DEPTH_MM = (26.0, 34.0), 3.0, 1.5
+_NOTCHES_MM, _BAND_NOTCH_MM, _NOTCH_DEPTH_MM = (26.0, 34.0), 3.0, 1.5
 """Distances of the notches from the shoulder, their width and depth [mm]."""
 
 
@@ -94,10 +94,10 @@ def pin(design: Design) -> Solid:
     joint, length, at = joint_of(design), design.dimensions.pin_length, (0.0, 0.0)
     bore, radius = joint.pin_radius, joint.printed_pin_radius
     return union(
-        cylinder("z", at, 0.0, _HEAD_MM, bore + _HEAD_MM),
-        Cone("z", at, _HEAD_MM, _HEAD_MM + _WEDGE_MM, bore + _WEDGED_MM, radius),
-        cylinder("z", at, _HEAD_MM + _WEDGE_MM, length - _CHAMFER_MM, radius),
-        Cone("z", at, length - _CHAMFER_MM, length, radius, radius - _CHAMFER_MM),
+        cylinder("z", at, 0.0, _PIN_HEAD_MM, bore + _PIN_HEAD_MM),
+        Cone("z", at, _PIN_HEAD_MM, _PIN_HEAD_MM + _WEDGE_MM, bore + _WEDGED_MM, radius),
+        cylinder("z", at, _PIN_HEAD_MM + _WEDGE_MM, length - _PIN_CHAMFER_MM, radius),
+        Cone("z", at, length - _PIN_CHAMFER_MM, length, radius, radius - _PIN_CHAMFER_MM),
     )
 
 
@@ -133,7 +133,7 @@ def without_ways(design: Design) -> Solid:
     near = Box((-half, shoulder.low[1], root - TANGENT_STEP_MM), (half, dorsal, z + reach))
     whole = union(bar, shoulder, intersection(knuckle(design, joint, ramp), near))
     notches = [
-        Box((x, y, root - far - _NOTCH_MM), (x + _NOTCH_DEPTH_MM + 1.0, dorsal + 1.0, root - far))
+        Box((x, y, root - far - _BAND_NOTCH_MM), (x + _NOTCH_DEPTH_MM + 1.0, dorsal + 1.0, root - far))
         for far in _NOTCHES_MM
         for x in (half - _NOTCH_DEPTH_MM, -half - 1.0)
     ]

@@ -161,8 +161,8 @@ def core_within_skin(design: Design) -> Solid:
     body = inset_body(design.dimensions.bone_outline, inset)
     (_, scale), *stations = body.stations
     body = add_groove(design.bone, replace(body, stations=((-_INTO_COLLAR_MM, scale), *stations)))
-    whole = union(_cut_flat(design, body, inset), *_platform(design, body, inset))
-    return scaled(difference(whole, *bump_recess(design)), design.dimensions.shrinkage)
+    inside = union(_cut_flat(design, body, inset), *_platform(design, body, inset))
+    return scaled(difference(inside, *bump_recess(design)), design.dimensions.shrinkage)
 
 
 def bump_recess(design: Design) -> tuple[Solid, ...]:

@@ -23,10 +23,10 @@ from fingertip.design.geometry.mold_layout import (
     GAP_MM,
     KEY_CLEARANCE_MM,
     KEY_TOP_MM,
-    LEDGE_MM,
     LIP_GAP_MM,
     LIP_WIDTH_MM,
     NOTCH_MM,
+    PLATE_LEDGE_MM,
     PLATE_MM,
     PRY_MM,
     RIDGE_END_MM,
@@ -45,7 +45,7 @@ _INTO_HALF_MM = 0.2
 """Depth of a key's root in its half [mm]."""
 _TEXT_SHARE = 0.85
 """Length of a line of text over that of its face."""
-_LABEL = "PAD"
+LABEL = "PAD"
 
 
 def block(design: Design) -> Box:
@@ -141,7 +141,7 @@ def strap_seats(design: Design) -> tuple[Solid, ...]:
     """Build the seats of the band that holds the core down: across the foot, and in both lips of the plate."""
     m, (width, depth) = design.mold_layout, BELT_MM
     low, high, far = STRAP_Y_MM - width / 2, STRAP_Y_MM + width / 2, 2 * m.half_width
-    lip = m.half_width + LEDGE_MM - depth
+    lip = m.half_width + PLATE_LEDGE_MM - depth
     foot = Box((-far, low, m.foot_z - depth), (far, high, m.foot_z + _PAST_MM))
     return foot, *(Box((min(x, y), low, -far), (max(x, y), high, far)) for x, y in ((-far, -lip), (lip, far)))
 
@@ -165,16 +165,16 @@ def label(design: Design) -> tuple[Prism, ...]:
     m = design.mold_layout
     (low, high), (height, depth) = m.belts_z, BELT_MM
     free = high - low - height - 2 * depth
-    return _engrave(design, "y", _LABEL, free, 2 * m.half_width, (low + high) / 2, -m.palmar_height)
+    return _engrave(design, "y", LABEL, free, 2 * m.half_width, (low + high) / 2, -m.palmar_height)
 
 
 def plate_letters(design: Design) -> tuple[Prism, ...]:
     """Build the design's name in the top of the plate, and over the label of the pad's half the same on its edge."""
     m = design.mold_layout
-    depth, length = m.dorsal_height + m.palmar_height, 2 * (m.half_width + LEDGE_MM)
+    depth, length = m.dorsal_height + m.palmar_height, 2 * (m.half_width + PLATE_LEDGE_MM)
     return (
         *_engrave(design, "z", design.name, depth, length, (m.dorsal_height - m.palmar_height) / 2, -PLATE_MM),
-        *_engrave(design, "y", _LABEL, PLATE_MM, length, -PLATE_MM / 2, -m.palmar_height),
+        *_engrave(design, "y", LABEL, PLATE_MM, length, -PLATE_MM / 2, -m.palmar_height),
     )
 
 
@@ -191,17 +191,21 @@ def _engrave(
     low, high = face - _PAST_MM, face + design.mold.engraving_depth_mm
     up = 1.0 if axis == "z" else -1.0  # on the plate y is up, on the standing cup -z
     at = text_width(text) / 2, centre, unit, up * unit
-    return tuple(engrave_letter(axis, letter, at, low, high) for letter in letter_outlines(text, STROKE_WIDTH))
+    return engrave_letters(axis, letter_outlines(text, STROKE_WIDTH), at, low, high)
 
 
-def engrave_letter(axis: Axis, letter: Rings, at: tuple[float, float, float, float], low: float, high: float) -> Prism:
-    """Build a letter; `at` holds the middle of its line, where that comes to lie, and its units across and up."""
-    middle, centre, unit, up = at
-    rings = [[(unit * (middle - u), centre + up * (v - HEIGHT / 2)) for u, v in ring] for ring in letter]
-    if axis == "y":
-        rings = [[(z, x) for x, z in ring] for ring in rings]
-    outline, *holes = rings if signed_area(rings[0]) > 0.0 else [ring[::-1] for ring in rings]
-    return Prism(axis, tuple(outline), low, high, tuple(map(tuple, holes)))
+def engrave_letters(
+    axis: Axis, letters: tuple[Rings, ...], at: tuple[float, float, float, float], low: float, high: float
+) -> tuple[Prism, ...]:
+    """Build letters; `at` holds the middle of their line, where that comes to lie, and its units across and up."""
+    (middle, centre, unit, up), made = at, []
+    for letter in letters:
+        rings = [[(unit * (middle - u), centre + up * (v - HEIGHT / 2)) for u, v in ring] for ring in letter]
+        if axis == "y":
+            rings = [[(z, x) for x, z in ring] for ring in rings]
+        outline, *holes = rings if signed_area(rings[0]) > 0.0 else [ring[::-1] for ring in rings]
+        made.append(Prism(axis, tuple(outline), low, high, tuple(map(tuple, holes))))
+    return tuple(made)
 
 
 def mold_palmar(design: Design) -> Solid:
@@ -219,7 +223,7 @@ def mold_dorsal(design: Design) -> Solid:
 def core(design: Design) -> Solid:
     """Build the core on its plate, whose lips stand out at both sides to lift it by."""
     m = design.mold_layout
-    half = m.half_width + LEDGE_MM
+    half = m.half_width + PLATE_LEDGE_MM
     plate = Box((-half, -m.palmar_height, -PLATE_MM), (half, m.dorsal_height, 0.0))
     whole = union(core_within_skin(design), plate, *ridges(design))
     return difference(whole, *plate_letters(design), *strap_seats(design)[1:])

@@ -25,9 +25,12 @@ from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE, SkinDimensions
 
 KNOT_WIRES = 3.0
 """Least thickness of a knot in both wires, in diameters of one of them. An assumption."""
-SHORTER_MM, LONGER_MM, HEAD_MM, TAIL_MM = 2.0, 3.0, 0.2, 0.5
-"""Sizes by which a laid-in sensor may be shorter, longer, and wider at head and tail than in its catalogue [mm]."""
+SHORTER_MM, HEAD_MM, TAIL_MM = 2.0, 0.2, 0.5
+"""Sizes by which a laid-in sensor may be shorter, and wider at head and tail than in its catalogue [mm]."""
+LONGER_MM = 3.0
+"""Length by which a laid-in sensor may be longer than in its catalogue [mm]."""
 _PAST_HOLE_MM = 0.2
+"""Length of the trough past the hole of the wires [mm]."""
 TAB_WIDTH_MM = 1.0
 """Width of a solder tab [mm]: an assumption."""
 _PIN_ENDS_MM = 2.0
@@ -35,8 +38,9 @@ _PIN_ENDS_MM = 2.0
 _MIN_COLLAR_STEP_MM = 0.4
 """Least step from the base of a bone below a crown to its collar [mm]."""
 MAX_PROUD_MM = 1.5
-"""Height by which horns of the tendon, and the stop of a bent finger, may stand out of the collar's outline [mm]."""
+"""Height by which horns and the stop of a bent finger may stand out of the collar's outline [mm]."""
 _HORN_RESERVE = 1.01
+"""Reserve of the horns' radius over what their pressure at a grip needs."""
 _SHARP = 0.8
 """Thickness over height, or height over thickness, below which an edge counts as sharp: 51 degrees on the average."""
 _RIM_POINTS = 64

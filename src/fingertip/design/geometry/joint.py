@@ -61,17 +61,9 @@ class Joint:
         """Angle about the pin along which the eye rises to a stop: a step there would be a notch."""
         return ramp_angle_deg(self.radius, self.eye_radius, self.travel_deg)
 
-    def stopped_profile(self, reach: float) -> tuple[tuple[float, float], ...]:
-        """Return the corners (y, z) of the eye between its stops, counter-clockwise; the arc about the pin is missing.
-
-        In the frame of the bone the hand's shoulder turns about the pin towards the palmar side while the finger bends.
-        The dorsal edge is the shoulder of the straight finger, the palmar one that at the end of the travel. What lies
-        between them never meets the shoulder on the way: the outline is convex at the stops, and nearer to the pin
-        than the shoulder on the ramps.
-
-        Units: `reach` [mm].
-        """
-        return eye_corners((self.axis_y, self.axis_z), self.radius, self.eye_radius, self.travel_deg, reach)
+    def stopped_profile(self, reach_mm: float) -> tuple[tuple[float, float], ...]:
+        """Return the corners (y, z) of the eye between its stops [mm], as `eye_corners`."""
+        return eye_corners((self.axis_y, self.axis_z), self.radius, self.eye_radius, self.travel_deg, reach_mm)
 
 
 def ramp_angle_deg(radius: float, eye_radius: float, travel_deg: float) -> float:
@@ -82,7 +74,12 @@ def ramp_angle_deg(radius: float, eye_radius: float, travel_deg: float) -> float
 def eye_corners(
     axis: tuple[float, float], radius: float, eye_radius: float, travel_deg: float, reach: float
 ) -> tuple[tuple[float, float], ...]:
-    """Return the corners (y, z) of an eye between its stops, but for its round part about the axis [mm]."""
+    """Return the corners (y, z) of an eye between its stops, counter-clockwise, without the arc about the pin [mm].
+
+    In the frame of the bone the hand's shoulder turns about the pin towards the palmar side while the finger bends. The
+    dorsal edge is the shoulder of the straight finger, the palmar one that at the end of the travel. What lies between
+    them never meets the shoulder on the way: the outline is convex at the stops, and nearer to the pin on the ramps.
+    """
     angle, ramp = math.radians(travel_deg), math.radians(ramp_angle_deg(radius, eye_radius, travel_deg))
     foot = (-radius * math.sin(angle), -radius * math.cos(angle))
     along = min(reach, reach / math.sin(angle))
@@ -94,9 +91,10 @@ def eye_corners(
     return tuple((axis[0] + y, axis[1] + z) for y, z in corners)
 
 
-HORN_RADIUS_MM, MIN_HORN_RADIUS_MM = 4.0, 2.0
-"""Radius of the shoulders over which the tendon turns from around the base towards the hand, and the least one where
-the base is too short or too low for that [mm]. The least is five times that of a tendon of 0.8 mm. An assumption."""
+HORN_RADIUS_MM = 4.0
+"""Radius of the horns, over which the tendon turns from around the base towards the hand [mm]."""
+MIN_HORN_RADIUS_MM = 2.0
+"""Least radius of the horns, on a short or low base [mm]. Five times that of a tendon of 0.8 mm. An assumption."""
 BESIDE_LINE_MM = 0.4
 """Room along the finger beside the tendon in its groove [mm]."""
 

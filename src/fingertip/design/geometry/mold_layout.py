@@ -28,7 +28,7 @@ skin's end."""
 RIDGE_HEIGHT_MM, RIDGE_HALF_CREST_MM, RIDGE_LENGTH_MM = 2.0, 0.4, 4.5
 RIDGE_END_MM = 0.5
 """Distance of each end of a ridge from the end of its groove [mm], so that no end locates the core."""
-PLATE_MM, LEDGE_MM = 5.0, 3.0
+PLATE_MM, PLATE_LEDGE_MM = 5.0, 3.0
 """Thickness of the plate, and width by which it stands out beyond the cup at both sides, to lift it by [mm]."""
 POURED = 1.35
 """Silicone in the cup, coats included, over that of the skin: what is too much shows in all notches."""

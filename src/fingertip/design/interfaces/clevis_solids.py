@@ -23,8 +23,10 @@ from fingertip.design.geometry.solids import (
     union,
 )
 
-_HORN_CHORDS, _BACK_WAY_MM = 12, 3.0
-"""Chords of a horn's quarter circle, and half the width of the way of wires and rubber band on the back [mm]."""
+_HORN_CHORDS = 12
+"""Chords of a horn's quarter circle."""
+_BACK_WAY_MM = 3.0
+"""Half the width of the way of wires and rubber band on the back [mm]."""
 
 
 def joint_base(design: DesignTables, joint: Joint, top: float) -> Solid:

@@ -199,7 +199,7 @@ def _key_sizes(design: Design, plan: ViewName, gap: float) -> Iterator[Size]:
 
 def core_drawing(design: Design) -> PartDrawing:
     m, dims, inset = design.mold_layout, design.dimensions, design.mold.core_inset_mm
-    tip, half, growth = dims.bone_outline.tip, m.half_width + mold.LEDGE_MM, dims.shrinkage
+    tip, half, growth = dims.bone_outline.tip, m.half_width + mold.PLATE_LEDGE_MM, dims.shrinkage
     assert tip
     apex, ridge = (0.0, 0.0, (tip.z - inset) * growth), mold.RIDGE_HALF_CREST_MM + mold.RIDGE_HEIGHT_MM
     end = m.dorsal_height - mold.RIDGE_END_MM

@@ -272,7 +272,7 @@ def test_scripts_name_what_they_make(scripts: Path) -> None:
         assert "import fingertip" not in each
         assert "from fingertip" not in each
     assert write_script(Design(), "bone") == text.encode()
-    assert text.index("\nbody = ") < text.index("\n# Below flat\nbelow_flat_low_x = ") < text.index("\nbelow_flat = ")
+    assert text.index("\nbody = ") < text.index("\n# Below base\nbelow_base_low_x = ") < text.index("\nbelow_base = ")
 
 
 def test_refused_number_ends_with_its_condition_and_remedy() -> None:

@@ -13,7 +13,7 @@ from fingertip.design import Design
 from fingertip.sim import ManipulationFile, SceneFile
 from fingertip.sweep.sweep_file import SweepFile
 from tools.fuzz import originals
-from tools.fuzz.damage import damaged
+from tools.fuzz.damage import damaged, nudged
 from tools.fuzz.values import (
     ODD_NUMBERS,
     ODD_TEXTS,
@@ -162,20 +162,18 @@ def recording_cases(draw: st.DrawFn) -> Case:
 
 @st.composite
 def reading_cases(draw: st.DrawFn) -> Case:
-    """Damaged files of readings: weighings, calipers, a hand's sizes."""
-    kind = draw(st.integers(0, 2))
-    if kind == 0:
-        command = ("calibrate", "sensor", "fsr400", "a.csv", "--out", "b.toml")
-        return Case("weighings", command, {"a.csv": draw(damaged(originals.weighings()))}, may_fail=True)
-    if kind == 1:
+    """Damaged sizes of hands; valid recordings, weighings and calipers with one other number."""
+    if draw(st.integers(0, 2)) == 0:
         command = ("new", "mine", "--hand", "a.toml", "--out", "b.toml")
         file = draw(damaged(draw(st.sampled_from(originals.hands()))))
         return Case("hand", command, {"a.toml": file}, limit_s=_FITTED_S)  # `new` fits a finger and checks it
-    readings = (draw(st.sampled_from((*ODD_NUMBERS, *ODD_TEXTS, "10.1"))) for _ in range(2))
-    options = [
-        f"--{name}={value}" for name, value in zip(("half-thickness-mm", "plate-width-mm"), readings, strict=True)
-    ]
-    return Case("calipers", _no_nul(["calibrate", "printer", "fsr400", *options]))
+    words, valid = draw(st.sampled_from((
+        ("detect a.csv --json --detector fast", originals.recordings()["plain.csv"]),
+        ("calibrate sensor a.csv fsr400 --out b.toml", originals.weighings()),
+        ("calibrate printer fsr400 --half-thickness-mm {} --plate-width-mm {}", b"11.41 41.02"),
+    )))  # fmt: skip
+    data = draw(nudged(valid))
+    return Case("one number", tuple(words.format(*data.decode().split()).split()), {"a.csv": data}, may_fail=True)
 
 
 _HANDS = {
@@ -232,7 +230,7 @@ def option_cases(draw: st.DrawFn) -> Case:
 
 
 _WEIGHTS = {
-    set_cases: 20, design_cases: 16, scene_cases: 12, sweep_cases: 12, recording_cases: 32, reading_cases: 4,
+    set_cases: 20, design_cases: 16, scene_cases: 12, sweep_cases: 12, recording_cases: 24, reading_cases: 12,
     option_cases: 3, firmware_cases: 3, folder_cases: 1,
 }  # fmt: skip
 """Parts of all cases. What takes longest is rarest."""

@@ -59,3 +59,12 @@ def damaged(draw: st.DrawFn, valid: bytes, most: int = 4) -> bytes:
         else:
             data[at : at + length] = draw(st.binary(min_size=length, max_size=length))
     return bytes(data)
+
+
+@st.composite
+def nudged(draw: st.DrawFn, valid: bytes) -> bytes:
+    """Change one number of a valid text within its unit: near its value, or to one of the others."""
+    match = draw(st.sampled_from(found := list(_NUMBER.finditer(valid))))
+    factor = draw(st.one_of(st.floats(0.97, 1.03), st.floats(0.5, 2.0), st.sampled_from((0.0, -1.0, 10.0))))
+    number = draw(st.sampled_from((b"%.6g" % (factor * float(match[0])), draw(st.sampled_from(found))[0])))
+    return valid[: match.start()] + number + valid[match.end() :]

@@ -22,7 +22,7 @@ _SAMPLES = 600
 def recording() -> tuple[np.ndarray, np.ndarray]:
     """Times and voltages of a short recording with slip."""
     time_s = np.arange(_SAMPLES) / RATE_HZ
-    voltage_v = 4.0 + np.random.default_rng(1).normal(0.0, 4e-4, _SAMPLES)
+    voltage_v = 2.3 + np.random.default_rng(1).normal(0.0, 4e-4, _SAMPLES)
     return time_s, np.round(voltage_v + 0.01 * np.sin(2 * np.pi * 90 * time_s) * (time_s > 0.2), 6)
 
 

@@ -16,6 +16,8 @@ from fingertip.board.analysis.board_values import find_tactile_response
 from fingertip.board.analysis.limits import TactileResponse
 from fingertip.board.components.front_end import NEWTON_PER_GRAM
 from fingertip.design import Design
+from fingertip.design.parameters import PARAMETERS
+from fingertip.design.parameters.declaration import find_bounds
 from fingertip.foundation.errors import InputFileError, Issue, TraceError, join_words, quote_value, raise_issues
 from fingertip.foundation.input_files import RECORDING_LIMIT, read_input
 from fingertip.foundation.numerics import CONFIDENCE, t_quantile
@@ -296,7 +298,7 @@ def calibrate_sensor(design: Design, weighings: Weighings, scale: float | None =
             conductances.append(found)
     raise_issues(TraceError, issues)
     law = fit_power_law(forces, conductances, turn_on)
-    if law.exponent <= 0.0:
+    if law.exponent < (find_bounds(PARAMETERS["force_curve.exponent"]).minimum or 0.0):
         message = "the readings do not grow with the load; check the order of the columns, and the wiring."
         raise TraceError(Issue(weighings.source, message))
     points = []
@@ -307,8 +309,8 @@ def calibrate_sensor(design: Design, weighings: Weighings, scale: float | None =
     middle = points[len(points) // 2]
     typical_s = fit_conductance_curve().conductance_s(middle.force_n)
     calibration = SensorCalibration(law, tuple(points), offset_v, middle.conductance_s / typical_s)
-    if not math.isfinite(calibration.interval_factor):
-        message = "the readings scatter so much that a force has no upper bound; weigh more often, or over more loads."
+    if not calibration.interval_factor <= (find_bounds(PARAMETERS["force_curve.interval_factor"]).maximum or math.inf):
+        message = "the readings scatter so much that they tell no force; weigh more often, or over more loads."
         raise TraceError(Issue(weighings.source, message))
     return calibration
 

@@ -210,6 +210,20 @@ def test_an_input_below_its_range_makes_the_output_jump_up():
     assert simulate_board(limited, 1e-5, dip, 1e-6).filtered_v[first : first + 5].max() < -1.9
 
 
+@pytest.mark.parametrize(("peak_v", "clips", "bound_v"), [(0.02, False, 1e-5), (0.05, True, 8e-4)])
+def test_a_board_whose_output_can_jump_follows_an_input_that_bends(peak_v, clips, bound_v):
+    """Every step gives two points of a sine and its area; the reference takes 64 straight lines a step."""
+    w, found = 2 * math.pi * 140, []
+    for parts in (1, 64):
+        time = np.arange(200 * parts + 1) * (1e-4 / parts)
+        voltage, area = peak_v * np.sin(w * time), -np.diff(peak_v * np.cos(w * time)) / (w * time[1])
+        bend = np.append(0.0, 2 * area - voltage[1:] - voltage[:-1]) if parts == 1 else None
+        stream = AnalogStream(REAL, 1e-4 / parts, 1e-6)
+        found.append(stream.process(voltage, None, bend)[1][::parts])
+        assert stream.clips.any() == clips
+    assert np.abs(found[0] - found[1]).max() < bound_v
+
+
 def solve_apart(values, diode, amplifier, u, v_step_s, h, out):
     """Envelope of the article's board by Euler's explicit rule, from Kirchhoff's laws written down here."""
     c1, c2, c3, c4, r1, r2, r3, r4, r5, r6, cin = values

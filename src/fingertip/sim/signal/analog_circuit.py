@@ -35,23 +35,25 @@ from fingertip.sim.signal.envelope_loop import ABSCISSAE, BLOCK, LEVELS
 
 # Exact steps of linear state equations.
 #
-# The steps are exact for x' = A x + b u + K c with an input u that is linear in time over the step and constants c. The
-# state is carried as z = (x, u, slope of u, c), so one matrix exponential of that larger system holds everything (C.
-# Van Loan, IEEE Trans. Automatic Control 23(3), 1978, doi:10.1109/TAC.1978.1101743). The shortest step's exponential is
-# a Taylor series; each longer one is the square of the one before (scaling and squaring).
+# The steps are exact for x' = A x + b u + K c with constants c and an input u that is linear over the step, or a
+# parabola. The state is carried as z = (x, u, slope of u, c, rate of the slope), so one matrix exponential of that
+# larger system holds everything (C. Van Loan, IEEE Trans. Automatic Control 23(3), 1978,
+# doi:10.1109/TAC.1978.1101743). The shortest step's exponential is a Taylor series; each longer one is the square of
+# the one before (scaling and squaring).
 
 _TERMS = 10  # of the Taylor series, for a norm of at most 1/16: the next term is below 1e-20
 
 
-def augment(A: Array, b: Array, K: Array | None = None) -> Array:
+def augment(A: Array, b: Array, K: Array | None = None, is_curved: bool = False) -> Array:
     """Matrix of z' = M z; leading dimensions are a batch. A: (..., n, n), b: (..., n), K: (..., n, constants)."""
     n, given = A.shape[-1], 0 if K is None else K.shape[-1]
-    M = np.zeros((*A.shape[:-2], n + 2 + given, n + 2 + given))
+    M = np.zeros((*A.shape[:-2], n + 2 + given + is_curved, n + 2 + given + is_curved))
+    M[..., n + 1, -1] = float(is_curved)
     M[..., :n, :n] = A
     M[..., :n, n] = b
     M[..., n, n + 1] = 1.0
     if K is not None:
-        M[..., :n, n + 2 :] = K
+        M[..., :n, n + 2 : n + 2 + given] = K
     return M
 
 
@@ -201,6 +203,11 @@ class AnalogBoard:
         return ohm, decay_s / ohm
 
     @property
+    def is_curved(self) -> bool:
+        """True if the input is a parabola between two points: where an output jumps, its moment counts."""
+        return self.amplifiers is not None and self.amplifiers.reversal_v is not None
+
+    @property
     def envelope_decay_s(self) -> Value:
         return self.envelope.decay_s(self.network.values)
 
@@ -246,7 +253,7 @@ def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, int, 
     system = compute_state_space(board)
     count, n = system.A.shape[:2]
     held = [()] if not system.outputs else [(), system.outputs[1:], system.outputs[:1], system.outputs]
-    width = n + 2 + len(system.outputs)
+    width = n + 2 + len(system.outputs) + board.is_curved
 
     def widen(rows: Array) -> Array:
         return np.concatenate((rows, np.zeros((count, width - rows.shape[-1]))), axis=1)
@@ -259,7 +266,7 @@ def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, int, 
         A, b, rates = system.A.copy(), system.b.copy(), np.zeros((count, n, len(system.outputs)))
         for at in places:
             A[:, at], b[:, at], rates[:, at, system.outputs.index(at)] = 0.0, 0.0, 1.0
-        M = augment(A, b, rates)
+        M = augment(A, b, rates, board.is_curved)
         # Two levels more than the loop uses give the quarters and halves of the shortest step.
         powers = exponentials(np.stack((M, 0.55 * M)), step_s, LEVELS + 2)
         quarter, half, full, odd = powers[0, :, 2:], powers[0, :, 1:-1], powers[0, :, :-2], powers[1, :, :-2]

@@ -143,12 +143,14 @@ def _envelope_loop(
 ) -> None:
     """Follow the envelope over a chunk: exact steps of the circuit, and an implicit method where the diode conducts."""
     # The input is given right before and right after each sample. Between two samples it is one straight line, or two
-    # that meet in the middle of the step, higher than the one by `bend` of the step's end. step_columns, output_rows
-    # and watched_rows are those of `fingertip.sim.signal.analog_circuit.compute_step_matrices`.
+    # that meet in the middle of the step, higher than the one by `bend` of the step's end. A second stage that jumps
+    # needs the moment: there the input is the parabola of the same area. step_columns, output_rows and watched_rows
+    # are those of `fingertip.sim.signal.analog_circuit.compute_step_matrices`.
     tolerance, H, states, rows, levels, limits, precision, (saturation, nvt, series), (R, C) = constants
     at1, at2, low, high, slew, reversal = limits
     is_limited = at1 != at2
-    width = states + 4 if is_limited else states + 2
+    is_curved = is_limited and reversal > -math.inf
+    width = states + 5 if is_curved else states + 4 if is_limited else states + 2
     watched_at = states + 5
     rate1, rate2, input2, is_up = carried[RATES], carried[RATES + 1], carried[RATES + 2], carried[RATES + 3]
     state1 = state2 = mode = 0
@@ -170,12 +172,14 @@ def _envelope_loop(
     envelope[0] = v
     held[0] = 0.0
     for i in range(len(before) - 1):
-        # The input is linear over a step: z holds the circuit's states, the input, its slope, and given rates.
+        # z holds the circuit's states, the input, its slope, given rates, and the slope's rate.
         slope, bow = (before[i + 1] - after[i]) / H, bend[i + 1]
         z[states] = after[i]
-        z[states + 1] = slope + 2 * bow / H
+        z[states + 1] = slope + (3 if is_curved else 2) * bow / H
         tick, corner, held[i + 1] = 0, 0, 0.0
-        if bow != 0.0:
+        if is_curved:
+            z[states + 4] = -6 * bow / (H * H)
+        elif bow != 0.0:
             corner, level = ticks_per_sample >> 1, max(level, 1)
         if before[i] != after[i]:
             u0 = dot(output_rows, 0, z, width)
@@ -332,7 +336,10 @@ def _envelope_loop(
             tick += step_ticks
             part = tick / ticks_per_sample
             z[states] = before[i + 1] if tick == ticks_per_sample else after[i] + slope * (H * part)
-            if corner:
+            if is_curved:
+                z[states] += 3 * bow * part * (1 - part)
+                z[states + 1] = slope + 3 * bow * (1 - 2 * part) / H
+            elif corner:
                 z[states] += 2 * bow * min(part, 1 - part)
                 if tick == corner:
                     z[states + 1] = slope - 2 * bow / H

@@ -139,7 +139,7 @@ class Integrator:
             outputs = compute_state_space(board).outputs
             reversal = -math.inf if a.reversal_v is None else -a.reversal_v
             self._limits = (outputs[0], outputs[1], -a.trough_v, a.peak_v, a.slew_v_per_s, reversal)
-        self._width = self.state_count + (4 if board.amplifiers else 2)
+        self._width = self.state_count + (4 if board.amplifiers else 2) + board.is_curved
 
     def steady_state(self, i: int, voltage_v: float) -> tuple[Array, Array]:
         """State for a constant input: (envelope, level of the next step, output), and the circuit's states."""

@@ -24,13 +24,8 @@ PULL = {"attached": True, "trigger_v": 0.01, "stroke_m": 0.04, "stiffness_n_per_
 QUIET = {"noise_v": 0.0, "adc_bits": 24}
 DESIGN = Design(detector=QUIET)
 FLOOR = {
-    "force_n": 1e-7,
-    "tactile_v": 1e-9,
-    "voltage_v": 5e-6,
-    "envelope_v": 3e-5,
-    "velocity_m_s": 1e-9,
-    "object_m": 1e-11,
-}
+    "force_n": 1e-7, "tactile_v": 1e-9, "voltage_v": 5e-6, "envelope_v": 3e-5, "velocity_m_s": 1e-9, "object_m": 1e-11,
+}  # fmt: skip
 """Errors that are not those of the grid: tolerance of the board, steps of the ADC, last digits."""
 
 

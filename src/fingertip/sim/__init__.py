@@ -16,19 +16,7 @@ from fingertip.sim.signal.grid import Grid
 from fingertip.sim.simulation import Simulation, Trial, article_manipulations, load_simulation, simulate
 
 __all__ = [
-    "Controller",
-    "Grid",
-    "ManipulationFile",
-    "ManipulationResult",
-    "Observation",
-    "SceneFile",
-    "SceneRecord",
-    "SceneResult",
-    "Simulation",
-    "Trial",
-    "article_manipulations",
-    "load_simulation",
-    "run_manipulation",
-    "run_scene",
+    "Controller", "Grid", "ManipulationFile", "ManipulationResult", "Observation", "SceneFile", "SceneRecord",
+    "SceneResult", "Simulation", "Trial", "article_manipulations", "load_simulation", "run_manipulation", "run_scene",
     "simulate",
-]
+]  # fmt: skip

@@ -80,14 +80,9 @@ class CoupledContact:
     """A pad under a drive in any chunks, from standstill in balance with the first force. Raises TraceError."""
 
     def __init__(
-        self,
-        friction: Friction,
-        mount: Mount,
-        normal: NormalContact,
-        step_s: float,
-        max_pressing_n: float,
+        self, friction: Friction, mount: Mount, normal: NormalContact, step_s: float, max_pressing_n: float,
         tolerance_n: float = 1e-6,
-    ) -> None:
+    ) -> None:  # fmt: skip
         raise_issues(TraceError, _find_setting_issues(step_s, max_pressing_n, tolerance_n))
         omega = 2 * math.pi * normal.resonance_hz
         damping_per_s = 2 * normal.damping_ratio * omega
@@ -149,15 +144,9 @@ class CoupledContact:
 
 
 def integrate(
-    friction: Friction,
-    mount: Mount,
-    normal: NormalContact,
-    step_s: float,
-    carriage_m: Array,
-    carriage_m_s: Array,
-    pressing_n: Array,
-    tolerance_n: float = 1e-6,
-) -> CoupledMotion:
+    friction: Friction, mount: Mount, normal: NormalContact, step_s: float, carriage_m: Array, carriage_m_s: Array,
+    pressing_n: Array, tolerance_n: float = 1e-6,
+) -> CoupledMotion:  # fmt: skip
     """Integrate from standstill, in balance with the pressing force of the first sample. Raises TraceError."""
     issues = _find_setting_issues(step_s, 0.0, tolerance_n)
     issues += find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, pressing_n=pressing_n)

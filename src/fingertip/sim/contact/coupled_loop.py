@@ -80,18 +80,9 @@ def normal_rate(normal: Normal, d: float, y: float, w: float) -> float:
 
 
 def linearise(
-    curve: Curve,
-    sigma: Bristles,
-    mount: tuple[float, float, float],
-    normal: Normal,
-    pull: float,
-    d: float,
-    x: float,
-    v: float,
-    s: float,
-    y: float,
-    w: float,
-) -> tuple[float, float, float, float, float, float, float, float, float, float, float]:
+    curve: Curve, sigma: Bristles, mount: tuple[float, float, float], normal: Normal, pull: float, d: float, x: float,
+    v: float, s: float, y: float, w: float,
+) -> tuple[float, float, float, float, float, float, float, float, float, float, float]:  # fmt: skip
     """Return dv/dt, ds/dt and dw/dt, and the entries of the Jacobian that vary.
 
     These are J_vv, J_vs, J_vy, J_sv, J_ss, J_sy, J_wy and J_ww. J_sv is the derivative of ds/dt by v, and so on. J_vx
@@ -162,23 +153,12 @@ def linearise(
 
 
 def _coupled_loop(
-    curve: Curve,
-    sigma: Bristles,
-    mount: tuple[float, float, float],
-    normal: Normal,
-    weights: tuple[float, float, float, float, float],
-    max_steps: int,
-    H: float,
-    Xs: Sequence[float],
-    Vs: Sequence[float],
-    forces: Sequence[float],
-    carried: MutableSequence[float],
-    xs: MutableSequence[float],
-    vs_out: MutableSequence[float],
-    ss: MutableSequence[float],
-    ys: MutableSequence[float],
+    curve: Curve, sigma: Bristles, mount: tuple[float, float, float], normal: Normal,
+    weights: tuple[float, float, float, float, float], max_steps: int, H: float, Xs: Sequence[float],
+    Vs: Sequence[float], forces: Sequence[float], carried: MutableSequence[float], xs: MutableSequence[float],
+    vs_out: MutableSequence[float], ss: MutableSequence[float], ys: MutableSequence[float],
     stats: MutableSequence[float],
-) -> None:
+) -> None:  # fmt: skip
     # Parameters: mu_c, mu_s, inverse of the Stribeck velocity, and elastic fraction; bristle coefficients sigma, their
     # rate of relaxation, and the load N0; stiffness k and damping c_m of the mount per mass, and the inverse mass;
     # omega^2 and 2 zeta omega of the normal resonance, ratio of the hand's stiffness to the contact's, and damping in

@@ -123,18 +123,10 @@ class DraggedPad:
 
 
 def _drag_loop(
-    curve: Curve,
-    sigma: tuple[float, float, float, float, float],
-    mount: tuple[float, float, float],
-    h: float,
-    X: Sequence[float],
-    V: Sequence[float],
-    N: Sequence[float],
-    state: MutableSequence[float],
-    xs: MutableSequence[float],
-    vs_out: MutableSequence[float],
-    zs: MutableSequence[float],
-) -> None:
+    curve: Curve, sigma: tuple[float, float, float, float, float], mount: tuple[float, float, float], h: float,
+    X: Sequence[float], V: Sequence[float], N: Sequence[float], state: MutableSequence[float],
+    xs: MutableSequence[float], vs_out: MutableSequence[float], zs: MutableSequence[float],
+) -> None:  # fmt: skip
     s0, s1, s2, relax_per_s, N0 = sigma
     m, k, d = mount
     G = ROS2_GAMMA * h

@@ -129,15 +129,9 @@ def _high_pass_loop(
 
 
 def _resonance_loop(
-    free: tuple[float, float, float, float],
-    lag: float,
-    h: float,
-    drive: Floats,
-    jump: Floats,
-    load: Floats,
-    state: MutableFloats,
-    out: MutableFloats,
-) -> None:
+    free: tuple[float, float, float, float], lag: float, h: float, drive: Floats, jump: Floats, load: Floats,
+    state: MutableFloats, out: MutableFloats,
+) -> None:  # fmt: skip
     a11, a12, a21, a22 = free
     y, rate, before, u1, u2, u3 = state[_FORCE], state[_RATE], state[_DRIVE], state[_ONE], state[_TWO], state[_THREE]
     for i in range(len(drive)):

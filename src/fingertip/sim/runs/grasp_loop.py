@@ -64,27 +64,12 @@ def relax_rate(full: float, load_ratio: float, stretch: float) -> tuple[float, f
 
 
 def _grasp_loop(
-    curve: Curve,
-    sigma: tuple[float, float, float, float, float],
-    h: float,
-    mass: float,
-    pin: tuple[float, float, float],
-    exit_x: float,
-    count: int,
-    length: int,
-    mount: Floats,
-    weight: Floats,
-    pin_x: Floats,
-    pin_v: Floats,
-    state: MutableFloats,
-    scratch: MutableFloats,
-    load: MutableFloats,
-    x_out: MutableFloats,
-    over_object: MutableFloats,
-    z_out: MutableFloats,
-    object_out: MutableFloats,
+    curve: Curve, sigma: tuple[float, float, float, float, float], h: float, mass: float,
+    pin: tuple[float, float, float], exit_x: float, count: int, length: int, mount: Floats, weight: Floats,
+    pin_x: Floats, pin_v: Floats, state: MutableFloats, scratch: MutableFloats, load: MutableFloats,
+    x_out: MutableFloats, over_object: MutableFloats, z_out: MutableFloats, object_out: MutableFloats,
     pin_out: MutableFloats,
-) -> None:
+) -> None:  # fmt: skip
     # Parameters: bristle coefficients s0, s1, s2, their rate of relaxation, N0; stiffness and damping of the pin, 1 if
     # it is attached. Arrays hold one finger after the other: mount (mass, stiffness, damping), state (x, v, s), load.
     s0, s1, s2, relax_per_s, N0 = sigma

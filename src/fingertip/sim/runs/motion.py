@@ -267,23 +267,11 @@ def speed_share(distance: float, lag: float, rate: float) -> float:
 
 
 def _motor_loop(
-    motor: tuple[float, float, float, float],
-    h: float,
-    spring: tuple[float, float],
-    count: int,
-    length: int,
-    reach: Floats,
-    goal: Floats,
-    position: MutableFloats,
-    phase: MutableFloats,
-    shaking: MutableFloats,
-    moved: MutableFloats,
-    root: MutableFloats,
-    closing: MutableFloats,
-    force: MutableFloats,
-    vibration: MutableFloats,
+    motor: tuple[float, float, float, float], h: float, spring: tuple[float, float], count: int, length: int,
+    reach: Floats, goal: Floats, position: MutableFloats, phase: MutableFloats, shaking: MutableFloats,
+    moved: MutableFloats, root: MutableFloats, closing: MutableFloats, force: MutableFloats, vibration: MutableFloats,
     jump: MutableFloats,
-) -> None:
+) -> None:  # fmt: skip
     """Advance the motors, and solve the balance of forces between thumb and fingers."""
     lag, rate, w, amplitude = motor
     k, c = spring

@@ -219,19 +219,11 @@ class SceneRun:
     def _set_up(self) -> FingerSetup:
         scene, slides = self.scene, bool(self.scene.slide.distance_m)
         return FingerSetup(
-            design=self.design,
-            pad=self.pad,
-            held_n=self.force_n,
-            friction=self.friction,
-            open_random=self._open_random,
-            seed=(self.seed, "finger"),
-            surface=self.surface if slides else None,
-            profile_length_m=scene.slide.distance_m,
-            towards_tip=DIRECTIONS[scene.slide.towards],
-            patch_average=scene.contact.patch_average,
-            path=scene,
-            event_origin_s=self.timeline.held_s,
-        )
+            design=self.design, pad=self.pad, held_n=self.force_n, friction=self.friction,
+            open_random=self._open_random, seed=(self.seed, "finger"), surface=self.surface if slides else None,
+            profile_length_m=scene.slide.distance_m, towards_tip=DIRECTIONS[scene.slide.towards],
+            patch_average=scene.contact.patch_average, path=scene, event_origin_s=self.timeline.held_s,
+        )  # fmt: skip
 
     def _open_random(self, purpose: str) -> random.Random:
         """Random numbers for one purpose, so that setting the force changes neither the surface nor the motors."""

@@ -141,19 +141,12 @@ class ManipulationStepper:
     def _set_up(self, finger: int) -> FingerSetup:
         scene, name = self.scene, self.scene.fingers[finger]
         return FingerSetup(
-            design=self.design,
-            pad=self.pad,
-            held_n=float(self.plan.force_n[finger]),
-            friction=self.plan.friction,
-            open_random=lambda purpose: random.Random(f"{self.seed}:{name}:{purpose}"),
-            seed=(self.seed, name),
-            surface=scene.complete().surface,
-            profile_start_m=-PROFILE_MARGIN_M,
-            profile_length_m=PROFILE_MARGIN_M + scene.object.length_m,
-            patch_average=scene.object.patch_average,
-            path=scene,
-            event_origin_s=self.plan.closed_s,
-        )
+            design=self.design, pad=self.pad, held_n=float(self.plan.force_n[finger]), friction=self.plan.friction,
+            open_random=lambda purpose: random.Random(f"{self.seed}:{name}:{purpose}"), seed=(self.seed, name),
+            surface=scene.complete().surface, profile_start_m=-PROFILE_MARGIN_M,
+            profile_length_m=PROFILE_MARGIN_M + scene.object.length_m, patch_average=scene.object.patch_average,
+            path=scene, event_origin_s=self.plan.closed_s,
+        )  # fmt: skip
 
 
 def _describe_drives(moved: GraspMotion, pushes: Array, jumps: Array) -> list[FingerDrive]:

@@ -151,14 +151,9 @@ class Converter:
     """One channel of the ADC: anti-aliasing poles on the grid, then samples with jitter [s], noise and quantisation."""
 
     def __init__(
-        self,
-        design: Design,
-        anti_alias: AntiAliasFilter,
-        adc: AdcRange,
-        step_s: float,
-        noise: Stream | None = None,
+        self, design: Design, anti_alias: AntiAliasFilter, adc: AdcRange, step_s: float, noise: Stream | None = None,
         jitter: tuple[Stream, float] | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self._deviation_v, self._anti_alias, self._adc, self._step_s = design.detector.noise_v, anti_alias, adc, step_s
         self._noise, self._jitter = noise, jitter
         self._sampler, self._slope_sampler = Sampler(), Sampler()

@@ -125,22 +125,10 @@ amplifiers, whether the rectifier is `precision`, and the values of diode and lo
 
 
 def _envelope_loop(
-    constants: Constants,
-    before: Floats,
-    after: Floats,
-    bend: Floats,
-    step_columns: Floats,
-    output_rows: Floats,
-    watched_rows: Floats,
-    carried: MutableFloats,
-    z: MutableFloats,
-    z_next: MutableFloats,
-    tables: MutableFloats,
-    filtered: MutableFloats,
-    envelope: MutableFloats,
-    held: MutableFloats,
-    statistics: MutableFloats,
-) -> None:
+    constants: Constants, before: Floats, after: Floats, bend: Floats, step_columns: Floats, output_rows: Floats,
+    watched_rows: Floats, carried: MutableFloats, z: MutableFloats, z_next: MutableFloats, tables: MutableFloats,
+    filtered: MutableFloats, envelope: MutableFloats, held: MutableFloats, statistics: MutableFloats,
+) -> None:  # fmt: skip
     """Follow the envelope over a chunk: exact steps of the circuit, and an implicit method where the diode conducts."""
     # The input is given right before and right after each sample. Between two samples it is one straight line, or two
     # that meet in the middle of the step, higher than the one by `bend` of the step's end. A second stage that jumps

@@ -274,16 +274,9 @@ def mean_after(tau: float, s: float, m: float, v: float, d: float, a: float, b: 
 
 
 def _comparator_loop(
-    tau: float,
-    on_v: float,
-    off_v: float,
-    H: float,
-    envelope: Floats,
-    slope: Floats,
-    state: MutableFloats,
-    mean: MutableFloats,
-    on_out: MutableFloats,
-) -> None:
+    tau: float, on_v: float, off_v: float, H: float, envelope: Floats, slope: Floats, state: MutableFloats,
+    mean: MutableFloats, on_out: MutableFloats,
+) -> None:  # fmt: skip
     m, on = state[0], state[1]  # ON is a float, because the output array takes only floats
     mean[0], on_out[0] = m, on
     for i in range(len(envelope) - 1):

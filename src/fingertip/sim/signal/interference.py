@@ -192,17 +192,9 @@ def _design_butterworth(corner_hz: float, is_high_pass: bool) -> tuple[float, ..
 
 
 def _touch_loop(
-    moments: tuple[float, float],
-    step_v: float,
-    decay: float,
-    gone: float,
-    h: float,
-    hum_v: float,
-    w: float,
-    time: Sequence[float],
-    out: MutableSequence[float],
-    jumps: MutableSequence[float],
-) -> None:
+    moments: tuple[float, float], step_v: float, decay: float, gone: float, h: float, hum_v: float, w: float,
+    time: Sequence[float], out: MutableSequence[float], jumps: MutableSequence[float],
+) -> None:  # fmt: skip
     begin, end = moments
     for i in range(len(time)):
         for moment, volts in ((begin, step_v), (end, -step_v)):

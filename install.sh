@@ -1,6 +1,7 @@
 #!/bin/sh
-# Make .venv beside this file, with fingertip in it. `sh install.sh test` adds what the tests need; `sh install.sh core`
-# leaves out what only STEP, trimesh meshes, plots, samplers, compiled loops and some file formats need.
+# Make .venv beside this file, with fingertip in it. `sh install.sh all` adds what few need: Parquet, TDMS, bags of ROS,
+# clusters and tables of pandas. `sh install.sh test` adds what the tests need. `sh install.sh core` leaves out what only
+# STEP, trimesh meshes, plots, samplers and compiled loops need.
 # Run again after a change of the dependencies; if there was none it ends in a second. PYTHON=python3.12 sh install.sh
 # takes that Python for a new .venv.
 set -eu
@@ -16,9 +17,10 @@ fail() {
 # Each of these levels holds those above it. The sizes are those of an empty .venv.
 case "${1-}" in
     core) level=1 extras='' what='the core of fingertip' size='30 MB to fetch, 160 MB in .venv' ;;
-    '') level=2 extras='[all]' what='fingertip' size='0.5 GB to fetch, 2.1 GB in .venv' ;;
-    test) level=3 extras='[all,test]' what='fingertip and its tests' size='0.6 GB to fetch, 2.5 GB in .venv' ;;
-    *) fail "the words it takes are 'core' and 'test'; not '$1'" ;;
+    '') level=2 extras='[usual]' what='fingertip' size='0.5 GB to fetch, @@ GB in .venv' ;;
+    all) level=3 extras='[all]' what='fingertip with every format' size='0.5 GB to fetch, 2.1 GB in .venv' ;;
+    test) level=4 extras='[all,test]' what='fingertip and its tests' size='0.6 GB to fetch, 2.5 GB in .venv' ;;
+    *) fail "the words it takes are 'core', 'all' and 'test'; not '$1'" ;;
 esac
 
 log=$(mktemp)
@@ -69,7 +71,7 @@ fi
 # --- fingertip -----------------------------------------------------------------------------------------------------
 # First the packages that it needs, those that build it among them: the list up to the end of this level. pip compares
 # each with the list's hashes, and takes no source archive, whose build would fetch packages that have none.
-requirements() { sed "/^# end of ${1:-all}\$/q" constraints-hashes.txt; }
+requirements() { sed "/^# end of ${1:-usual}\$/q" constraints-hashes.txt; }
 choose_requirements() {
     target=$(.venv/bin/python -c 'import platform, sysconfig as s; print(s.get_config_var("SOABI"), platform.machine())')
     if grep -qxF "# covers $target" constraints-hashes.txt; then
@@ -82,11 +84,13 @@ choose_requirements() {
     fi
 }
 
+# Python compiles what a command imports; all of it beforehand would take 0.13 GB.
+#
 # Then fingertip, editable: after a git pull the new code is there even if nobody runs this again, and the tests test
 # the files one edits. Without an index, pip refuses if pyproject.toml asks for something that the list lacks.
 install_all() {
     # shellcheck disable=SC2086 # several options
-    quietly .venv/bin/python -m pip install -q $options -r .venv/requirements.txt &&
+    quietly .venv/bin/python -m pip install -q --no-compile $options -r .venv/requirements.txt &&
         quietly .venv/bin/python -m pip uninstall -q -y fingertip && # its name to pip until November 2026
         quietly .venv/bin/python -m pip install -q --no-index --no-build-isolation -e ".$extras"
 }
@@ -95,7 +99,7 @@ install_all() {
 done_with=$(cat pyproject.toml constraints-hashes.txt src/fingertip/foundation/version.py | cksum)
 noted=$(cat .venv/installed 2>/dev/null || true)
 noted_level=0
-case "$noted" in "$done_with "[1-3]) noted_level=${noted##* } ;; esac
+case "$noted" in "$done_with "[1-4]) noted_level=${noted##* } ;; esac
 if [ "$noted_level" -ge "$level" ]; then
     say "fingertip is installed in .venv"
 else

@@ -39,10 +39,9 @@ def test_messages_name_the_extra_that_installs_each_package() -> None:
     for module, extra in EXTRAS.items():
         package = {"OCP": "cadquery", "dask": "distributed"}.get(module, module)  # distributed brings dask
         assert names_of(extras[extra]) == [package]
-    users = set(extras) - {"all", "docs", "test"}
-    assert set(EXTRAS.values()) == users
-    assert len(extras["all"]) == 1
-    assert set(re.findall(r"[\w-]+", extras["all"][0])) == {DISTRIBUTION, *users}
+    assert set(EXTRAS.values()) == set(extras) - {"usual", "all", "docs", "test"}
+    named = {name for line in (*extras["usual"], *extras["all"]) for name in re.findall(r"[\w-]+", line)}
+    assert named == {DISTRIBUTION, "usual", *EXTRAS.values()}
     assert extras["test"][0] == f"{DISTRIBUTION}[all,docs]"
     assert read_project()["name"] == DISTRIBUTION
 
@@ -91,9 +90,10 @@ a==1 \\
 # end of core
 b==1 ; (python_version == "3.11") \\
     --hash=sha256:00
-# end of all
+# end of usual
 c==1 \\
     --hash=sha256:00
+# end of all
 # end of test
 """
 
@@ -134,23 +134,23 @@ def install(folder: Path, *words: str) -> str:
 
 
 def test_install_adds_what_the_present_installation_lacks(checkout: Path) -> None:
-    asked = [install(checkout, *words) for words in (["core"], ["core"], [], [], ["core"], ["test"], ["test"], [])]
-    assert asked == [".", "", ".[all]", "", "", ".[all,test]", "", ""]
+    asked = [install(checkout, *words) for words in (["core"], [], [], ["core"], ["all"], ["test"], ["test"], [])]
+    assert asked == [".", ".[usual]", "", "", ".[all]", ".[all,test]", "", ""]
     # The dependencies change, and an earlier install.sh has left its mark.
     (checkout / "constraints-hashes.txt").write_text(LIST.replace("a==1", "a==2"), encoding="utf-8")
-    assert install(checkout) == ".[all]"
+    assert install(checkout) == ".[usual]"
     (checkout / ".venv/installed").write_text("4022803434 5704 test", encoding="utf-8")
     assert install(checkout, "test") == ".[all,test]"
     done = run_install(checkout, "tests")
     assert (done.returncode, done.stdout) == (1, "")
-    assert done.stderr == "install: the words it takes are 'core' and 'test'; not 'tests'\n"
+    assert done.stderr == "install: the words it takes are 'core', 'all' and 'test'; not 'tests'\n"
 
 
-@pytest.mark.parametrize(("words", "end"), [(["core"], "core"), ([], "all"), (["test"], "test")])
+@pytest.mark.parametrize(("words", "end"), [(["core"], "core"), ([], "usual"), (["test"], "test")])
 def test_install_compares_every_package_of_its_level(checkout: Path, words: list[str], end: str) -> None:
     install(checkout, *words)
     first, second = (checkout / "asked").read_text(encoding="utf-8").splitlines()
-    assert first == "-m pip install -q --require-hashes --only-binary=:all: -r .venv/requirements.txt"
+    assert first == "-m pip install -q --no-compile --require-hashes --only-binary=:all: -r .venv/requirements.txt"
     assert second.startswith("-m pip install -q --no-index --no-build-isolation -e .")
     required = (checkout / ".venv/requirements.txt").read_text(encoding="utf-8")
     assert required == LIST[: LIST.index(f"{end}\n")] + f"{end}\n"
@@ -164,7 +164,7 @@ def test_install_says_that_it_compares_nothing_where_there_are_no_hashes(checkou
     said = f"install: constraints-hashes.txt does not cover this Python ({target}): packages are installed without"
     assert said in run_install(checkout).stdout
     first, _ = (checkout / "asked").read_text(encoding="utf-8").splitlines()
-    assert first == "-m pip install -q -r .venv/requirements.txt"
+    assert first == "-m pip install -q --no-compile -r .venv/requirements.txt"
     required = (checkout / ".venv/requirements.txt").read_text(encoding="utf-8").splitlines()
     assert [line for line in required if line[0] != "#"] == ["a==1", 'b==1 ; (python_version == "3.11")']
 

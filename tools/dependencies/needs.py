@@ -15,7 +15,7 @@ from typing import Any
 from packaging.requirements import Requirement
 from packaging.tags import Tag, compatible_tags, cpython_tags, mac_platforms
 
-from tools.dependencies.pins import canonical, names_of, supported_pythons, users_packages
+from tools.dependencies.pins import canonical, names_of, supported_pythons, users_packages, usual_packages
 
 PLATFORMS = {("Linux", "x86_64"): (2, 31), ("Linux", "aarch64"): (2, 31), ("Darwin", "arm64"): (12, 0)}
 """Systems and processors with a wheel of every pinned package, and the oldest glibc or macOS that suits all of them."""
@@ -82,6 +82,7 @@ def list_levels(project: dict[str, Any], back_end: Iterable[str]) -> dict[str, l
     return {
         # hatchling asks for `editables` while it makes an editable installation, not in its metadata.
         "core": [*names_of(project["dependencies"]), *back_end, "editables"],
+        "usual": usual_packages(project),
         "all": users_packages(project),
         "test": [name for name in names_of(extras) if name != project["name"]],
     }

@@ -51,7 +51,18 @@ def names_of(requirements: Iterable[str]) -> list[str]:
 
 def users_packages(project: dict[str, Any]) -> list[str]:
     """List what the core and the extras for users ask for directly."""
-    extras = project["optional-dependencies"]
-    own = {"all", "docs", "test"}
-    asked = [*project["dependencies"], *(line for name, lines in extras.items() if name not in own for line in lines)]
-    return sorted(set(names_of(asked)))
+    return names_of([*project["dependencies"], *_lines_of(project, "all")])
+
+
+def usual_packages(project: dict[str, Any]) -> list[str]:
+    """List what the core and the extra `usual` ask for directly."""
+    return names_of([*project["dependencies"], *_lines_of(project, "usual")])
+
+
+def _lines_of(project: dict[str, Any], extra: str) -> list[str]:
+    """List the requirements of an extra, those of the extras that it names in place of them."""
+    found = []
+    for line in project["optional-dependencies"][extra]:
+        named = re.fullmatch(rf"{project['name']}\[(.+)\]", line)
+        found += [each for name in named[1].split(",") for each in _lines_of(project, name)] if named else [line]
+    return found

@@ -38,7 +38,7 @@ DESIGNS = {
     "fsr402": ("board.channels=3", ("firmware", "basis")),
 }
 FILES = {"acceptance.md", "board/README.md", "print/plate_fdm.3mf"}
-LOADS = Loads(breaks_n=24.0, drop_mm=51.0, pin_first=True, grip_n=10.0, mass_kg=0.4)
+LOADS = Loads(breaks_n=24.0, pin_first=True, grip_n=10.0)
 
 
 @functools.cache

@@ -112,6 +112,8 @@ class Thing:
     amount: str
     label: str
     price_usd: str
+    mail_days: str
+    """Days until the parcel comes, estimated; empty for what is at hand."""
     where: str
     reason: str
     each: str
@@ -176,7 +178,11 @@ class CastingSheet:
     """Least and largest length of the sensor's film, and width of its head, that this bone takes [mm]."""
     knot_mm: int
     """Distance of the knot in both wires from the sensor's legs."""
+    skin_mm: tuple[float, float]
+    """Least and largest thickness of the skin over the sensor, its bump included."""
     things: tuple[Thing, ...]
+    mail_days: int
+    """Days until the last parcel comes."""
     guessed_sizes: tuple[str, ...]
 
 
@@ -190,6 +196,9 @@ def casting_sheet(design: Design, evaluator: MeshEvaluator) -> CastingSheet:
     printed_g = float(_FILAMENT_STEP_G * math.ceil(printing.filament_cm3 * material.density_g_cm3 / _FILAMENT_STEP_G))
     # With some slack between the legs and the hole that the knot lies on.
     to_hole_mm = dims.tail_end_z - design.sensor.tab_length_mm - dims.channel_exit_z
+    seat_mm = 0.1 * design.skin.thickness_palmar_mm  # as the heights of the seated core let it be
+    skin_mm = design.skin.thickness_palmar_mm + design.skin.bump_height_mm + design.mold.core_inset_mm
+    things = _list_things(design, batch, mount, printed, printed_g)
     return CastingSheet(
         design.name, material.process, printed, f"{PRINT_FOLDER}/{choose_plate_kind(design).file_names(1)[0]}", PROFILE,
         PROFILE.brim_mm, round(printing.minutes / 60.0, 1), printed_g, _WORK_H,
@@ -203,7 +212,9 @@ def casting_sheet(design: Design, evaluator: MeshEvaluator) -> CastingSheet:
         length_mm=(body.length_mm - SHORTER_MM, body.length_mm + LONGER_MM),
         head_mm=(round(body.head_diameter_mm - HEAD_MM, 1), round(body.head_diameter_mm + HEAD_MM, 1)),
         knot_mm=max(_LEAST_KNOT_MM, math.ceil(to_hole_mm + 1.0)),
-        things=_list_things(design, batch, mount, printed, printed_g),
+        skin_mm=(round(skin_mm - seat_mm, 1), round(skin_mm + seat_mm, 1)),
+        things=things,
+        mail_days=max(int(days) for thing in things for days in re.findall(r"\d+", thing.mail_days)),
         guessed_sizes=tuple(name for name in design.provisional if name.startswith("hand.")),
     )  # fmt: skip
 

@@ -41,7 +41,10 @@ def list_steps(sheet: CastingSheet) -> list[Step]:
 
 
 def render_sheet(sheet: CastingSheet, pictures: Sequence[str] = ()) -> str:
-    return render_page("casting.md", **vars(sheet), steps=list_steps(sheet), pictures=pictures)
+    steps = list_steps(sheet)
+    number = {step.picture: index for index, step in enumerate(steps, 1)}
+    usd = add_prices(sheet.things)
+    return render_page("casting.md", **vars(sheet), steps=steps, number=number, usd=usd, pictures=pictures)
 
 
 def draw_hand_sizes(design: Design | None = None) -> bytes:
@@ -60,11 +63,9 @@ class Loads:
     """Loads that break the bone, as the report states them."""
 
     breaks_n: float
-    drop_mm: float
     pin_first: bool
     """True if the printed pin of the joint breaks before the bone."""
     grip_n: float
-    mass_kg: float
 
 
 @dataclass(frozen=True)
@@ -89,4 +90,4 @@ def render_start(screen: FirstScreen) -> str:
 
 def render_basis_table(design: Design) -> str:
     """Render where each kind of figure of a page comes from, as a table."""
-    return render_page("basis.md", printer=design.printer, curve=design.force_curve, model=design.sensor.model)
+    return render_page("basis.md", design=design, curve=design.force_curve, model=design.sensor.model)

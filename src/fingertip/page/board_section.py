@@ -94,7 +94,8 @@ def _draw_wiring(sources: Sources) -> Markup:
     wiring = sources.files.get(f"{outputs.BOARD_FOLDER}/{outputs.WIRING}")
     if wiring is None:
         return Markup("")
-    drawn = element("img", src=embed(wiring, "image/svg+xml"), alt="Wiring of sensor, board and controller")
+    board = "resistor" if sources.design.board.variant == "divider" else "board"
+    drawn = element("img", src=embed(wiring, "image/svg+xml"), alt=f"Wiring of sensor, {board} and controller")
     return figure(drawn, "", "wiring", "paper")
 
 

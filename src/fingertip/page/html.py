@@ -92,6 +92,26 @@ def list_links(paths: Iterable[str], links: Mapping[str, str], class_: str | Non
     return element("ul", *items, class_=class_)
 
 
+_NOT_EXPLAINED = frozenset("a abbr button caption code h1 h2 h3 h4 label option script select summary svg th".split())
+"""Elements in whose text no word is explained: they have a purpose of their own under the pointer, or are titles."""
+
+
+def explain(content: Markup, meanings: Mapping[str, str]) -> Markup:
+    """Give the first mention of each word its meaning, which shows under the pointer."""
+    waiting, inside, pieces = dict(meanings), 0, list[str]()
+
+    def mark(found: re.Match[str]) -> str:
+        meaning = waiting.pop(found[0], None)
+        return element("abbr", found[0], title=meaning) if meaning else found[0]
+
+    word = re.compile(rf"(?<!paper )\b(?:{'|'.join(map(re.escape, meanings))})\b")
+    for piece in re.split(r"(<[^>]*>)", content):
+        if name := re.match(r"</?(\w+)", piece):
+            inside += (name[1] in _NOT_EXPLAINED) * (-1 if piece[1] == "/" else 1)
+        pieces.append(piece if name or inside else word.sub(mark, piece))
+    return Markup("".join(pieces))
+
+
 def note(*children: str) -> Markup:
     """Build a paragraph that stands out from the text around it."""
     return element("p", *children, class_="note")

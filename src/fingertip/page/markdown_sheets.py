@@ -54,7 +54,7 @@ def render_steps(text: str, links: Mapping[str, str]) -> Markup:
         paragraphs = [rendered for part in step.children if (rendered := _render(part, links, {}))]
         begin = element("span", re.sub(r"<[^>]*>", "", paragraphs[0].partition(". ")[0]), class_="begin")
         head = element("summary", element("span", f"Step {number}", class_="number"), " ", title, begin)
-        body = element("details", head, *(element("p", part) for part in paragraphs))
+        body = element("details", head, *(element("p", part) for part in paragraphs), open=number == 1)
         listed.append(element("li", body, data_tick=f"step {number}", id=f"step-{number}"))
     return element("ol", *listed, class_="steps", data_ticks="steps", data_noun="steps")
 

@@ -22,6 +22,7 @@ from fingertip.page.html import (
     Markup,
     element,
     embed,
+    explain,
     fold,
     join,
     list_links,
@@ -50,9 +51,11 @@ def render_tabs(
     name: str, title: str, tabs: Sequence[Tab], scripts: Iterable[str] = (), banner: str = "", end: str = ""
 ) -> bytes:
     """Render a page of tabs; `banner` stands above all of them, `end` below."""
+    meanings = _read_meanings()
     links = (element("li", element("a", label, href=f"#{to}", id=f"tab-{to}")) for to, label, _ in tabs)
     panels = (
-        element("section", *content, id=to, class_="panel", aria_labelledby=f"tab-{to}") for to, _, content in tabs
+        element("section", explain(join(content), meanings), id=to, class_="panel", aria_labelledby=f"tab-{to}")
+        for to, _, content in tabs
     )
     body = (
         element("a", "Skip to the content", href="#content", class_="skip"),
@@ -63,6 +66,16 @@ def render_tabs(
     )
     every = (read_asset("page.js"), *scripts)
     return render_document(f"{name}: fingertip", body, read_asset("page.css"), every, data_design=name)
+
+
+def _read_meanings() -> dict[str, str]:
+    """Read the meaning of each word; two words in a row share it, or have one each."""
+    found = {}
+    for row in read_rows(_WORDS):
+        words, meanings = row["word"].split(", "), row["meaning"].split("; ")
+        each = meanings if len(meanings) == len(words) else [row["meaning"]] * len(words)
+        found |= dict(zip(words, each, strict=True))
+    return {word: meaning for word, meaning in found.items() if len(word) > 1}
 
 
 def render_first_screen(text: str, pictures: Markup, links: Mapping[str, str]) -> Markup:

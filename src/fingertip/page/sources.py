@@ -58,7 +58,7 @@ class Report:
             tuple(map(ReportedCheck.read, content["checks"])),
             {path: tuple(found["parts"]) for path, found in content["print"].items()},
             TypeAdapter(CastingSheet).validate_python(casting) if casting else None,
-            Loads(**strength["loads"]) if strength else None,
+            Loads(**{name: strength["loads"][name] for name in Loads.__match_args__}) if strength else None,
         )
 
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from PIL import Image
 
+from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.settings import FDM
@@ -18,8 +19,8 @@ from fingertip.cad.shapes.finger import cavity
 from fingertip.casting.sheet import CastingSheet
 from fingertip.design import Design
 from fingertip.design.geometry.dimensions import KNOT_WIRES
-from fingertip.design.geometry.mold_layout import BELT_MM, GAP_MM, PLATE_LEDGE_MM, PLATE_MM, STRAP_Y_MM
-from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, intersection, scaled, union
+from fingertip.design.geometry.mold_layout import BELT_MM, GAP_MM, PLATE_LEDGE_MM, NOTCH_MM, PLATE_MM, RIDGE_LENGTH_MM, STRAP_Y_MM
+from fingertip.design.geometry.solids import Box, Point3, Solid, cylinder, difference, intersection, scaled, union
 from fingertip.design.interfaces.interface import middle_y
 from fingertip.design.interfaces.rigid import Post, Socket
 from fingertip.foundation.progress import Work
@@ -34,26 +35,42 @@ _CUT = Camera.looking_from((-1.0, -0.35, -0.3), _UP)
 """Camera on a section of the standing cup, the half marked PAD at the left."""
 _FROM_PALM = Camera.from_angles(28, -42)
 _VARNISH, _WOOD, _BAND, _BLACK = (0.93, 0.80, 0.35), (0.80, 0.66, 0.45), (0.75, 0.35, 0.30), (0.15, 0.15, 0.17)
-_COAT_MM, _LIFT_MM, _TAB_PITCH_MM, _BAND_MM = 0.9, 20.0, 2.54, 1.0
-"""Thickness with which a coat is drawn at the tip, height of the core above the cup, pitch of the legs, and thickness
-of a rubber band [mm]."""
+_COAT_MM, _LIFT_MM, _TAB_PITCH_MM, _BAND_MM, _ROW_MM = 0.9, 20.0, 2.54, 1.0, 50.0
+"""Thickness with which a coat is drawn at the tip, height of the core above the cup, pitch of the legs, thickness of a
+rubber band, and distance of two rows of parts [mm]."""
 
 
 def print_parts(bench: Bench, sheet: CastingSheet) -> Scene:
-    """Show the parts as they lie on the plate, with their names."""
-    names = {
-        "bone": "bone", "stand": "stand", "hand_stub": "stub of a hand", "pin": "pin of the joint",
-        "core": "core: a plate with\nthree ridges and a\nfinger",
-        "mold_palmar": "cup, half marked\nPAD (mold_palmar)", "mold_dorsal": "cup, other half\n(mold_dorsal)",
+    """Show the printed parts, those of the mold in front, and name what the steps name of them."""
+    m, bone, middle, (_, head_y, head_z) = bench.design.mold_layout, bench.design.bone, bench.dims.sensor_z, bench.head
+    ring = 0.0, bone.groove_depth_mm - bench.dims.bone_outline.section.palmar, bone.groove_distance_mm
+    names: dict[str, dict[str, Point3]] = {
+        "mold_palmar": {
+            "cup, half\nmarked PAD": (-m.half_width, -2.0, 0.8 * m.foot_z), "hollow": (0.0, -6.0, middle),
+            "notch of the rim": (-m.notch_x, -m.palmar_height, NOTCH_MM[1]), "foot": (-m.half_width / 2, 0.0, m.foot_z),
+        },
+        "mold_dorsal": {
+            "cup, other half": (m.half_width, m.dorsal_height, 0.6 * m.foot_z),
+            "groove for a ridge": (0.0, m.ridge_begins[1] + RIDGE_LENGTH_MM / 2, GAP_MM),
+        },
+        "core": {
+            "core: plate with\nthree ridges": (m.half_width, 0.0, -PLATE_MM / 2), "ridge": (m.half_width - 1.0, 0.0, 1.5),
+            "ring groove": ring, "round dent": (0.0, head_y, head_z),
+        },
+        "bone": {"bone": (0.0, bench.dims.bone_outline.section.dorsal, middle)},
+        "stand": {"stand": (0.0, 0.0, -30.0)}, "hand_stub": {"stub of a hand": (0.0, 0.0, -40.0)},
+        "pin": {"pin of the joint": (0.0, 0.0, 0.0)},
     }  # fmt: skip
-    shown, labels, x = list[Shown](), list[Label](), 0.0
+    shown, labels, ends = list[Shown](), list[Label](), {True: 0.0, False: 30.0}
     for name, lies in print_orientations(bench.design).items():
-        part = bench.part(name)
-        pose = bed_pose(part.mesh, lies.rotate_x_deg).on_bed(part.mesh, x)
-        width, depth, height = pose.size(part.mesh)
-        shown.append(Shown(pose.apply(part.mesh), part.colour))
-        labels.append(Label(names[name], (x + width / 2, depth / 2, height - 1.0)))
-        x += width + FDM.gap_mm
+        part, front = bench.part(name), name in ("mold_palmar", "mold_dorsal", "core")
+        pose = bed_pose(part.mesh, lies.rotate_x_deg).on_bed(part.mesh, ends[front])
+        points = pose.apply(Mesh(np.array([*names[name].values()]), np.zeros((0, 3), dtype=np.int32))).vertices
+        back = np.array((0.0, 0.0 if front else _ROW_MM, 0.0))
+        mesh = pose.apply(part.mesh)
+        shown.append(Shown(Mesh(mesh.vertices + back, mesh.triangles), part.colour))
+        labels += [Label(text, tuple(point + back)) for text, point in zip(names[name], points, strict=True)]
+        ends[front] += pose.size(part.mesh)[0] + FDM.gap_mm
     return Scene(shown, Camera.looking_from((-0.35, -1.0, 0.9), (0.0, 0.0, 1.0)), *labels)
 
 
@@ -109,6 +126,7 @@ def varnish(bench: Bench, sheet: CastingSheet) -> Scene:
         (bench.part("mold_palmar"), bench.solid(intersection(_coated(bench), below), _VARNISH)),
         Camera.looking_from((0.35, 1.0, -0.35), _UP),
         Label("varnish on all\nof the hollow", (0.0, -depth, bench.dims.sensor_z)),
+        Label("and here, for\na drop of silicone", (0.8 * m.half_width, 0.0, 0.6 * m.foot_z)),
         Label("PAD stands on\nits outer side", (-m.half_width, -m.palmar_height / 2, m.foot_z / 2)),
     )
 
@@ -225,6 +243,7 @@ def open_cup(bench: Bench, sheet: CastingSheet) -> Scene:
         ),
         Camera.looking_from((1.0, -0.4, -0.25), _UP),
         Label("skin, still on the core", (0.0, -2.0, tip - 7.0)),
+        Label("bump inside", (0.0, -bench.dims.outer.section.palmar, bench.dims.sensor_z - 6.0)),
         Label("fin: cut it off", (m.cavity_half_width + 0.4, 0.0, tip / 2 - 6.0)),
         Label("1: half marked PAD,\nstraight off", (m.half_width, low + 5.0, m.foot_z / 2)),
         Label("if it sticks, turn\nthe knife in here", (m.half_width, -apart - 0.6, m.foot_z - 3.0)),

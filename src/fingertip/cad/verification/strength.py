@@ -131,8 +131,8 @@ class BoneStrength:
     """Speed up to which it has the safety factor that is wanted at all places."""
     breaks_n: float
     """Least force on the fingertip that breaks bone or pin."""
-    drop_mm: float
-    """Height from which the stated mass may drop on the fingertip."""
+    knock_m_s: float
+    """Speed of the stated mass whose knock on the fingertip breaks bone or pin."""
     tendon_force_n: float
     """Force of the tendon at the grip force on the apex; 0 without a tendon."""
 
@@ -200,7 +200,7 @@ def assess_strength(design: Design, evaluator: MeshEvaluator, stations: int = ST
         stated, weakest, min(knocks, key=lambda knock: knock.safety_factor(stated)),
         min(knock.held_speed_m_s(stated) for knock in knocks),
         stated.material.strength_mpa / weakest.stress_per_n,
-        min(one.springs.drop_mm(stated.hand_mass_kg, min(one.bone_n, one.pin_n)) for one in knocks),
+        min(one.springs.speed_m_s(stated.hand_mass_kg, min(one.bone_n, one.pin_n)) for one in knocks),
         stated.grip_force_n * tendon_force_per_n(design, design.skin.length_mm),
     )  # fmt: skip
 
@@ -280,8 +280,8 @@ def describe_loads(strength: BoneStrength) -> str:
     """Say in a sentence what the finger holds."""
     return (
         f"grip: at most {strength.stated.grip_force_n:g} N; breaks at {strength.breaks_n:.0f} N "
-        f"({strength.stated.material.label}); survives a drop of {strength.drop_mm:.1f} mm "
-        f"with a {strength.stated.hand_mass_kg:g} kg hand"
+        f"({strength.stated.material.label}), or by a knock of {strength.stated.hand_mass_kg:g} kg "
+        f"at {strength.knock_m_s:.2f} m/s"
     )
 
 
@@ -291,7 +291,7 @@ def strength_data(strength: BoneStrength) -> dict[str, Any]:
     return {
         "loads": {
             "breaks_n": round(strength.breaks_n),
-            "drop_mm": round(strength.drop_mm, 1),
+            "knock_m_s": round(strength.knock_m_s, 2),
             "pin_first": strength.pin_first,
             "grip_n": stated.grip_force_n,
             "mass_kg": stated.hand_mass_kg,

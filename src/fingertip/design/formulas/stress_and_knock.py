@@ -104,7 +104,6 @@ class LocalStress:
 
 PRESSED_N = 50.0
 """Force at which the pad's indentation is taken [N]."""
-_GRAVITY_M_S2 = 9.80665
 _STEPS = 60
 
 
@@ -134,6 +133,3 @@ class Springs:
         """Return the speed of a knock with this largest force."""
         return math.sqrt(2 * self.energy_j(force_n) / mass_kg)
 
-    def drop_mm(self, mass_kg: float, force_n: float) -> float:
-        """Return the height from which a mass drops to a knock with this largest force."""
-        return 1e3 * self.energy_j(force_n) / (mass_kg * _GRAVITY_M_S2)

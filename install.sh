@@ -17,7 +17,7 @@ fail() {
 # Each of these levels holds those above it. The sizes are those of an empty .venv.
 case "${1-}" in
     core) level=1 extras='' what='the core of fingertip' size='30 MB to fetch, 160 MB in .venv' ;;
-    '') level=2 extras='[usual]' what='fingertip' size='0.5 GB to fetch, @@ GB in .venv' ;;
+    '') level=2 extras='[usual]' what='fingertip' size='0.5 GB to fetch, 1.8 GB in .venv' ;;
     all) level=3 extras='[all]' what='fingertip with every format' size='0.5 GB to fetch, 2.1 GB in .venv' ;;
     test) level=4 extras='[all,test]' what='fingertip and its tests' size='0.6 GB to fetch, 2.5 GB in .venv' ;;
     *) fail "the words it takes are 'core', 'all' and 'test'; not '$1'" ;;

@@ -20,13 +20,15 @@ from fingertip.foundation.tables import read_rows
 from tests.conftest import ROOT, run_fingertip
 
 ROWS = list(read_rows(Path(electronics.__file__).with_name("sensors.csv")))
-HOW = {"yes": "`--sensor {model}`", "custom": "as `custom`: {reason}", "never": "never: {reason}"}
+HOW = {"yes": "`--sensor {model}`", "custom": "as `custom`: {reason}"}
 MANUAL = ROOT / "docs/sensor.md"
 
 
 def test_the_manual_lists_the_sensors_of_the_catalogue() -> None:
     rows = [
-        f"| {{maker}} {{label}} | {HOW[row['fits']]} | {{order_number}} | {{source}} |".format(**row) for row in ROWS
+        f"| {{maker}} {{label}} | {HOW[row['fits']]} | {{order_number}} | {{source}} |".format(**row)
+        for row in ROWS
+        if row["fits"] != "never"
     ]
     table = "\n".join(["| sensor | fits | order number | source |", "| --- | --- | --- | --- |", *rows, ""])
     table = table.replace("Ohmite Ohmite", "Ohmite").replace("[D]", "Interlink").replace("[O]", "Ohmite, FSR Series,")

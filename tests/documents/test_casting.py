@@ -99,12 +99,10 @@ def test_builder_reads_little_buys_little_and_waits_little(name: str) -> None:
 def test_the_readme_states_what_a_first_finger_takes() -> None:
     sheet, readme = load("first_finger")[1], (ROOT / "README.md").read_text(encoding="utf-8")
     least, most, in_all = add_prices(sheet.things)
-    at_hand = add_prices(replace(thing, reason="all") for thing in sheet.things)
-    assert at_hand[1:] == (in_all, in_all)
     for words in (
         f"{sheet.printed_g:g} g of PETG, {round(sheet.print_h)} hours", f"{sheet.batch.total_g:g} g of two-part",
-        f"{sheet.days} days: printing, {sheet.work_h[0]:g} hours of work, a day of cure, {sheet.work_h[1]:g} hours",
-        f"{least} to {most} US dollars to order; {at_hand[0]} to {in_all}",
+        "{} days, {:g} h and {:g} h of work, after up to {} days".format(sheet.days, *sheet.work_h, sheet.mail_days),
+        f"{least} to {most} US dollars to order, up to {in_all} with all tools",
     ):  # fmt: skip
         assert words in readme
 

@@ -22,7 +22,7 @@ ROBOT = (
 )  # fmt: skip
 FIELDS: dict[str, tuple[type, dict[str, Any]]] = {
     "acceptance.md": (AcceptanceSheet, {}),
-    "casting.md": (CastingSheet, {"steps": tuple[Step, ...], "pictures": Any}),
+    "casting.md": (CastingSheet, {"steps": tuple[Step, ...], "pictures": Any, "number": Any, "usd": Any}),
     "steps.md": (CastingSheet, {}),
     "start.md": (FirstScreen, {"usd": Any}),
     "robot.md": (ModelFigures, dict.fromkeys(ROBOT, Any)),

@@ -87,7 +87,7 @@ def make_check(
 
 CASTING: Any = SimpleNamespace(
     plate="print/plate_fdm.3mf", material="PETG filament", print_h=4.0, printed_g=35.0, work_h=(4.0, 3.0), days=2,
-    batch=SimpleNamespace(total_g=22.0, in_cup_g=3.5, cure_h=24.0),
+    mail_days=7, batch=SimpleNamespace(total_g=22.0, in_cup_g=3.5, cure_h=24.0),
     things=(SimpleNamespace(reason="", price_usd="below 5"), SimpleNamespace(reason="rare", price_usd="5 to 20")),
 )  # fmt: skip
 """Casting sheet, as far as a page reads it."""

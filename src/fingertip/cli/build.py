@@ -90,7 +90,8 @@ def _format_build(result: Build) -> list[str]:
         (least, most, in_all), batch = add_prices(sheet.things), sheet.batch
         lines += [
             f"print: {sheet.printed_g:g} g of {sheet.material}, some {sheet.print_h:g} h",
-            f"cast: {batch.total_g:g} g of silicone, {batch.cure_h:g} h of cure; {sheet.days} days in all",
+            f"cast: {batch.total_g:g} g of silicone, {batch.cure_h:g} h of cure; "
+            f"{sheet.days} days, after up to {sheet.mail_days} days of mail",
             f"buy: {least} to {most} US dollars to order, up to {in_all} with all tools (estimates)",
         ]
     else:
@@ -176,7 +177,8 @@ def make(
     printed = f", {PRINT_FOLDER}/{'plate_*.3mf' if prints.plates else '*.stl'}" if prints.contents else ""
     sheets = (SHEET, f"{BOARD_FOLDER}/{README}", ACCEPTANCE) if loaded.board.has_filter else (SHEET, ACCEPTANCE)
     last = [f"look at: {made.page or made.parts.folder}{' in a browser' if made.page else ''}"]
-    lines, following = _format_build(made.parts), f"print the parts{printed}, then follow {join_words(sheets, 'and')}"
+    lines = _format_build(made.parts)
+    following = f"order what the page lists, print the parts{printed}, then follow {join_words(sheets, 'and')}"
     last += _tell_next(made.parts, following, offer_fit(loaded, made.parts.checks, changes or (), console))
     lines += [*_list_remarks(made.parts, _MAX_LINES - len(lines) - len(last)), *last]
     console.result(data, "\n".join(lines), made.parts.passed)

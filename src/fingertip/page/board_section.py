@@ -35,13 +35,13 @@ _NOTES = ("Before you apply power", "Channels", "Connectors", "Test points", "Be
 """Sections of the board's README that a page shows."""
 _CHANNEL = "Channel of one finger, here of the first."
 _PLACEMENT = (
-    "Placement, seen from the front. Point at a pad to read its pin; a table below names the pins of connectors."
+    "Placement, seen from the front. Point at a contact to read its pin; a table below names the pins of connectors."
 )
 _COPPER = (
     "Copper, seen through the board from the front: front layer in orange, back layer in blue, pale where it is poured."
 )
 _BACK = (
-    "Back, seen from the back: the printed list of values. Frames show where the parts stand, all of them on the front."
+    "Back, seen from the back: the printed list of values. Frames show where the parts are, all of them on the front."
 )
 
 

@@ -92,7 +92,7 @@ def list_links(paths: Iterable[str], links: Mapping[str, str], class_: str | Non
     return element("ul", *items, class_=class_)
 
 
-_NOT_EXPLAINED = frozenset("a abbr button caption code h1 h2 h3 h4 label option script select summary svg th".split())
+_NOT_EXPLAINED = re.compile(r"</?(a|abbr|button|caption|code|dfn|h\d|label|option|script|select|span|summary|svg|th)\b")
 """Elements in whose text no word is explained: they have a purpose of their own under the pointer, or are titles."""
 
 
@@ -106,9 +106,9 @@ def explain(content: Markup, meanings: Mapping[str, str]) -> Markup:
 
     word = re.compile(rf"(?<!paper )\b(?:{'|'.join(map(re.escape, meanings))})\b")
     for piece in re.split(r"(<[^>]*>)", content):
-        if name := re.match(r"</?(\w+)", piece):
-            inside += (name[1] in _NOT_EXPLAINED) * (-1 if piece[1] == "/" else 1)
-        pieces.append(piece if name or inside else word.sub(mark, piece))
+        if _NOT_EXPLAINED.match(piece):
+            inside += -1 if piece[1] == "/" else 1
+        pieces.append(piece if inside or piece.startswith("<") else word.sub(mark, piece))
     return Markup("".join(pieces))
 
 

@@ -133,7 +133,7 @@ def render_shopping(sources: Sources) -> Markup:
         parts.append(fold("Plugs and wires of the board", render_markdown(plugs, sources.links, **TICKED_THINGS)))
     if sources.design.board.variant != "divider":
         link = element("a", "with its pictures", href="#board")
-        parts.append(element("p", "The parts on the board stand ", link, "."))
+        parts.append(element("p", "The parts on the board are ", link, "."))
     return join(parts)
 
 

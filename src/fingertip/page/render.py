@@ -68,9 +68,14 @@ def render_tabs(
     return render_document(f"{name}: fingertip", body, read_asset("page.css"), every, data_design=name)
 
 
+def _list_words() -> Markup:
+    rows = [(element("dfn", row["word"]), row["meaning"]) for row in read_rows(_WORDS)]
+    return table(("word", "meaning"), rows, "words")
+
+
 def _read_meanings() -> dict[str, str]:
     """Read the meaning of each word; two words in a row share it, or have one each."""
-    found = {}
+    found = dict[str, str]()
     for row in read_rows(_WORDS):
         words, meanings = row["word"].split(", "), row["meaning"].split("; ")
         each = meanings if len(meanings) == len(words) else [row["meaning"]] * len(words)
@@ -158,7 +163,7 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
                 ("pad", "What the sensor feels", prepared.pad or render_pad(design)),
                 ("response", "Response of the board", prepared.response),
                 ("trial", "Trial and detection", render_trial(sources)),
-                ("words", "Words", table(("word", "meaning"), [[*row.values()] for row in read_rows(_WORDS)], "words")),
+                ("words", "Words", _list_words()),
             )
             if content
         )),

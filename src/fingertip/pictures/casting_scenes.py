@@ -19,7 +19,15 @@ from fingertip.cad.shapes.finger import cavity
 from fingertip.casting.sheet import CastingSheet
 from fingertip.design import Design
 from fingertip.design.geometry.dimensions import KNOT_WIRES
-from fingertip.design.geometry.mold_layout import BELT_MM, GAP_MM, PLATE_LEDGE_MM, NOTCH_MM, PLATE_MM, RIDGE_LENGTH_MM, STRAP_Y_MM
+from fingertip.design.geometry.mold_layout import (
+    BELT_MM,
+    GAP_MM,
+    NOTCH_MM,
+    PLATE_LEDGE_MM,
+    PLATE_MM,
+    RIDGE_LENGTH_MM,
+    STRAP_Y_MM,
+)
 from fingertip.design.geometry.solids import Box, Point3, Solid, cylinder, difference, intersection, scaled, union
 from fingertip.design.interfaces.interface import middle_y
 from fingertip.design.interfaces.rigid import Post, Socket
@@ -54,8 +62,8 @@ def print_parts(bench: Bench, sheet: CastingSheet) -> Scene:
             "groove for a ridge": (0.0, m.ridge_begins[1] + RIDGE_LENGTH_MM / 2, GAP_MM),
         },
         "core": {
-            "core: plate with\nthree ridges": (m.half_width, 0.0, -PLATE_MM / 2), "ridge": (m.half_width - 1.0, 0.0, 1.5),
-            "ring groove": ring, "round dent": (0.0, head_y, head_z),
+            "core: plate with\nthree ridges": (m.half_width, 0.0, -PLATE_MM / 2),
+            "ridge": (m.half_width - 1.0, 0.0, 1.5), "ring groove": ring, "round dent": (0.0, head_y, head_z),
         },
         "bone": {"bone": (0.0, bench.dims.bone_outline.section.dorsal, middle)},
         "stand": {"stand": (0.0, 0.0, -30.0)}, "hand_stub": {"stub of a hand": (0.0, 0.0, -40.0)},

@@ -132,4 +132,3 @@ class Springs:
     def speed_m_s(self, mass_kg: float, force_n: float) -> float:
         """Return the speed of a knock with this largest force."""
         return math.sqrt(2 * self.energy_j(force_n) / mass_kg)
-

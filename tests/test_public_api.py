@@ -133,8 +133,12 @@ def test_a_sweep_gives_a_row_for_each_design_and_goes_on_where_it_ended(tmp_path
     assert list(table["status"]) == ["ok", "ok"]
     assert table["cutoff_3db_hz"].to_numpy() == pytest.approx([50.0, 60.0], rel=0.03)
     assert "of 2 designs" in told[-1]
-    again = fingertip.run_sweep(file, {"design.board.r5_ohm": 2e5}, tmp_path / "rows", jobs=1)
-    assert again.equals(table)
+    tables = {
+        "name": "mine", "outputs": ["q", "cutoff_3db_hz"], "axes": {"board.cutoff_hz": [50.0, 60.0]},
+        "design": {"board": {"r5_ohm": 2e5}},
+    }  # fmt: skip
+    for again in (file, {"design.board.r5_ohm": 2e5}), (tables, ()):
+        assert fingertip.run_sweep(*again, tmp_path / "rows", jobs=1).equals(table)
 
 
 def test_detection_takes_arrays_and_follows_their_rate() -> None:

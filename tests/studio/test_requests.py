@@ -126,6 +126,20 @@ def test_malformed_requests_get_one_sentence(server: StudioServer, capfd: pytest
     assert capfd.readouterr() == ("", "")
 
 
+def test_connections_beyond_a_number_are_refused(server: StudioServer, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Connections that send nothing hold all threads; when they end, the studio answers again."""
+    wait_for_handlers()
+    monkeypatch.setattr("fingertip.studio.server._MAX_THREADS", threading.active_count() + 2)
+    held = [socket.create_connection(("127.0.0.1", server.server_port)) for _ in range(3)]
+    while sum("process_request_thread" in thread.name for thread in threading.enumerate()) < 3:
+        time.sleep(0.002)
+    assert send(server, post(server, "{}")) is None
+    for connection in held:
+        connection.close()
+    wait_for_handlers()
+    assert send(server, post(server, "{}")) is not None
+
+
 def test_checks_that_nobody_waits_for_are_given_up(server: StudioServer, monkeypatch: pytest.MonkeyPatch) -> None:
     """Twenty pages ask and are closed; the next one is answered, though each answer would take a minute."""
     begun = threading.Event()

@@ -14,7 +14,7 @@ import typer
 from fingertip.catalogues.electronics import NAMES, spell_sensor
 from fingertip.cli.console import Console
 from fingertip.cli.options import CHANGES, command, find_file_issues
-from fingertip.foundation.errors import FingertipError, Issue, gather, join_words, raise_issues
+from fingertip.foundation.errors import FingertipError, Issue, gather, join_words, quote_value, raise_issues
 from fingertip.foundation.input_files import is_safe_name
 from fingertip.foundation.progress import Work
 
@@ -60,7 +60,7 @@ def new(
     """
     sensor = sensor and spell_sensor(sensor)
     issues = list(find_file_issues("--out", out, ".toml", kept="give another name"))
-    issues += _find_taken(name)
+    issues += _find_taken(name, out)
     order = _Order(name, out or Path(f"{name}.toml"), changes or (), issues)
     if old:
         others = {"--sensor": sensor, "--preset": preset, "--hand": hand, "--finger": finger}
@@ -94,12 +94,14 @@ class _Order:
         return f"fingertip make {shlex.quote(self.path.as_posix())}"
 
 
-def _find_taken(name: str) -> Iterator[Issue]:
+def _find_taken(name: str, out: Path | None) -> Iterator[Issue]:
     """Find why a name is refused: a bundled file has it, or Windows makes no file of it."""
     from fingertip.catalogues.file_kinds import DESIGN, SET, list_bundled_files
 
     if not is_safe_name(f"{name}.toml") and name.isalnum():
         yield Issue("NAME", f"{name} names no file on Windows; choose another, such as my_{name}.")
+    if out and not is_safe_name(out.name):
+        yield Issue("--out", f"{quote_value(out.name)} names no file on Windows; choose another, such as {name}.toml.")
     for kind in (DESIGN, SET):
         if name in list_bundled_files(kind):
             taken = f"{name} is the name of a bundled {kind.name}"

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fingertip.bench.stream import SampleReader
 from fingertip.design import Design
 from fingertip.documents.firmware import render_readme
 from fingertip.firmware.fingers import TASK_CONVERSIONS, find_controller, plan_fingers
@@ -77,7 +78,8 @@ def compile_lamp(folder: Path, *command: str, streams: str = "false") -> list[st
     require_tool(command[0], INSTALL)
     write_firmware(DESIGN, folder)
     sketch = folder / "slip_lamp/slip_lamp.ino"
-    sketch.write_text(sketch.read_text().replace("STREAM = false", f"STREAM = {streams}"))
+    text = sketch.read_text().replace("STREAM = false", f"STREAM = {streams}")
+    sketch.write_text(text.replace("MOTION_PIN = -1", "MOTION_PIN = 2" if streams == "true" else "MOTION_PIN = -1"))
     sources = {"slip_lamp.ino": ["c++", "-std=gnu++17"], "slip_detector.c": ["c"], "slip_grip.c": ["c"]}
     for name, language in sources.items():
         flags = ["-Wall", "-Wextra", "-Werror", "-O2", f"-I{ARDUINO}", "-c", "-x", *language]
@@ -114,6 +116,9 @@ def test_the_sketch_counts_lost_samples_and_streams_for_the_computer(tmp_path: P
     text, _ = run_lamp(tmp_path, "TEENSYDUINO", counts, "100", "1200")
     assert set(re.findall(r"late:(\d+)", text)) == {"1101"}
     text, _ = run_lamp(tmp_path / "stream", "TEENSYDUINO", counts, streams="true")
+    samples = [*SampleReader(text.encode().splitlines())]
+    assert [round(2000 * one.time_s) for one in samples] == [*range(len(counts))]
+    assert np.flatnonzero([one.moving for one in samples])[[0, -1]].tolist() == [500, 899], "the contacts of the rig"
     done = run_fingertip("detect", "-", "--design", "first_finger", "--detector", "fast", given=text)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("ON") == np.count_nonzero(np.diff(decide(counts * STEP_V).astype(int)) > 0)

@@ -12,11 +12,12 @@ from __future__ import annotations
 import gc
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import typer
 
 from fingertip.cli.accuracy import accuracy
+from fingertip.cli.bench import record
 from fingertip.cli.board import board
 from fingertip.cli.build import build, firmware, make, robot
 from fingertip.cli.calibrate import calibrate
@@ -43,9 +44,9 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-COMMANDS = {
+COMMANDS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
     "Make a finger": (new, make, check, studio, build, calibrate),
-    "Board, controller and slip": (board, firmware, simulate, detect, validate),
+    "Board, controller and slip": (board, firmware, simulate, detect, validate, record),
     "Many designs": (sweep,),
     "Look up and export": (params, pad, accuracy, robot, schema, completion),
     "What make includes, one by one": (page, sheet, acceptance, picture, drawing),

@@ -56,7 +56,7 @@ def check(
     GITHUB_ACTIONS is true, each finding is an annotation of its line too.
 
     A folder that build, board or another command wrote is compared with its manifests: every file must be as written.
-    Nothing in it is changed.
+    Nothing in it is changed. A folder of recordings is checked for what whoever takes it needs, and for consent.
 
     A mesh (.stl, .3mf, .obj, .ply) of any program is checked too, and the half of a mold with the other beside it.
     """
@@ -117,10 +117,17 @@ def _check_meshes(paths: Sequence[Path], verbose: bool) -> tuple[list[dict[str, 
 
 
 def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[str]]:
+    from fingertip.bench.recordings import check_recordings, is_recordings
     from fingertip.tasks.verification import verify_sets
 
     results, texts = [], []
     for folder in folders:
+        if is_recordings(folder):
+            trials, faults = check_recordings(folder)
+            results.append({"folder": folder.as_posix(), "passed": not faults, "trials": trials, "faults": faults})
+            verdict = "must be mended before it is given away" if faults else "may be given away"
+            texts.append("\n".join([*faults, f"{folder}: {trials} trials; the folder {verdict}"]))
+            continue
         count, differences = verify_sets(folder)
         result = {"passed": not differences, "files": count, "differences": differences}
         results.append({"folder": folder.as_posix(), **result})

@@ -180,6 +180,9 @@ def validate(
         None, help="Detector that the requirements apply to; all are compared. Default: the design's."
     ),
     seed: int = typer.Option(5_000_000, help="First seed; every one from 5000000 on is held out."),
+    recordings: Path | None = typer.Option(
+        None, metavar="DIR", help="Recordings of fingertip record, to compare with their simulation, which is fitted."
+    ),
     jobs: int | None = options.JOBS,
     out: Path | None = typer.Option(None, "--out", "-o", help="Folder; default: out/NAME/validation."),
     force: bool = options.FORCE,
@@ -188,6 +191,7 @@ def validate(
 ) -> None:
     """Test a design's detectors on simulated slips and on scenes without slip. Exit code 1: a requirement is missed."""
     from fingertip.board.analysis.board_values import find_range_warnings
+    from fingertip.cli.bench import compare_recordings
     from fingertip.detection.warnings import settings_warnings
     from fingertip.foundation import extras
     from fingertip.foundation.output_set import SetWriter, hash_parameters
@@ -196,9 +200,16 @@ def validate(
     from fingertip.lab.campaign.plan import CampaignPlan, check_first_seed
     from fingertip.slip.detectors import registry
 
+    if recordings is not None and design is None:
+        design = recordings / "design.toml"
     loaded = load_design(design, changes, console)
     detector = detector or loaded.detector.kind
     registry.check_detector(loaded, detector)
+    if recordings is not None:
+        if (trials, minutes, seed) != (120, 40.0, 5_000_000):
+            refuse([Issue("--recordings", "states the trials; leave --trials, --minutes and --seed out.")])
+        compare_recordings(console, loaded, detector, recordings, out, force)
+        return
     plan = CampaignPlan(trials, minutes)
     check_first_seed(seed)
     find_workers(jobs)

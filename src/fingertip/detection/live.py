@@ -180,8 +180,8 @@ def follow(
     nanosec_index = names.index(columns.names[NANOSEC]) if NANOSEC in columns.names else None
     clock, on, all_whole, width, sample = _SampleClock(parameters), False, True, 0, -1
     for number, line in rows:
-        if header.is_repeated(line):
-            continue  # a controller repeats it each second
+        if header.is_repeated(line) or line.startswith("#"):
+            continue  # a controller repeats it each second, with its version
         sample += 1
         cells = split_cells(line, delimiter)
         width = width or header.count_cells(len(cells), columns)

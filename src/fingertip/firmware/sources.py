@@ -16,6 +16,7 @@ from fingertip.catalogues.output_files import BUFFER, HAND, SCAN, TIMER
 from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
 from fingertip.firmware.fingers import CONVERSIONS, GENERIC, TASK_CONVERSIONS, Fingers
+from fingertip.foundation.version import __version__
 from fingertip.sim.runs.grip import HISTORY, LONGEST_STEP_S, MIN_PRESENT_N, ForceCurve, GripSettings
 from fingertip.slip.detectors import fast_state
 from fingertip.slip.detectors.fast import REST_SHARE, STILL_S, FastDetector, FastSettings, FilteredSignal
@@ -71,6 +72,7 @@ def _render_constants(design: Design) -> str:
         "ADC_BITS": converter.adc_bits,
         "ADC_LOW_V": converter.adc_low_v,
         "ADC_STEP_V": converter.adc_step_v,
+        "VERSION": __version__,
     }
     texts = {name: real(value) if isinstance(value, float) else value for name, value in values.items()}
     return Template(read_template("slip_constants.h").rstrip()).substitute(texts)

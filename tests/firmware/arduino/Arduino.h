@@ -5,12 +5,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { LOW = 0, HIGH = 1, INPUT = 0, OUTPUT = 1, INPUT_ANALOG = 2, LED_BUILTIN = 13 };
+enum { LOW = 0, HIGH = 1, INPUT = 0, OUTPUT = 1, INPUT_ANALOG = 2, INPUT_PULLUP = 3, LED_BUILTIN = 13 };
 enum { A0 = 14, A1, A2, A3, A4, A5, A6, A7, A8, A9 };
 enum { PA0 = 100, PA1, PA2, PA3, PA4, PA5, PA6, PA7, PB0 = 108, PB1 };
 
 void pinMode(int pin, int mode);
 void digitalWrite(int pin, int level);
+int digitalRead(int pin);
 int analogRead(int pin);
 uint32_t analogReadMilliVolts(uint8_t pin);
 void analogReadResolution(int bits);

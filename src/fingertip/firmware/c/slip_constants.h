@@ -164,3 +164,6 @@
 #define SLIP_ADC_BITS $ADC_BITS
 #define SLIP_ADC_LOW_V $ADC_LOW_V
 #define SLIP_ADC_STEP_V $ADC_STEP_V
+
+/* Program that wrote this library. */
+#define SLIP_VERSION "$VERSION"

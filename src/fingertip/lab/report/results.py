@@ -52,7 +52,7 @@ def as_data(result: CampaignResult, closed_loop: Sequence[ClosedLoopSummary]) ->
     assumptions = lay_out_page(render("validation/assumptions.md", **STATED))
     return {
         "matched_alarms_per_minute": MATCHED_ALARMS_PER_MINUTE,
-        "matched": {name: _summary(matched) if matched else None for name, matched in _matched(result).items()},
+        "matched": {name: summarise(matched) if matched else None for name, matched in _matched(result).items()},
         "trials": result.plan.trials,
         "negative_minutes": result.plan.negative_minutes,
         "first_seed": result.first_seed,
@@ -83,18 +83,18 @@ def _detector(result: CampaignResult, name: str) -> dict[str, Any]:
             duration, is_separate = round(minutes.get(cause, 0.0), 3), cause in REPORTED_SEPARATELY
             alarms[cause] = {"count": count, "minutes": duration, "reported_separately": is_separate}
     return {
-        **_summary(nominal),
+        **summarise(nominal),
         "below_30_ms": round(nominal.share_within_30_ms, 4),
         "surfaces": {str(k): _group(v) for k, v in nominal.group_delays(surface).items()},
         "speeds_m_s": {str(k): _group(v) for k, v in nominal.group_delays(speed_m_s).items()},
         "alarms": alarms,
         "trial_minutes": round(minutes.get("slip", 0.0), 3),
         "delays_s": [round(d, 7) for d in nominal.delays_s],
-        "trade_off": [_summary(r) for r in result.detectors[name]],
+        "trade_off": [summarise(r) for r in result.detectors[name]],
     }
 
 
-def _summary(result: DetectorResult) -> dict[str, Any]:
+def summarise(result: DetectorResult) -> dict[str, Any]:
     return {
         "scale": result.scale,
         "found_share": round(result.found_share, 5),

@@ -60,9 +60,10 @@ class TrapezoidalMove:
 
     @classmethod
     def with_duration(cls, start_s: float, distance_m: float, duration_s: float) -> TrapezoidalMove:
-        """Build the move that takes `duration_s` [s], which must be at least ``2 sqrt(distance / acceleration)``."""
-        a, T = ACCELERATION_M_S2, duration_s
-        return cls(start_s, distance_m, a, (a * T - math.sqrt(a * a * T * T - 4 * a * distance_m)) / 2)
+        """Build the move that takes `duration_s` [s]; one that is shorter than a triangle accelerates more."""
+        T = duration_s
+        a = max(ACCELERATION_M_S2, 4 * distance_m / (T * T))
+        return cls(start_s, distance_m, a, (a * T - math.sqrt(max(0.0, a * a * T * T - 4 * a * distance_m))) / 2)
 
     @property
     def _ramp_s(self) -> float:

@@ -22,7 +22,10 @@ static const char *const NAMES[SLIP_FINGERS] = SLIP_NAMES;
 #define LED_BUILTIN 2  // of most boards with an ESP32
 #endif
 static const int LAMP_PIN = LED_BUILTIN, LAMP_ON = HIGH;
-static const bool STREAM = false;  // true: each sample of the first finger, for `fingertip detect -`
+static const bool STREAM = false;  // true: each sample of the first finger, for `fingertip record` or `detect -`
+// Pin that the contacts of `fingertip rig` connect to GND while its slide rests: the stream has the column moving.
+static const int MOTION_PIN = -1;
+static volatile uint8_t moving[MOTION_PIN < 0 ? 1 : SLIP_BUFFER_SAMPLES];  // level of the pin at each waiting sample
 static const uint32_t RATE_HZ = SLIP_SAMPLE_RATE_MILLIHZ / 1000u, LINE_SAMPLES = RATE_HZ / 50u;
 
 #if defined(ARDUINO_ARCH_ESP32)
@@ -74,11 +77,17 @@ static void take_sample() {
     }
     codes[i].tactile = (uint16_t)((float)sum * (COUNT_V / CONVERSIONS / (float)SLIP_ADC_STEP_V) + 0.5f);
   }
+  if (MOTION_PIN >= 0) {
+    moving[slip_stored % SLIP_BUFFER_SAMPLES] = digitalRead(MOTION_PIN) == HIGH;
+  }
   slip_store(codes);
 }
 
 void setup() {
   pinMode(LAMP_PIN, OUTPUT);
+  if (MOTION_PIN >= 0) {
+    pinMode(MOTION_PIN, INPUT_PULLUP);
+  }
   digitalWrite(LAMP_PIN, LAMP_ON);
   delay(500);
   digitalWrite(LAMP_PIN, !LAMP_ON);
@@ -110,9 +119,14 @@ static void stream(const slip_sample &sample) {
   char line[SLIP_LINE_BYTES];
   char *end = slip_format_millionths(line, (uint64_t)sample.number * 1000000000u / SLIP_SAMPLE_RATE_MILLIHZ);
   end = slip_format_volts(end, slip_volts(sample.codes[0].tactile));
+  if (MOTION_PIN >= 0) {
+    *end++ = ',';
+    *end++ = (char)('0' + moving[sample.number % SLIP_BUFFER_SAMPLES]);
+  }
   *end++ = '\n';
   if (sample.number % RATE_HZ == 0) {
-    Serial.write("time_s,voltage_v\n", 17);
+    Serial.write(SLIP_LINE_HEADER, sizeof SLIP_LINE_HEADER - 1);
+    Serial.write(",moving\n" + (MOTION_PIN < 0 ? 7 : 0), MOTION_PIN < 0 ? 1 : 8);
   }
   Serial.write(line, end - line);
 }

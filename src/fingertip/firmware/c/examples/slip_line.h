@@ -4,7 +4,8 @@
 
 #include "slip_detector.h"
 
-#define SLIP_LINE_HEADER "time_s,voltage_v,filtered_v\n"
+/* Version, which the readers pass over, and the columns that each stream begins with. */
+#define SLIP_LINE_HEADER "# fingertip " SLIP_VERSION "\ntime_s,voltage_v"
 enum { SLIP_LINE_BYTES = 56 };
 
 /* Write a number of millionths, and return the position behind it. */

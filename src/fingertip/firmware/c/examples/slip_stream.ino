@@ -20,6 +20,9 @@ static const uint32_t INPUTS[SLIP_FINGERS][2] = SLIP_INPUTS;  // T and S of each
 static const uint32_t INPUTS[SLIP_FINGERS][2] = {{A0, A1}};
 #endif
 static const int SLIP_PIN = LED_BUILTIN;
+// Pin that the contacts of `fingertip rig` connect to GND while its slide rests: the stream has the column moving.
+static const int MOTION_PIN = -1;
+static volatile uint8_t moving[MOTION_PIN < 0 ? 1 : SLIP_BUFFER_SAMPLES];  // level of the pin at each waiting sample
 static const unsigned long SETTLE_MS = 2000;  // voltages of the board, after power on
 static const uint32_t HEADER_EVERY = SLIP_SAMPLE_RATE_MILLIHZ / 1000u;  // samples
 
@@ -33,11 +36,17 @@ static void take_sample() {
   for (unsigned i = 1; i < SLIP_FINGERS; i++) {
     codes[i] = codes[0];  // the detectors of the others see the same finger
   }
+  if (MOTION_PIN >= 0) {
+    moving[slip_stored % SLIP_BUFFER_SAMPLES] = digitalRead(MOTION_PIN) == HIGH;
+  }
   slip_store(codes);
 }
 
 void setup() {
   pinMode(SLIP_PIN, OUTPUT);
+  if (MOTION_PIN >= 0) {
+    pinMode(MOTION_PIN, INPUT_PULLUP);
+  }
   analogReadResolution(SLIP_ADC_BITS);
   slip_hand_init(&hand);
   Serial.begin(2000000);  // a native USB port ignores the rate, a serial bridge does not
@@ -60,11 +69,18 @@ void loop() {
     return;
   }
   const slip_real tactile_v = slip_volts(sample.codes[0].tactile), filtered_v = slip_volts(sample.codes[0].filtered);
-  const size_t length = slip_format_line(line, sample.number, tactile_v, filtered_v);
+  char *end = line + slip_format_line(line, sample.number, tactile_v, filtered_v) - 1;
+  if (MOTION_PIN >= 0) {
+    *end++ = ',';
+    *end++ = (char)('0' + moving[sample.number % SLIP_BUFFER_SAMPLES]);
+  }
+  *end++ = '\n';
   if (sample.number % HEADER_EVERY == 0) {
     Serial.write(SLIP_LINE_HEADER, sizeof SLIP_LINE_HEADER - 1);
+    Serial.write(",filtered_v\n", MOTION_PIN < 0 ? 12 : 11);
+    Serial.write(",moving\n", MOTION_PIN < 0 ? 0 : 8);
   }
   // Samples are lost if the computer does not read in time. A gap in the times ends `fingertip detect -` with a message.
   digitalWrite(SLIP_PIN, slip_hand_step(&hand, sample.codes, sample.lost) ? HIGH : LOW);
-  Serial.write(line, length);
+  Serial.write(line, end - line);
 }

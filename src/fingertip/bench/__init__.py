@@ -1,0 +1,1 @@
+"""Measured figures of a built finger: guided recording, a folder that others can use, measured beside simulated."""

@@ -1,0 +1,207 @@
+"""What in the simulation must move to agree with recordings: force curve and turn-on, noise, and level of vibration.
+
+Each figure has a 95 % interval. The curve follows from the voltages under known weights, ahead of the slide. Noise and
+level compare each trial with its simulated counterpart, in the voltage: the variance of noise adds, and vibration is
+nearly proportional to the roughness that the pad feels. Student's t of the trials
+gives the intervals.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingertip.bench.trials import TrialFile
+from fingertip.board.analysis.board_values import find_tactile_response
+from fingertip.calibration.printer import apply_calibration
+from fingertip.calibration.sensor import (
+    MIN_LOADS,
+    MIN_WEIGHINGS,
+    calibrate_sensor,
+    find_conductance,
+    fit_power_law,
+    parse_weighings,
+)
+from fingertip.design import Design
+from fingertip.foundation.errors import Issue, TraceError, raise_issues
+from fingertip.foundation.numerics import CONFIDENCE, Array, t_quantile
+from fingertip.lab.campaign.run import VIBRATION_HZ
+from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N
+from fingertip.slip.traces.trace import Trace
+
+LOOK_S, KEEP_OFF_S = 0.4, 0.05
+"""Time before the motion in which the finger holds still, and what is left out of it at its end [s]."""
+_TURN_ONS = 60
+_MIN_TURN_ON_N, _SAME_LEVEL = 0.01, 0.02
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """One figure of the simulation."""
+
+    name: str
+    unit: str
+    stated: float
+    """Value of the design, or of the bundled surface."""
+    value: float
+    low: float
+    high: float
+    """Ends of the 95 % interval."""
+    count: int
+    """Trials it follows from."""
+
+    def __str__(self) -> str:
+        unit = f" {self.unit}" if self.unit else ""
+        moved = "" if self.low <= self.stated <= self.high else "   must move"
+        span = f"({self.low:.4g} to {self.high:.4g}, {self.count} trials)"
+        return f"{self.name:28} {self.stated:9.4g} -> {self.value:.4g}{unit} {span}{moved}"
+
+
+def still_part(trial: TrialFile) -> slice:
+    """Find the samples in which the finger rests on the slide before it moves, or else holds still."""
+    trace, step_s = trial.trace, float(trial.trace.time_s[1] - trial.trace.time_s[0])
+    if trace.slip is not None and trace.slip.any():
+        end_s = float(trace.time_s[np.argmax(trace.slip)]) - KEEP_OFF_S
+    else:
+        end_s = next((end for name, (_, end) in trial.labels.phases.items() if name in ("wait", "hold")), 0.0)
+    end = round(end_s / step_s)
+    return slice(max(0, end - round(LOOK_S / step_s)), end)
+
+
+def sliding_part(trace: Trace) -> slice:
+    """Find the middle of the motion: three fifths of it."""
+    moving = np.flatnonzero(trace.slip) if trace.slip is not None else np.zeros(0, dtype=int)
+    if not len(moving):
+        return slice(0, 0)
+    first, count = int(moving[0]), int(moving[-1] - moving[0]) + 1
+    return slice(first + count // 5, first + count - count // 5)
+
+
+def fast_variance(volts: Array, step_s: float) -> float:
+    """Variance of a voltage beyond the mean of a period of `VIBRATION_HZ` [V2]."""
+    width = max(1, round(1 / (VIBRATION_HZ * step_s)))
+    if len(volts) < 3 * width:
+        return math.nan
+    slow = np.convolve(volts, np.full(width, 1 / width), "valid")
+    middle = volts[(width - 1) // 2 :][: len(slow)]
+    return float(np.mean((middle - slow) ** 2))
+
+
+def mean_interval(values: Sequence[float]) -> tuple[float, float, float]:
+    """Mean, and the ends of its 95 % interval; infinite with one value."""
+    known = np.array([value for value in values if math.isfinite(value)])
+    if not len(known):
+        return math.nan, -math.inf, math.inf
+    mean = float(known.mean())
+    if len(known) < 2:
+        return mean, -math.inf, math.inf
+    half = t_quantile(CONFIDENCE, len(known) - 1) * float(known.std(ddof=1)) / math.sqrt(len(known))
+    return mean, mean - half, mean + half
+
+
+def fit_curve(
+    design: Design, trials: Sequence[TrialFile], sense_n: Callable[[TrialFile], float]
+) -> tuple[Design, tuple[Fitted, ...], str]:
+    """Fit turn-on and power law; return the design with them, and a sentence if the weights do not suffice.
+
+    `sense_n` returns the force that a calibrated sensor shows under the weight of a trial [N]: the part of a force that
+    reaches the sensor changes with it. The turn-on is the one about which the weighings scatter least. Its interval
+    holds those that Student's t does not reject, and the next ones of the grid; the intervals of the power law hold
+    those of all these turn-ons. Raises TraceError.
+    """
+    known = [(sense_n(trial), float(np.mean(trial.trace.voltage_v[still_part(trial)])))
+             for trial in trials if trial.labels.force_n and trial.labels.kind in ("slide", "hold")]  # fmt: skip
+    loads = {round(force, 3) for force, _ in known}
+    if len(loads) <= MIN_LOADS or len(known) <= MIN_WEIGHINGS:
+        return design, (), (
+            f"the curve is not fitted: {len(known)} trials under {len(loads)} known forces; record at least "
+            f"{MIN_WEIGHINGS + 1} under {MIN_LOADS + 1}, with --force-n"
+        )  # fmt: skip
+    idle = [float(np.mean(trial.trace.voltage_v[: max(1, round(0.5 / _step_s(trial.trace)))])) for trial in trials]
+    rows = [(0.0, float(np.mean(idle))), *known]
+    weighings = parse_weighings("\n".join(["force_n,voltage_v", *(f"{f},{v}" for f, v in rows)]), "recordings")
+    response, max_n = find_tactile_response(design), min(loads) - TURN_ON_WIDTH_N
+    grid = np.linspace(_MIN_TURN_ON_N, max(max_n, 2 * _MIN_TURN_ON_N), _TURN_ONS).tolist()
+    offset_v, forces = rows[0][1] - response.open_v, [row.force_n for row in weighings.rows]
+    conductances = [find_conductance(row, weighings.kind, response, 1.0, offset_v) for row in weighings.rows]
+    raise_issues(TraceError, (Issue("recordings", text) for text in conductances if isinstance(text, str)))
+    numbers = [number for number in conductances if isinstance(number, float)]
+    laws = [fit_power_law(forces, numbers, turn_on_n) for turn_on_n in grid]
+    best, count = min(laws, key=lambda law: law.scatter), len(forces)
+    allowed = best.scatter**2 * (1 + t_quantile(CONFIDENCE, max(1, count - 3)) ** 2 / max(1, count - 3))
+    kept = [at for at, law in enumerate(laws) if law.scatter**2 <= allowed]
+    near = laws[max(0, kept[0] - 1) : kept[-1] + 2]
+    found = calibrate_sensor(design.with_values({"force_curve.turn_on_n": round(best.turn_on_n, 4)}), weighings)
+    ends = [(law.exponent, law.coverage_factor * law.exponent_uncertainty) for law in near]
+    spans = [(math.log(law.conductance_s),
+              law.coverage_factor * law.scatter * math.sqrt(1 / count + law.mean_log_force**2 / law.squares))
+             for law in near]  # fmt: skip
+    stated = design.force_curve
+    figures: tuple[tuple[str, str, float, float, float, float], ...] = (
+        ("force_curve.turn_on_n", "N", stated.turn_on_n, best.turn_on_n,
+         near[0].turn_on_n, near[-1].turn_on_n),
+        ("force_curve.exponent", "", stated.exponent, best.exponent,
+         min(mean - half for mean, half in ends), max(mean + half for mean, half in ends)),
+        ("force_curve.conductance_us", "uS", stated.conductance_us, 1e6 * best.conductance_s,
+         1e6 * math.exp(min(mean - half for mean, half in spans)),
+         1e6 * math.exp(max(mean + half for mean, half in spans))),
+    )  # fmt: skip
+    return apply_calibration(design, found.changes), tuple(Fitted(*one, count) for one in figures), ""
+
+
+def _step_s(trace: Trace) -> float:
+    return float(trace.time_s[1] - trace.time_s[0])
+
+
+Pairs = Sequence[tuple[TrialFile, TrialFile]]
+"""Recorded trials, each with its simulated counterpart."""
+
+
+def fit_noise(stated_v: float, used_v: float, pairs: Pairs) -> Fitted:
+    """Fit the white noise [V] for which the voltages at rest vary as much as the recorded ones."""
+
+    def variance(trial: TrialFile) -> float:
+        return float(np.mean(np.diff(trial.trace.voltage_v[still_part(trial)]) ** 2)) / 2
+
+    differences = [variance(measured) - variance(simulated) for measured, simulated in pairs]
+    value, low, high = (math.sqrt(max(0.0, used_v**2 + each)) for each in mean_interval(differences))
+    return Fitted("detector.noise_v", "V", stated_v, value, low, high, len(pairs))
+
+
+@dataclass
+class LevelFit:
+    """Fit of the roughness that the pad feels on a surface [um], by the secant of its logarithm.
+
+    Vibration grows a little faster than the roughness, so that the slope of two rounds is needed.
+    """
+
+    name: str
+    stated_um: float
+    um: float
+    """Roughness of the next simulation."""
+    _before: tuple[float, float] | None = None
+    """Logarithm of the roughness of the round before, and of its ratio of vibration, recorded to simulated."""
+
+    def add_round(self, pairs: Pairs) -> Fitted | None:
+        """Take slides that were simulated with `um`; None if none of them shows vibration above its noise."""
+        ratios = [(_excess(measured), _excess(simulated)) for measured, simulated in pairs]
+        logs = [0.5 * math.log(a / b) for a, b in ratios if a > 0.0 and b > 0.0]
+        if not logs:
+            return None
+        mean, used = mean_interval(logs), math.log(self.um)
+        slope = 1.0
+        if self._before and abs(used - self._before[0]) > _SAME_LEVEL:
+            slope = min(max((self._before[1] - mean[0]) / (used - self._before[0]), 0.5), 2.0)
+        self._before = used, mean[0]
+        self.um, low, high = (math.exp(used + each / slope) for each in mean)
+        return Fitted(f"surface.felt_um ({self.name})", "um", self.stated_um, self.um, low, high, len(logs))
+
+
+def _excess(trial: TrialFile) -> float:
+    """Variance of the voltage in the slide beyond that of its noise [V2]."""
+    volts, step_s = trial.trace.voltage_v, _step_s(trial.trace)
+    noise = fast_variance(volts[still_part(trial)], step_s)
+    return fast_variance(volts[sliding_part(trial.trace)], step_s) - noise

@@ -1,0 +1,125 @@
+"""Trials of a bench: what a person does in each, and one CSV file per trial whose first line holds its labels."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fingertip.foundation.errors import InputFileError, Issue, TraceError, quote_value, raise_issues
+from fingertip.foundation.files import write_file
+from fingertip.foundation.input_files import RECORDING_LIMIT, read_input
+from fingertip.slip.traces.read import read_raw_trace
+from fingertip.slip.traces.trace import ColumnMap, Trace
+
+FORMAT = "fingertip-trial 1"
+_MAX_LABELS = 2**14
+"""Longest line of labels [bytes]."""
+_NUMBERS = ("force_n", "stroke_m", "temperature_c")
+Phases = Mapping[str, float]
+KINDS: Mapping[str, Phases] = {
+    "slide": {"away": 1.5, "press": 1.5, "wait": 1.0, "slide": 2.0, "rest": 1.0, "release": 1.0},
+    "hold": {"away": 1.5, "press": 1.5, "hold": 5.0, "release": 1.0},
+    "tap": {"away": 1.5, "press": 1.5, "tap": 4.0, "release": 1.0},
+    "hand": {"away": 1.5, "press": 1.5, "hand": 5.0, "release": 1.0},
+}
+"""Kind of a trial -> its phases and their durations [s]; a slide is the article's trial (III.C)."""
+SAID = {
+    "away": "touch nothing", "press": "set the finger down, and keep still", "wait": "keep still",
+    "slide": "let the slide go", "rest": "keep still", "hold": "keep still", "release": "lift the finger",
+    "tap": "tap the bench beside the finger, once a second", "hand": "move as a hand does: wobble, carry, turn",
+}  # fmt: skip
+"""Phase -> what to do in it."""
+_ORDER = ("slide", "slide", "slide", "hold", "slide", "slide", "tap", "hand")
+
+
+def kind_of(number: int) -> str:
+    """Return the kind of a trial, numbered from 1: of eight, five slide."""
+    return _ORDER[(number - 1) % len(_ORDER)]
+
+
+def trial_path(folder: Path, number: int) -> Path:
+    return folder / f"trial_{number:04}.csv"
+
+
+def list_trials(folder: Path) -> list[Path]:
+    return sorted(folder.glob("trial_*.csv"))
+
+
+@dataclass(frozen=True)
+class Labels:
+    """What is known of a trial beside its samples."""
+
+    trial: int
+    kind: str
+    phases: Mapping[str, tuple[float, float]]
+    """Phase -> its start and end, as the person was told [s]."""
+    design: str
+    design_hash: str
+    surface: str = ""
+    force_n: float | None = None
+    """Force by weights [N]; None if it is not known."""
+    stroke_m: float | None = None
+    """Way of the slide between its contacts [m]."""
+    lost: int = 0
+    """Samples that did not arrive, and were replaced by the one before."""
+    firmware: str = ""
+    temperature_c: float | None = None
+    simulated: bool = False
+    format: str = field(default=FORMAT, kw_only=True)
+
+    def find_issues(self, name: str) -> Iterator[Issue]:
+        ends = (end for pair in self.phases.values() for end in pair)
+        numbers = (self.force_n, self.stroke_m, self.temperature_c, *ends)
+        if self.format != FORMAT:
+            yield Issue(name, f"has the format {quote_value(str(self.format))}; record it again as {FORMAT!r}.")
+        if self.kind not in KINDS:
+            yield Issue(name, f"has the kind {quote_value(str(self.kind))}; give one of {', '.join(KINDS)}.")
+        if any(number is not None and not math.isfinite(number) for number in numbers):
+            yield Issue(name, "holds a label that is not finite; correct its first line.")
+
+
+@dataclass(frozen=True, eq=False)
+class TrialFile:
+    labels: Labels
+    trace: Trace
+    """Samples; `slip` is true while the slide moves, and None where its contact was not recorded."""
+
+
+def write_trial(path: Path, labels: Labels, trace: Trace) -> None:
+    """Write a trial under another name and rename it: the file is whole or not there. Raises OutputError."""
+    columns = {"time_s": trace.time_s, "voltage_v": trace.voltage_v, "filtered_v": trace.filtered_v, "slip": trace.slip}
+    known = {name: values for name, values in columns.items() if values is not None}
+    text = io.StringIO()
+    text.write(f"# {json.dumps(asdict(labels))}\n{','.join(known)}\n")
+    np.savetxt(text, np.column_stack([*known.values()]), "%.7g", ",")
+    write_file(path, text.getvalue().encode())
+
+
+def read_trial(path: Path, below: Path | None = None) -> TrialFile:
+    """Read a trial with its labels. Raises TraceError."""
+    try:
+        first = read_input(path, RECORDING_LIMIT, "a trial", _MAX_LABELS, below).partition(b"\n")[0]
+        found = json.loads(first.decode().removeprefix("#"))
+        known: dict[str, Any] = {each.name: found[each.name] for each in fields(Labels) if each.name in found}
+        told: dict[str, Any] = known["phases"]
+        phases = {name: (float(start), float(end)) for name, (start, end) in told.items()}
+        numbers: dict[str, Any] = {
+            key: None if known[key] is None else float(known[key]) for key in _NUMBERS if key in known
+        }
+        labels = Labels(**{**known, **numbers, "phases": phases})
+        raise_issues(TraceError, labels.find_issues(path.name))
+    except InputFileError as error:
+        raise TraceError(error.issues) from None
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        message = "does not begin with the labels of a trial; record it with fingertip record."
+        raise TraceError(Issue(path.name, message)) from None
+    raw = read_raw_trace(path, ColumnMap())
+    raise_issues(TraceError, raw.issues)
+    return TrialFile(labels, raw.trace)

@@ -1,0 +1,88 @@
+"""Command `record`, which guides through trials on a bench, and `rig`, which makes the bench."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from fingertip.cli import options
+from fingertip.cli.console import CLEAR_LINE, Console
+from fingertip.cli.options import CHANGES, command, load_design
+from fingertip.foundation.errors import Issue, TraceError
+
+if TYPE_CHECKING:
+    from fingertip.design import Design
+
+
+@command
+def record(
+    console: Console,
+    design: Path | None = options.OPTIONAL_DESIGN,
+    port: str = typer.Option("/dev/ttyACM0", help="Port of the controller; - reads the lines from standard input."),
+    out: Path | None = typer.Option(None, "--out", "-o", help="Folder; default: out/NAME/recordings."),
+    trials: int = typer.Option(40, help="Number of trials: of eight, five slide, one holds, one taps, one moves."),
+    force_n: str | None = typer.Option(
+        None, metavar="N,N,...", help="Forces by weights, each for an equal part of the trials, such as 0.5,1,2,4."
+    ),
+    surface: str = typer.Option("", help="Surface that slides: one that simulate knows, or any other name."),
+    stroke_mm: float = typer.Option(40.0, help="Way of the slide between its two contacts."),
+    temperature_c: float | None = typer.Option(None, help="Temperature of the room."),
+    pace: float = typer.Option(1.0, help="Factor of all durations: 2 gives you twice the time."),
+    changes: list[str] | None = CHANGES,
+) -> None:
+    """Record labelled trials of a finger from its controller's stream, one file each.
+
+    The sketches stream with STREAM = true (slip_lamp.ino) or as they are (slip_stream.ino). The terminal says what to
+    do, and shows voltage, force and slip. Ctrl-C ends it; the same command goes on with the trial that was interrupted.
+    """
+    from fingertip.bench import recordings
+    from fingertip.bench.record import Moment, Plan, Recorder
+    from fingertip.bench.stream import SampleReader, open_port, read_lines
+
+    loaded = load_design(design, changes, console)
+    try:
+        forces = tuple(float(word) for word in force_n.split(",")) if force_n else ()
+    except ValueError:
+        raise TraceError(Issue("--force-n", f"{force_n!r} holds what is no number; write it as 0.5,1,2.")) from None
+    plan = Plan(trials, forces, surface, stroke_mm / 1000, temperature_c, pace)
+    folder = out or Path("out") / loaded.name / "recordings"
+    lines: Iterable[str | bytes] = sys.stdin if port == "-" else read_lines(open_port(port), port)
+    recordings.prepare_folder(folder, loaded)
+    is_shown, told = sys.stderr.isatty() and not console.quiet, set[tuple[int, str]]()
+
+    def show(moment: Moment) -> None:
+        if is_shown:
+            print(f"{CLEAR_LINE}{moment}", end="", file=sys.stderr, flush=True)
+            Console.has_bar = True
+        elif (moment.trial, moment.phase) not in told:
+            told.add((moment.trial, moment.phase))
+            console.progress(str(moment).rstrip())
+
+    recorder = Recorder(loaded, folder, plan, show, console.progress)
+    found = recorder.run(SampleReader(lines))
+    data = {"folder": folder.as_posix(), "trials": [*found.trials], "samples": found.samples, "lost": found.lost,
+            "repeated": found.repeated}  # fmt: skip
+    console.result(data, (
+        f"{len(found.trials)} trials, {found.samples} samples, {found.lost} lost, {found.repeated} trials repeated\n"
+        f"next: fingertip validate --recordings {folder}"
+    ))  # fmt: skip
+
+
+def compare_recordings(
+    console: Console, design: Design, detector: str, recordings: Path, out: Path | None, force: bool
+) -> None:
+    """Compare recordings with their simulation, for `fingertip validate --recordings`."""
+    from fingertip.bench import compare
+    from fingertip.bench.recordings import read_recordings
+    from fingertip.foundation.output_set import SetWriter, hash_parameters
+
+    folder = out or Path("out") / design.name / "measured"
+    writer = SetWriter(folder, "recordings report", design.name, hash_parameters(design.identity()), force=force)
+    writer.check((compare.TEXT, compare.DATA, compare.FITTED))
+    found = compare.compare(design, read_recordings(recordings), detector, console.progress)
+    writer.write(found.files())
+    console.result(found.as_data(), f"{found.as_text()}\nfitted design: {folder / compare.FITTED}")

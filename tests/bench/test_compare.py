@@ -1,0 +1,72 @@
+"""Recordings beside their simulation: what was changed in simulated recordings is recovered within its interval."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip.bench.compare import compare
+from fingertip.bench.fit import fast_variance, mean_interval
+from fingertip.bench.record import Plan, Recorder
+from fingertip.bench.recordings import prepare_folder, read_recordings
+from fingertip.bench.stream import SampleReader
+from fingertip.design import Design
+from fingertip.foundation import jit
+from tests.bench.player import HEADER, format_line, simulate_person
+from tests.conftest import run_fingertip
+
+DESIGN = Design.load("first_finger")
+FORCES_N = (0.5, 0.8, 1.5, 2.5, 3.5)
+CURVE = {"force_curve.turn_on_n": 0.15, "force_curve.conductance_us": 120.0, "force_curve.exponent": 0.7}
+
+
+def record(folder: Path, truth: Design, trials: int, felt_um: float = 0.0) -> None:
+    samples = simulate_person(truth, trials, FORCES_N, "medium", felt_um)
+    lines = [line.encode() for line in HEADER.decode().splitlines()]
+    lines += [format_line(i, *sample).rstrip() for i, sample in enumerate(samples)]
+    prepare_folder(folder, DESIGN)
+    assert Recorder(DESIGN, folder, Plan(trials, FORCES_N, "medium")).run(SampleReader(lines)).lost == 0
+
+
+def test_intervals_and_variances_have_their_closed_forms() -> None:
+    assert mean_interval([1.0, 2.0, 3.0]) == pytest.approx((2.0, 2.0 - 4.302653 / 3**0.5, 2.0 + 4.302653 / 3**0.5))
+    assert mean_interval([4.0])[1:] == (-np.inf, np.inf)
+    time_s = np.arange(20_000) / 2000
+    tone = 3e-3 * np.sin(2 * np.pi * 120.0 * time_s)
+    # The mean of 67 samples leaves sin(x)/x of a tone; a ramp leaves nothing.
+    left = 1 - np.sin(67 * np.pi * 0.06) / (67 * np.sin(np.pi * 0.06))
+    assert fast_variance(tone + 0.2 * time_s, 5e-4) == pytest.approx(left**2 * 9e-6 / 2, rel=1e-3)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(("changed", "noise_v", "felt_um"), [(CURVE, 1.2e-3, 2.48), ({}, 0.5e-3, 0.78)])
+def test_changed_level_noise_and_curve_are_recovered(
+    changed: dict[str, float], noise_v: float, felt_um: float, tmp_path: Path
+) -> None:
+    calibrated = {"force_curve.curve": "calibrated", "force_curve.conductance_us": 190.0, **changed}
+    truth = DESIGN.with_values({**calibrated, "detector.noise_v": noise_v})
+    with jit.compiled():
+        record(tmp_path / "trials", truth, 24, felt_um)
+    done = run_fingertip("validate", "--recordings", str(tmp_path / "trials"), "--out", str(tmp_path / "found"))
+    assert done.returncode == 0, done.stderr
+    report = compare(DESIGN, read_recordings(tmp_path / "trials"), "fast")
+    curve = truth.force_curve
+    expected = {
+        "force_curve.turn_on_n": curve.turn_on_n, "force_curve.exponent": curve.exponent,
+        "force_curve.conductance_us": curve.conductance_us, "detector.noise_v": noise_v,
+        "surface.felt_um (medium)": felt_um,
+    }  # fmt: skip
+    print(report.as_text())
+    assert [one.name for one in report.figures] == [*expected]
+    for one in report.figures:
+        assert one.low <= expected[one.name] <= one.high, str(one)
+        assert one.high - one.low < 0.35 * expected[one.name], f"{one}: the interval says nothing"
+    assert report.results["measured"].slips == 15
+    # A design takes the file over, and a simulation the surface.
+    taken = Design.load(tmp_path / "found/fitted.toml")
+    assert taken.detector.noise_v == pytest.approx(noise_v, rel=0.1)
+    assert taken.force_curve.exponent == pytest.approx(curve.exponent, rel=0.02)
+    words = ("simulate", str(tmp_path / "found/fitted.toml"), "--surface", str(tmp_path / "found/surface_medium.toml"))
+    assert run_fingertip(*words, "--out", str(tmp_path / "again.csv")).returncode == 0

@@ -157,7 +157,6 @@ def test_only_the_exact_kernel_needs_an_extra_to_be_imported() -> None:
     assert done.stdout.strip() == str(
         [
             "fingertip.cad.files.step_writer: ModuleNotFoundError",
-            "fingertip.cad.kernel.bezier: ModuleNotFoundError",
             "fingertip.cad.kernel.brep: MissingLibraryError",
             "fingertip.cad.kernel.cadquery_primitives: ModuleNotFoundError",
             "fingertip.cad.kernel.occ: ModuleNotFoundError",

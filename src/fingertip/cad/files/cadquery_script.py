@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
+from itertools import chain
 from typing import cast
 
 from fingertip.cad.files import carried_functions as carried
-from fingertip.cad.files.script_text import FUNCTIONS, PRIMITIVES, Text, remark, wrap_code
+from fingertip.cad.files.script_text import FUNCTIONS, Text, remark, wrap_code
 from fingertip.cad.files.trace import NUMBERS, SOLIDS, Trace, name_letters
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines
 from fingertip.cad.shapes.finger import sensor_body
@@ -59,7 +60,6 @@ elif __name__ == "__main__":
 )
 _HEADS = {
     _NUMBERS: '"""Numbers that follow from others, for the CadQuery scripts beside this file [mm]."""',
-    _SOLIDS: '"""Solids of numbers, for the CadQuery scripts beside this file [mm]."""',
     _LETTERS: '"""Outlines of engraved letters, for the CadQuery scripts beside this file [units of their grid]."""',
 }
 _FINGER = (
@@ -106,7 +106,8 @@ def write_script(design: Design, part: str) -> bytes:
     for module, each in _carry().items():
         read = {name for name, atom in fixed if name in text.used and each.constants.get(name) == repr(atom.value)}
         text.used -= read
-        if names := sorted(read | (called & each.functions.keys())):
+        own = each.functions.keys() if module == _NUMBERS else FUNCTIONS - _carry()[_NUMBERS].functions.keys()
+        if names := sorted(read | (called & own)):
             imports += wrap_code(f"from {module} import ({', '.join(names)})", "")
     if letters := [name for name, atom in fixed if atom.kind == "letters" and name in text.used]:
         imports.insert(0, f"from {_LETTERS} import {', '.join(letters)}")
@@ -131,22 +132,29 @@ def _list_tags(part: str, design: Design) -> Iterator[tuple[str, str, float | No
 
 def write_functions(design: Design) -> dict[str, bytes]:
     """Write the modules of the functions of all scripts, and of the letters in the mold of a design."""
-    texts = {name: each.write() for name, each in _carry().items()}
+    solids = carried.PRIMITIVES.read_text(encoding="utf-8").splitlines()
+    first = solids.index("from __future__ import annotations") + 2
     letters = (f"{name_letters(each)} = {letter_outlines(each, STROKE_WIDTH)}" for each in (LABEL, design.name))
-    texts[_LETTERS] = "\n\n".join("\n".join(wrap_code(each, "")) for each in letters)
-    return {f"{name}.py": f"{_HEADS[name]}\n\n{each}\n".encode() for name, each in texts.items()}
+    made = _carry()
+    texts = {
+        _NUMBERS: [_HEADS[_NUMBERS], "", *sorted(made[_NUMBERS].imports), "", *made[_NUMBERS].write()],
+        _SOLIDS: [*solids[:first], *sorted(made[_SOLIDS].imports), *solids[first:], "", "", *made[_SOLIDS].write()],
+        _LETTERS: [_HEADS[_LETTERS], *chain(*(("", each) for each in letters))],
+    }
+    return {f"{name}.py": ("\n".join(_break(lines)) + "\n").encode() for name, lines in texts.items()}
+
+
+def _break(lines: Iterable[str]) -> Iterator[str]:
+    for line in lines:
+        yield from (
+            wrap_code(line.lstrip(" "), line[: len(line) - len(line.lstrip(" "))]) if len(line) > 118 else (line,)
+        )
 
 
 @cache
 def _carry() -> dict[str, carried.Carried]:
-    numbers = carried.Carried(wrap_code)
-    for function in NUMBERS:
-        numbers.add(function.__name__, function.__module__)
-    solids = carried.Carried(wrap_code, numbers, _NUMBERS)
-    for name in PRIMITIVES:
-        solids.add(name, carried.PRIMITIVES)
-    for name, module in (("require", carried.__name__), *((each.__name__, each.__module__) for each in SOLIDS)):
-        solids.add(name, module)
+    numbers = carried.Carried(NUMBERS)
+    solids = carried.Carried((carried.require, *SOLIDS), numbers, _NUMBERS)
     return {_NUMBERS: numbers, _SOLIDS: solids}
 
 

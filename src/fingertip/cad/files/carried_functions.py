@@ -1,115 +1,74 @@
 """Functions of the program as text for scripts: they, what they call, and the constants that they read.
 
-Their modules are read, not imported: some would load cadquery. Annotations are left out, and of a docstring all but its
-first line.
+Annotations are left out, and of a docstring all but its first line. Names lose the underscore of what is private, and
+classes of solids are written as the functions of `cad.kernel.cadquery_primitives` that make them.
 """
 
 from __future__ import annotations
 
 import ast
+import inspect
+import re
+import sys
 from collections.abc import Callable, Iterable
-from functools import cache
 from pathlib import Path
+from types import GenericAlias, ModuleType
+from typing import Any
 
-_SOURCES = Path(__file__).parents[2]
-PRIMITIVES, _SOLIDS = "fingertip.cad.kernel.cadquery_primitives", "fingertip.design.geometry.solids"
-"""Modules of the functions that make solids in a script, and in the program."""
+PRIMITIVES = Path(__file__).parents[1] / "kernel" / "cadquery_primitives.py"
+"""Module that scripts carry whole. It is read, not imported: it would load cadquery."""
+_SOLIDS = "fingertip.design.geometry.solids"
 
 
 class Carried:
-    """Functions, each after those that it calls; `wrap` breaks a line, and those `beside` are in a module `name`."""
+    """Functions, each after those that it calls, but for those of another module of scripts."""
 
-    def __init__(
-        self, wrap: Callable[[str, str], Iterable[str]], beside: Carried | None = None, name: str = ""
-    ) -> None:  # fmt: skip
+    def __init__(self, functions: Iterable[Callable[..., Any]], beside: Carried | None = None, name: str = "") -> None:
         self.functions: dict[str, str] = {}
         self.constants: dict[str, str] = {}
-        self._imports: dict[str, dict[str, None]] = {}
-        self._wrap, self._beside, self._name = wrap, beside, name
+        self.imports: set[str] = set()
+        self._beside, self._name = beside, name
+        for function in functions:
+            self._add(function)
 
-    def write(self) -> str:
-        imports = (f"{head} {', '.join(sorted(names))}".strip() for head, names in sorted(self._imports.items()))
-        constants = [f"{name} = {value}" for name, value in self.constants.items()]
-        return "\n".join(self._break([*imports, "", *constants, "", *"\n\n".join(self.functions.values()).split("\n")]))
+    def _add(self, function: Any) -> None:
+        name, tree = function.__name__.strip("_"), ast.parse(inspect.getsource(function))
+        if name in self.functions:
+            return
+        if self._beside and name in self._beside.functions:
+            self.imports.add(f"from {self._name} import {name}")
+            return
+        for node in ast.walk(tree):
+            if isinstance(node, ast.arg):
+                node.annotation = None
+            elif isinstance(node, ast.FunctionDef | ast.ClassDef):
+                if text := ast.get_docstring(node):
+                    node.body[0] = ast.Expr(ast.Constant(text.partition("\n")[0]))
+                if isinstance(node, ast.FunctionDef):
+                    node.returns = None
+        self.functions[name] = ""  # it may call itself
+        for each in dict.fromkeys(node.id for node in ast.walk(tree) if isinstance(node, ast.Name)):
+            self._need(each, vars(sys.modules[function.__module__]).get(each))
+        del self.functions[name]
+        text = re.sub(r"(?<![\w.])_(?=[A-Za-z])", "", ast.unparse(ast.fix_missing_locations(tree)))
+        self.functions[name] = re.sub(r"\b(Box|Cone|Prism)\(", lambda found: found[0].lower(), text)
 
-    def add(self, name: str, module: str) -> None:
-        """Add what a module calls so, with all that it needs."""
-        module, name = (PRIMITIVES, name.lower()) if module == _SOLIDS else (module, name)
-        found, bare = _read_module(module)[name], name.strip("_")
-        if self._beside and bare in self._beside.functions:
-            self._imports.setdefault(f"from {self._name} import", {})[bare] = None
-        elif isinstance(found, ast.Import | ast.ImportFrom):
-            alias = next(each for each in found.names if name in (each.asname, each.name))
-            if isinstance(found, ast.Import):
-                self._imports[f"import {ast.unparse(alias)}"] = {}
-            elif (found.module or "").startswith("fingertip"):
-                self.add(alias.name, found.module or "")
-            else:
-                self._imports.setdefault(f"from {found.module} import", {})[name] = None
-        elif isinstance(found, ast.expr):
-            text = ast.unparse(found)
-            assert self.constants.setdefault(bare, text) == text, "two modules have constants of one name"
-        elif bare not in self.functions:
-            tree = _Plain().visit(ast.parse(ast.unparse(found)))
-            self.functions[bare] = ""  # it may call itself
-            for each in dict.fromkeys(node.id for node in ast.walk(tree) if isinstance(node, ast.Name)):
-                if each in _read_module(module):
-                    self.add(each, module)
-            del self.functions[bare]
-            self.functions[bare] = ast.unparse(ast.fix_missing_locations(_Bare().visit(tree)))
+    def _need(self, name: str, found: Any) -> None:
+        module = getattr(found, "__module__", "")
+        if isinstance(found, ModuleType):
+            self.imports.add(f"import {name}")
+        elif isinstance(found, float | int | GenericAlias):
+            text = self.constants.setdefault(name.strip("_"), repr(found))
+            assert text == repr(found), "two modules have constants of one name"
+        elif module.startswith("fingertip") and module != _SOLIDS:
+            self._add(found)
+        elif callable(found) and module not in ("builtins", _SOLIDS):
+            self.imports.add(f"from {module} import {name}")
 
-    def _break(self, lines: Iterable[str]) -> Iterable[str]:
-        for line in lines:
-            yield from self._wrap(line.lstrip(), line[: len(line) - len(line.lstrip())]) if line else ("",)
-
-
-@cache
-def _read_module(module: str) -> dict[str, ast.stmt | ast.expr]:
-    """Read a module: name -> its definition, the import that brings it, or the value of a constant."""
-    path = _SOURCES.joinpath(*module.split(".")[1:]).with_suffix(".py")
-    found: dict[str, ast.stmt | ast.expr] = {}
-    for statement in ast.parse(path.read_text(encoding="utf-8")).body:
-        match statement:
-            case ast.FunctionDef(name) | ast.ClassDef(name):
-                found[name] = statement
-            case ast.Import(names) | ast.ImportFrom(_, names):
-                found |= {each.asname or each.name: statement for each in names}
-            case ast.Assign([ast.Name(name)], value):
-                found[name] = value
-            case ast.Assign([ast.Tuple(targets)], ast.Tuple(values)):
-                found |= dict(zip(map(ast.unparse, targets), values, strict=True))
-    return found
-
-
-class _Plain(ast.NodeTransformer):
-    """Strips annotations and all but the first line of docstrings."""
-
-    def generic_visit(self, node: ast.AST) -> ast.AST:
-        if isinstance(node, ast.FunctionDef | ast.ClassDef) and (text := ast.get_docstring(node)):
-            node.body[0] = ast.Expr(ast.Constant(text.partition("\n")[0]))
-        if isinstance(node, ast.FunctionDef | ast.arg):
-            setattr(node, "returns" if isinstance(node, ast.FunctionDef) else "annotation", None)
-        if isinstance(node, ast.ClassDef):
-            for each in node.body:
-                if isinstance(each, ast.AnnAssign):
-                    each.annotation = ast.Name("object", ast.Load())
-            node.body = [self.visit(each) if isinstance(each, ast.FunctionDef) else each for each in node.body]
-            return node
-        if isinstance(node, ast.AnnAssign) and node.value:
-            node = ast.Assign([node.target], node.value, lineno=0)
-        return super().generic_visit(node)
-
-
-class _Bare(ast.NodeTransformer):
-    """Writes private names without their underscores, and functions of primitives for their classes."""
-
-    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
-        node.name = node.name.strip("_")
-        return self.generic_visit(node)
-
-    def visit_Name(self, node: ast.Name) -> ast.AST:
-        is_primitive = node.id in _read_module(_SOLIDS) and node.id.lower() in _read_module(PRIMITIVES)
-        return ast.Name(node.id.lower() if is_primitive else node.id.strip("_") or "_", node.ctx)
+    def write(self) -> list[str]:
+        """Write lines: constants, then functions."""
+        lines = [f"{name} = {text}" for name, text in self.constants.items()]
+        return [*lines, *(line for text in self.functions.values() for line in ("", "", *text.splitlines()))]
 
 
 def require(holds: bool, condition: str, *names: str) -> None:

@@ -16,10 +16,12 @@ from fingertip.cad.shapes.parts import PARTS
 from fingertip.design.files import format_bounds
 from fingertip.design.parameters import PARAMETERS
 
-_WIDTH, _NEAREST = 118, 4
+WIDTH, _NEAREST = 118, 4
 """Width of a line, and the largest number of parameters that a refusal names: those nearest to its condition."""
-PRIMITIVES = ("box", "cylinder", "cone", "prism", "stack", "union", "superconic", "elbow_tube", "scaled", "in_plane")
-FUNCTIONS = {*PRIMITIVES, "require", "volume", *(each.__name__ for each in (*NUMBERS, *SOLIDS))}
+FUNCTIONS = {
+    "box", "cylinder", "cone", "prism", "stack", "union", "superconic", "elbow_tube", "scaled", "in_plane", "volume",
+    "require", *(each.__name__ for each in (*NUMBERS, *SOLIDS)),
+}  # fmt: skip
 """Functions that scripts import."""
 _PATHS = {path.replace(".", "_"): path for path in PARAMETERS}
 _LONG, _AGAIN_LONG, _NAMELESS = 72, 16, 40
@@ -205,13 +207,13 @@ def _literal(value: object) -> str:
 def _comment(line: str, meaning: str, bounds: str = "") -> list[str]:
     """Write a line with a comment, as much of its first sentence as fits, and bounds; a longer line without one."""
     words = " ".join(meaning.replace(" [mm]", "").partition(". ")[0].split()).rstrip(".")
-    while words and len(line) + len(words) + len(bounds) + 4 > _WIDTH:
+    while words and len(line) + len(words) + len(bounds) + 4 > WIDTH:
         words = next(filter(None, (words.rpartition(sign)[0] for sign in ("; ", " (", ": ", ", "))), "")
     return wrap_code(line, "") if not words + bounds else [f"{line}  # {words}{bounds}".replace("#  ", "# ")]
 
 
 def remark(text: str) -> list[str]:
-    return textwrap.wrap(text, _WIDTH, initial_indent="# ", subsequent_indent="# ")
+    return textwrap.wrap(text, WIDTH, initial_indent="# ", subsequent_indent="# ")
 
 
 def wrap_code(text: str, indent: str) -> list[str]:
@@ -224,9 +226,9 @@ def wrap_code(text: str, indent: str) -> list[str]:
                      for before, depth in zip(f" {text}", depths, strict=False))  # fmt: skip
         fixed = "".join("\xa0" if sign == " " and not can else sign for sign, can in zip(text, can_break, strict=True))
         lines = textwrap.wrap(
-            fixed, _WIDTH, initial_indent=indent, subsequent_indent=f"{indent}    ", break_long_words=False,
+            fixed, WIDTH, initial_indent=indent, subsequent_indent=f"{indent}    ", break_long_words=False,
             break_on_hyphens=False,
         )  # fmt: skip
-        if max(map(len, lines), default=0) <= _WIDTH:
+        if max(map(len, lines), default=0) <= WIDTH:
             break
     return [line.replace("\xa0", " ") for line in lines] or [""]

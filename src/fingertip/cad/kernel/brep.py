@@ -32,7 +32,7 @@ try:
 
     from fingertip.cad.kernel import cadquery_primitives as primitives
     from fingertip.cad.kernel import occ
-    from fingertip.cad.kernel.bezier import volume as volume
+    from fingertip.cad.kernel.cadquery_primitives import volume as volume
 except ImportError as error:
     extras.require("STEP", "cadquery", alternative="leave STEP out with --formats stl,3mf")
     message = (

@@ -93,7 +93,7 @@ def test_faces_of_a_part_are_tagged_and_frames_are_places_of_cadquery(name: str)
     assert time.process_time() - begin <= 0.05
     tags = {part: set(workplane.ctx.tags) for part, workplane in parts.items()}
     assert tags == {
-        "bone": {"channel", "pocket", "post"}, "skin": {"pad"}, "mold_palmar": {"pad", "parting"},
+        "bone": {"channel", "flat", "pocket", "post"}, "skin": {"pad"}, "mold_palmar": {"pad", "parting"},
         "mold_dorsal": {"parting"},
     }  # fmt: skip
     rows = re.findall(r"(?m)^\| `(\w+)` \| (`.*) \|$", (ROOT / "docs/python.md").read_text(encoding="utf-8"))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, join_equal, to_canonical_mesh, to_manifold
-from fingertip.cad.shapes.parts import find_frames, hardware, parts_by_name
+from fingertip.cad.shapes.parts import find_frames, hardware, parts_by_name, tagged_planes
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters.declaration import suggest_name
@@ -29,8 +29,8 @@ _ANGLE_RAD, _DECIMALS = 0.1, 6
 """Angle between neighbouring facets of cadquery's meshes, and decimals [mm] to which their corners are joined."""
 _KEPT = 32
 """Number of exact solids that are kept, and made once: a design has some ten."""
-_ALONG, _NEAR_MM, _POCKET_MM = 0.999, 0.02, 0.3
-"""Component of a normal along an axis, distance from a place, and depth of the pocket besides the sensor's."""
+_ALONG, _NEAR_MM = 0.999, 0.02
+"""Component of a normal along an axis, and distance from a place [mm]."""
 
 
 def part_solid(design: Design, name: str) -> cadquery.Solid:
@@ -74,8 +74,8 @@ def part_workplane(design: Design, name: str) -> cadquery.Workplane:
     """Build a part as a `cadquery.Workplane` with tagged faces, such as `bone.faces(tag="post").workplane()`.
 
     The tag "pad" is on the skin over the sensor, or on what shapes it; "pocket" on the floor that the sensor lies on;
-    "channel" on the wall of the cable channel; "post" on the proximal end of the bone, in several faces on a clevis;
-    "parting" on the parting plane of a mold half. Raises as `part_solid`.
+    "flat" on the palmar flat of the bone; "channel" on the wall of the cable channel; "post" on the proximal end of the
+    bone, in several faces on a clevis; "parting" on the parting plane of a mold half. Raises as `part_solid`.
     """
     made = part_solid(design, name)
     workplane = _load_cadquery("part_workplane").Workplane(made)
@@ -97,24 +97,17 @@ def _tag_faces(solid: Solid, design: Design, name: str) -> dict[str, list[int]]:
     """Find the faces of each tag, by their numbers in the solid."""
     cadquery = _load_cadquery("part_workplane")
     made = cadquery.Solid(_evaluate(solid))
-    form, dims = PadForm.of_design(design), design.dimensions
+    form = PadForm.of_design(design)
     over_sensor = cadquery.Vertex.makeVertex(0.0, -form.platform_mm - form.over_sensor_mm, form.sensor_z_mm)
     faces = dict(enumerate(made.Faces()))
     tagged = {"pad": [i for i, face in faces.items() if face.distance(over_sensor) < _NEAR_MM]}
     level = [(i, face.normalAt(), face.Center()) for i, face in faces.items() if face.geomType() == "PLANE"]
     if name == "bone":
-        base_z, least_y, radius = made.BoundingBox().zmin, -form.platform_mm, design.bone.channel_diameter_mm / 2
+        base_z, radius = made.BoundingBox().zmin, design.bone.channel_diameter_mm / 2
         tagged["post"] = [i for i, _, at in level if abs(at.z - base_z) < _NEAR_MM]
-        # The floor is the deepest of the faces under the sensor's head that look out of the pad.
-        under = [
-            (i, at.y) for i, normal, at in level
-            if normal.y < -_ALONG and abs(at.z - dims.sensor_z) < dims.sensor.head_diameter_mm / 2
-            and at.y < least_y + dims.sensor.thickness_mm + _POCKET_MM
-        ]  # fmt: skip
-        tagged["pocket"] = [i for i, y in under if y > max(y for _, y in under) - _NEAR_MM]
         tagged["channel"] = [i for i, face in faces.items() if _is_wire_way(face, radius)]
-    elif name.startswith("mold"):
-        tagged["parting"] = [i for i, normal, at in level if abs(normal.y) > _ALONG and abs(at.y) < _NEAR_MM]
+    for tag, y in tagged_planes(design, name).items():
+        tagged[tag] = [i for i, normal, at in level if abs(normal.y) > _ALONG and abs(at.y - y) < _NEAR_MM]
     return {tag: found for tag, found in tagged.items() if found}
 
 

@@ -14,7 +14,7 @@ from fingertip.cad.files.trace import NUMBERS, SOLIDS, Trace, name_letters
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines
 from fingertip.cad.shapes.finger import sensor_body
 from fingertip.cad.shapes.mold import LABEL
-from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name
+from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, tagged_planes
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters import PARAMETERS
@@ -100,7 +100,7 @@ def write_script(design: Design, part: str) -> bytes:
     """Write a part, or the sensor, as a script: parameters, derived lengths, and a statement for each solid."""
     trace = Trace(design, _maker(part))
     text = Text(trace, part)
-    made = "\n".join(text.write_statements(_list_tags(part, trace.design)))
+    made = "\n".join(text.write_statements(tagged_planes(trace.design, part)))
     called, fixed = {*re.findall(r"(\w+)\(", made), "volume"} & FUNCTIONS, trace.atoms.items()
     imports: list[str] = []
     for module, each in _carry().items():
@@ -116,18 +116,6 @@ def write_script(design: Design, part: str) -> bytes:
         imports="\n".join(imports), parameters="\n".join(text.write_atoms("parameter", "bought")),
         fixed="\n".join([*_describe_choices(design, part), *text.write_atoms("fixed")]),
     ).encode()  # fmt: skip
-
-
-def _list_tags(part: str, design: Design) -> Iterator[tuple[str, str, float | None]]:
-    """List the tags of faces: name, what selects them, and a height y in that."""
-    dims = design.dimensions
-    if part in ("bone", "skin"):
-        yield "post" if part == "bone" else "end", '"<Z"', None
-    if part == "bone":
-        yield "flat", "in_plane({})", -dims.flat_depth
-        yield "pocket", "in_plane({})", dims.pocket_depth - dims.platform_depth
-    if part.startswith("mold"):
-        yield "parting", "in_plane({})", 0.0
 
 
 def write_functions(design: Design) -> dict[str, bytes]:

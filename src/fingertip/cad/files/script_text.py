@@ -7,7 +7,7 @@ import keyword
 import math
 import re
 import textwrap
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Mapping
 from itertools import accumulate, chain, count
 
 from fingertip.cad.files.named_numbers import Term, term_of
@@ -51,12 +51,12 @@ class Text:
         for each in (*trace.conditions, trace.part):
             self._count(each)
 
-    def write_statements(self, tags: Iterable[tuple[str, str, float | None]]) -> list[str]:
-        """Write the part, with tags of faces: a name, what selects them, and a number in that."""
+    def write_statements(self, planes: Mapping[str, float]) -> list[str]:
+        """Write the part, with tags of faces in planes across y."""
         self._write_solid(self._part, self._trace.part)
         self._made.append(("", [f"{self._part} = {self._part}.solids()"]))
-        for tag, selected, number in tags:
-            faces = selected if number is None else selected.format(self.write(term_of(number))[0])
+        selected = {tag: f"in_plane({self.write(term_of(y))[0]})" for tag, y in planes.items()}
+        for tag, faces in (({"post": '"<Z"'} if self._part == "bone" else {}) | selected).items():
             self._made.append(("", [f'{self._part}.faces({faces}).tag("{tag}")']))
         places = {name: i for i, (name, _) in enumerate(self._made) if name}
         for condition, parameters in self._list_conditions():

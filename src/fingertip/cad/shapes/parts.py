@@ -112,6 +112,14 @@ def find_frames(design: Design) -> dict[str, Point3]:
     }
 
 
+def tagged_planes(design: Design, part: str) -> dict[str, float]:
+    """Find the planes of tagged faces across y, by tag [mm]: flat, floor of the pocket, and parting plane."""
+    dims = design.dimensions
+    if part == "bone":
+        return {"flat": -dims.flat_depth, "pocket": dims.pocket_depth - dims.platform_depth}
+    return {"parting": 0.0} if part.startswith("mold") else {}
+
+
 def shapes_of_parameters(design: Design) -> Mapping[str, tuple[str, ...]]:
     """Find the parts and bought items whose shape reads each parameter, by its name.
 

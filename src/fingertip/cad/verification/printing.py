@@ -7,12 +7,10 @@ from collections.abc import Iterator, Mapping
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.files.step_process import BrepMeasurements
-from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, find_degenerate_triangles, to_arrays, to_manifold
-from fingertip.cad.kernel.tessellate import Triangles
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, find_degenerate_triangles, to_manifold
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import MAX_UNSUPPORTED_MM2, Ceiling, Pose, bed_pose, find_ceilings
 from fingertip.cad.printing.print_files import Placed, PrintFiles, parts_on_plates
@@ -26,15 +24,18 @@ from fingertip.foundation.numerics import Array
 
 def check_mesh_file(design: Design, part: Part, mesh: Mesh, file_format: str) -> Iterator[Check]:
     """Check that a file's mesh is closed, not degenerate, oriented outwards, one body, and of the expected genus."""
-    prefix = f"{part.name}.{file_format}"
-    yield Check(f"{prefix}.open_edges", count_open_edges(mesh), 0, "edges", "exactly")
+    prefix, solid = f"{part.name}.{file_format}.", to_manifold(mesh.vertices, mesh.triangles)
+    yield from check_triangles(prefix, mesh)
+    yield Check(f"{prefix}bodies", len(solid.decompose()), 1, "bodies", "exactly")
+    yield Check(f"{prefix}genus", solid.genus(), part.genus(design), "through holes", "exactly")
+
+
+def check_triangles(prefix: str, mesh: Mesh) -> Iterator[Check]:
+    yield Check(f"{prefix}open_edges", count_open_edges(mesh), 0, "edges", "exactly")
     # Programs drop triangles without area when they read a file, which leaves holes.
     degenerate = find_degenerate_triangles(mesh.vertices, mesh.triangles)
-    yield Check(f"{prefix}.degenerate_triangles", len(degenerate), 0, "triangles", "exactly")
-    yield Check(f"{prefix}.inverted", float(mesh.volume() <= 0.0), 0, "", "exactly")
-    solid = to_manifold(mesh.vertices, mesh.triangles)
-    yield Check(f"{prefix}.bodies", len(solid.decompose()), 1, "bodies", "exactly")
-    yield Check(f"{prefix}.genus", solid.genus(), part.genus(design), "through holes", "exactly")
+    yield Check(f"{prefix}degenerate_triangles", len(degenerate), 0, "triangles", "exactly")
+    yield Check(f"{prefix}inverted", float(mesh.volume() <= 0.0), 0, "", "exactly")
 
 
 def check_brep_solid(
@@ -64,8 +65,8 @@ CHECKS = Checks()
 _BED = ("printer.bed_x_mm", "printer.bed_y_mm", "printer.bed_z_mm", "skin.length_mm")
 _INTO_AIR_MM = 0.02
 """Distance from a facet at which it is found in a place for supports [mm]."""
-_RAY_AXES = np.array([[0.0, -0.6, 0.8], [-0.8, 0.48, 0.36], [0.6, 0.64, 0.48]])
-"""Orthonormal axes, the last one along a ray that no plane, edge or axis of a part is parallel to."""
+_RAY = np.array([0.6, 0.64, 0.48])
+"""Direction of a ray that no plane, edge or axis of a part is parallel to."""
 _ROUNDING_MM = 1e-5
 """Rounding of positions on a plate [mm]."""
 
@@ -111,26 +112,11 @@ def _may_be_supported(
         region = evaluator.manifold(place)
         low, high = np.split(np.array(region.bounding_box()), 2)
         found = ((points >= low) & (points <= high)).all(axis=1)
-        found[found.nonzero()] = _is_inside(points[found], *to_arrays(region))
+        far = float(np.linalg.norm(high - low)) * _RAY
+        for i in found.nonzero()[0]:  # a ray from a point inside leaves the region once more than it enters
+            found[i] = len(region.ray_cast(points[i].tolist(), (points[i] + far).tolist())) % 2 == 1
         points = points[~found]
     return not len(points)
-
-
-def _is_inside(points: Array, vertices: Array, triangles: Triangles) -> NDArray[np.bool_]:
-    """Return for each point whether a ray from it, which meets no edge, leaves the mesh once more than it enters."""
-    seen, at = vertices @ _RAY_AXES.T, points @ _RAY_AXES.T
-    corners = seen[triangles]
-    low, high = corners.min(axis=1), corners.max(axis=1)
-    near = (low[:, 0] <= at[:, :1]) & (at[:, :1] <= high[:, 0]) & (low[:, 1] <= at[:, 1:2]) & (at[:, 1:2] <= high[:, 1])
-    point, facet = np.nonzero(near & (at[:, 2:] <= high[:, 2]))
-    away = corners[facet] - at[point, None]
-    (ax, ay), (bx, by), (cx, cy) = (away[:, i, :2].T for i in range(3))
-    u, v, w = bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx
-    total = u + v + w
-    is_met = ((u > 0.0) == (v > 0.0)) & ((v > 0.0) == (w > 0.0))
-    height = u * away[:, 0, 2] + v * away[:, 1, 2] + w * away[:, 2, 2]
-    passed = np.bincount(point[is_met & (height * total > 0.0)], minlength=len(points))
-    return np.asarray(passed % 2 == 1)
 
 
 def check_print_files(

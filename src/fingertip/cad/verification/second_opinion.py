@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from fingertip.cad.files import stl
-from fingertip.cad.kernel.mesh import Mesh, find_degenerate_triangles, to_manifold
+from fingertip.cad.kernel.mesh import Mesh, to_manifold
 from fingertip.cad.verification.check import Check
-from fingertip.cad.verification.printing import count_open_edges
+from fingertip.cad.verification.printing import check_triangles
 from fingertip.foundation import extras
 from fingertip.foundation.errors import FingertipError, InputFileError, Issue
 from fingertip.foundation.input_files import BODY_LIMIT, read_input
@@ -40,13 +40,7 @@ def check_file(path: Path) -> tuple[Check, ...]:
     except FingertipError:  # STL as text
         mesh = None
     mesh = mesh or Mesh(np.asarray(read.vertices, dtype=np.float64), np.asarray(read.faces, dtype=np.int64))
-    return (
-        Check("open_edges", count_open_edges(mesh), 0, "edges", "exactly"),
-        Check("degenerate_triangles", len(find_degenerate_triangles(mesh.vertices, mesh.triangles)), 0, "triangles",
-              "exactly"),
-        Check("inverted", float(mesh.volume() <= 0.0), 0, "", "exactly"),
-        *_compare("mesh", read, mesh), *_check_halves(path, mesh),
-    )  # fmt: skip
+    return (*check_triangles("", mesh), *_compare("mesh", read, mesh), *_check_halves(path, mesh))
 
 
 def _read(name: str, data: bytes) -> Any:

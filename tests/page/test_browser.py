@@ -215,7 +215,7 @@ def test_first_screen_says_what_it_takes_and_links_to_the_files(opened: Any, fol
         text = " ".join(opened.find_element("id", "start").text.split())
     casting = json.loads((folder / "report.json").read_bytes())["casting"]
     for words in (
-        "Nobody has made one yet", f"{casting['batch']['total_g']:g} g to mix", "2 days after printing",
+        "Nobody has made one yet", f"{casting['batch']['total_g']:g} g to mix", "2 days with 4 h",
         "US dollars to order", f"{len(casting['things'])} things", "12 steps with pictures",
     ):  # fmt: skip
         assert words in text, words

@@ -1,7 +1,7 @@
 // Lights a lamp while something slips over the finger, and shows its force.
 //
 // Wire the sensor between $supply V (Pico: ADC_VREF, pin 35) and A0 (Pico: GP26; ESP32-S3: GPIO1; ESP32: 36; C3: 0), and
-// $resistor between A0 and GND. Open this file in the Arduino IDE, choose board and port, and upload. A Pico needs the core
+// $resistor between A0 and GND. Open this file in the Arduino IDE, choose board and port, and upload. A Pico needs the package
 // of github.com/earlephilhower/arduino-pico; plug a new one in with its button held, and choose "UF2 Board". The lamp lights
 // for half a second. Leave the finger alone for a second, then open the Serial Plotter (115200 baud). Press: force_n and
 // volts rise. Slide something over the skin: slip is 1, and the lamp is lit. "late" counts lost samples.

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from fingertip.bench.fit import Fitted, LevelFit, Pairs, fit_curve, fit_noise
-from fingertip.bench.trials import TrialFile
+from fingertip.bench.trials import STROKE_M, TrialFile, onset_s
 from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.foundation import jit
@@ -52,7 +52,7 @@ def make_case(trial: TrialFile, levels: dict[str, float]) -> Case:
     if labels.kind != "slide":
         tremor = {"share": 0.02, "voluntary_share": 0.05} if labels.kind == "hand" else {}
         return Case(_CAUSES[labels.kind], SceneFile(scene="contact", hold={**hold, "min_s": 5.0}, tremor=tremor), seed)
-    slide = {"distance_m": labels.stroke_m or 0.04}
+    slide = {"distance_m": labels.stroke_m or STROKE_M}
     if trace.slip is not None and trace.slip.any():
         lasts_s = float(np.ptp(trace.time_s[trace.slip]))
         move = TrapezoidalMove.with_duration(0.0, slide["distance_m"], lasts_s)
@@ -227,6 +227,13 @@ def _compare(
     blind = sum(trial.trace.slip is None for trial in slides)
     if blind:
         notes.append(f"{blind} slides have no column slip, for want of the rig's contacts: no delay, no level")
+    known = [trial for trial in slides if trial.trace.slip is not None and trial.trace.slip.any()]
+    if known:
+        travels_s = [float(np.ptp(trial.trace.time_s[trial.trace.slip])) for trial in known]
+        travel_s, stroke_m = float(np.median(travels_s)), known[0].labels.stroke_m or STROKE_M
+        lag_s, error_s = onset_s(travel_s, stroke_m, design.detector.sample_rate_hz)
+        notes.append(f"the slide travels {1000 * travel_s:.0f} ms (median); the rig's contact then opens "
+                     f"{1000 * lag_s:.1f} ms after the motion, +- {1000 * error_s:.1f} ms")  # fmt: skip
     after = simulate_all("fitted", trials, fitted, levels)
     results = {
         "measured": judge(design, trials, detector),

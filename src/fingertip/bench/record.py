@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from fingertip.bench.stream import Sample, SampleReader
-from fingertip.bench.trials import KINDS, SAID, Labels, kind_of, list_trials, trial_path, write_trial
+from fingertip.bench.trials import KINDS, SAID, STROKE_M, Labels, kind_of, list_trials, trial_path, write_trial
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.output_set import hash_parameters
@@ -34,7 +34,7 @@ class Plan:
     forces_n: tuple[float, ...] = ()
     """Forces by weights, each for an equal part of the trials [N]; empty: unknown."""
     surface: str = ""
-    stroke_m: float = 0.04
+    stroke_m: float = STROKE_M
     temperature_c: float | None = None
     pace: float = 1.0
     """Factor of all durations."""

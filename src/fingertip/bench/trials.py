@@ -18,7 +18,7 @@ from fingertip.foundation.input_files import RECORDING_LIMIT, read_input
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.trace import ColumnMap, Trace
 
-FORMAT = "fingertip-trial 1"
+FORMAT, STROKE_M = "fingertip-trial 1", 0.04
 _MAX_LABELS = 2**14
 """Longest line of labels [bytes]."""
 _NUMBERS = ("force_n", "stroke_m", "temperature_c")
@@ -37,6 +37,20 @@ SAID = {
 }  # fmt: skip
 """Phase -> what to do in it."""
 _ORDER = ("slide", "slide", "slide", "hold", "slide", "slide", "tap", "hand")
+
+
+OPEN_MM = 0.02
+"""Way of the rig's slide by which a contact opens: foil and glue yield some 0.006 mm under 0.2 N (assumption)."""
+
+
+def onset_s(travel_s: float, stroke_m: float, rate_hz: float) -> tuple[float, float]:
+    """Return by how much the open contact lags the first motion [s], and the error of that [s].
+
+    At a constant acceleration the first `OPEN_MM` of the stroke take the root of their share of the travel time. The
+    lag lies between none and this; the clock adds a sample.
+    """
+    longest_s = travel_s * math.sqrt(1e-3 * OPEN_MM / stroke_m)
+    return longest_s / 2, longest_s / 2 + 1 / rate_hz
 
 
 def kind_of(number: int) -> str:

@@ -86,3 +86,28 @@ def compare_recordings(
     found = compare.compare(design, read_recordings(recordings), detector, console.progress)
     writer.write(found.files())
     console.result(found.as_data(), f"{found.as_text()}\nfitted design: {folder / compare.FITTED}")
+
+
+@command
+def rig(
+    console: Console,
+    design: Path = options.DESIGN_FILE,
+    out: Path | None = typer.Option(None, "--out", "-o", help="Folder; default: out/NAME/rig."),
+    force: bool = options.FORCE,
+    changes: list[str] | None = CHANGES,
+) -> None:
+    """Make a printed slide for trials: three parts without supports, a list to buy and ten steps. 1: a check failed."""
+    from fingertip.bench.rig import make_rig
+    from fingertip.cad.verification.check import count_checks
+    from fingertip.foundation.output_set import SetWriter, hash_parameters
+
+    loaded = load_design(design, changes, console, may_be_empty=False)
+    folder = out or Path("out") / loaded.name / "rig"
+    writer = SetWriter(folder, "rig", loaded.name, hash_parameters(loaded.identity()), force=force)
+    files, checks = make_rig(loaded)
+    writer.check(files)
+    writer.write(files)
+    failed = [check for check in checks if not check.passed]
+    data = {"folder": folder.as_posix(), "files": [*files], "checks": [check.to_dict() for check in checks]}
+    lines = [*(f"FAILED {c.name}: {c.value:.4g} {c.unit}, {c.sign} {c.limit:g}" for c in failed), count_checks(checks)]
+    console.result(data, "\n".join([*lines, f"read {folder / 'rig.md'} first"]), not failed)

@@ -23,7 +23,7 @@ from fingertip.foundation import extras
 from fingertip.foundation.errors import FingertipError, Issue, TraceError, shorten
 from fingertip.foundation.input_files import RECORDING_LIMIT, check_archive, check_member
 from fingertip.foundation.workers import call_within_limits
-from fingertip.slip.traces.trace import COLUMNS, max_table_bytes, shape_message, total_message
+from fingertip.slip.traces.trace import COLUMNS, max_table_bytes, shape_message
 
 LIMIT_S = 60.0
 """Time for a file that may state lists, chunks and scales that take a library hours or all memory [s]."""
@@ -73,21 +73,20 @@ def _load_numbers(
     One that holds no numbers, or has more than two dimensions, is not loaded: an empty one of its type takes its place,
     which is refused by its name. A rate may be a short text.
     """
-    claims, sizes = {name: claim(name) for name in names}, dict[str, int]()
+    claims, loaded, total = {name: claim(name) for name in names}, list[str](), 0
     for name, (shape, dtype) in claims.items():
         if len(shape) <= 2:
-            _check_shape(path, name, shape, dtype.itemsize)
+            _check_shape(path, name, shape, dtype.itemsize, total)
             size = math.prod(shape) * dtype.itemsize
             if dtype.kind in "bifumM" or (dtype.kind in "cSU" and size <= _MAX_TEXT_BYTES):
-                sizes[name] = size
-    if message := total_message(sum(sizes.values())):
-        raise TraceError(Issue(str(path), message))
+                loaded.append(name)
+                total += size
     empty = {name: np.zeros((0,) * len(shape), dtype) for name, (shape, dtype) in claims.items()}
-    return empty | {name: load(name) for name in sizes}
+    return empty | {name: load(name) for name in loaded}
 
 
-def _check_shape(path: Path, name: str, shape: tuple[int, ...], item_bytes: int = 8) -> None:
-    if message := shape_message(shape, item_bytes):
+def _check_shape(path: Path, name: str, shape: tuple[int, ...], item_bytes: int = 8, others: int = 0) -> None:
+    if message := shape_message(shape, item_bytes, others):
         raise TraceError(Issue(f"{path}, {name}" if name else str(path), message))
 
 

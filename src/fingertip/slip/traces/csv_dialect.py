@@ -65,19 +65,15 @@ def read_start(lines: Iterable[str]) -> Iterator[str]:
 
 def adapt_labview(lines: Sequence[str], columns: ColumnMap) -> ColumnMap:
     """Fill in what a LabVIEW file tells: its times or their step, and the voltage if there is one signal."""
-    survey = survey_lines(lines)
-    if survey is None:
-        return columns
-    names, rate_hz = dict(columns.names), columns.rate_hz
-    times = [each.key for each in survey.columns if each.kind == "time"]
-    if times:
-        names.setdefault("time_s", times[0])
-    elif "time_s" not in names:
-        rate_hz = rate_hz or survey.rate_hz
-    signals = [each.key for each in survey.columns if each.kind == "signal"]
+    survey, rate_hz = survey_lines(lines), columns.rate_hz
+    times, signals = ([each.key for each in survey.columns if each.kind == kind] if survey else []
+                      for kind in ("time", "signal"))  # fmt: skip
+    found = {"time_s": times[0]} if times else {}
     if len(signals) == 1:
-        names.setdefault("voltage_v", signals[0])
-    return replace(columns, names=names, rate_hz=rate_hz)
+        found["voltage_v"] = signals[0]
+    if survey and "time_s" not in {**found, **columns.names}:
+        rate_hz = rate_hz or survey.rate_hz
+    return replace(columns, names={**found, **columns.names}, rate_hz=rate_hz)
 
 
 def find_header(name: str, lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnMap) -> Header:
@@ -101,8 +97,8 @@ def find_header(name: str, lines: Iterable[str], columns: ColumnMap, *alternativ
                 return Header(tuple(cells), delimiter, number, _strip_comment(text), any(map(_is_sample, seen)))
         seen.append("" if _SEPARATOR.fullmatch(text.strip()) else text)
     if not any(map(str.strip, seen)):
-        message = f"is empty; a trace is a CSV file with the columns {_join_required(columns)}."
-        raise TraceError(Issue(name, message))
+        names = ",".join(map(columns.name_in_file, columns.required))
+        raise TraceError(Issue(name, f"is empty; a trace is a CSV file with the columns {names}."))
     raise TraceError(_header_issues(name, seen, columns))
 
 
@@ -130,10 +126,6 @@ def _match_numbers(line: str, columns: ColumnMap) -> tuple[tuple[str, ...], str]
         if len(cells) >= max(required) and all(is_value(cells[number - 1]) for number in required):
             return _number_names(len(cells)), delimiter
     return None
-
-
-def _join_required(columns: ColumnMap) -> str:
-    return ",".join(map(columns.name_in_file, columns.required))
 
 
 def _split(line: str, columns: ColumnMap) -> tuple[list[str], str]:
@@ -171,25 +163,23 @@ def _is_sample(line: str) -> bool:
 
 
 def _header_issues(name: str, lines: Sequence[str], columns: ColumnMap) -> list[Issue]:
-    number, line = next((i, line) for i, line in enumerate(lines, 1) if line.strip())
-    start, field = line.strip()[:60], f"{name}, line {number}"
-    survey = survey_lines(lines)
-    if survey is None:
-        if all(columns.name_in_file(column) in line for column in columns.required):
-            message = f"{start!r} does not separate its names by comma, semicolon or tab; use one of these."
-        else:
-            message = f"{start!r} is not the header of a trace; it must name {_join_required(columns)}."
-        return [Issue(field, message)]
-    number = survey.header or survey.first
+    survey, required = survey_lines(lines), list(map(columns.name_in_file, columns.required))
+    number = survey.header or survey.first if survey else next(i for i, line in enumerate(lines, 1) if line.strip())
     line, field = _strip_comment(lines[number - 1]), f"{name}, line {number}"
-    cells, _ = _split(line, columns)
-    missing = [column for column in columns.required if not survey.header or columns.name_in_file(column) not in cells]
-    if len(missing) == len(columns.required):
-        message = f"{','.join(split_plain(line, survey.delimiter))[:60]!r} is not the header of a trace; "
-        message += f"it must name {_join_required(columns)}." if survey.header else "the file has no header."
-        return [Issue(field, message + survey.propose(columns, missing, "Or " if survey.header else ""))]
-    issues = survey.find_issues(field, "column", cells, columns, missing)
-    return [*issues, *_duplicate_issues(field, cells, columns)]
+    cells = _split(line, columns)[0] if survey and survey.header else []
+    missing = [column for column in columns.required if columns.name_in_file(column) not in cells]
+    if survey and len(missing) < len(required):
+        return [
+            *survey.find_issues(field, "column", cells, columns, missing),
+            *_duplicate_issues(field, cells, columns),
+        ]
+    if not survey and all(each in line for each in required):
+        message = f"{line[:60]!r} does not separate its names by comma, semicolon or tab; use one of these."
+        return [Issue(field, message)]
+    shown = ",".join(split_plain(line, survey.delimiter)) if survey else lines[number - 1].strip()
+    what = "the file has no header." if survey and not survey.header else f"it must name {','.join(required)}."
+    proposal = survey.propose(columns, missing, "Or " if survey.header else "") if survey else ""
+    return [Issue(field, f"{shown[:60]!r} is not the header of a trace; {what}{proposal}")]
 
 
 def find_numbered_header(lines: Sequence[str], columns: ColumnMap) -> Header | None:

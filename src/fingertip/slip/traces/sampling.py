@@ -225,24 +225,16 @@ def restore_even_times(times: Array) -> Array | None:
     """Return evenly spaced times for times in float32 whose steps need it; None for any others."""
     if times.ndim != 1 or len(times) < 3 or not np.isfinite(times).all():
         return None
-    steps = np.diff(times)
-    duration = float(times[-1] - times[0])
-    mean = duration / len(steps)
-    if mean <= 0.0 or (steps < 0.0).any():
+    steps, duration = np.diff(times), float(times[-1] - times[0])
+    mean, spacing = duration / len(steps), float(np.spacing(np.float32(np.abs(times).max())))
+    if not mean > 0.0 or (steps < 0.0).any() or spacing > _MAX_SHARE * mean:
         return None
     is_rate_clear = abs(float(np.median(steps)) - mean) <= RATE_TOLERANCE / 2 * mean
     if is_rate_clear and bool((np.abs(steps - mean) <= STEP_TOLERANCE * mean).all()):
         return None
-    rounded = times.astype(np.float32)
-    spacing = float(np.spacing(np.abs(rounded).max()))
-    if spacing > _MAX_SHARE * mean or (np.abs(times - rounded) > _MAX_DEVIATION * np.spacing(np.abs(rounded))).any():
+    rounded, rate = times.astype(np.float32), round_rate(1 / mean, spacing / duration)
+    if rate is None or (np.abs(times - rounded) > _MAX_DEVIATION * np.spacing(np.abs(rounded))).any():
         return None
-    rate = round_rate(1 / mean, spacing / duration)
-    if rate is None:
-        return None
-    counted = np.arange(len(times))
-    for even in (times[0] + counted / rate, times[0] + counted * mean):
-        # The first time is rounded too, by up to half a spacing, and both may be rounded to decimals after that.
-        if np.abs(times - even).max() <= (1 + 2 * _MAX_DEVIATION) * spacing:
-            return np.asarray(even, dtype=np.float64)
-    return None
+    # The first time is rounded too, by up to half a spacing, and both may be rounded to decimals after that.
+    found = (times[0] + np.arange(len(times)) * step for step in (1 / rate, mean))
+    return next((even for even in found if np.abs(times - even).max() <= (1 + 2 * _MAX_DEVIATION) * spacing), None)

@@ -275,13 +275,9 @@ def check_trace_file(path: Path) -> None:
     try:
         check_regular(path, RECORDING_LIMIT, "a trace")
     except InputFileError as error:
-        issues = []
-        for issue in error.issues:
-            message = issue.message.replace("make it smaller", _REMEDY)
-            if message.startswith("is a pipe"):
-                message = message.removesuffix(".") + ", or - for lines from standard input."
-            issues.append(Issue(issue.field, message))
-        raise TraceError(issues) from None
+        pipe = re.compile(r"(is a pipe.*)\.$")
+        said = (pipe.sub(r"\1, or - for lines from standard input.", issue.message) for issue in error.issues)
+        raise TraceError(Issue(str(path), each.replace("make it smaller", _REMEDY)) for each in said) from None
 
 
 def max_lines() -> int:
@@ -317,22 +313,14 @@ def bounded_lines(lines: Iterable[str | bytes], name: str, most: int | None = No
         yield line.lstrip("\ufeff") if number == 1 else line
 
 
-def shape_message(shape: Sequence[int], item_bytes: int = 8) -> str | None:
-    """Describe an array that is too large, by the shape that its file states; None for any other."""
+def shape_message(shape: Sequence[int], item_bytes: int = 8, others: int = 0) -> str | None:
+    """Describe an array that is too large, by the shape that its file states, or with others [bytes]; else None."""
     count, maximum = math.prod(shape), SAMPLES_LIMIT.value
     fits = all(0 <= length <= maximum for length in shape) and 0 <= count <= _CELLS_PER_SAMPLE * maximum
-    if fits and count * item_bytes <= RECORDING_LIMIT.value:
-        return None
-    return _size_message(f"{count:.3g}" if abs(count) < 10**300 else "too many")
-
-
-def total_message(size: int) -> str | None:
-    """Describe arrays that are too large together [bytes]; None for others."""
     # As many numbers as all columns of a trace hold, and those of the board by their other names.
-    most = 8 * (len(COLUMNS) + len(BOARD_COLUMNS)) * SAMPLES_LIMIT.value
-    return _size_message(f"{size / 8:.3g}") if size > most else None
-
-
-def _size_message(values: str) -> str:
+    most = min(RECORDING_LIMIT.value, 8 * (len(COLUMNS) + len(BOARD_COLUMNS)) * maximum - others)
+    if fits and count * item_bytes <= most:
+        return None
+    values = f"{count + others / 8:.3g}" if abs(count) < 10**300 else "too many"
     remedy = f"{_REMEDY}, record again, or raise {SAMPLES_LIMIT.variable}"
-    return f"claims to hold {values} values; at most {SAMPLES_LIMIT.value} samples are read; {remedy}."
+    return f"claims to hold {values} values; at most {maximum} samples are read; {remedy}."

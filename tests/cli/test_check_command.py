@@ -91,7 +91,9 @@ def test_failed_checks_exit_1_and_appear_in_every_report(tmp_path: Path, monkeyp
 def test_of_many_designs_the_valid_ones_are_checked_and_each_refusal_has_its_line(tmp_path: Path) -> None:
     (tmp_path / "bad.toml").write_text('name = "bad"\n[skin]\nwidth_mm = 99 # too wide\n[bone]\nmaterial = "x"\n')
     (tmp_path / "empty.toml").write_text("# nothing\n")
-    words = ("check", "bad.toml", "empty.toml", FSR400, *COARSE, "-q", "--junit", "r.xml", "--sarif", "r.sarif")
+    (tmp_path / "twice.toml").write_text("[skin]\n[bone]\n[skin]\n")
+    reports = ("--junit", "r.xml", "--sarif", "r.sarif")
+    words = ("check", "bad.toml", "empty.toml", "twice.toml", FSR400, *COARSE, "-q", *reports)
     done = run_fingertip(*words, "--json", PWD=str(tmp_path), GITHUB_ACTIONS="true")
     assert done.returncode == 2
     found = json.loads(done.stdout)
@@ -100,15 +102,15 @@ def test_of_many_designs_the_valid_ones_are_checked_and_each_refusal_has_its_lin
     lines = {(one["file"], one["line"], one["field"], one["value"]) for one in found["issues"]}
     assert lines == {
         ("bad.toml", 3, "skin.width_mm", 99), ("bad.toml", 5, "bone.material", "x"),
-        ("empty.toml", None, "empty.toml", None),
+        ("empty.toml", None, "empty.toml", None), ("twice.toml", 3, "twice.toml", None),
     }  # fmt: skip
     root = ElementTree.parse(tmp_path / "r.xml").getroot()
-    assert (root.get("errors"), root.get("failures")) == ("3", "0")
+    assert (root.get("errors"), root.get("failures")) == ("4", "0")
     assert {case.get("name") for case in root.iter("testcase") if case.find("error") is not None} == {
         field for _, _, field, _ in lines
     }
     results = json.loads((tmp_path / "r.sarif").read_text())["runs"][0]["results"]
-    assert len(results) == 3
+    assert len(results) == 4
     assert "::error file=bad.toml,line=3,title=skin.width_mm::99 mm is too large" in done.stderr
     assert "error: empty.toml: sets no parameter" in done.stderr
 

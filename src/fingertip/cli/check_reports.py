@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from fingertip.foundation.errors import FingertipError, Issue
-from fingertip.foundation.tables import UnusableTomlError, parse_toml
+from fingertip.foundation.tables import read_toml
 
 if TYPE_CHECKING:
     from fingertip.cad.verification.check import Check
@@ -37,7 +37,8 @@ class Finding:
         """Make a finding of an issue, whose place is that of a field, by default its own."""
         field = field or issue.field
         line, value = _find_place(path, field)
-        return cls(path.as_posix(), line, issue.field, issue.message, value)
+        stated = re.match(r"line (\d+)\b", issue.message)  # of what is no TOML
+        return cls(path.as_posix(), line or (int(stated[1]) if stated else None), issue.field, issue.message, value)
 
     def to_annotation(self) -> str:
         """Write a command of GitHub's workflows, which marks the line."""
@@ -52,9 +53,9 @@ class Finding:
 def _find_place(path: Path, field: str) -> tuple[int | None, Any]:
     """Find the line of a TOML file that states a parameter, and its value as it stands there."""
     try:
+        value: Any = read_toml(path)
         text = path.read_text(encoding="utf-8")
-        value: Any = parse_toml(text)
-    except (OSError, UnicodeError, UnusableTomlError, FingertipError):
+    except (OSError, FingertipError):
         return None, None
     for key in field.split("."):
         value = value.get(key) if isinstance(value, dict) else None

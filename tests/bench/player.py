@@ -10,6 +10,7 @@ import os
 import sys
 import time
 import tty
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from fingertip.bench.trials import KINDS, kind_of
 from fingertip.design import Design
 from fingertip.sim import SceneFile, run_scene
 
+RING = 1024
 HEADER = b"# fingertip 9.9.9\ntime_s,voltage_v,moving\n"
 
 
@@ -66,28 +68,29 @@ def simulate_person(
 
 
 def play(samples: np.ndarray, rate_hz: float) -> None:
+    """Write samples as a controller does: those that nobody reads wait in a ring of 1024, as in slip_buffer.h."""
     main, other = os.openpty()
     tty.setraw(other)
     print(os.ttyname(other), flush=True)
     os.set_blocking(main, rate_hz == 0)
-    if rate_hz:
-        time.sleep(0.5)
-    start, number, dropped = time.monotonic(), 0, 0
+    start, number, waiting = time.monotonic(), 0, b""
     while True:
-        due = number + 2000 if rate_hz == 0 else int((time.monotonic() - start) * rate_hz)
-        block = b""
-        for number in range(number, due):  # noqa: B020
-            block += HEADER * (number % 2000 == 0) + format_line(number, *samples[number % len(samples)])
-        number = due
-        while block:
+        due = number + 200 if rate_hz == 0 else int((time.monotonic() - start) * rate_hz)
+        if due - number > RING:
+            number = due
+        while not waiting and number < due:
+            waiting = HEADER * (number % 2000 == 0) + format_line(number, *samples[number % len(samples)])
+            number += 1
             try:
-                block = block[os.write(main, block) :]
-            except BlockingIOError:  # nobody reads: as a controller, it does not wait
-                dropped += 1
-                print(f"dropped {len(block)} bytes", file=sys.stderr, flush=True)
-                block = b""
-        if rate_hz:
-            time.sleep(0.01)
+                waiting = waiting[os.write(main, waiting) :]
+            except BlockingIOError:
+                break
+        else:
+            time.sleep(0.005 * (rate_hz > 0))
+        if waiting:
+            time.sleep(0.002)
+            with suppress(BlockingIOError):
+                waiting = waiting[os.write(main, waiting) :]
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ import queue
 import stat
 import termios
 import threading
+import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,8 +23,8 @@ from fingertip.slip.traces.trace import ColumnMap
 
 MOVING = "moving"
 """Column of the rig's contact: 1 while the slide moves."""
-SILENT_S = 5.0
-"""Time without a byte after which a port counts as silent [s]."""
+SILENT_S, STALE_S = 5.0, 1.0
+"""Time without a byte after which a port counts as silent, and in which what waited ahead of a port has arrived [s]."""
 _VERSION = "# fingertip "
 """Beginning of the line in which a sketch states its version."""
 _BLOCK = 65_536
@@ -61,8 +62,11 @@ def open_port(port: str) -> int:
     return number
 
 
-def read_lines(number: int, name: str, silent_s: float = SILENT_S) -> Iterator[bytes]:
-    """Read lines of an open port until it ends. Raises TraceError if it stays silent."""
+def read_lines(number: int, name: str, silent_s: float = SILENT_S, stale_s: float = 0.0) -> Iterator[bytes]:
+    """Read lines of an open port until it ends, without those of the first `stale_s` [s].
+
+    Raises TraceError if it stays silent.
+    """
     blocks: queue.SimpleQueue[bytes] = queue.SimpleQueue()
 
     def read() -> None:
@@ -75,7 +79,7 @@ def read_lines(number: int, name: str, silent_s: float = SILENT_S) -> Iterator[b
             blocks.put(block)
 
     threading.Thread(target=read, daemon=True).start()
-    rest = b""
+    rest, begin_s = b"", time.monotonic() + stale_s
     while True:
         try:
             block = blocks.get(timeout=silent_s)
@@ -84,6 +88,8 @@ def read_lines(number: int, name: str, silent_s: float = SILENT_S) -> Iterator[b
             raise TraceError(Issue(name, f"sends nothing for {silent_s:g} s; {remedy}.")) from None
         if not block:
             return
+        if time.monotonic() < begin_s:
+            continue
         *lines, rest = (rest + block).split(b"\n")
         yield from filter(None, lines)
         rest = rest[-_BLOCK:]

@@ -41,7 +41,7 @@ def record(
     """
     from fingertip.bench import recordings
     from fingertip.bench.record import Moment, Plan, Recorder
-    from fingertip.bench.stream import SampleReader, open_port, read_lines
+    from fingertip.bench.stream import STALE_S, SampleReader, open_port, read_lines
 
     loaded = load_design(design, changes, console)
     try:
@@ -50,7 +50,7 @@ def record(
         raise TraceError(Issue("--force-n", f"{force_n!r} holds what is no number; write it as 0.5,1,2.")) from None
     plan = Plan(trials, forces, surface, stroke_mm / 1000, temperature_c, pace)
     folder = out or Path("out") / loaded.name / "recordings"
-    lines: Iterable[str | bytes] = sys.stdin if port == "-" else read_lines(open_port(port), port)
+    lines: Iterable[str | bytes] = sys.stdin if port == "-" else read_lines(open_port(port), port, stale_s=STALE_S)
     recordings.prepare_folder(folder, loaded)
     is_shown, told = sys.stderr.isatty() and not console.quiet, set[tuple[int, str]]()
 

@@ -95,7 +95,7 @@ def make(
         board = plan_board(design, folder / output_files.BOARD_FOLDER, force=force, bring_up=True, top=folder)
         options = BuildOptions(
             formats=plan.formats, pictures=True, drawings=plan.has_drawings, force=force,
-            verify=extras.is_installed("trimesh"),
+            verify=all(map(extras.is_installed, ("trimesh", "lxml", "networkx"))),
         )  # fmt: skip
         parts = run_build(
             plan_build(design, folder, options), report, lambda stage: rest.append(_make_rest(plan, beside, stage))

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fingertip.bench.trials import KINDS, kind_of
+from fingertip.bench.trials import KINDS, PAUSE_S, kind_of
 from fingertip.design import Design
 from fingertip.sim import SceneFile, run_scene
 
@@ -63,6 +63,8 @@ def simulate_person(
         if kind == "slide":
             lasts_s = 0.04 / speed_m_s + speed_m_s / 1.0
             moving[round(rate * told_s) : round(rate * (told_s + lasts_s))] = 1
+        if number == 1 or force_n != forces_n[(number - 2) * len(forces_n) // trials]:
+            parts.append(np.zeros((round(PAUSE_S * rate), 2)))
         parts.append(np.column_stack([np.clip(volts, 0.0, design.detector.adc_range_v), moving]))
     return np.concatenate(parts)
 

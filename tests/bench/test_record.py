@@ -19,7 +19,7 @@ import pytest
 from fingertip.bench.record import Plan, Recorded, Recorder
 from fingertip.bench.recordings import check_recordings, prepare_folder, read_recordings
 from fingertip.bench.stream import SampleReader, open_port, read_lines
-from fingertip.bench.trials import KINDS, kind_of, list_trials
+from fingertip.bench.trials import KINDS, PAUSE_S, kind_of, list_trials
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError
 from tests.bench.player import HEADER, format_line
@@ -53,10 +53,13 @@ def record_over_a_terminal(folder: Path, lines: list[bytes], plan: Plan) -> tupl
 def test_trials_have_their_labels_and_lost_samples_are_counted(tmp_path: Path) -> None:
     """Three lines are lost in the first trial, one is damaged in the second, and a gap repeats the third."""
     count = [round(2000 * PACE * sum(KINDS[kind_of(number)].values())) for number in (1, 2, 3)]
-    lines = [format_line(i, 1.0 + 1e-4 * (i % 7), 500 <= i < 600) for i in range(2 * sum(count))]
-    lines[count[0] + 10] = b"0.4\xff05,1.0\n"
-    late = sum(count[:2]) + 100
-    kept = [*lines[:200], *lines[203:late], *lines[late + 60 :]]
+    pause = round(2000 * PACE * PAUSE_S)  # before each force
+    lines = [
+        format_line(i, 1.0 + 1e-4 * (i % 7), pause + 500 <= i < pause + 600) for i in range(9 * count[0] + 9 * pause)
+    ]
+    lines[2 * pause + count[0] + 10] = b"0.4\xff05,1.0\n"
+    late = 3 * pause + sum(count[:2]) + 100
+    kept = [*lines[: pause + 200], *lines[pause + 203 : late], *lines[late + 60 :]]
     found, told = record_over_a_terminal(tmp_path, [HEADER, *kept], Plan(3, (0.5, 1.0, 2.0), "paper", pace=PACE))
     assert (found.trials, found.lost, found.repeated) == ((1, 2, 3), 4, 1)
     trials = read_recordings(tmp_path)
@@ -74,7 +77,7 @@ def test_trials_have_their_labels_and_lost_samples_are_counted(tmp_path: Path) -
 
 
 def test_a_folder_is_given_away_when_all_is_filled_in_and_somebody_agreed(tmp_path: Path) -> None:
-    lines = [HEADER, *(format_line(i, 1.0 + 1e-4 * (i % 7), 0) for i in range(1000))]
+    lines = [HEADER, *(format_line(i, 1.0 + 1e-4 * (i % 7), 0) for i in range(4000))]
     record_over_a_terminal(tmp_path, lines, Plan(1, pace=PACE))
     done = run_fingertip("check", str(tmp_path))
     assert done.returncode == 1
@@ -154,8 +157,9 @@ def test_fifty_interruptions_leave_no_damaged_file(tmp_path: Path) -> None:
         for number in range(50):
             process = start(port, tmp_path / "out", "--pace", "0.02", "--trials", "9999")
             assert process.stderr
-            process.stderr.readline()  # it records
-            time.sleep(0.2 + 0.013 * number)
+            while " of 9999, " not in process.stderr.readline():  # until it records
+                assert process.poll() is None
+            time.sleep(0.1 + 0.011 * number)
             process.send_signal(signal.SIGINT if number % 2 else signal.SIGKILL)
             process.communicate(timeout=60)
             ended.append(process.returncode)

@@ -26,7 +26,6 @@ from fingertip.lab.report.results import format_interval, format_ms, summarise, 
 from fingertip.sim import SceneFile
 from fingertip.sim.contact.materials import SURFACES
 from fingertip.sim.runs.timeline import TrapezoidalMove
-from fingertip.slip.traces.trace import Trace
 
 TEXT, DATA, FITTED = "recordings.txt", "recordings.json", "fitted.toml"
 _UNKNOWN_SURFACE, _UNKNOWN_N, _SPEEDS_M_S, _MAX_N = "medium", 1.0, (0.005, 0.2), 4.0
@@ -76,21 +75,10 @@ def simulate(design: Design, trial: TrialFile, detector: str, levels: dict[str, 
 
 
 def judge(design: Design, trials: Sequence[TrialFile], detector: str) -> DetectorResult:
-    """Run a detector on trials. Slides without the column slip count for alarms alone, up to the slide."""
-    results = []
-    for trial in trials:
-        trace, case = trial.trace, make_case(trial, {})
-        if trace.slip is None:
-            end_s = trial.labels.phases.get("slide", (math.inf, 0.0))[0]
-            trace, case = _cut(trace, end_s), replace(case, cause="hold")
-        results += evaluate(case, trace, detector, design, (1.0,))
-    return DetectorResult(1.0, tuple(results))
-
-
-def _cut(trace: Trace, end_s: float) -> Trace:
-    part = slice(0, int(np.searchsorted(trace.time_s, end_s)))
-    filtered = None if trace.filtered_v is None else trace.filtered_v[part]
-    return Trace(trace.time_s[part], trace.voltage_v[part], None, np.zeros(part.stop, bool), None, filtered)
+    """Run a detector on the trials whose motion is known."""
+    known = [trial for trial in trials if trial.trace.slip is not None]
+    results = (evaluate(make_case(trial, {}), trial.trace, detector, design, (1.0,)) for trial in known)
+    return DetectorResult(1.0, tuple(result for found in results for result in found))
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,17 +166,11 @@ class RecordingsReport:
         return {name: text.encode() for name, text in texts.items()}
 
 
+@jit.compiled()
 def compare(
     design: Design, trials: Sequence[TrialFile], detector: str, progress: Callable[[str], None] = lambda _: None
 ) -> RecordingsReport:
     """Compare recordings with their simulation before and after the fit. Raises FingertipError."""
-    with jit.compiled():
-        return _compare(design, trials, detector, progress)
-
-
-def _compare(
-    design: Design, trials: Sequence[TrialFile], detector: str, progress: Callable[[str], None]
-) -> RecordingsReport:
     slides = [trial for trial in trials if trial.labels.kind == "slide"]
     work = Work(
         "recordings", {"simulation": len(trials), **dict.fromkeys(ROUNDS, len(slides)), "fitted": len(trials)}, progress
@@ -226,7 +208,9 @@ def _compare(
         notes.append(f"{', '.join(other)}: no surface of the simulation; {_UNKNOWN_SURFACE} stands for it")
     blind = sum(trial.trace.slip is None for trial in slides)
     if blind:
-        notes.append(f"{blind} slides have no column slip, for want of the rig's contacts: no delay, no level")
+        notes.append(
+            f"{blind} slides have no column slip, for want of the rig's contacts: they count for curve and noise alone"
+        )
     known = [trial for trial in slides if trial.trace.slip is not None and trial.trace.slip.any()]
     if known:
         travels_s = [float(np.ptp(trial.trace.time_s[trial.trace.slip])) for trial in known]

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from fingertip.bench.stream import Sample, SampleReader
-from fingertip.bench.trials import KINDS, SAID, STROKE_M, Labels, kind_of, list_trials, trial_path, write_trial
+from fingertip.bench.trials import KINDS, PAUSE_S, SAID, STROKE_M, Labels, kind_of, list_trials, trial_path, write_trial
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.output_set import hash_parameters
@@ -118,8 +118,11 @@ class Recorder:
             if path.name in done:
                 continue
             force_n = self.plan.force_n(number)
-            if force_n and force_n != self.plan.force_n(number - 1 or self.plan.trials):
-                self.note(f"from trial {number} on: weights for {force_n:g} N")
+            if not written or force_n != self.plan.force_n(number - 1):
+                pause_s, weights = self.plan.pace * PAUSE_S, f"weights for {force_n:g} N" if force_n else "get ready"
+                self.note(f"trial {number} begins in {pause_s:g} s: {weights}")
+                for _ in zip(range(round(pause_s * self._rate_hz)), samples, strict=False):
+                    pass
             while (trace := self._take(samples, number)) is None:
                 repeated += 1
                 self.note(f"trial {number}: a gap of more than {1000 * MAX_GAP_S:g} ms; it is repeated")

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from fingertip.bench.trials import TrialFile, list_trials, read_trial
 from fingertip.design import Design
-from fingertip.design.files import to_toml
+from fingertip.design.files import load_tables, to_toml
 from fingertip.documents.template import render
 from fingertip.foundation.errors import FingertipError, InputFileError, Issue, TraceError
 from fingertip.foundation.files import write_file
@@ -33,12 +33,17 @@ def prepare_folder(folder: Path, design: Design) -> None:
         CONSENT: render("consent.md", open=_OPEN),
     }
     kept = folder / DESIGN
-    if kept.is_file() and hash_parameters(Design.load(kept).identity()) != hash_parameters(design.identity()):
+    if kept.exists() and _hash_design(folder) != hash_parameters(design.identity()):
         message = f"holds recordings of another design; choose another folder with --out, or record {kept}."
         raise TraceError(Issue(str(folder), message))
     for name, text in sheet.items():
         if not (folder / name).exists():
             write_file(folder / name, text.encode())
+
+
+def _hash_design(folder: Path) -> str:
+    loaded = load_tables([folder / DESIGN], (), below=folder)
+    return hash_parameters(Design.from_tables(loaded.tables).identity())
 
 
 def is_recordings(folder: Path) -> bool:
@@ -67,7 +72,7 @@ def check_recordings(folder: Path) -> tuple[int, list[str]]:
 
 def _find_faults(folder: Path) -> Iterator[str]:
     try:
-        expected = hash_parameters(Design.load(folder / DESIGN).identity())
+        expected = _hash_design(folder)
     except FingertipError as error:
         expected = ""
         yield from (f"{DESIGN}: {issue.field} {issue.message}" for issue in error.issues)

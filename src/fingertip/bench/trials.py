@@ -30,6 +30,8 @@ KINDS: Mapping[str, Phases] = {
     "hand": {"away": 1.5, "press": 1.5, "hand": 5.0, "release": 1.0},
 }
 """Kind of a trial -> its phases and their durations [s]; a slide is the article's trial (III.C)."""
+PAUSE_S = 15.0
+"""Time before the first trial, and before one with other weights [s]."""
 SAID = {
     "away": "touch nothing", "press": "set the finger down, and keep still", "wait": "keep still",
     "slide": "let the slide go", "rest": "keep still", "hold": "keep still", "release": "lift the finger",

@@ -101,7 +101,7 @@ def test_the_readme_states_what_a_first_finger_takes() -> None:
     least, most, in_all = add_prices(sheet.things)
     for words in (
         f"{sheet.printed_g:g} g of PETG, {round(sheet.print_h)} hours", f"{sheet.batch.total_g:g} g of two-part",
-        "{} days with {:g} h and {:g} h of work, after up to {} days".format(sheet.days, *sheet.work_h, sheet.mail_days),
+        "{} days with {:g} h and {:g} h of work, after up to {}".format(sheet.days, *sheet.work_h, sheet.mail_days),
         f"{least} to {most} US dollars to order, up to {in_all} with all tools",
     ):  # fmt: skip
         assert words in readme

@@ -87,7 +87,7 @@ void loop() {
   measure(S_PIN, 44, 1);
   report("S with 136.4 Hz, RMS: ", tone_v, 0.5267f, 0.6135f);
   measure(S_PIN, 6, 1);
-  report("S with 1000.0 Hz, RMS: ", tone_v, 0.1595f, 0.2161f);
+  report("S with 1000.0 Hz, RMS: ", tone_v, 0.1594f, 0.2159f);
   measure(T_PIN, 6, 1);
   report("T with 1000.0 Hz, RMS: ", tone_v, 0.0008f, 0.0024f);
   measure(S_PIN, 0, 10, "Tap the board now, for 10 seconds.");

@@ -23,7 +23,7 @@ from fingertip.board.fabrication.bom import list_bom, purchased_components
 from fingertip.board.kicad.project import load_project
 from fingertip.board.parts.circuit import HOST_CONNECTOR as HOST
 from fingertip.board.parts.circuit import SENSOR_CONNECTOR
-from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, GND
+from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, GND, POWER_IN
 from fingertip.catalogues.electronics import NAMES
 from fingertip.catalogues.output_files import CHANNEL_SHEET, LAYOUT, SCHEMATIC
 from fingertip.design import Design
@@ -69,7 +69,7 @@ def sorted_pins(circuit: Any) -> list[tuple[int, str]]:
 
 def test_ground_separates_the_fingers_at_the_connector() -> None:
     nets = [net for _, net in sorted_pins(board_circuit(board_values(load(PLACES)), PLACES))]
-    assert nets[2::3] == [GND] * PLACES
+    assert nets[2::3] == [*[GND] * (PLACES - 1), POWER_IN]
     assert all(f"F{k + 1}/" in net for k in range(PLACES) for net in nets[3 * k : 3 * k + 2])
 
 

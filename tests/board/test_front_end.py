@@ -1,4 +1,4 @@
-"""The transimpedance stage in ngspice: noise, ripple, stability with a cable, recovery, and a static discharge."""
+"""Front end and outputs in ngspice: noise, ripple, stability with a cable, recovery, discharges, and wrong plugs."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.interference import compute_cable_crosstalk
 from fingertip.board.analysis.loads import compute_phase_margins_deg
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import spice_deck
@@ -51,7 +52,7 @@ def test_noise_at_the_pin_of_the_filtered_signal(tmp_path: Path, amplifier: str)
 def test_ripple_of_the_mains_at_the_filtered_signal(tmp_path: Path, amplifier: str) -> None:
     for force_n in (0.3, 3.0, 8.0, 20.0):
         deck = write_deck(amplifier, force_n).replace("dc 0 ac 1u", "dc 0")
-        (source,) = (line for line in deck.splitlines() if line.startswith("VJ2 "))
+        (source,) = (line for line in deck.splitlines() if line.startswith("VJ3 "))
         deck = deck.replace(source, f"{source} ac 1")
         command = "ac lin 2 100 101\nlet g = abs(v(adc_filtered)-v(vmid))\nwrdata out g"
         assert run_ngspice(tmp_path, deck, command)[0][1] < 0.25, force_n
@@ -92,8 +93,29 @@ def test_filtered_signal_is_back_soon(tmp_path: Path, event: str) -> None:
     assert max(late_s) < 0.035
 
 
+REST = "\nRO3 vmid 0 1\nRO4 stage1_out 0 1"
+"""Outputs of the other amplifiers, for a deck without any."""
+CLAMPS = "DC{0}1 {0} vcc dclamp\nDC{0}2 0 {0} dclamp"
+"""Clamps of an amplifier at one of its pins."""
+
+
+def clamp(deck: str, *nets: str) -> str:
+    clamps = "\n".join(CLAMPS.format(net) for net in nets)
+    return deck.replace("\n.ac ", f"\n{clamps}\n.model dclamp D(Is=1e-14 Rs=1)\n.ac ")
+
+
 @pytest.mark.full
-def test_discharge_into_the_cable_leaves_little_for_the_amplifier(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("net", "behind", "ohm", "least_a", "most_a"),
+    [
+        ("sensor", "v(protected)-v(sum)", 220, 0.005, 0.1),
+        ("adc_tactile", "v(adc_tactile)-v(alias_mid)", 10e3, 1e-5, 2e-3),
+        ("adc_filtered", "v(adc_filtered)-v(filtered)", 10e3, 1e-5, 2e-3),
+    ],
+)
+def test_discharge_into_a_cable_leaves_little_for_the_amplifier(
+    tmp_path: Path, net: str, behind: str, ohm: float, least_a: float, most_a: float
+) -> None:
     """8 kV in contact: current of IEC 61000-4-2, annex B, twice that of 4 kV; clamps of the amplifier at its input."""
     k1, k2 = (np.exp(-(a / b) * (1.8 * b / a) ** (1 / 1.8)) for a, b in ((1.1, 2.0), (12.0, 37.0)))
     pulse = "+".join(
@@ -101,11 +123,35 @@ def test_discharge_into_the_cable_leaves_little_for_the_amplifier(tmp_path: Path
         for amps, k, rise, fall in ((33.2, k1, 1.1, 2), (18.6, k2, 12, 37))
     )
     for sign in ("", "-"):
-        deck = replace_elements(write_deck("MCP6022", 3.0), IJ1=f"BJ1 0 sensor I={sign}({pulse})")
-        clamps = "DC1 sum vcc dclamp\nDC2 0 sum dclamp\n.model dclamp D(Is=1e-14 Rs=1)"
-        deck = deck.replace("\n.ac ", f"\n{clamps}\n.ac ")
-        command = "tran 0.1n 300n 0 0.1n\nlet amps = abs(v(protected)-v(sum))/220\nwrdata out amps v(sensor)"
+        deck = clamp(replace_elements(write_deck("MCP6022", 3.0), IJ1=f"BJ1 0 {net} I={sign}({pulse})"), "sum")
+        command = f"tran 0.1n 300n 0 0.1n\nlet amps = abs({behind})/{ohm}\nwrdata out amps v({net})"
         rows = run_ngspice(tmp_path, deck, command)
         largest_a, largest_v = (max(abs(row[i]) for row in rows) for i in (1, 2))
-        assert largest_v > 20
-        assert 0.005 < largest_a < 0.1
+        assert largest_v > 7
+        assert least_a < largest_a < most_a
+
+
+@pytest.mark.parametrize("supply_v", [0.0, 3.3])
+@pytest.mark.parametrize("net", ["adc_tactile", "adc_filtered"])
+def test_five_volts_of_a_wrong_plug_drive_less_than_a_milliampere(tmp_path: Path, net: str, supply_v: float) -> None:
+    """Supply of another socket at T or S; amplifiers at ground, whose outputs sink all, with their clamps."""
+    lines = [line for line in write_deck("MCP6022", 3.0).splitlines() if not line.startswith(("XU", "VJ3", "IJ1"))]
+    deck = clamp("\n".join(lines) + "\n", "tactile", "filtered").replace(
+        "\n.ac ", f"\nVJ3 power_in 0 {supply_v}\nVW {net} 0 5\nRO1 tactile 0 1\nRO2 filtered 0 1{REST}\n.ac "
+    )
+    ((_, amps),) = run_ngspice(tmp_path, deck, "op\nwrdata out i(vw)")
+    assert 0.1e-3 < abs(amps) < 0.6e-3
+
+
+def test_crosstalk_of_the_cable_is_that_of_ngspice(tmp_path: Path) -> None:
+    design = Design.load("fsr400")
+    stated = compute_cable_crosstalk(board_circuit(board_values(design)), design.board)
+    lines = [line for line in write_deck("MCP6022", 3.0).splitlines() if not line.startswith(("XU", "IJ1"))]
+    for source, other, pin, found in zip(
+        ("tactile", "filtered"), ("filtered", "tactile"), ("adc_filtered", "adc_tactile"), stated, strict=True
+    ):
+        cable = f"CW adc_tactile adc_filtered {60e-12 * design.board.cable_m}\nVT {source} 0 ac 1\nVO {other} 0 0{REST}"
+        deck = ("\n".join(lines) + "\n").replace("\n.ac ", f"\n{cable}\n.ac ")
+        rows = run_ngspice(tmp_path, deck, f"ac dec 20 1 1k\nwrdata out vm({pin})")
+        assert max(row[1] for row in rows) == pytest.approx(found, rel=0.01)
+        assert found < 0.5e-3

@@ -193,7 +193,7 @@ def test_a_converter_of_less_than_the_clamps_rail_is_warned_of() -> None:
     conditions = board_values(load_article(["detector.adc_range_v=4.6"])).gate
     assert {c.name: c.passed for c in conditions if c.name in (HIGHEST, CLAMP)} == {HIGHEST: True, CLAMP: False}
     (warning,) = gate_warnings(conditions)
-    assert "clamp of the converter's pins (D2, D3): 5.00 V, should be at most 4.60 V; the clamps do not" in warning
+    assert "voltage at the converter's pins (D2, D3): 5.00 V, should be at most 4.60 V; only the supply" in warning
 
 
 def test_a_unipolar_converter_is_warned_of_where_a_press_takes_the_tactile_voltage_below_ground() -> None:
@@ -234,8 +234,8 @@ def test_threshold_spread_is_the_sum_of_its_causes() -> None:
     assert worst["offsets of the amplifiers"] == pytest.approx(offset.max_v * (4.55 / 4.5), rel=3e-3)
     assert worst["offset of the comparator"] == pytest.approx(7.125e-3)
     assert worst["input currents of the comparator"] == pytest.approx(375e-9 * 15e3, rel=1e-3)
-    # The envelope's amplifier isolates the comparator from the clamps.
-    assert worst["reverse current of the clamps"] == pytest.approx(0.0, abs=1e-9)
+    # The envelope's amplifier isolates the comparator from the suppressors.
+    assert worst["leakage of the suppressors"] == pytest.approx(0.0, abs=1e-9)
     # The threshold is proportional to RV1 / R19, so that 20 % and twice 1 % of it, and R20's 1 % of a quarter, remain.
     assert worst[TOLERANCES] == pytest.approx(levels.on_v * (0.2 + 0.01), rel=0.05)
     assert spread.to_trim_v == pytest.approx(math.fsum(worst.values()) - worst[TOLERANCES])

@@ -10,7 +10,7 @@ from fingertip.board.circuits.channels import split_net
 from fingertip.board.components.front_end import POWER_UP_S
 from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import HOST_CONNECTOR
-from fingertip.board.parts.nets import GND, VMID_OUT
+from fingertip.board.parts.nets import GND, POWER_IN
 from fingertip.catalogues.electronics import NAMES
 from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design import Design
@@ -32,7 +32,8 @@ class Pin:
     signal: str
     input: str | None
     """Input of the controller; None for one that the detector does not read."""
-    is_ground: bool
+    rail: str
+    """Supply pin of the controller that it leads to; empty for a signal."""
 
 
 def render_readme(design: Design, fingers: Fingers) -> str:
@@ -41,6 +42,7 @@ def render_readme(design: Design, fingers: Fingers) -> str:
     if not design.board.has_filter:
         return render_page("board/divider_firmware.md", WIDTH, **shared)
     circuit = board_circuit(select_components(design), design.board.channels)
+    rails = {GND: "ground", POWER_IN: f"{design.board.supply_v:g} V"}
     pins = circuit.list_wires(circuit.component(HOST_CONNECTOR))
     signals = name_signals(circuit, design.board.supply_v)
     streamed = (*fingers.designs, design)[0]
@@ -58,11 +60,10 @@ def render_readme(design: Design, fingers: Fingers) -> str:
         peak_fingers=math.ceil(fingers.count / max(1, round(TICK_S * design.detector.sample_rate_hz))),
         connector=HOST_CONNECTOR,
         pins=[
-            Pin(number, signals[net].print, signals[net].far_end, _find_input(net, fingers), net == GND)
+            Pin(number, signals[net].print, signals[net].far_end, _find_input(net, fingers), rails.get(net, ""))
             for number, net in pins
         ],
         wiring_notes=list(list_notes(circuit, design.board.supply_v)),
-        has_vmid_pin=VMID_OUT in {net for _, net in pins},
         tick_ms=1e3 * TICK_S,
         trees=load_model().trees,
     )

@@ -10,9 +10,19 @@ from dataclasses import dataclass, replace
 from xml.sax.saxutils import escape
 
 from fingertip.board.circuits.channels import split_net
-from fingertip.board.parts.circuit import HOST_CONNECTOR, SUPPLY_CONNECTOR, Circuit
-from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE, GND, POWER_IN, SLIP, VCC, VEE, VMID_OUT
-from fingertip.board.parts.symbols import AO3401A, JST_SH_4, JST_SH_15, LOCKING_CONNECTORS
+from fingertip.board.parts.circuit import HOST_CONNECTOR, SLIP_CONNECTOR, SUPPLY_CONNECTOR, Circuit
+from fingertip.board.parts.nets import (
+    ADC_ENVELOPE,
+    ADC_FILTERED,
+    ADC_TACTILE,
+    GND,
+    POWER_IN,
+    SLIP_OUT,
+    VCC,
+    VEE,
+    VMID_OUT,
+)
+from fingertip.board.parts.symbols import JST_SH_15, LOCKING_CONNECTORS
 from fingertip.board.parts.table import group_plug_wires
 from fingertip.catalogues.electronics import NAMES
 from fingertip.documents.template import render
@@ -24,7 +34,7 @@ OTHER_PINS = "A threshold on the envelope needs E and M."
 SKETCH_PINS = {ADC_TACTILE: "A0", ADC_FILTERED: "A1"}
 """Inputs of a controller at which the sketches of `fingertip firmware` read the board."""
 
-_RED, _BLACK, _BLUE, _GREEN = "#b03a2e", "#1c1f22", "#1f4e79", "#2e7d5b"
+_RED, _BLACK, _BLUE, _GREEN, _YELLOW = "#b03a2e", "#1c1f22", "#1f4e79", "#2e7d5b", "#b7950b"
 _TOP, _GAP = 53.0, 26.0
 """Upper edge of the board, and gap between connectors."""
 
@@ -43,19 +53,19 @@ _SENSOR = Signal("FSR", "either wire", _GREEN)
 
 def name_signals(circuit: Circuit, supply_v: float) -> dict[str, Signal]:
     """Name the nets at the connectors of supply and controller, of a board with this supply [V]."""
-    # A board that gives its filtered signal to a controller has grounds between its pins, which have no mark.
     is_for_controller = ADC_FILTERED in {split_net(net.name)[1] for net in circuit.nets}
-    plus = Signal("+", f"+{supply_v:g} V", _RED)
+    # The grounds of a board for several fingers have no mark.
+    ground = "" if ADC_FILTERED not in {net.name for net in circuit.nets} else "GND"
     signals = {
-        VCC: plus,
-        POWER_IN: plus,
-        GND: Signal("" if is_for_controller else "0", "ground", _BLACK),
+        VCC: Signal("+", f"+{supply_v:g} V", _RED),
+        POWER_IN: Signal("3V3", f"supply, +{supply_v:g} V", _RED),
+        GND: Signal(ground if is_for_controller else "0", "ground", _BLACK),
         VEE: Signal("-", f"-{supply_v:g} V", _BLUE),
         ADC_TACTILE: Signal("T", "analog in: tactile voltage", _BLUE),
-        ADC_FILTERED: Signal("S", "analog in: filtered signal", _BLUE),
+        ADC_FILTERED: Signal("S", "analog in: filtered signal", _YELLOW),
         ADC_ENVELOPE: Signal("E", "analog in: envelope", _BLUE),
         VMID_OUT: Signal("M", "analog in: signal ground", _GREEN),
-        SLIP: Signal("SLIP" if is_for_controller else "S", "digital in: slip, active low", _RED),
+        SLIP_OUT: Signal("SLIP", "digital in: slip, active low", _GREEN),
     }
     for net in circuit.nets:
         channel, own = split_net(net.name)
@@ -103,15 +113,19 @@ def _list_columns(circuit: Circuit, supply_v: float) -> tuple[list[_Connector], 
     """List the connectors at the left and at the right edge, from the top."""
     sensors = [part for part in circuit.components if part.value == "FSR" and part.is_fitted]
     nets, signals = {split_net(net.name)[1] for net in circuit.nets}, name_signals(circuit, supply_v)
-    # Ground is marked as the negative pole of a single supply.
-    supply_signals = signals if VEE in nets else signals | {GND: replace(signals[GND], print="-")}
     devices = ["sensor"] if len(sensors) == 1 else [f"sensor: {finger}" for finger in NAMES[: len(sensors)]]
     of_sensor = {GND: Signal("ground", "either wire", _BLACK)}
     left = [_connect(circuit, part.reference, of_sensor, each) for part, each in zip(sensors, devices, strict=True)]
     host = "controller" if ADC_FILTERED in nets else "ADC or controller"
-    right, is_left = [_connect(circuit, HOST_CONNECTOR, signals, host, is_left=False)], len(sensors) == 1
-    (left if is_left else right).append(_connect(circuit, SUPPLY_CONNECTOR, supply_signals, "supply", is_left))
-    return (left if is_left else left[::-1]), right
+    present = {component.reference for component in circuit.components}
+    right = [
+        _connect(circuit, each, signals, host, is_left=False)
+        for each in (SLIP_CONNECTOR, HOST_CONNECTOR)
+        if each in present
+    ]
+    if SUPPLY_CONNECTOR in present:
+        left.append(_connect(circuit, SUPPLY_CONNECTOR, signals, "supply"))
+    return (left if len(sensors) == 1 else left[::-1]), right
 
 
 def _connect(
@@ -128,45 +142,42 @@ def _connect(
 
 def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
     """Yield what to observe when the cables are made."""
-    locking = circuit.component(HOST_CONNECTOR).footprint in LOCKING_CONNECTORS
-    outputs = {split_net(net)[1] for _, net in circuit.list_wires(circuit.component(HOST_CONNECTOR))}
+    nets = {split_net(net.name)[1] for net in circuit.nets}
     is_several = circuit.component(HOST_CONNECTOR).footprint == JST_SH_15
+    is_for_controller, has_slip = ADC_FILTERED in nets, SLIP_OUT in nets
     if is_several:
         yield "Parts are named as on the board of one finger: J1 is J101 at finger 1 and J501 at finger 5."
         yield "No two plugs of sensors can be exchanged: none enters a smaller socket, and in another one of its size"
         yield "it leaves a wire at an open pin: T then stays where it is when the finger is pressed."
         yield "The wires stand in the plugs as drawn here, when they are in their sockets and the parts face you."
-        yield "On the board J2 and J3 are at the right edge, and finger 1 is at the bottom."
-    if locking:
-        yield "Pin 1 of J1 and J3 has a dot beside it; + is printed beside pin 1 of J2."
-    if locking and not is_several:
-        yield "With J1 and J2 on the left, pin 1 of J3 is the lower end."
-    if not locking:
+        yield "On the board J3 is at the right edge, and finger 1 is at the bottom."
+    if is_for_controller:
+        yield f"Pin 1 of J1{', J3 and J4' if has_slip else ' and J3'} has a dot beside it."
+    if is_for_controller and not is_several:
+        yield "With J1 on the left, pin 1 of J3 is the lower end."
+    if not is_for_controller:
         yield "Pin 1 is the square one."
     yield "The sensor's wires may be exchanged."
-    if any(component.symbol.name == "D_TVS" for component in circuit.components):
+    if not is_for_controller:
+        yield "A reversed supply destroys the board: check its polarity at the plug before you connect it."
+    else:
         ground = "Of a sensor's two pins the one of the higher number" if is_several else "Pin 2 of J1"
         yield f"{ground} is ground. TP6, ground too, takes the shield of a long cable."
-        yield "D6 and R28 take a static discharge into the sensor's cable (8 kV contact, IEC 61000-4-2; simulated)."
-    if any(component.symbol == AO3401A for component in circuit.components):
-        yield "With J3 unplugged a reversed supply does no harm: Q1 blocks it."
-        yield "With J3 connected it shorts the controller's own 3.3 V through ground: check the polarity first."
-        yield "Nothing protects against a voltage that is too high. Plugs of LiPo cells fit J2, and give up to 4.2 V."
-    else:
-        yield "A reversed supply destroys the board: check its polarity at the plug before you connect it."
+        yield "D3, D5 and D6 take a static discharge into the cables (8 kV contact, IEC 61000-4-2; simulated)."
+    if is_for_controller and not is_several:
+        yield "J3 has the order of Qwiic and STEMMA QT: ground black, 3.3 V red, T blue, S yellow. Take a cable with"
+        yield "open ends: T and S go to two analog pins. An I2C socket feeds the board and harms nothing, but has"
+        yield "pull-ups and no analog inputs: it cannot read T and S."
+        yield "A board that prints T and S alone beside J3 (revision 4) has another order: never join it to this cable."
     yield f"The outputs lie between 0 and {supply_v:g} V: the inputs of the controller must take that."
-    if circuit.component(HOST_CONNECTOR).footprint == JST_SH_4:
-        yield "J3: a cable of Qwiic or STEMMA QT fits: black and yellow ground, red T (no supply), blue S."
-        yield "Its other end goes to analog pins, never into an I2C socket: there red is a supply of up to 5 V."
-    if VMID_OUT in outputs:
+    if VMID_OUT in nets:
         yield "E refers to M: sample M too if you use E. Record T and S as they are, against ground."
-    if ADC_FILTERED in outputs:
+    if is_for_controller:
         if is_several:
             yield "Firmware and detector fast need T and S of each finger (10 analog inputs for five)."
         else:
-            yield f"{NEEDED_PINS}{f' {OTHER_PINS}' if VMID_OUT in outputs else ''}".replace("`", "")
-        yield f"Take +{supply_v:g} V and the ground of J2 from the controller's own {supply_v:g} V pin and GND."
-        yield "Disconnect a bench supply first: two supplies would feed each other."
+            yield f"{NEEDED_PINS}{f' {OTHER_PINS}' if VMID_OUT in nets else ''}".replace("`", "")
+        yield f"Take +{supply_v:g} V from the controller's own {supply_v:g} V pin; Q1 blocks a reversed supply."
         tactile, filtered = SKETCH_PINS[ADC_TACTILE], SKETCH_PINS[ADC_FILTERED]
         if is_several:
             yield "The README of fingertip firmware names the input of each T and S."
@@ -176,7 +187,5 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
         yield f"Wires of {join_words(references)} ({wire.series} plug): {wire.description}."
     if is_several:
         yield "Twist T, S and ground of each finger."
-    elif locking:
-        yield "Twist each signal's wire with the ground beside it."
-    else:
+    elif not is_for_controller:
         yield "Keep the wires of J1 and J3 short, and twist each signal with a ground wire."

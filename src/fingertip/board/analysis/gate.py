@@ -22,10 +22,10 @@ from fingertip.board.analysis.thresholds import BLOCKING_DIODE, OutputOffset, Th
 from fingertip.board.analysis.tolerance import LEAST_YIELD
 from fingertip.board.circuits.network import build_network, list_amplifiers
 from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance_s
-from fingertip.board.components.values import CLAMP as CLAMP_DIODES
-from fingertip.board.components.values import LOW_LEAKAGE_CLAMP, SUPPLIES
+from fingertip.board.components.values import SUPPLIES
 from fingertip.board.parts.circuit import Circuit, parse_component_value
 from fingertip.board.parts.nets import FILTERED, STAGE1_OUT, VMID
+from fingertip.board.parts.symbols import BAT54S
 from fingertip.catalogues.electronics import LOW_OFFSET_AMPLIFIER, Amplifier
 from fingertip.design import Design
 from fingertip.design.formulas import amplifiers
@@ -77,7 +77,7 @@ CURRENT, OFFSET, BANDWIDTH, MARGIN, PEAKING = (
 )  # fmt: skip
 INPUT, HIGHEST, LOWEST, FLOOR, CLAMP, SERIES, TRIM, SUPPLY = (
     "input of the sensor's amplifier", "highest tactile voltage", "lowest tactile voltage", "envelope's lowest offset",
-    "clamp of the converter's pins", "capacitors off series E12", "shift to trim", "voltage across the amplifier",
+    "voltage at the converter's pins", "capacitors off series E12", "shift to trim", "voltage across the amplifier",
 )  # fmt: skip
 
 
@@ -144,11 +144,11 @@ def _check_converter(
             FLOOR, "ENVELOPE", limits.signal_ground_v + offset.min_v, limits.adc_low_v, "V", "advised",
             "the converter cannot tell how far the envelope lies below its range: set detector.adc_polarity=bipolar",
         )  # fmt: skip
-    clamps = ", ".join(c.reference for c in circuit.components if c.value in (CLAMP_DIODES, LOW_LEAKAGE_CLAMP))
+    clamps = ", ".join(c.reference for c in circuit.components if c.symbol == BAT54S)
     yield at_most(
-        CLAMP, clamps, limits.clamp_high_rail_v, limits.adc_range_v, "V", "advised",
-        "the clamps do not protect a converter whose pins bear no more than its range; give it a range of the supply "
-        "or more",
+        CLAMP, clamps or "U1, U2", limits.clamp_high_rail_v, limits.adc_range_v, "V", "advised",
+        "only the supply of the board limits it, which pins of a smaller range need not bear; give the converter a "
+        "range of the supply or more",
     )  # fmt: skip
 
 

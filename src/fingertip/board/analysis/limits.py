@@ -60,9 +60,10 @@ class VoltageLimits:
     """
     clamp_low_rail_v: float
     clamp_high_rail_v: float
-    """Rails of the clamps at the ADC pins, which clamp one Schottky drop beyond them."""
+    """Limits of the voltages at the ADC pins: rails of the clamps, which clamp one Schottky drop beyond them, or the
+    supply of the amplifiers that drive them."""
     tactile_pin_ohm: float
-    """Resistance through which the reverse current of the clamp at the tactile pin flows [ohm]."""
+    """Resistance through which a leakage current at the tactile pin flows [ohm]."""
     output_pin_ohm: float
     """Resistance through which that at the envelope's pin flows [ohm], in variant article with its diode blocked; on a
     board without an envelope that at the filtered signal's pin."""

@@ -10,7 +10,7 @@ from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuits.network import Network, Value, build_network, list_amplifiers
 from fingertip.board.circuits.transfer_function import find_stages
 from fingertip.board.components.front_end import AMPLIFIERS
-from fingertip.board.components.values import MAX_CLAMP_A
+from fingertip.board.components.values import MAX_SUPPRESSOR_A
 from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, MEAN, SLIP, THRESHOLD
 from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE, LOW_OFFSET_AMPLIFIER
@@ -162,7 +162,7 @@ def compute_threshold_spread(
         if data := output.data:
             offset_v += abs(transfers[output.net]) * (data.max_offset_v + data.drift_v_per_k * _WARMING_K)
     comparator_v = formulas.MAX_COMPARATOR_OFFSET_V + formulas.COMPARATOR_DRIFT_V_PER_K * _WARMING_K
-    leakage_a = MAX_CLAMP_A * 2.0 ** ((formulas.MAX_TEMPERATURE_C - formulas.DATA_SHEET_C) / _LEAKAGE_DOUBLES_K)
+    leakage_a = MAX_SUPPRESSOR_A * 2.0 ** ((formulas.MAX_TEMPERATURE_C - formulas.DATA_SHEET_C) / _LEAKAGE_DOUBLES_K)
     input_ohm = abs(transfers[MEAN]), abs(transfers[THRESHOLD])
     mean_v = levels.on_v - formulas.BIAS_A * (input_ohm[0] - input_ohm[1])
     shifts = (
@@ -170,7 +170,7 @@ def compute_threshold_spread(
         ThresholdShift("offset of the comparator", comparator_v),
         ThresholdShift("input currents of the comparator", (formulas.HOT_BIAS_A - formulas.BIAS_A) * max(input_ohm)),
         ThresholdShift(
-            "reverse current of the clamps", leakage_a * (abs(transfers[ADC_ENVELOPE]) + abs(transfers[ADC_TACTILE]))
+            "leakage of the suppressors", leakage_a * (abs(transfers[ADC_ENVELOPE]) + abs(transfers[ADC_TACTILE]))
         ),
         ThresholdShift(TOLERANCES, _tolerance_v(network, rails, resistor_percent / 100.0)),
     )

@@ -21,7 +21,9 @@ otherwise. R24 isolates the buffer of VMID from the cable, whose capacitance it 
 
 Both run on the 3.3 V of a controller. U2b buffers VMID. Q1 blocks a reversed supply: its body diode lets the first
 current through, and its channel then bridges the diode, because its gate is at ground. With a reversed supply the gate
-is at the positive end, and both block.
+is at the positive end, and both block. The supply comes with the signals through J3, whose pins are in the order of
+I2C connectors (ground, 3.3 V, T, S). Behind D3 and D5 nothing but R9 and R27 leads from its pins to the amplifiers, so
+that whatever voltage another socket has at these pins drives less than a milliampere.
 
 A divider stands in place of a board: the sensor from the supply to a controller's pin, and one resistor from there to
 ground. T = Vs R / (R + 1 / G) for a sensor of the conductance G. It scales with the supply Vs, so that a converter that
@@ -34,7 +36,7 @@ import functools
 from pathlib import Path
 
 from fingertip.board.circuits.channels import repeat_channel
-from fingertip.board.components.values import CLAMP, LOW_LEAKAGE_CLAMP, MAX_LOW_LEAKAGE_A, SUPPLIES, ComponentValues
+from fingertip.board.components.values import SUPPLIES, ComponentValues
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import (
     Circuit,
@@ -63,9 +65,7 @@ _RATINGS = {
     "header": "pin header 2.54 mm, one row; or solder the wires",
     "locking": "keyed; plug and wires are bought apart (README, What else to buy)",
     "trimmer": "trimmer 3 mm, one turn, top",
-    CLAMP: symbols.BAT54S.description,
     SUPPRESSOR: "ESD suppressor, bidirectional, 5 V working voltage, SOD-323, 8 kV contact (IEC 61000-4-2)",
-    LOW_LEAKAGE_CLAMP: f"Dual diode in series, SOT-23, leakage {1e9 * MAX_LOW_LEAKAGE_A:g} nA at most",
 }
 _SIZES = {"filter": symbols.C_1206, "small": symbols.C_0603, "supply": symbols.C_0603, "bulk": symbols.C_0805}
 """Sizes of the capacitors by kind. Above what size 1206 offers for 16 V, a filter's has no direct voltage across it."""
@@ -92,7 +92,7 @@ def board_circuit(values: ComponentValues, channels: int = 1) -> Circuit:
 
 _PROPERTIES = {
     "article": {"article", "envelope"},
-    "precision": {"controller", "silent"},
+    "precision": {"controller"},
     "comparator": {"controller", "slip", "envelope"},
 }
 """Properties of each variant by which rows of the table hold for it."""
@@ -116,9 +116,6 @@ def _make_component(row: dict[str, str], values: ComponentValues) -> Component:
             data, symbol = AMPLIFIER_CATALOGUE[values.amplifier], symbols.DUAL_AMPLIFIERS[values.amplifier]
             rating = f"{symbol.description}, offset {1e3 * data.max_offset_v:g} mV at most"
             return Component(reference, data.order_name, symbol, symbols.SOIC_8, role, rating)
-        case "clamp":
-            name = CLAMP if values.variant == "article" else LOW_LEAKAGE_CLAMP
-            return Component(reference, name, symbols.BAT54S, symbols.SOT_23, role, _RATINGS[name])
         case "point":
             return Component(reference, row["value"], symbols.TEST_POINT, symbols.TEST_PAD, role)
         case "hole":

@@ -23,7 +23,7 @@ No plug enters a smaller socket, and in another one of its own size it leaves a 
 """
 _FOOTPRINTS = {2: symbols.JST_SH_2, 3: symbols.JST_SH_3, 4: symbols.JST_SH_4}
 SHARED_PARTS = frozenset(
-    ("J2", "Q1", "C10", "R22", "R23", "C21", "R31", "R32", "C28", "R33", "C29", "H1", "H2", "H3", "H4")
+    ("TP7", "Q1", "C10", "R22", "R23", "C21", "R31", "R32", "C28", "R33", "C29", "H1", "H2", "H3", "H4")
 )
 """Parts that the board has once: supply, references of mid-supply and of the sensor's bias, holes."""
 SHARED_NETS = frozenset((*RAILS, POWER_IN, "DIVIDED", BIAS, "HALF"))
@@ -66,9 +66,9 @@ def name_sheet(channel: int) -> str:
 
 
 def host_pins() -> dict[str, str]:
-    """Pins of the host connector, by number: T, S and ground of each channel in turn, so that ground separates them."""
+    """Pins of the host connector, by number: T, S and ground of each channel in turn; the supply ends them."""
     nets = [name_net(net, channel) for channel in range(1, PLACES + 1) for net in (ADC_TACTILE, ADC_FILTERED, GND)]
-    return {str(number): net for number, net in enumerate(nets, start=1)} | {"MP": GND}
+    return {str(number): net for number, net in enumerate((*nets[:-1], POWER_IN), start=1)} | {"MP": GND}
 
 
 def describe_sockets() -> tuple[str, ...]:
@@ -112,7 +112,7 @@ def repeat_channel(single: Circuit, fitted: int) -> Circuit:
 
 def _host_connector(single: Circuit) -> Component:
     symbol = symbols.SYMBOLS["Conn_01x15_MountingPin"]
-    role = "to the controller: tactile voltage, filtered signal and ground of each finger"
+    role = "to the controller: tactile voltage and filtered signal of each finger, ground between them, supply"
     return replace(single.component(HOST_CONNECTOR), symbol=symbol, footprint=symbols.JST_SH_15, role=role)
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from fingertip.board.circuits.network import MAX_SWITCH_OHM
 from fingertip.board.components import front_end
 from fingertip.board.components.front_end import AMPLIFIERS, BOLTZMANN_J_PER_K, TEMPERATURE_K, sensor_conductance_s
-from fingertip.board.components.values import CLAMP, CLAMP_A, LOW_LEAKAGE_A, LOW_LEAKAGE_CLAMP
+from fingertip.board.components.values import CLAMP_A
 from fingertip.board.parts.circuit import Circuit, parse_component_value
 from fingertip.board.parts.nets import ADC_FILTERED, GND
 from fingertip.catalogues.electronics import OPEN_LOOP_GAIN
@@ -30,7 +30,7 @@ _ELEMENTS = {
     **dict.fromkeys(("R", "C"), "{0} {1} {2} {value}"),
     "1N4148W": "{0} {2} {1} D1N4148",
     "D_TVS": "{0}a {0}m {1} DTVS\n{0}b {0}m {2} DTVS",
-    "BAT54S": "{0}a {1} {3} {clamp}\n{0}b {3} {2} {clamp}",
+    "BAT54S": "{0}a {1} {3} DBAT54\n{0}b {3} {2} DBAT54",
     **{
         name: "\n".join(
             f"X{{0}}{unit} {{{plus}}} {{{minus}}} {{{out}}} {name.lower()}"
@@ -44,13 +44,12 @@ _ELEMENTS = {
     # An open collector is a switch that closes while the inverting input is above the other.
     "LMV331": "S{0} {4} {2} {3} {1} open_collector",
     "FSR": f"R{{0}} {{1}} {{2}} {1 / sensor_conductance_s(SENSOR_FORCE_N):.6g}\nI{{0}} {{2}} {{1}} dc 0 ac {{ac}}",
-    **dict.fromkeys(("Conn_01x02", "Conn_01x02_MountingPin"), "V{0} {1} {2} {supply_v:.10g}"),
     "Conn_01x03": "V{0}a {1} {2} {supply_v:.10g}\nV{0}b {2} {3} {supply_v:.10g}",
     # The channel conducts, as it does with a supply that is not reversed.
     "AO3401A": f"R{{0}} {{3}} {{2}} {MAX_SWITCH_OHM:g}",
-    **{
-        f"Conn_01x{pins}": "" for pins in ("04", "03_MountingPin", "04_MountingPin", "10_MountingPin", "15_MountingPin")
-    },
+    "Conn_01x04_MountingPin": "V{0} {2} {1} {supply_v:.10g}",
+    "Conn_01x15_MountingPin": "V{0} {15} {12} {supply_v:.10g}",
+    **dict.fromkeys(("Conn_01x04", "Conn_01x03_MountingPin"), ""),
     **dict.fromkeys(("TestPoint", "MountingHole"), ""),
 }
 """SPICE elements of a component by the name of its symbol: {0} is its reference, {1} the node of its pin 1."""
@@ -71,7 +70,6 @@ def spice_deck(circuit: Circuit, gain_bandwidth_hz: float, supply_v: float, *, w
             *pins,
             value=value.replace("M", "Meg"),  # SPICE reads "M" as milli
             half=parse_component_value(value) / 2 if symbol == "R_Potentiometer" else 0.0,
-            clamp="DBAV199" if value == LOW_LEAKAGE_CLAMP else "DBAT54",
             supply_v=supply_v,
             ac=ac,
         )
@@ -153,7 +151,7 @@ def _models(circuit: Circuit, gain_bandwidth_hz: float, worst_case: bool) -> Ite
     if "D_TVS" in names:
         yield _model("suppressor")
     values = {component.value for component in circuit.components}
-    for value in ("LMV331", "1N4148W", CLAMP, LOW_LEAKAGE_CLAMP):
+    for value in ("LMV331", "1N4148W", "BAT54S"):
         if value in values:
             yield _model(
                 value,
@@ -161,7 +159,6 @@ def _models(circuit: Circuit, gain_bandwidth_hz: float, worst_case: bool) -> Ite
                 series_ohm=front_end.SERIES_OHM,
                 emission=front_end.EMISSION,
                 clamp_a=CLAMP_A,
-                low_leakage_a=LOW_LEAKAGE_A,
             )
 
 

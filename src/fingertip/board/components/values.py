@@ -226,14 +226,13 @@ def size_comparator(
 
 POLE_PER_SAMPLE_RATE = 0.25
 FIRST_OHM, SECOND_OHM = 1e3, 10e3
-"""Approximate resistances. Together with the clamp they limit its current to 1 mA at 10 V beyond the rails."""
-CLAMP, LOW_LEAKAGE_CLAMP = "BAT54S", "BAV199"
-"""Clamps of the ADC pins. The second serves boards for a controller, whose outputs stay within the supply anyway."""
+"""Approximate resistances. They also limit the current that a voltage at the pins drives to 1 mA at 10 V."""
 CLAMP_A, MAX_CLAMP_A = 0.1e-6, 2e-6
-"""Reverse current of a clamp's diode [A]: the value of the SPICE deck's model, and the maximum of a BAT54 at 25 V and
-25 degrees Celsius (its data sheets; unverified)."""
-LOW_LEAKAGE_A, MAX_LOW_LEAKAGE_A = 3e-12, 5e-9
-"""The same of a BAV199: typical, and maximum at 75 V and 25 degrees Celsius (its data sheets; unverified)."""
+"""Reverse current of a diode of the BAT54S at a pin [A]: that of the SPICE deck's model, and the maximum of a BAT54 at
+25 V and 25 degrees Celsius (its data sheets; unverified)."""
+MAX_SUPPRESSOR_A = 0.1e-6
+"""Leakage of a suppressor at a pin of the board for a controller [A]: maximum of a PESD5V0S1BA at 5 V (recalled of
+Nexperia's data sheet; unverified)."""
 
 
 def size_adc_interface(sample_rate_hz: float, series: str, capacitor_series: str = "given") -> AdcInterface:

@@ -28,7 +28,7 @@ from fingertip.board.parts.select_part import symbol_fields
 from fingertip.catalogues.output_files import CHANNEL_SHEET
 from fingertip.foundation.errors import join_words
 
-REVISION, SEVERAL_REVISION = "4", "5"
+REVISION, SEVERAL_REVISION = "5", "6"
 """Revisions of the boards of one finger and of several: higher where parts, nets or copper have changed."""
 
 # UUIDs derived from names instead of random ones, so that the same design gives the same bytes.

@@ -48,7 +48,7 @@ def _format_tolerance(percent: float) -> str:
     return f"{percent:g} % or better" if percent else "tightest available"
 
 
-SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR = "J1", "J2", "J3"
+SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR, SLIP_CONNECTOR = "J1", "J2", "J3", "J4"
 
 
 @dataclass(frozen=True)

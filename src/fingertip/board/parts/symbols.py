@@ -56,10 +56,8 @@ HEADER_3 = "Connector_PinHeader_2.54mm:PinHeader_1x03_P2.54mm_Vertical"
 JST_SH_2 = "Connector_JST:JST_SH_SM02B-SRSS-TB_1x02-1MP_P1.00mm_Horizontal"
 JST_SH_3 = "Connector_JST:JST_SH_SM03B-SRSS-TB_1x03-1MP_P1.00mm_Horizontal"
 JST_SH_4 = "Connector_JST:JST_SH_SM04B-SRSS-TB_1x04-1MP_P1.00mm_Horizontal"
-JST_SH_10 = "Connector_JST:JST_SH_SM10B-SRSS-TB_1x10-1MP_P1.00mm_Horizontal"
 JST_SH_15 = "Connector_JST:JST_SH_SM15B-SRSS-TB_1x15-1MP_P1.00mm_Horizontal"
-JST_PH_2 = "Connector_JST:JST_PH_S2B-PH-K_1x02_P2.00mm_Horizontal"
-LOCKING_CONNECTORS = (JST_SH_2, JST_SH_3, JST_SH_4, JST_SH_10, JST_SH_15, JST_PH_2)
+LOCKING_CONNECTORS = (JST_SH_2, JST_SH_3, JST_SH_4, JST_SH_15)
 """Footprints of keyed connectors that lock."""
 TEST_PAD = "TestPoint:TestPoint_Pad_D1.0mm"
 M2_HOLE = "MountingHole:MountingHole_2.2mm_M2"

@@ -10,8 +10,8 @@ from fingertip.board.analysis.board_values import BoardValues
 from fingertip.board.bringup import bench
 from fingertip.board.bringup import plan as limits
 from fingertip.board.bringup.plan import PROBES, BringUp, Limits
+from fingertip.board.bringup.resistances import resistance_between
 from fingertip.board.circuits.channels import describe_sockets
-from fingertip.board.components.values import LOW_LEAKAGE_CLAMP
 from fingertip.board.kicad.placement import Pad, Placement, view_channel
 from fingertip.board.kicad.project import load_project
 from fingertip.board.parts import nets
@@ -56,7 +56,7 @@ def _collect(plan: BringUp, values: BoardValues, design: Design) -> dict[str, An
         "setup": plan.board.bench,
         "name": design.name,
         "letters": _LETTERS,
-        "orientation": "J1 and J2" if design.board.channels == 1 else "the sensors' sockets",
+        "orientation": "J1" if design.board.channels == 1 else "the sensors' sockets",
         "fingers": NAMES[: design.board.channels],
         "sockets": "; ".join(describe_sockets()[: design.board.channels]),
         "parts": parts,
@@ -66,7 +66,7 @@ def _collect(plan: BringUp, values: BoardValues, design: Design) -> dict[str, An
         "is_class_2": isinstance(c1, CapacitorRequirement) and "C0G" not in c1.dielectrics,
         "gain": values.achieved_response.passband_gain,
         "coupling_capacitor": format_component_value(bench.COUPLING_FARAD),
-        "slip_end": find_end(placement, "R21", nets.SLIP) if has_slip else "",
+        "slip_end": "J4 pin 3" if has_slip else "",
         "threshold_end": find_end(placement, "R20", nets.THRESHOLD) if has_slip else "",
         "dotted": _join([name for name in parts if name.startswith("U") and name not in small]),
         "diodes": _join([name for name, part in parts.items() if part.symbol.name == "1N4148W"]),
@@ -86,13 +86,15 @@ def _list_resistances(plan: BringUp, placement: Placement) -> Iterator[Row]:
     if plan.negative_ohm:
         yield _row("J2: ground to minus", plan.negative_ohm, "ohm", "a short: do not apply power")
         yield _row("J1: between its pins", plan.sensor_ohm, "ohm", "R10 to R13, C7")
-    else:
-        yield _row("J1 pin 1 to TP1", plan.sensor_ohm, "ohm", "R28 to R30, D6")
-    clamps = [part for part in circuit.components if part.symbol.name == "BAT54S"]
-    pins = join_words([_LETTERS[circuit.net_by_pin[part.reference, "3"]] for part in clamps])
-    where = f"diode range, J3 unplugged: ground to {pins} of J3; these to {plus} (red probe first)"
-    volts = "0.6 to 0.8 V" if clamps[0].value == LOW_LEAKAGE_CLAMP else "0.15 to 0.4 V"
-    yield where, "-", f"{volts} each", join_words([part.reference for part in clamps])
+        where = f"diode range: ground to T and E of J3; these to {plus} (red probe first)"
+        yield where, "-", "0.15 to 0.4 V each", "D2, D3"
+        return
+    yield _row("J1 pin 1 to TP1", plan.sensor_ohm, "ohm", "R28 to R30, D6")
+    for pin, point, test, parts in (
+        (nets.ADC_TACTILE, nets.TACTILE, "TP1", "R8, R9"), (nets.ADC_FILTERED, nets.FILTERED, "TP3", "R27"),
+    ):  # fmt: skip
+        ohm = resistance_between(circuit, pin, point)
+        yield _row(f"{_LETTERS[pin]} of J3 to {test}", Limits(ohm, 0.9 * ohm, 1.1 * ohm), "ohm", f"{parts}, J3")
 
 
 def _list_supplies(plan: BringUp, placement: Placement) -> Iterator[Row]:
@@ -106,13 +108,18 @@ def _list_supplies(plan: BringUp, placement: Placement) -> Iterator[Row]:
 def list_unseen(plan: BringUp) -> list[str]:
     """List the parts that no reading shows when they are open."""
     seen = {"C1", "C2", "C3"} | ({"C9", "C14", "C19", "C20", "C25", "R8", "R9"} if plan.pins_v else set())
+    suppressors = [part.reference for part in plan.board.circuit.components if part.symbol.name == "D_TVS"]
     parts = (part.reference for part in sorted(plan.board.circuit.components, key=reference_sort_key))
-    return [name for name in parts if name not in seen and (name[0] == "C" or name in ("D6", "R7", "R8", "R9", "R24"))]
+    return [
+        name
+        for name in parts
+        if name not in seen and (name[0] == "C" or name in ("D6", "R7", "R8", "R9", "R24") or name in suppressors)
+    ]
 
 
 def _find_plus(placement: Placement) -> str:
     """Name the place of the positive supply, behind Q1 if there is one: without power it blocks the meter."""
-    return find_end(placement, "C10", nets.VCC) if "Q1" in placement.parts else "J2 plus"
+    return "TP7" if "Q1" in placement.parts else "J2 plus"
 
 
 def _list_voltages(plan: BringUp, placement: Placement) -> Iterator[Row]:

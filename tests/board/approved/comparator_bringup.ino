@@ -10,6 +10,6 @@ Differences from ../../../pcb/bringup.ino:
 +  report("S with 66.7 Hz, RMS: ", tone_v, 0.3710f, 0.4575f);
 +  Serial.println("Measure TP4 and SLIP now, for 20 seconds.");
 +  measure(S_PIN, 44, 20);
-+  report("S with 136.4 Hz, RMS: ", tone_v, 0.5265f, 0.6133f);
++  report("S with 136.4 Hz, RMS: ", tone_v, 0.5265f, 0.6132f);
 @@ -90,1 @@
-+  report("S with 1000.0 Hz, RMS: ", tone_v, 0.1590f, 0.2154f);
++  report("S with 1000.0 Hz, RMS: ", tone_v, 0.1589f, 0.2153f);

@@ -114,7 +114,7 @@ def decode_capacitor(number: str) -> tuple[float, str, float]:
         "Samsung": r"CL\d\d(?P<kind>[ABC])(?P<code>\d{3})(?P<tol>[JKM])\w+",
         "Fenghua": r"\d{4}(?P<kind>B|CG)(?P<code>\d{3})(?P<tol>[JKM])\d{3}NT",
         "Yageo": r"CC\d{4}(?P<tol>[JKM])R(?P<kind>X7R|NPO)\dBB?N?(?P<code>\d{3})",
-        "Murata": r"GRM\w{3}(?P<kind>5C|R6|R7|Z7)1[ACH](?P<code>\d{3})(?P<tol>[JKM])\w+",
+        "Murata": r"GRM\w{3}(?P<kind>5C|R6|R7|Z7)1[ACEH](?P<code>\d{3})(?P<tol>[JKM])\w+",
     }
     match = next(m for pattern in patterns.values() if (m := re.fullmatch(pattern, number)))
     kinds = {"A": "X5R", "B": "X7R", "C": "C0G", "CG": "C0G", "X7R": "X7R", "NPO": "C0G", "5C": "C0G", "R6": "X5R",

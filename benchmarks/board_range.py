@@ -20,12 +20,13 @@ import numpy as np
 from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.foundation.workers import call_each
-from fingertip.lab.campaign.plan import CampaignPlan, Case, generate_cases
-from fingertip.lab.campaign.run import evaluate, measure_beyond_range
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, Case, generate_cases
+from fingertip.lab.campaign.run import evaluate, measure_beyond_range, score_trial
 from fingertip.lab.divider import with_variant
 from fingertip.sim import run_scene
 from fingertip.sim.runs.scene import SceneResult
 from fingertip.sim.signal.analog_circuit import Amplifiers
+from fingertip.sim.signal.filter_board import PIN_LOW_V
 from fingertip.sim.signal.finger import _prepare_board
 from fingertip.sim.signal.parameters import Sensing
 
@@ -55,9 +56,13 @@ def load(name: str) -> Design:
     return with_variant(Design.load("fsr400"), name) if name == "comparator" else Design.load(name)
 
 
+def has_pin(design: Design) -> bool:
+    return design.board.variant == "comparator"
+
+
 def run(design: Design, case: Case, amplifiers: str) -> SceneResult:
-    sensing = Sensing(amplifiers="ideal" if amplifiers == IDEAL else "real")
-    scene = case.scene.model_copy(update={"outputs": [*OUTPUTS], "sensing": sensing})
+    sensing, pin = Sensing(amplifiers="ideal" if amplifiers == IDEAL else "real"), ["slip_pin_v"] * has_pin(design)
+    scene = case.scene.model_copy(update={"outputs": [*OUTPUTS, *pin], "sensing": sensing})
     if amplifiers != ENDLESS:
         return run_scene(design, scene, case.seed)
     fitted = replace(Amplifiers.from_design(design), slew_v_per_s=1e12, peak_v=1e6, trough_v=1e6, reversal_v=None)
@@ -79,13 +84,17 @@ def compare(design: Design, case: Case) -> Beside:
 
     def detect(name: str) -> dict[str, list[float]]:
         trials = {one: evaluate(case, runs[name].trace, one, design, [1.0])[0] for one in DETECTORS}
-        return {one: [round(1e3 * delay, 1) for delay in trial.delays_s] for one, trial in trials.items()}
+        delays_s = {one: trial.delays_s for one, trial in trials.items()}
+        if has_pin(design):
+            on = runs[name].columns["slip_pin_v"] == PIN_LOW_V
+            delays_s["pin"] = score_trial(case, runs[name].trace, on, 0.1).delays_s
+        return {one: [round(1e3 * delay, 1) for delay in each] for one, each in delays_s.items()}
 
     delays = {one: {IDEAL: ideal, REAL: real} for (one, ideal), real in zip(
         detect(IDEAL).items(), detect(REAL).values(), strict=True
     )}  # fmt: skip
     found = Beside(case, beyond, outside_ms, delays)
-    if any(found.moves(one, IDEAL, REAL) for one in DETECTORS):
+    if any(found.moves(one, IDEAL, REAL) for one in delays):
         runs[ENDLESS] = run(design, case, ENDLESS)
         for one, endless in detect(ENDLESS).items():
             delays[one][ENDLESS] = endless
@@ -96,14 +105,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--trials", type=int, default=1000)
     parser.add_argument("--designs", nargs="+", default=DESIGNS)
+    parser.add_argument("--seed", type=int, default=HELD_OUT_FROM, help="seed of the first trial")
     arguments = parser.parse_args()
     for name in arguments.designs:
         design, plan = load(name), CampaignPlan(arguments.trials, 0.5)
-        cases = [case for case in generate_cases(plan) if case.cause == "slip"]
+        cases = [case for case in generate_cases(plan, arguments.seed) if case.cause == "slip"]
         found = list(call_each(partial(compare, design, case) for case in cases))
         share, some = 100 * np.mean([one.beyond for one in found]), sum(one.beyond > 0.0 for one in found)
-        print(f"{name}: {share:.2f} % of the slides leave the range, some of {some} of {len(found)} trials", flush=True)
-        for detector in DETECTORS:
+        print(f"{name}: {share:.2f} % of the slides' samples leave the range, in {some} of {len(found)}", flush=True)
+        for detector in found[0].delays_ms:
             moved = [one for one in found if one.moves(detector, IDEAL, REAL)]
             by_rails = sum(one.moves(detector, ENDLESS, REAL) for one in moved)
             print(f"  {detector}: {len(moved)} delays move by more than a sample, {by_rails} of them by rails")

@@ -49,7 +49,6 @@ def main() -> None:
     values = {
         "design": DESIGN, "cases": f"{options.cases or 50_000}", "rounds": f"{options.rounds}",
         "budget": "\n".join([line for line in budget if line.startswith("|")]),
-        "kinds": "\n".join(line for line in budget if line.startswith("- ")),
         "steps": "\n".join(_cut(whole, "| run |")), "extremes": "\n".join(_cut(tried, "| family |")),
         "trials": "\n".join(_compare_trials()), "peers": "\n".join(peers),
     }  # fmt: skip

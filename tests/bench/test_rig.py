@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from fingertip.bench.rig import SHEET, STROKE_MM, Rig, make_rig
+from fingertip.bench.rig import FILES, SHEET, STROKE_MM, Rig, make_rig
 from fingertip.bench.trials import onset_s
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
@@ -62,6 +62,7 @@ def test_parts_meet_nowhere_and_the_pad_touches_the_surface(name: str) -> None:
 def test_the_rig_passes_all_checks_with_few_things_and_steps(tmp_path: Path) -> None:
     files, checks = make_rig(Design.load("first_finger"), 0.05)
     assert [check.name for check in checks if not check.passed] == []
+    assert [*files] == [*FILES]
     sheet = files[SHEET].decode()
     assert len(re.findall(r"^\| .* \| [\d.]+( m)? \|$", sheet, re.MULTILINE)) <= 8
     assert len(re.findall(r"^\d+\. ", sheet, re.MULTILINE)) == 10

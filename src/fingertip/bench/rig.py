@@ -27,6 +27,7 @@ from fingertip.documents.template import render_page
 from fingertip.foundation.errors import DesignError, Issue
 
 SHEET, STROKE_MM = "rig.md", 1000 * STROKE_M
+FILES = ("rig_base.stl", "rig_slide.stl", "rig_arm.stl", SHEET)
 _LONGEST_S = 0.35
 """Longest travel of the slide that the sheet allows [s]."""
 _PLATE, _SLIDE, _STRIP, _PLAY = 4.0, 9.0, 1.0, 0.3

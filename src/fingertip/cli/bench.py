@@ -12,7 +12,7 @@ import typer
 from fingertip.cli import options
 from fingertip.cli.console import CLEAR_LINE, Console
 from fingertip.cli.options import CHANGES, command, load_design
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, OutputError, TraceError, raise_issues
 
 if TYPE_CHECKING:
     from fingertip.design import Design
@@ -42,6 +42,7 @@ def record(
     from fingertip.bench import recordings
     from fingertip.bench.record import Moment, Plan, Recorder
     from fingertip.bench.stream import STALE_S, SampleReader, open_port, read_lines
+    from fingertip.foundation.output_set import find_place_issues
 
     loaded = load_design(design, changes, console)
     try:
@@ -50,6 +51,7 @@ def record(
         raise TraceError(Issue("--force-n", f"{force_n!r} holds what is no number; write it as 0.5,1,2.")) from None
     plan = Plan(trials, forces, surface, stroke_mm / 1000, temperature_c, pace)
     folder = out or Path("out") / loaded.name / "recordings"
+    raise_issues(OutputError, find_place_issues(folder, "choose another folder with --out"))
     lines: Iterable[str | bytes] = sys.stdin if port == "-" else read_lines(open_port(port), port, stale_s=STALE_S)
     recordings.prepare_folder(folder, loaded)
     is_shown, told = sys.stderr.isatty() and not console.quiet, set[tuple[int, str]]()
@@ -97,15 +99,15 @@ def rig(
     changes: list[str] | None = CHANGES,
 ) -> None:
     """Make a printed slide for trials: three parts without supports, a list to buy and ten steps. 1: a check failed."""
-    from fingertip.bench.rig import make_rig
+    from fingertip.bench.rig import FILES, make_rig
     from fingertip.cad.verification.check import count_checks
     from fingertip.foundation.output_set import SetWriter, hash_parameters
 
     loaded = load_design(design, changes, console, may_be_empty=False)
     folder = out or Path("out") / loaded.name / "rig"
     writer = SetWriter(folder, "rig", loaded.name, hash_parameters(loaded.identity()), force=force)
+    writer.check(FILES)
     files, checks = make_rig(loaded)
-    writer.check(files)
     writer.write(files)
     failed = [check for check in checks if not check.passed]
     data = {"folder": folder.as_posix(), "files": [*files], "checks": [check.to_dict() for check in checks]}

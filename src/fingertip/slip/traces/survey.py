@@ -30,7 +30,6 @@ _UNIT_IN_NAME = re.compile(r".*?(?:[\[(]\s*([a-zµμ]+)\s*[\])]|_(ms|us|ns|mv|uv
 UNIT_WORD = re.compile(
     r"[\[(]?(sequence|[mnuµμ]?s|sec(?:onds?)?|[muµμ]?v|volts?|n|newtons?|hz|counts?|a|-|)[\])]?", re.I
 )
-_FACTORS = {"mv": 1e-3, "uv": 1e-6, "µv": 1e-6, "μv": 1e-6}
 _OTHERS = {*COLUMNS, "sampled_envelope_v", "sampled_filtered_v"} - {"time_s", "voltage_v"}
 _MOST_LISTED = 12
 SURVEYED_LINES, _LEAST_RUN = 5200, 20
@@ -122,8 +121,8 @@ class Survey:
         if "voltage_v" in missing:
             notes += _list_candidates("voltage", signals)
             options += [f"--column voltage_v={shlex.quote(best.key)}"] * (best.key != "voltage_v")
-            if columns.scale == 1.0 and best.unit in _FACTORS:
-                units.append(f"--scale {_FACTORS[best.unit]:g}")
+            if columns.scale == 1.0 and best.unit[1:] == "v":
+                units.append(f"--scale {parse_number(f'1 {best.unit}'):g}")
             elif is_force(best.name):
                 reason = "a force has no threshold in volts: give the interval in which nothing happens"
                 units.append(f"--calibrate 0:0.5 ({reason})")

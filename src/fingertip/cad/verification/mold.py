@@ -16,8 +16,16 @@ from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, Checks, Sol
 from fingertip.cad.verification.skin import check_fitting_stretch
 from fingertip.cad.verification.trapped_air import LEANS_DEG, trapped_mm3
 from fingertip.design import Design
-from fingertip.design.geometry.mold_layout import GAP_MM, NOTCH_MM, RIDGE_END_MM, RIDGE_HEIGHT_MM, RIDGE_LENGTH_MM
-from fingertip.design.geometry.plunge import BAND_N, LOWERING_S, MAX_BENDING_MM, core_bending_mm, max_pressure_kpa
+from fingertip.design.geometry.mold_layout import (
+    BAND_N,
+    GAP_MM,
+    MAX_BENDING_MM,
+    NOTCH_MM,
+    RIDGE_END_MM,
+    RIDGE_HEIGHT_MM,
+    RIDGE_LENGTH_MM,
+)
+from fingertip.design.geometry.plunge import LOWERING_S
 from fingertip.design.geometry.solids import Solid, difference, scaled, union
 from fingertip.foundation.numerics import Array
 
@@ -54,8 +62,8 @@ def check_mold(design: Design, solids: Solids) -> Iterator[Check]:
     share = palmar_error_share(design)
     yield Check("mold.palmar_error", palmar_error_mm(design), share * design.skin.thickness_palmar_mm, "mm")
     pressure = plunge_pressure_kpa(design, evaluator)
-    yield Check("mold.plunge_pressure", pressure, max_pressure_kpa(design), "kPa")
-    yield Check("mold.core_bending", core_bending_mm(design, pressure), MAX_BENDING_MM, "mm")
+    yield Check("mold.plunge_pressure", pressure, design.mold_layout.held_kpa, "kPa")
+    yield Check("mold.core_bending", design.mold_layout.core_bending_mm(pressure), MAX_BENDING_MM, "mm")
     yield Check("mold.creep", seam_mm3(design, pressure), _notches_mm3(design), "mm3")
     yield Check("mold.seat_film", seat_film_mm(design), _MAX_FILM_MM, "mm")
     yield _check_wall(design, evaluator)

@@ -39,7 +39,7 @@ _MIN_COLLAR_STEP_MM = 0.4
 """Least step from the base of a bone below a crown to its collar [mm]."""
 MAX_PROUD_MM = 1.5
 """Height by which horns and the stop of a bent finger may stand out of the collar's outline [mm]."""
-_HORN_RESERVE = 1.01
+_HORN_RESERVE = 1.04
 """Reserve of the horns' radius over what their pressure at a grip needs."""
 _SHARP = 0.8
 """Thickness over height, or height over thickness, below which an edge counts as sharp: 51 degrees on the average."""

@@ -11,6 +11,8 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
+from fingertip.design.geometry.plunge import estimate_pressure_kpa
+
 if TYPE_CHECKING:
     from fingertip.design.geometry.dimensions import Dimensions
     from fingertip.design.parameters import Tables
@@ -34,6 +36,8 @@ POURED = 1.35
 """Silicone in the cup, coats included, over that of the skin: what is too much shows in all notches."""
 NOTCH_MM = (3.0, 1.5)
 """Width and depth of the overflow notches [mm]."""
+BAND_N = 1.0
+"""Force of a rubber band [N]: two go twice across the seam, one holds the core down. An assumption."""
 BELT_MM = (6.0, 1.0)
 """Height of the belts for rubber bands at their floor, and depth [mm]."""
 STRAP_Y_MM = 5.0
@@ -46,6 +50,7 @@ KEY_TOP_MM = 1.0
 """Diameter of a key at its end [mm]."""
 FOOT_CHAMFER_MM = 0.6
 """Chamfer of the seam at the foot, where a print's first layers bulge [mm]."""
+MAX_BENDING_MM = 0.01
 PRY_MM = (6.5, 2.5, 1.2)
 """Height, depth and half the width of the slots at the foot, in which a blade parts the halves [mm]."""
 _BESIDE_GROOVE_MM = 1.0
@@ -146,3 +151,23 @@ class MoldLayout:
     def pour_z(self) -> float:
         """Approximate height of the silicone's surface before the core is lowered, at the design's size of the skin."""
         return _FREE * self._design.skin.length_mm
+
+    @cached_property
+    def plunge_kpa(self) -> float:
+        """Pressure of the silicone at the tip of the core while it is lowered, up to a tenth more than in the cup."""
+        return estimate_pressure_kpa(self._design, self._dims, self.pour_z)
+
+    @cached_property
+    def held_kpa(self) -> float:
+        """Pressure at which the cup opens against its bands."""
+        return 4e3 * BAND_N / (self.foot_z * self.cavity_half_width * 2)
+
+    def core_bending_mm(self, pressure_kpa: float) -> float:
+        """Compute the deflection of the core's tip if the pressure acted on all of one side, and none on the other.
+
+        Of its section half counts: the middle is infill.
+        """
+        section, skin = self._dims.bone_outline.section, self._design.skin
+        height, width = section.dorsal + self._dims.flat_depth, 2 * section.half_width
+        stiffness = self._design.strength.material.modulus_mpa * 0.5 * width * height**3 / 12
+        return 1e-3 * pressure_kpa * width * (skin.length_mm - skin.thickness_tip_mm) ** 4 / (8 * stiffness)

@@ -107,19 +107,19 @@ def skin_thicknesses(
             bone += [(min(edge, width * inner_scale), flat)] if edge > 0.0 else []
             if platform := dims.platform_half_width_at(z):
                 bone.append((platform - inset_mm, dims.flat_depth_at(z) - inset_mm))
-        polyline = [_chord(a, b) for a, b in pairwise(surface)]
+        polyline = [chord_between(a, b) for a, b in pairwise(surface)]
         for point in bone:
-            thickness, (ax, ay, dx, dy, _) = _nearest_chord(point, polyline)
+            thickness, (ax, ay, dx, dy, _) = nearest_chord(point, polyline)
             length = math.hypot(dx, dy) or 1.0
             yield ThicknessSample(thickness, (ax * dy - ay * dx) / length, not dorsal)
 
 
-def _chord(a: tuple[float, float], b: tuple[float, float]) -> Chord:
+def chord_between(a: tuple[float, float], b: tuple[float, float]) -> Chord:
     dx, dy = b[0] - a[0], b[1] - a[1]
     return (*a, dx, dy, dx * dx + dy * dy)
 
 
-def _nearest_chord(point: tuple[float, float], polyline: list[Chord]) -> tuple[float, Chord]:
+def nearest_chord(point: tuple[float, float], polyline: list[Chord]) -> tuple[float, Chord]:
     """Distance [mm] to the nearest chord, and that chord: of equally near ones the first by its start (x, y)."""
     px, py = point
     nearest, closest = polyline[0], math.inf

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.dimensions import HEAD_MM, KNOT_WIRES, TAIL_MM
-from fingertip.design.geometry.mold_layout import BELT_MM
-from fingertip.design.geometry.plunge import MAX_BENDING_MM, core_bending_mm, estimate_pressure_kpa, max_pressure_kpa
+from fingertip.design.geometry.mold_layout import BELT_MM, MAX_BENDING_MM
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 from fingertip.design.rules.skin import SOUND_SECTIONS, bone_left_at_sides, bone_left_dorsally, tip_within_skin
 from fingertip.foundation.numerics import bisect
@@ -113,7 +112,7 @@ def mold_wall_holds_cuts(design: DesignTables) -> Limit:
 
 @MOLD_RULES.rule("skin.thickness_dorsal_mm", *SOUND_SECTIONS)
 def cup_stays_closed(design: DesignTables) -> Violation | None:
-    pressure, most = estimate_pressure_kpa(design), max_pressure_kpa(design)
+    pressure, most = design.mold_layout.plunge_kpa, design.mold_layout.held_kpa
     if pressure <= most:
         return None
     return Violation(
@@ -125,7 +124,7 @@ def cup_stays_closed(design: DesignTables) -> Violation | None:
 
 @MOLD_RULES.rule("skin.semi_axis_dorsal_mm", *SOUND_SECTIONS)
 def core_stays_straight(design: DesignTables) -> Violation | None:
-    bending = core_bending_mm(design, estimate_pressure_kpa(design))
+    bending = design.mold_layout.core_bending_mm(design.mold_layout.plunge_kpa)
     if bending <= MAX_BENDING_MM:
         return None
     return Violation(

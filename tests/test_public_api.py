@@ -189,6 +189,11 @@ HEAVY = {"cadquery", "OCP", "trimesh", "vtk", "matplotlib", "scipy", "numba", "d
 LIGHT_WORK = {
     "board": ("from fingertip.cli import app; app(['board', 'fsr400', '-q'], standalone_mode=False)", {"manifold3d"}),
     "simulate": ("from fingertip.cli import app; app(['simulate', '-q'], standalone_mode=False)", {"manifold3d"}),
+    "meshes": (
+        "from fingertip.cli import app\n"
+        "app(['build', 'fsr400', '--formats', 'stl,3mf', '--parts', 'skin', '--verify', '-q'], standalone_mode=False)",
+        set(),
+    ),
     "params": ("from fingertip.cli import app; app(['params', '-q'], standalone_mode=False)", {"manifold3d"}),
     "sweep of boards": (
         "from fingertip.sweep.plan import SweepPlan\n"

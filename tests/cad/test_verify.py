@@ -93,12 +93,23 @@ def test_only_the_requested_parts_are_built_and_evaluated(tmp_path: Path, monkey
 
     monkeypatch.setattr(MeshEvaluator, "manifold", spy)
     design = Design()
-    result = build(design, tmp_path, parts=["bone"], formats=["stl"])
+    result = build(design, tmp_path, parts=["bone"], formats=["stl"], verify=True)
+    assert result.report()["trimesh"].keys() == {"bone.stl"}
     assert {path.name for path in tmp_path.iterdir()} == {"bone.stl", *OTHERS, "print"}
     assert {path.name for path in (tmp_path / "print").iterdir()} == {"bone.stl", "manifest.json"}
     assert [built.part.name for built in result.parts] == ["bone"]
     assert SuperconicSolid(design.dimensions.outer) not in evaluated
     assert not {PARTS[name].solid(design) for name in ("skin", "mold_palmar", "mold_dorsal")} & set(evaluated)
+
+
+def find_open(contents: object, meshes: object) -> tuple[Check, ...]:
+    return (Check("skin.stl.trimesh.open", 1.0, 0, "", "exactly"),)
+
+
+def test_what_trimesh_finds_wrong_fails_a_build(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fingertip.tasks.build.second_opinions", find_open)
+    result = build(Design(), tmp_path, parts=["skin"], formats=["stl"], verify=True)
+    assert [check.name for check in result.checks if not check.passed] == ["skin.stl.trimesh.open"]
 
 
 def test_importing_fingertip_imports_no_heavy_package() -> None:

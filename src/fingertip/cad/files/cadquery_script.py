@@ -9,7 +9,7 @@ from itertools import chain
 from typing import cast
 
 from fingertip.cad.files import carried_functions as carried
-from fingertip.cad.files.script_text import FUNCTIONS, Text, remark, wrap_code
+from fingertip.cad.files.script_text import FUNCTIONS, WIDTH, Text, remark, wrap_code
 from fingertip.cad.files.trace import NUMBERS, SOLIDS, Trace, name_letters
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines
 from fingertip.cad.shapes.finger import sensor_body
@@ -134,9 +134,8 @@ def write_functions(design: Design) -> dict[str, bytes]:
 
 def _break(lines: Iterable[str]) -> Iterator[str]:
     for line in lines:
-        yield from (
-            wrap_code(line.lstrip(" "), line[: len(line) - len(line.lstrip(" "))]) if len(line) > 118 else (line,)
-        )
+        code = line.lstrip(" ")
+        yield from wrap_code(code, " " * (len(line) - len(code))) if len(line) > WIDTH else (line,)
 
 
 @cache

@@ -144,48 +144,35 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
     """Yield what to observe when the cables are made."""
     nets = {split_net(net.name)[1] for net in circuit.nets}
     is_several = circuit.component(HOST_CONNECTOR).footprint == JST_SH_15
-    is_for_controller, has_slip = ADC_FILTERED in nets, SLIP_OUT in nets
+    outputs = f"The outputs lie between 0 and {supply_v:g} V: the inputs of the controller must take that."
+    if ADC_FILTERED not in nets:
+        yield "Pin 1 is the square one. The sensor's wires may be exchanged."
+        yield "A reversed supply destroys the board: check its polarity at the plug before you connect it."
+        yield outputs
+        yield "Keep the wires of J1 and J3 short, and twist each signal with a ground wire."
+        return
     if is_several:
         yield "Parts are named as on the board of one finger: J1 is J101 at finger 1 and J501 at finger 5."
         yield "No two plugs of sensors can be exchanged: none enters a smaller socket, and in another one of its size"
         yield "it leaves a wire at an open pin: T then stays where it is when the finger is pressed."
         yield "The wires stand in the plugs as drawn here, when they are in their sockets and the parts face you."
-        yield "On the board J3 is at the right edge, and finger 1 is at the bottom."
-    if is_for_controller:
-        yield f"Pin 1 of J1{', J3 and J4' if has_slip else ' and J3'} has a dot beside it."
-    if is_for_controller and not is_several:
-        yield "With J1 on the left, pin 1 of J3 is the lower end."
-    if not is_for_controller:
-        yield "Pin 1 is the square one."
-    yield "The sensor's wires may be exchanged."
-    if not is_for_controller:
-        yield "A reversed supply destroys the board: check its polarity at the plug before you connect it."
+        yield "J3 is at the right edge, and finger 1 at the bottom. Twist T, S and ground of each finger."
+        yield "Of a sensor's pins the one of the higher number is ground, as is TP6, for the shield of a long cable."
+        yield "Firmware and detector fast need T and S of each finger (10 analog inputs for five); the README of"
+        yield "fingertip firmware names their inputs."
     else:
-        ground = "Of a sensor's two pins the one of the higher number" if is_several else "Pin 2 of J1"
-        yield f"{ground} is ground. TP6, ground too, takes the shield of a long cable."
-        yield "D3, D5 and D6 take a static discharge into the cables (8 kV contact, IEC 61000-4-2; simulated)."
-    if is_for_controller and not is_several:
+        yield "Pins 1 have a dot beside them: with J1 on the left, that of J3 is the lower end."
+        yield "Pin 2 of J1 is ground, as is TP6, for the shield of a long cable."
         yield "J3 has the order of Qwiic and STEMMA QT: ground black, 3.3 V red, T blue, S yellow. Take a cable with"
         yield "open ends: T and S go to two analog pins. An I2C socket feeds the board and harms nothing, but has"
         yield "pull-ups and no analog inputs: it cannot read T and S."
         yield "A board that prints T and S alone beside J3 (revision 4) has another order: never join it to this cable."
-    yield f"The outputs lie between 0 and {supply_v:g} V: the inputs of the controller must take that."
+        yield f"{NEEDED_PINS}{f' {OTHER_PINS}' if VMID_OUT in nets else ''}".replace("`", "")
+        yield f"Sketches of fingertip firmware read T at {SKETCH_PINS[ADC_TACTILE]}, S at {SKETCH_PINS[ADC_FILTERED]}."
     if VMID_OUT in nets:
         yield "E refers to M: sample M too if you use E. Record T and S as they are, against ground."
-    if is_for_controller:
-        if is_several:
-            yield "Firmware and detector fast need T and S of each finger (10 analog inputs for five)."
-        else:
-            yield f"{NEEDED_PINS}{f' {OTHER_PINS}' if VMID_OUT in nets else ''}".replace("`", "")
-        yield f"Take +{supply_v:g} V from the controller's own {supply_v:g} V pin; Q1 blocks a reversed supply."
-        tactile, filtered = SKETCH_PINS[ADC_TACTILE], SKETCH_PINS[ADC_FILTERED]
-        if is_several:
-            yield "The README of fingertip firmware names the input of each T and S."
-        else:
-            yield f"The sketches of fingertip firmware for one finger read T at {tactile} and S at {filtered}."
+    yield "D3, D5 and D6 take a static discharge into the cables (8 kV contact, IEC 61000-4-2; simulated)."
+    yield f"Take +{supply_v:g} V from the controller's own {supply_v:g} V pin; Q1 blocks a reversed supply."
+    yield outputs
     for wire, references in group_plug_wires(circuit).items():
         yield f"Wires of {join_words(references)} ({wire.series} plug): {wire.description}."
-    if is_several:
-        yield "Twist T, S and ground of each finger."
-    elif not is_for_controller:
-        yield "Keep the wires of J1 and J3 short, and twist each signal with a ground wire."

@@ -58,10 +58,8 @@ class VoltageLimits:
     None on boards without an envelope. In variants with a precision rectifier its amplifier (U3a) inverts: for an
     envelope V it goes to V and a drop below the signal ground.
     """
-    clamp_low_rail_v: float
     clamp_high_rail_v: float
-    """Limits of the voltages at the ADC pins: rails of the clamps, which clamp one Schottky drop beyond them, or the
-    supply of the amplifiers that drive them."""
+    """Supply that limits the voltages at the ADC pins; clamps let them rise one Schottky drop above it."""
     tactile_pin_ohm: float
     """Resistance through which a leakage current at the tactile pin flows [ohm]."""
     output_pin_ohm: float
@@ -130,7 +128,6 @@ def compute_voltage_limits(
         has_phase_reversal=amplifier.input_from_lower_v[0] > amplifier.output_from_rail_v,
         vibration_peak_v=min(up_v, down_v) / gain,
         max_envelope_v={"diode": up_v - DIODE_V, "precision": min(up_v, down_v) - DIODE_V}.get(rectifier),
-        clamp_low_rail_v=0.0,
         clamp_high_rail_v=supply_v,
         tactile_pin_ohm=tactile_pin_ohm,
         output_pin_ohm=output_pin_ohm,

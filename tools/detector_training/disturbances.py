@@ -149,7 +149,7 @@ def _slide_after_load(s: Sketch) -> None:
         end_s = _load(s, at_s)
         start_s = max(at_s + 0.01, end_s + s.uniform(-0.02, 0.06))
         length_s = min(s.spread(0.3, 6.0), s.duration_s - start_s - 0.3)
-        s.slip(start_s, length_s, s.spread(0.002, 0.012))
+        s.slip(start_s, length_s, s.spread(0.001, 0.012))
         s.events.pop()
         at_s = start_s + length_s + s.uniform(0.7, 1.5)
 
@@ -164,7 +164,7 @@ def _slips(s: Sketch) -> None:
     at_s = s.uniform(*QUIET_S)
     while at_s < s.duration_s - 1.0:
         length_s = min(s.spread(0.1, 3.0), s.duration_s - at_s - 0.3)
-        s.slip(at_s, length_s, s.spread(0.0015, 0.012))
+        s.slip(at_s, length_s, s.spread(0.001, 0.012))
         at_s += length_s + s.uniform(0.2, 1.2)
 
 

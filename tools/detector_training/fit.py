@@ -1,6 +1,6 @@
 """Fit the trees of the detector `fast` and write their table. Needs scikit-learn, which the package does not.
 
-    python -m tools.detector_training.fit [--trials 2700] [--events 900] [--disturbances 600] [--out table.json]
+    python -m tools.detector_training.fit [--trials 1350] [--events 450] [--disturbances 300] [--repeat 0] [--out FILE]
 
 The first round labels features that were computed without trees. Each further round computes them with the trees of the
 round before, and gives more weight to the false alarms and the late slips of all rounds so far. The same versions of
@@ -47,15 +47,21 @@ _ALWAYS_LEFT = 3e38
 def main() -> None:
     """Fit and write the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--trials", type=int, default=2700)
-    parser.add_argument("--events", type=int, default=900)
-    parser.add_argument("--disturbances", type=int, default=600)
+    parser.add_argument("--trials", type=int, default=1350)
+    parser.add_argument("--events", type=int, default=450)
+    parser.add_argument("--disturbances", type=int, default=300)
     parser.add_argument("--trees", type=int, default=TREES)
     parser.add_argument("--rounds", type=int, default=ROUNDS)
+    parser.add_argument("--repeat", type=int, default=0, choices=range(3), help="fit with other seeds")
     parser.add_argument("--cache", type=Path, help="file that keeps the signals from one fit to the next")
     parser.add_argument("--out", type=Path, default=Path(fast_model.__file__).with_name(fast_model.TABLE))
     arguments = parser.parse_args()
-    sizes = {"trials": arguments.trials, "events": arguments.events, "disturbances": arguments.disturbances}
+    sizes = {
+        "trials": arguments.trials,
+        "events": arguments.events,
+        "disturbances": arguments.disturbances,
+        "repeat": arguments.repeat,
+    }
     signals = load_signals(arguments.cache, sizes)
     model = FastModel(np.zeros(0), np.zeros(0), np.zeros(0), NEVER, THRESHOLD, NOISE_RISE, INCIPIENT_THRESHOLD)
     factors: list[Array] = []
@@ -73,12 +79,14 @@ def main() -> None:
 def load_signals(cache: Path | None, sizes: Mapping[str, int]) -> list[TrainingSignal]:
     """Load the signals from the cache, or generate them."""
     if cache and cache.exists():
-        loaded: list[TrainingSignal] = pickle.loads(cache.read_bytes())
+        with cache.open("rb") as file:
+            loaded: list[TrainingSignal] = pickle.load(file)
         return loaded
     with side_by_side(count_processors()):
         signals = list(generate(**sizes))
     if cache:
-        cache.write_bytes(pickle.dumps(signals))
+        with cache.open("wb") as file:
+            pickle.dump(signals, file)
     return signals
 
 

@@ -24,6 +24,7 @@ from fingertip.design import Design
 from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES, nominal_duration_s
 from fingertip.sim import SceneFile
+from fingertip.sim.contact.materials import SurfaceTable
 from fingertip.sim.runs.files import DIRECTIONS
 from fingertip.sim.runs.pose import GRASP_POSE
 from fingertip.sim.simulation import article_trials
@@ -35,6 +36,8 @@ MANIPULATIONS_FROM = 400_000
 """First seed of the manipulations."""
 DISTURBANCES_FROM = 300_000
 """First seed of the signals that are drawn as voltages, from generators of their own."""
+REPEAT_SEEDS = 15_000
+"""Seeds that each fit of the same recipe has for itself."""
 UNDECIDABLE = ("motor", "cable")
 """Causes that are not trained on: within 20 ms one force axis does not distinguish them from slip."""
 
@@ -50,6 +53,14 @@ CONTROLLER = Design(
 DESIGNS = (ARTICLE, CONTROLLER)
 UNWIRED_SHARE = 0.2
 """Share of the controller's signals without the filtered signal."""
+SLOW_SHARE, SLOW_HZ, SLOW_FACTOR, SLOW_END_S = 0.6, (1.5, 28.0), (0.5, 10.0), 0.02
+"""Share of the slips with slow friction, its band [Hz], its strength relative to the slip's vibration, and the time in
+which it begins and ends [s]. Real slides carry 4 to 10 times as much force at 3 to 28 Hz as at 40 to 90 Hz."""
+WEAK_SHARE, WEAK_FELT_UM, AVERAGING_SHARE = 0.35, (0.25, 1.2), 0.1
+"""Share of the trials whose pad or surface vibrates less than the article's, the vibration felt in them [um], and the
+share of trials whose pad averages the surface over its patch."""
+VIBRATION_HZ = 30.0, 250.0
+"""Band in which a slip's vibration is measured [Hz]."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +94,7 @@ def draw_condition(rng: np.random.Generator, design: Design) -> dict[str, Any]:
 _TEN_BITS: dict[str, Any] = {"converter": {"bits": 10, "high_v": 3.3}}
 
 
-def generate(trials: int, events: int, disturbances: int) -> Iterator[TrainingSignal]:
+def generate(trials: int, events: int, disturbances: int, repeat: int = 0) -> Iterator[TrainingSignal]:
     """Simulate the training mix.
 
     Parameters
@@ -94,16 +105,45 @@ def generate(trials: int, events: int, disturbances: int) -> Iterator[TrainingSi
         Number of changes of grip; other events are in proportion.
     disturbances
         Number to which the shares of `tools.detector_training.disturbances.KINDS` refer.
+    repeat
+        Number of the fit, 0 to 2: the same recipe with other seeds.
     """
     for number, design in enumerate(DESIGNS):
-        rng = np.random.default_rng((FIRST_SEED, number, 1))
-        for signal in generate_for(design, FIRST_SEED + number * 50_000, trials, events):
+        later = number * 50_000 + repeat * REPEAT_SEEDS
+        rng = np.random.default_rng((FIRST_SEED + repeat, number, 1))
+        for signal in generate_for(design, FIRST_SEED + later, trials, events):
+            signal = add_slow_friction(design, signal, rng)
             if signal.filtered_v is not None and rng.random() < UNWIRED_SHARE:
                 signal = replace(signal, filtered_v=None)
             yield TrainingSignal(signal, design)
-        first_seed = DISTURBANCES_FROM + number * 50_000
-        for signal, sampled in generate_disturbances(design, first_seed, disturbances, UNWIRED_SHARE):
-            yield TrainingSignal(signal, sampled)
+        for signal, sampled in generate_disturbances(design, DISTURBANCES_FROM + later, disturbances, UNWIRED_SHARE):
+            yield TrainingSignal(add_slow_friction(sampled, signal, rng), sampled)
+
+
+def add_slow_friction(design: Design, signal: LabelledSignal, rng: np.random.Generator) -> LabelledSignal:
+    """Add slow changes of friction to a share of the slips in a sampled signal, as real slides have them."""
+    rate_hz, slow_v = signal.rate_hz, np.zeros(len(signal.voltage_v))
+    for slide in signal.slides:
+        first, end = round(slide.onset_s * rate_hz), min(round(slide.end_s * rate_hz), len(slow_v))
+        if rng.random() >= SLOW_SHARE or end - first < rate_hz / SLOW_HZ[0]:
+            continue
+        spectrum = np.fft.rfft(signal.voltage_v[first:end])
+        frequency_hz = np.fft.rfftfreq(end - first, 1 / rate_hz)
+        spectrum[(frequency_hz < VIBRATION_HZ[0]) | (frequency_hz > VIBRATION_HZ[1])] = 0.0
+        rms_v = float(np.std(np.fft.irfft(spectrum, end - first)))
+        factor = math.exp(rng.uniform(math.log(SLOW_FACTOR[0]), math.log(SLOW_FACTOR[1])))
+        t = np.arange(end - first) / rate_hz
+        fade = np.minimum(np.minimum(t, t[-1] - t) / SLOW_END_S, 1.0)
+        slow_v[first:end] += factor * rms_v * fade * mix_signals.draw_band_noise(rng, end - first, rate_hz, *SLOW_HZ)
+    if not slow_v.any():
+        return signal
+    step_v, filtered_v = design.detector.adc_step_v, mix_signals.filter_as_board(design, slow_v)
+    if signal.filtered_v is None or filtered_v is None:
+        filtered = signal.filtered_v
+    else:
+        filtered = np.round((signal.filtered_v + filtered_v) / step_v) * step_v
+    voltage_v = np.round((signal.voltage_v + slow_v) / step_v) * step_v
+    return replace(signal, voltage_v=voltage_v, filtered_v=filtered)
 
 
 def generate_for(design: Design, seed: int, trials: int, events: int) -> Iterator[LabelledSignal]:
@@ -149,6 +189,13 @@ def _plan(rng: np.random.Generator, trials: int, events: int) -> Iterator[tuple[
             scene = scene.model_copy(update={"slide": slide})
         if rng.random() < 0.5:
             scene = scene.model_copy(update={"pose": GRASP_POSE})
+        pad = rng.random()
+        if pad < WEAK_SHARE:
+            surface = SurfaceTable(felt_um=math.exp(rng.uniform(math.log(WEAK_FELT_UM[0]), math.log(WEAK_FELT_UM[1]))))
+            scene = scene.model_copy(update={"surface": surface})
+        elif pad < WEAK_SHARE + AVERAGING_SHARE:
+            contact = scene.contact.model_copy(update={"patch_average": True})
+            scene = scene.model_copy(update={"contact": contact})
         yield "slip", scene
     for cause, (scene, share) in NEGATIVE_SCENES.items():
         if cause not in UNDECIDABLE:

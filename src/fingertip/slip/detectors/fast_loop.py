@@ -92,6 +92,7 @@ from fingertip.slip.detectors.fast_state import (
     filter_second,
     find_lowest,
     hear,
+    is_learned,
     learn_floors,
     measure_changes,
     unlearn_tone,
@@ -295,6 +296,8 @@ def _fast_loop(
             is_strong = (rows[at + 1] > c.stay_ratio or rows[at + 3] > c.stay_ratio) and not has_ended
             is_fading = not rows[at + 8] > FADE_RATIO
             vibration = hear(c, score, rows[at + 1], rows[at + 3], is_fading, has_ended, wide_short, state)
+            is_moving = greatest > MOVING_RATIO * slow_floor and state[SETTLING] == 0.0
+            may_learn = is_learned(rows[at + 1], rows[at + 3], is_moving, state)
             at += stride
 
             decide(c, score, on_score, is_strong, vibration, state)
@@ -302,8 +305,7 @@ def _fast_loop(
             is_settled = state[SETTLING] == 0.0
             # No floor learns what the trees may take for slip, nor what follows a slide that lasted.
             is_held = state[INCIPIENT] > 0.0 or state[AFTER] > 0.0 or (score > c.stay_threshold and is_settled)
-            if not is_held and replaced == 0.0:
-                is_moving = greatest > MOVING_RATIO * slow_floor and is_settled
+            if not is_held and replaced == 0.0 and (may_learn or is_moving):
                 learn_floors(c, wide_long, upper_long, input_long, is_moving, state)
             level = c.statistic_gain * math.sqrt(state[FLOOR])
 
@@ -332,5 +334,5 @@ def _fast_loop(
 
 LOOP = CompiledLoop(
     _fast_loop, evaluate_trees, check_sample, filter_second, find_lowest, measure_changes, hear, decide, unlearn_tone,
-    learn_floors, outputs=6, samples="samples", plain_us=4.0,
+    is_learned, learn_floors, outputs=6, samples="samples", plain_us=4.0,
 )  # fmt: skip

@@ -28,6 +28,8 @@ MOVING_RATIO = 60.0
 """Ratio of the squared slope to the slow force's floor above which the force changes, so that floors do not adapt."""
 CLIP_RATIO = 4.0
 """Ratio of an energy to its floor above which the floor takes it for no more: slip that is not found yet."""
+STANDING_TICKS = 1000.0
+"""Ticks for which the force must stand still in such vibration until the floors learn it all the same."""
 HELD_TICKS = 15.0
 """Ticks of averaging for which a floor stands after the force has changed: it is learned again within 0.5 s."""
 LOW_TICKS = 4.0
@@ -50,8 +52,8 @@ EVIDENCE = 40.0
 """Sum of what scores exceed `FastCoefficients.heard_score` by at which slip is incipient: 15 to 40 ticks on slides."""
 HOLD_SCORE = -3.0
 """Smoothed score above which vibration that lasts stays slip: without it, a hand's tremor keeps an alarm for ever."""
-LONG_TICKS, AFTER_TICKS = 50.0, 250.0
-"""Ticks of ON after which floors stand for further ticks: a servo's step is over before, a slide falters."""
+AFTER_TICKS = 250.0
+"""Ticks after ON for which floors stand: a slide falters."""
 JUMP_MOVES = 8.0
 """Ratio of a jump of the filtered signal to its mean movement between two samples, over 6 ms, that the next sample must
 confirm. A jump of less adds some hundredths to the energies of slip, and noise does not reach it."""
@@ -72,8 +74,8 @@ STEP, FILTERED_STEP, REST, LIMITED, FLOOR, UPPER_FLOOR, INPUT_FLOOR, FLOOR_TICKS
 ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(43, 52)
 INCIPIENT, LOW, LOW_1, LOW_2, LOW_PHASE, ROUGH, STILL, LASTING_TICKS = range(52, 60)
 REPLACED, OUTSIDE, MEAN_MOVE, INPUT_CHECK, FILTERED_CHECK, HELD = 60, 61, 62, 63, 66, 69
-HEARD_TICKS, HEARD_MEAN, HEARD_SQUARE, STEADY, HEARD, AFTER, LEVEL = range(70, 77)
-RING_START = 77
+HEARD_TICKS, HEARD_MEAN, HEARD_SQUARE, STEADY, HEARD, AFTER, LEVEL, STANDING = range(70, 78)
+RING_START = 78
 STATES = RING_START + RING
 
 
@@ -222,7 +224,7 @@ def decide(
     is_sure = score > on_score or (vibration == SURE and state[ON_TICKS] >= SURE_TICKS)
     is_on = state[INCIPIENT] > 0.0 and (state[ON] > 0.0 or is_sure)
     state[ON] = 1.0 if is_on else 0.0
-    state[AFTER] = AFTER_TICKS if is_on and state[ON_TICKS] > LONG_TICKS else max(state[AFTER] - 1.0, 0.0)
+    state[AFTER] = AFTER_TICKS if is_on else max(state[AFTER] - 1.0, 0.0)
 
 
 def unlearn_tone(c: FastCoefficients, wide_long: float, upper_long: float, state: MutableFloats) -> None:
@@ -238,6 +240,16 @@ def unlearn_tone(c: FastCoefficients, wide_long: float, upper_long: float, state
     if state[ON_TICKS] > c.tone_ticks and state[MEAN_SQUARE] - mean * mean < UNLEARNED_RATIO * mean * mean:
         state[FLOOR] += c.unlearning * (wide_long - state[FLOOR])
         state[UPPER_FLOOR] += c.unlearning * (upper_long - state[UPPER_FLOOR])
+
+
+def is_learned(upper: float, wide: float, is_moving: bool, state: MutableFloats) -> bool:
+    """Judge whether the floors may learn what is heard: noise, a tone, or what lasts while the force stands still.
+
+    `upper` and `wide` are the energies of 20 ms over their floors. The trees have no say in it.
+    """
+    is_loud = (upper > CLIP_RATIO or wide > CLIP_RATIO) and state[SETTLING] == 0.0
+    state[STANDING] = state[STANDING] + 1.0 if is_loud and not is_moving else 0.0
+    return not is_loud or state[STEADY] > 0.0 or state[STANDING] > STANDING_TICKS
 
 
 def learn_floors(

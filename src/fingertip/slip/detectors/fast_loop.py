@@ -295,7 +295,7 @@ def _fast_loop(
             has_ended = not wide_short > DECAY_RATIO * wide_long
             is_strong = (rows[at + 1] > c.stay_ratio or rows[at + 3] > c.stay_ratio) and not has_ended
             is_fading = not rows[at + 8] > FADE_RATIO
-            vibration = hear(c, score, rows[at + 1], rows[at + 3], is_fading, has_ended, wide_short, state)
+            vibration = hear(c, score, rows[at + 1], rows[at + 3], is_fading, has_ended, rows[at + 2], state)
             is_moving = greatest > MOVING_RATIO * slow_floor and state[SETTLING] == 0.0
             may_learn = is_learned(rows[at + 1], rows[at + 3], is_moving, state)
             at += stride

@@ -46,6 +46,8 @@ STEADY_TICKS, STEADY_RATIO = 20.0, 0.15
 that of 50 Hz has 0.03, noise in 100 Hz 0.8."""
 STEADY_ON_TICKS = 200.0
 """Ticks for which a tone must last before it ends ON: a slide is steady for shorter times."""
+HEARD_RATIO = 1.5
+"""Ratio of the wide energy of 40 ms to its floor above which ON stays: a weak slide falls below `stay_ratio` at times."""
 SURE_TICKS = 30.0
 """Ticks after which incipient slip is ON if its vibration lasts."""
 EVIDENCE = 40.0
@@ -176,7 +178,7 @@ def measure_changes(slow: float, state: MutableFloats) -> tuple[float, float, fl
 
 
 def hear(
-    c: FastCoefficients, score: float, upper: float, wide: float, is_fading: bool, has_ended: bool, wide_short: float,
+    c: FastCoefficients, score: float, upper: float, wide: float, is_fading: bool, has_ended: bool, wide_now: float,
     state: MutableFloats,
 ) -> int:  # fmt: skip
     """Follow vibration from the moment it is heard: `LASTS` if it may be what made slip incipient, `SURE` if no knock.
@@ -190,8 +192,8 @@ def hear(
         return 0
     state[HEARD_TICKS] += 1.0
     share = 1.0 / min(state[HEARD_TICKS], STEADY_TICKS)
-    state[HEARD_MEAN] += share * (wide_short - state[HEARD_MEAN])
-    state[HEARD_SQUARE] += share * (wide_short * wide_short - state[HEARD_SQUARE])
+    state[HEARD_MEAN] += share * (wide_now - state[HEARD_MEAN])
+    state[HEARD_SQUARE] += share * (wide_now * wide_now - state[HEARD_SQUARE])
     mean = state[HEARD_MEAN]
     is_steady = state[HEARD_SQUARE] - mean * mean < STEADY_RATIO * mean * mean
     state[STEADY] = state[STEADY] + 1.0 if is_steady else 0.0
@@ -202,7 +204,7 @@ def hear(
         return 0
     if is_heard and not is_fading:
         return SURE
-    return LASTS if (is_heard and is_on) or (wide > c.stay_ratio and not is_fading) else 0
+    return LASTS if (is_on and (is_heard or mean > HEARD_RATIO)) or (wide > c.stay_ratio and not is_fading) else 0
 
 
 def decide(

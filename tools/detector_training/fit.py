@@ -29,7 +29,7 @@ from fingertip.slip.detectors.fast_coefficients import DEPTH, NODES, FastModel
 from tools.detector_training.rows import Rows, collect
 from tools.detector_training.signals import DISTURBANCES_FROM, FIRST_SEED, MANIPULATIONS_FROM, TrainingSignal, generate
 
-TREES = 90
+TREES = 88
 ROUNDS = 4
 LEARNING_RATE = 0.2
 THRESHOLD, NOISE_RISE, INCIPIENT_THRESHOLD = 1.8, 0.3, 1.0

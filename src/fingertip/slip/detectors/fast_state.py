@@ -46,7 +46,7 @@ STEADY_TICKS, STEADY_RATIO = 20.0, 0.15
 that of 50 Hz has 0.03, noise in 100 Hz 0.8."""
 STEADY_ON_TICKS = 200.0
 """Ticks for which a tone must last before it ends ON: a slide is steady for shorter times."""
-HEARD_RATIO = 1.5
+HEARD_RATIO = 1.25
 """Ratio of the wide energy of 40 ms to its floor above which ON stays: a weak slide falls below `stay_ratio` at times."""
 SURE_TICKS = 30.0
 """Ticks after which incipient slip is ON if its vibration lasts."""

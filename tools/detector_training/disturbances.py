@@ -20,6 +20,8 @@ from fingertip.foundation.numerics import Array
 from fingertip.slip.traces.truth import Interval
 
 OTHER_RATES_HZ = 1000.0, 5000.0, 10_000.0, 20_000.0
+SLOW_SLIDES = "slow slides"
+"""Kind whose slips have slow friction of their own."""
 QUIET_S = 0.8, 2.0
 """Time before the first event [s]: the detector learns its floors in it."""
 
@@ -110,14 +112,16 @@ class Sketch:
         )[kind]
         self.volts += rms_v * envelope * motion
 
-    def vibrate(self, start_s: float, length_s: float, low_hz: float, high_hz: float, rms_v: float) -> None:
-        """Add vibration that is no slip."""
+    def vibrate(
+        self, start_s: float, length_s: float, low_hz: float, high_hz: float, rms_v: float, fade_s: float = 0.004
+    ) -> None:
+        """Add vibration, or slow motion, that is no slip by itself."""
         first = round(start_s * self.rate_hz)
         count = min(round(length_s * self.rate_hz), len(self.volts) - first)
         if count > 8:
             noise = draw_band_noise(self.rng, count, self.rate_hz, low_hz, high_hz)
             t = np.arange(count) / self.rate_hz
-            fade = np.minimum(np.minimum(t, t[-1] - t) / 0.004, 1.0)
+            fade = np.minimum(np.minimum(t, t[-1] - t) / fade_s, 1.0)
             self.volts[first : first + count] += rms_v * noise * fade
 
     def ring(self, start_s: float, height_v: float) -> None:
@@ -165,6 +169,20 @@ def _slips(s: Sketch) -> None:
     while at_s < s.duration_s - 1.0:
         length_s = min(s.spread(0.1, 3.0), s.duration_s - at_s - 0.3)
         s.slip(at_s, length_s, s.spread(0.001, 0.012))
+        at_s += length_s + s.uniform(0.2, 1.2)
+
+
+def _slow_slides(s: Sketch) -> None:
+    """Draw weak slides whose friction moves the slow force far more than it vibrates, and such motion alone."""
+    at_s = s.uniform(*QUIET_S)
+    while at_s < s.duration_s - 1.0:
+        length_s = min(s.spread(0.3, 3.0), s.duration_s - at_s - 0.3)
+        rms_v = s.spread(0.0003, 0.004)
+        s.vibrate(at_s, length_s, 1.0, 28.0, rms_v * s.spread(1.5, 12.0), s.uniform(0.01, 0.06))
+        if s.rng.random() < 0.7:
+            s.slip(at_s, length_s, rms_v, creep_s=s.uniform(0.0, 0.05))
+        else:
+            s.events.append(Interval(at_s, at_s + length_s))
         at_s += length_s + s.uniform(0.2, 1.2)
 
 
@@ -272,6 +290,7 @@ KINDS: Mapping[str, Kind] = {
     "vibration with a grasp": Kind(_vibration_with_the_grasp, 6.0, 0.4),
     "late hum": Kind(_late_hum, 6.0, 0.1),
     "quiet": Kind(_quiet, 6.0, 0.1),
+    SLOW_SLIDES: Kind(_slow_slides, 10.0, 1.0),
 }
 
 

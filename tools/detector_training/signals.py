@@ -28,7 +28,7 @@ from fingertip.sim.contact.materials import SurfaceTable
 from fingertip.sim.runs.files import DIRECTIONS
 from fingertip.sim.runs.pose import GRASP_POSE
 from fingertip.sim.simulation import article_trials
-from tools.detector_training.disturbances import generate_disturbances
+from tools.detector_training.disturbances import SLOW_SLIDES, generate_disturbances
 
 FIRST_SEED = 200_000
 """First seed of training."""
@@ -117,7 +117,8 @@ def generate(trials: int, events: int, disturbances: int, repeat: int = 0) -> It
                 signal = replace(signal, filtered_v=None)
             yield TrainingSignal(signal, design)
         for signal, sampled in generate_disturbances(design, DISTURBANCES_FROM + later, disturbances, UNWIRED_SHARE):
-            yield TrainingSignal(add_slow_friction(sampled, signal, rng), sampled)
+            is_slow = signal.kind == SLOW_SLIDES
+            yield TrainingSignal(signal if is_slow else add_slow_friction(sampled, signal, rng), sampled)
 
 
 def add_slow_friction(design: Design, signal: LabelledSignal, rng: np.random.Generator) -> LabelledSignal:

@@ -26,7 +26,7 @@ _COUNTS = (
     "limited_samples still_samples trusted_samples gap_samples fault_samples restart_ticks tick_samples slot_ticks"
 )
 """Coefficients that count samples or ticks: constants without decimals."""
-_TICKS = "LOW_TICKS STEADY_ON_TICKS AFTER_TICKS"
+_TICKS = "LOW_TICKS STEADY_ON_TICKS AFTER_TICKS STANDING_TICKS"
 """The same among the limits of `fast_state`."""
 
 

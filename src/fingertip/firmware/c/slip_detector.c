@@ -104,9 +104,9 @@ static slip_real adapt_floor(slip_real level, slip_real energy, slip_real share)
 enum vibration { NONE, LASTS, SURE };
 
 /* Follow vibration from the moment it is heard: whether it may be what made slip incipient, and is no knock. `upper` and
- * `wide` are the energies of 20 ms over their floors. */
-static enum vibration hear(slip_state *state, slip_real score, slip_real upper, slip_real wide, bool is_fading,
-                           bool has_ended) {
+ * `wide` are the energies of 20 ms over their floors, `now` is the wide one of 6 ms. */
+static enum vibration hear(slip_state *state, slip_real score, slip_real upper, slip_real wide, slip_real now,
+                           bool is_fading, bool has_ended) {
     const bool is_heard = upper > SLIP_STAY_RATIO && state->settling == 0;
     slip_real share = R(1.0) / SLIP_STEADY_TICKS, mean;
     bool is_steady;
@@ -119,8 +119,8 @@ static enum vibration hear(slip_state *state, slip_real score, slip_real upper, 
         state->heard_ticks++;
         share = R(1.0) / (slip_real)(int32_t)state->heard_ticks;
     }
-    state->heard_mean += share * (state->wide_short - state->heard_mean);
-    state->heard_square += share * (state->wide_short * state->wide_short - state->heard_square);
+    state->heard_mean += share * (now - state->heard_mean);
+    state->heard_square += share * (now * now - state->heard_square);
     mean = state->heard_mean;
     is_steady = state->heard_square - mean * mean < SLIP_STEADY_RATIO * mean * mean;
     state->heard = state->incipient || is_steady ? R(0.0)
@@ -136,7 +136,21 @@ static enum vibration hear(slip_state *state, slip_real score, slip_real upper, 
     if (is_heard && !is_fading) {
         return SURE;
     }
-    return (is_heard && state->on) || (wide > SLIP_STAY_RATIO && !is_fading) ? LASTS : NONE;
+    return (state->on && (is_heard || mean > SLIP_HEARD_RATIO)) || (wide > SLIP_STAY_RATIO && !is_fading) ? LASTS : NONE;
+}
+
+/* Judge whether the floors may learn what is heard: noise, a tone, or what lasts while the force stands still. */
+static bool is_learned(slip_state *state, slip_real upper, slip_real wide, bool is_moving) {
+    if (state->settling > 0 || !(upper > SLIP_CLIP_RATIO || wide > SLIP_CLIP_RATIO)) {
+        state->standing = 0;
+        return true;
+    }
+    if (is_moving) {
+        state->standing = 0;
+    } else if (state->standing <= SLIP_STANDING_TICKS) {
+        state->standing++;
+    }
+    return state->steady > 0 || state->standing > SLIP_STANDING_TICKS;
 }
 
 /* Decide at a tick: features, trees, ON or OFF, floors. `slope` is the squared slope of this sample [V^2]. */
@@ -145,7 +159,7 @@ static void tick(slip_state *state, slip_real slope) {
     slip_real wide_floor, upper_floor, slow_floor, greatest, peak, low, change, half_change, score, share, excess;
     slip_real on_score, input_noise, step_noise;
     unsigned middle, i;
-    bool is_strong, is_moving, is_held, has_ended, is_fading;
+    bool is_strong, is_moving, may_learn, is_held, has_ended, is_fading;
     enum vibration vibration;
 
     greatest = greater(state->slopes[2], greater(state->slopes[0], state->slopes[1]));
@@ -232,7 +246,9 @@ static void tick(slip_state *state, slip_real slope) {
     on_score = SLIP_ON_SCORE + SLIP_NOISE_RISE * greater(R(0.0), lesser(excess, R(1.0)));
     state->confidence = greater(R(0.0), (score - SLIP_LOWEST_SCORE) / (on_score - SLIP_LOWEST_SCORE));
 
-    vibration = hear(state, score, row[1], row[3], is_fading, has_ended);
+    vibration = hear(state, score, row[1], row[3], row[2], is_fading, has_ended);
+    is_moving = greatest > SLIP_MOVING_RATIO * slow_floor && state->settling == 0;
+    may_learn = is_learned(state, row[1], row[3], is_moving);
     /* Decision: OFF until the floors are learned; slip that has begun stays while its energy does. */
     if (state->settling > 0) {
         state->settling--;
@@ -247,14 +263,13 @@ static void tick(slip_state *state, slip_real slope) {
     }
     state->on = state->incipient
         && (state->on || score > on_score || (vibration == SURE && state->on_ticks >= SLIP_SURE_TICKS));
-    if (state->on && state->on_ticks > SLIP_LONG_TICKS) {
+    if (state->on) {
         state->after = SLIP_AFTER_TICKS;
     } else if (state->after > 0) {
         state->after--;
     }
 
-    is_moving = greatest > SLIP_MOVING_RATIO * slow_floor && state->settling == 0;
-    /* No floor learns what the trees may take for slip, nor what follows a slide that lasted. */
+    /* No floor learns what the trees may take for slip, nor what follows a slide. */
     is_held = state->incipient || state->after > 0 || (score > SLIP_STAY_SCORE && state->settling == 0)
         || state->replaced > 0;
 
@@ -275,7 +290,7 @@ static void tick(slip_state *state, slip_real slope) {
         state->mean_square = R(0.0);
     }
 
-    if (is_held) {
+    if (is_held || !(may_learn || is_moving)) {
         return;
     }
     if (is_moving) {

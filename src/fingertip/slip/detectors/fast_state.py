@@ -46,8 +46,8 @@ STEADY_TICKS, STEADY_RATIO = 20.0, 0.15
 that of 50 Hz has 0.03, noise in 100 Hz 0.8."""
 STEADY_ON_TICKS = 200.0
 """Ticks for which a tone must last before it ends ON: a slide is steady for shorter times."""
-HEARD_RATIO = 1.25
-"""Ratio of the wide energy of 40 ms to its floor above which ON stays: a weak slide falls below `stay_ratio` at times."""
+UNHEARD_TICKS = 35.0
+"""Ticks without vibration that ON outlasts: a weak slide falls below `stay_ratio` at times."""
 SURE_TICKS = 30.0
 """Ticks after which incipient slip is ON if its vibration lasts."""
 EVIDENCE = 40.0
@@ -76,8 +76,8 @@ STEP, FILTERED_STEP, REST, LIMITED, FLOOR, UPPER_FLOOR, INPUT_FLOOR, FLOOR_TICKS
 ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(43, 52)
 INCIPIENT, LOW, LOW_1, LOW_2, LOW_PHASE, ROUGH, STILL, LASTING_TICKS = range(52, 60)
 REPLACED, OUTSIDE, MEAN_MOVE, INPUT_CHECK, FILTERED_CHECK, HELD = 60, 61, 62, 63, 66, 69
-HEARD_TICKS, HEARD_MEAN, HEARD_SQUARE, STEADY, HEARD, AFTER, LEVEL, STANDING = range(70, 78)
-RING_START = 78
+HEARD_TICKS, HEARD_MEAN, HEARD_SQUARE, STEADY, HEARD, AFTER, LEVEL, STANDING, UNHEARD = range(70, 79)
+RING_START = 79
 STATES = RING_START + RING
 
 
@@ -200,11 +200,12 @@ def hear(
     is_sum = state[INCIPIENT] == 0.0 and not is_steady
     state[HEARD] = max(state[HEARD] + (score - c.heard_score), 0.0) if is_sum else 0.0
     is_on = state[ON] > 0.0
+    state[UNHEARD] = 0.0 if is_heard or wide > c.stay_ratio else state[UNHEARD] + 1.0
     if has_ended or state[STEADY] > (STEADY_ON_TICKS if is_on else 0.0):
         return 0
     if is_heard and not is_fading:
         return SURE
-    return LASTS if (is_on and (is_heard or mean > HEARD_RATIO)) or (wide > c.stay_ratio and not is_fading) else 0
+    return LASTS if (is_on and state[UNHEARD] < UNHEARD_TICKS) or (wide > c.stay_ratio and not is_fading) else 0
 
 
 def decide(

@@ -20,6 +20,7 @@ from fingertip.foundation import jit
 from fingertip.foundation.errors import FingertipError
 from fingertip.sim.runs.grip import ForceCurve, GripLaw, GripSettings
 from fingertip.slip.detectors.fast import FAULT_S, FastDetector, FastOutput
+from fingertip.slip.force import ForceScale
 from tests.conftest import run_fingertip
 from tests.firmware.conftest import require_arm, require_gcc
 from tools.firmware.signals import Recording, campaign_recordings, slip_recording
@@ -243,6 +244,11 @@ def test_the_grip_law_is_that_of_python_for_any_input_and_time(tmp_path: Path) -
     added, suppressed, tightened = library.grip(now.astype(np.uint32), on, usable, inputs)
     assert np.array_equal(added, np.stack(expected))
     assert list(zip(suppressed.tolist(), tightened.tolist(), strict=True)) == decisions
+    for i, (design, curve) in enumerate(zip(designs, curves, strict=True)):
+        scale = ForceScale.of(design, curve.volts, curve.forces_n)
+        for volts in (0.0, 0.2, *inputs[::400, i, 0].tolist()):
+            force = scale.read(volts)
+            assert library.read_force(i, volts) == pytest.approx((force.force_n, force.low_n, force.high_n), rel=1e-14)
     assert 20 < tightened.sum() < suppressed.sum() < count
     steps = np.diff(added, axis=0) / (1e-6 * np.diff(now)[:, None])
     assert 0.0 <= steps.min() <= steps.max() <= 1.0 + 1e-9

@@ -244,6 +244,12 @@ class HostHand:
         )
         return added, flags % 2 > 0, flags > 1
 
+    def read_force(self, finger: int, tactile_v: float) -> tuple[float, float, float]:
+        """Force that a voltage of a finger means, and the ends of its interval [N], of a library of doubles."""
+        read, low, high = self._library.slip_force_interval_n, ctypes.c_double(), ctypes.c_double()
+        read.restype, read.argtypes = ctypes.c_double, (ctypes.c_uint, ctypes.c_double, *[ctypes.c_void_p] * 2)
+        return read(finger, tactile_v, ctypes.byref(low), ctypes.byref(high)), low.value, high.value
+
 
 def _point(array: NDArray[Any] | None) -> ctypes.c_void_p:
     """Pointer to the numbers of an array, which must live on; NULL for None."""

@@ -26,6 +26,8 @@ PART_TO_PART = (2.0, 8.0)
 """Factors by which the readings of real sensors of one model differ at the same force, from usual to bad. Source: three
 sensors under 2.6 N in a divider with a converter of 10 bits gave 341 to 373 counts, and 45 to 54."""
 
+HYSTERESIS = 0.10
+"""Largest relative error by which a sensor's force reads high after a higher one (article, III.B: at most 10 %)."""
 FILM_G_CM3 = 1.4
 """Density of a sensor, taken for that of its polyester films. (unverified)"""
 

@@ -154,9 +154,11 @@ def _follow_standard_input(console: Console, design: Design, detector: str, read
         for transition in found.transitions:
             any_on = True
             if console.as_json:
-                transitions.append({"on": transition.on, "time_s": round(transition.time_s, 7)})
+                force = transition.force.as_data() if transition.force else {}
+                transitions.append({"on": transition.on, "time_s": round(transition.time_s, 7)} | force)
             else:
-                console.write(f"{'ON ' if transition.on else 'OFF'}  {transition.time_s:9.4f} s")
+                force_text = f", at {transition.force.describe()}" if transition.force else ""
+                console.write(f"{'ON ' if transition.on else 'OFF'}  {transition.time_s:9.4f} s{force_text}")
     except FingertipError as error:
         console.print_issues(error, data)
         raise typer.Exit(BAD_INPUT) from None

@@ -10,9 +10,11 @@ from dataclasses import dataclass, replace
 from fingertip.design import Design
 from fingertip.design.parameters.electronics import Detector as DetectorParameters
 from fingertip.detection.adaptation import Adaptation
+from fingertip.detection.recordings import find_force_scale
 from fingertip.detection.warnings import StepWatch, settings_warnings
 from fingertip.foundation.errors import Issue, TraceError, shorten
 from fingertip.slip.detectors import registry
+from fingertip.slip.force import MEAN_S, Force, ForceScale
 from fingertip.slip.traces import sampling
 from fingertip.slip.traces.columns import bare_lines, parse_number, split_cells
 from fingertip.slip.traces.csv_dialect import Header, find_header
@@ -32,6 +34,8 @@ class Transition:
     on: bool
     time_s: float
     """Time of the first sample in that state [s]."""
+    force: Force | None = None
+    """Force then, by the curve of the sensor; None where that is not known."""
 
 
 NumberedLines = Iterator[tuple[int, str]]
@@ -104,7 +108,8 @@ def detect_stream(
     second = registry.find_second_column(design, detector)
     reads_second = second is not None and voltage.name_in_file(second) in header.names
     watch = None if reads_second else StepWatch(design, detector)
-    transitions = follow(header, rows, instance, design.detector, column_map, report, watch, second)
+    forces = find_force_scale(design) if column_map is voltage else None
+    transitions = follow(header, rows, instance, design.detector, column_map, report, watch, second, forces)
     signals = registry.find_signals(design, detector, reads_second)
     return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)), signals)
 
@@ -169,6 +174,7 @@ def follow(
     report: Callable[[str], None] = lambda message: None,
     watch: StepWatch | None = None,
     second_column: str | None = None,
+    scale: ForceScale | None = None,
 ) -> Iterator[Transition]:
     """Process one sample per line and yield each transition as soon as it occurs. Raises TraceError."""
     names, delimiter = header.names, header.delimiter
@@ -179,6 +185,7 @@ def follow(
     second_index = names.index(second_name) if second_name in names else None
     nanosec_index = names.index(columns.names[NANOSEC]) if NANOSEC in columns.names else None
     clock, on, all_whole, width, sample = _SampleClock(parameters), False, True, 0, -1
+    share, mean_v = 1 / max(1.0, MEAN_S * parameters.sample_rate_hz), math.nan
     for number, line in rows:
         if header.is_repeated(line) or line.startswith("#"):
             continue  # a controller repeats it each second, with its version
@@ -203,9 +210,10 @@ def follow(
         values = [volts]
         if second_index is not None:
             values.append(_parse_number(cells[second_index], number, line) * columns.scale)
+        mean_v = volts if sample == 0 else mean_v + share * (volts - mean_v)
         if detector.step(*values) != on:
             on = not on
-            yield Transition(on, time_s)
+            yield Transition(on, time_s, scale.read(mean_v) if scale else None)
     if watch is not None and (warning := watch.end()):
         report(f"warning: {warning}")
     if sample < 0:

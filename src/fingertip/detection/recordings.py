@@ -21,6 +21,7 @@ from fingertip.foundation.errors import Issue, TraceError, join_words, shorten
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.analog_and_digital import measure_noise_level
 from fingertip.slip.detectors.noise import NoiseLevel
+from fingertip.slip.force import ForceScale
 from fingertip.slip.scored_detection import Detection
 from fingertip.slip.scored_detection import detect as detect_in_trace
 from fingertip.slip.traces.read import read_raw_trace
@@ -220,6 +221,8 @@ def detect_file(
             found = detect_in_trace(trace, design, detector)
             doubts += warnings.calibration_warnings(noise_v, found, quiet.samples, design, quiet.describe())
     detection = detect_in_trace(recording.trace, recording.design, detector, noise_v)
+    if column_map.in_volts:
+        detection = replace(detection, scale=find_force_scale(recording.design))
     if quiet:
         quiet.refuse_slip(detection)
     level = level or detection.noise
@@ -299,6 +302,16 @@ def _doubt_result(
         yield from warnings.threshold_warnings(detection.threshold_v, level, may_be_lower)
     if quiet and (disturbance := quiet.describe_disturbance(design, trace)):
         yield disturbance
+
+
+def find_force_scale(design: Design) -> ForceScale | None:
+    """Find the forces that a design's tactile voltages mean; None for a sensor whose curve is not known."""
+    from fingertip.sim.runs.grip import ForceCurve  # noqa: PLC0415
+
+    if design.force_curve.find_doubt(design.sensor.model):
+        return None
+    curve = ForceCurve.from_design(design)
+    return ForceScale.of(design, curve.volts, curve.forces_n)
 
 
 def simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str, progress: Progress) -> Trace:

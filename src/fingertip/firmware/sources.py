@@ -12,6 +12,7 @@ from string import Template
 from typing import Any
 
 from fingertip.board.analysis.board_values import find_tactile_response
+from fingertip.catalogues.electronics import HYSTERESIS
 from fingertip.catalogues.output_files import BUFFER, HAND, SCAN, TIMER
 from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
@@ -21,12 +22,13 @@ from fingertip.sim.runs.grip import HISTORY, LONGEST_STEP_S, MIN_PRESENT_N, Forc
 from fingertip.slip.detectors import fast_state
 from fingertip.slip.detectors.fast import REST_SHARE, STILL_S, FastDetector, FastSettings, FilteredSignal
 from fingertip.slip.detectors.fast_coefficients import NODES, FastModel, load_model
+from fingertip.slip.force import ForceScale
 
 _COUNTS = (
     "limited_samples still_samples trusted_samples gap_samples fault_samples restart_ticks tick_samples slot_ticks"
 )
 """Coefficients that count samples or ticks: constants without decimals."""
-_TICKS = "LOW_TICKS STEADY_ON_TICKS AFTER_TICKS STANDING_TICKS"
+_TICKS = "LOW_TICKS STEADY_ON_TICKS AFTER_TICKS STANDING_TICKS UNHEARD_TICKS"
 """The same among the limits of `fast_state`."""
 
 
@@ -186,8 +188,11 @@ def _render_grip(settings: GripSettings) -> str:
     )
 
 
-def _render_curves(curves: Sequence[ForceCurve]) -> str:
-    """Render the distinct curves, the pads' constants beside them, and which of them each finger has."""
+def _render_curves(curves: Sequence[ForceCurve], designs: Sequence[Design]) -> str:
+    """Render the distinct curves, the pads' constants beside them, which each finger has, and its interval."""
+    scales = [ForceScale.of(each, curve.volts, curve.forces_n) for each, curve in zip(designs, curves, strict=True)]
+    known = ", ".join(f"{{{', '.join(map(real, each.known_n))}}}" for each in scales)
+    factors = ", ".join(real(each.factor) for each in scales)
     numbers = [
         (tuple(curve.volts.tolist()), tuple(curve.forces_n.tolist()), curve.pad.hertz_m_per_n23) for curve in curves
     ]
@@ -197,6 +202,9 @@ def _render_curves(curves: Sequence[ForceCurve]) -> str:
     blocks = [
         f"enum {{ SLIP_CURVES = {len(distinct)}, SLIP_CURVE = {len(distinct[0][0])} }};",
         f"/* Curve of each finger. */\nstatic const uint8_t slip_curve_of[SLIP_FINGERS] = {{{of_finger}}};",
+        f"/* Forces where it is known [N]. */\nstatic const slip_real slip_known_n[SLIP_FINGERS][2] = {{{known}}};",
+        f"/* Factor within which a force lies. */\nstatic const slip_real slip_factors[SLIP_FINGERS] = {{{factors}}};",
+        f"/* By which a falling force reads too high. */\n#define SLIP_HYSTERESIS_FACTOR {real(1 + HYSTERESIS)}",
         f"/* Indentation of its pad under 1 N [m]. */\nstatic const slip_real slip_pads_m_per_n23[] = {{{pads}}};",
     ]
     tables = (
@@ -230,7 +238,8 @@ def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
         **{name: read_template(name) for name in (BUFFER, HAND, TIMER)},
     }
     if fingers.is_hand or has_divider:
-        curves = [ForceCurve.from_design(each) for each in fingers.designs or (design,) * fingers.count]
+        designs = fingers.designs or (design,) * fingers.count
+        curves = [ForceCurve.from_design(each) for each in designs]
         settings = GripSettings()
         backing = f"#define SLIP_BACKING_N_PER_M {real(curves[0].pad.backing.stiffness_n_per_m)}"
         command = f"#define SLIP_GRIP_MAX_COMMAND_M_S {real(settings.max_command_m_s)}"
@@ -238,7 +247,7 @@ def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
         header = _insert(read_template(GRIP_HEADER), "slip_grip_constants.h", _render_grip(settings))
         header = _insert(header, "slip_grip_backing.h", backing)
         files[GRIP_HEADER] = _insert(header, "slip_grip_command.h", command)
-        files[GRIP_SOURCE] = _insert(read_template(GRIP_SOURCE), "slip_grip_curve.h", _render_curves(curves))
+        files[GRIP_SOURCE] = _insert(read_template(GRIP_SOURCE), "slip_grip_curve.h", _render_curves(curves, designs))
     return {name: text.encode() for name, text in files.items()}
 
 

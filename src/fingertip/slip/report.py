@@ -12,6 +12,7 @@ from fingertip.slip.detectors.analog_and_digital import ChainOutput
 from fingertip.slip.detectors.fast import FastOutput
 from fingertip.slip.detectors.noise import NoiseLevel
 from fingertip.slip.detectors.registry import find_detector_type
+from fingertip.slip.force import ForceScale
 from fingertip.slip.scored_detection import Detection, find_ratio
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import (
@@ -54,8 +55,10 @@ def as_text(detection: Detection) -> str:
     score, truth = detection.score, detection.trace.origin.truth
     width = len(truth) if score else len(DETECTED)
     lines = [f"detector {describe_detector(detection)}"]
+    at_force = [f", at {force.describe()}" for force in detection.forces or ()] or [""] * len(detection.intervals)
     lines += [
-        f"{DETECTED:{width}} {_format_interval(i)}{_format_begin(i, detection)}" for i in detection.intervals
+        f"{DETECTED:{width}} {_format_interval(i)}{_format_begin(i, detection)}{force}"
+        for i, force in zip(detection.intervals, at_force, strict=True)
     ] or [_describe_silence(detection)]
     lines += _list_incipient_alone(detection, width)
     if score is None:
@@ -117,10 +120,11 @@ def _format_interval(interval: Interval) -> str:
 def as_data(detection: Detection, noise: NoiseLevel | None) -> dict[str, Any]:
     """Convert a detection to plain mappings and lists for JSON. Keys contain their units."""
     score, moved = detection.score, detection.motion_delays_s
+    forces = [force.as_data() for force in detection.forces or ()] or [{}] * len(detection.intervals)
     return {
         "intervals": [
-            _interval_data(i) | {"confidence": round(c, 4)}
-            for i, c in zip(detection.intervals, detection.confidences, strict=True)
+            _interval_data(i) | {"confidence": round(c, 4)} | force
+            for i, c, force in zip(detection.intervals, detection.confidences, forces, strict=True)
         ],
         "incipient": None if detection.incipient is None else [_interval_data(i) for i in detection.incipient],
         "slips": None if score is None else [_interval_data(i) for i in score.slips],
@@ -170,7 +174,7 @@ def draw(trace: Trace, detection: Detection, title: str) -> bytes:
             axes.axvspan(slip.onset_s, slip.end_s, color=style.TRUTH, alpha=0.3, linewidth=0)
         axes.grid(True, color=style.GRID_COLOUR, linewidth=0.7)
     figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
-    _draw_voltage(top, trace)
+    _draw_voltage(top, trace, detection.scale)
     _draw_statistic(middle, trace, detection)
     if trace.origin.motion_s is not None:
         begin_s, end_s = encoder_band_s(trace.origin.motion_s)
@@ -237,15 +241,22 @@ def _draw_onset(axes: Axes, trace: Trace, detection: Detection, onset: Onset) ->
     axes.set_title(title, loc="left", fontsize=9, color=style.TEXT_COLOUR)
 
 
-def _draw_voltage(axes: Axes, trace: Trace) -> None:
+def _draw_voltage(axes: Axes, trace: Trace, scale: ForceScale | None) -> None:
+    """Draw the voltage, and beside it the true force, or the one that the voltage means within its interval."""
     axes.plot(trace.time_s, trace.voltage_v, color=style.BLUE, linewidth=0.8)
     axes.set_ylabel("tactile voltage [V]", color=style.BLUE)
-    if trace.force_n is None:
+    force_n, label = trace.force_n, "normal force [N]"
+    if force_n is None and scale is None:
         return
     twin = axes.twinx()
-    twin.plot(trace.time_s, trace.force_n, color=style.REFERENCE, linewidth=0.8)
-    twin.set_ylabel("normal force [N]", color=style.TEXT_COLOUR)
-    twin.set_ylim(0.0, max(0.1, 1.15 * float(np.max(trace.force_n))))
+    if force_n is None and scale is not None:
+        low_n, force_n, high_n = scale.read_all(trace.voltage_v)
+        twin.fill_between(trace.time_s, low_n, high_n, color=style.REFERENCE, alpha=0.12, linewidth=0)
+        label = "force by the curve [N]"
+    assert force_n is not None
+    twin.plot(trace.time_s, force_n, color=style.REFERENCE, linewidth=0.8)
+    twin.set_ylabel(label, color=style.TEXT_COLOUR)
+    twin.set_ylim(0.0, max(0.1, 1.15 * float(np.max(force_n))))
     twin.spines["top"].set_visible(False)
     axes.set_zorder(twin.get_zorder() + 1)
     axes.patch.set_visible(False)

@@ -16,6 +16,7 @@ from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.analog_and_digital import SlipChain, noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.noise import NoiseLevel
+from fingertip.slip.force import MEAN_S, Force, ForceScale
 from fingertip.slip.traces.trace import RawTrace, Trace
 from fingertip.slip.traces.truth import Interval, Score, intervals, score
 
@@ -73,6 +74,17 @@ class Detection:
     learned_noise_v: float | None
     """White RMS noise that the detector has learned at the end [V]; None for detectors that learn none."""
     trace: Trace
+    scale: ForceScale | None = None
+    """Forces that the voltages mean; None where the curve of the sensor is not known, or the signal is in no volts."""
+
+    @property
+    def forces(self) -> tuple[Force, ...] | None:
+        """Force at the beginning of each interval, of the mean voltage of 20 ms before it."""
+        if self.scale is None:
+            return None
+        begins_s, time_s = [one.onset_s for one in self.intervals], self.trace.time_s
+        places = ((time_s > at_s - MEAN_S) & (time_s <= at_s) for at_s in begins_s)
+        return tuple(self.scale.read(float(self.trace.voltage_v[place].mean())) for place in places)
 
     @property
     def threshold_v(self) -> float:

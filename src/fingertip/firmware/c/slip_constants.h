@@ -93,11 +93,12 @@
 #define SLIP_HELD_TICKS $HELD_TICKS
 #define SLIP_TONE_TICKS $TONE_TICKS
 
-/* Ticks of a tone in vibration: averaging, at most; ON ends; incipient slip is ON; floors stand after ON; the force does. */
+/* Ticks of a tone in vibration: averaging, at most; ON ends; incipient slip is ON; ON outlasts; floors stand after ON; the force does. */
 #define SLIP_STEADY_TICKS $STEADY_TICKS
 #define SLIP_STEADY_COUNT $STEADY_COUNT
 #define SLIP_STEADY_ON_TICKS $STEADY_ON_TICKS
 #define SLIP_SURE_TICKS $SURE_TICKS
+#define SLIP_UNHEARD_TICKS $UNHEARD_TICKS
 #define SLIP_AFTER_TICKS $AFTER_TICKS
 #define SLIP_STANDING_TICKS $STANDING_TICKS
 
@@ -132,7 +133,6 @@
 #define SLIP_UNLEARNED_RATIO $UNLEARNED_RATIO
 #define SLIP_UNLEARNING $UNLEARNING
 #define SLIP_STAY_RATIO $STAY_RATIO
-#define SLIP_HEARD_RATIO $HEARD_RATIO
 #define SLIP_DECAY_RATIO $DECAY_RATIO
 #define SLIP_FADE_RATIO $FADE_RATIO
 #define SLIP_STEADY_RATIO $STEADY_RATIO

@@ -130,13 +130,18 @@ static enum vibration hear(slip_state *state, slip_real score, slip_real upper, 
     } else if (state->steady <= SLIP_STEADY_ON_TICKS) {
         state->steady++;
     }
+    if (is_heard || wide > SLIP_STAY_RATIO) {
+        state->unheard = 0;
+    } else if (state->unheard < SLIP_UNHEARD_TICKS) {
+        state->unheard++;
+    }
     if (has_ended || state->steady > (state->on ? SLIP_STEADY_ON_TICKS : 0)) {
         return NONE;
     }
     if (is_heard && !is_fading) {
         return SURE;
     }
-    return (state->on && (is_heard || mean > SLIP_HEARD_RATIO)) || (wide > SLIP_STAY_RATIO && !is_fading) ? LASTS : NONE;
+    return (state->on && state->unheard < SLIP_UNHEARD_TICKS) || (wide > SLIP_STAY_RATIO && !is_fading) ? LASTS : NONE;
 }
 
 /* Judge whether the floors may learn what is heard: noise, a tone, or what lasts while the force stands still. */

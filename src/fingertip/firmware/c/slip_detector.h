@@ -73,7 +73,8 @@ typedef struct slip_state {
     uint16_t settling;                                       /* ticks for which the detector stays OFF at the start */
     uint16_t replaced;                                       /* samples for which a wrong one is reported */
     uint16_t outside;                                        /* samples with a voltage that no force gives */
-    uint16_t heard_ticks, steady, after, standing;           /* ticks: vibration, a tone; floors stand; the force does */
+    uint16_t heard_ticks, unheard, steady;                   /* ticks: vibration, since it, a tone */
+    uint16_t after, standing;                                /* ticks: floors stand after ON; the force stands still */
     slip_check tactile_check, filtered_check;
     uint16_t phase, slot;                                    /* samples since the last tick, ticks of the slot */
     uint8_t ring_phase, ring_at, low_phase;

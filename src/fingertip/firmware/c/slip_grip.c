@@ -1,6 +1,6 @@
 #include "slip_grip.h"
 
-#include <math.h> /* cbrt alone */
+#include <math.h> /* cbrt and INFINITY */
 
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
@@ -35,6 +35,16 @@ slip_real slip_force_n(unsigned finger, slip_real tactile_v) {
     }
     slope = (curve_n[high] - curve_n[low]) / (curve_v[high] - curve_v[low]);
     return slope * (tactile_v - curve_v[low]) + curve_n[low];
+}
+
+slip_real slip_force_interval_n(unsigned finger, slip_real tactile_v, slip_real *low_n, slip_real *high_n) {
+    const slip_real force_n = slip_force_n(finger, tactile_v);
+    const slip_real *const known_n = slip_known_n[finger];
+    const slip_real factor = slip_factors[finger];
+    const slip_real within_n = force_n < known_n[0] ? known_n[0] : force_n > known_n[1] ? known_n[1] : force_n;
+    *low_n = force_n > known_n[0] ? within_n / (factor * SLIP_HYSTERESIS_FACTOR) : R(0.0);
+    *high_n = force_n < known_n[1] ? within_n * factor : R(INFINITY);
+    return force_n;
 }
 
 /* Travel of the hand beyond the touch for a force [m]. */

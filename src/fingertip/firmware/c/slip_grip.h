@@ -70,6 +70,10 @@ bool slip_grip_is_alive(slip_grip *grip, uint32_t now_us);
 /* Return the force that a tactile voltage of a finger means [N], by the curve of its sensor. */
 slip_real slip_force_n(unsigned finger, slip_real tactile_v);
 
+/* Return that force with the ends of its interval: of the calibrated sensor, or of a typical one, from which real ones
+ * differ. The lower end counts the hysteresis; beyond the forces that are known, an end is 0 or infinite. */
+slip_real slip_force_interval_n(unsigned finger, slip_real tactile_v, slip_real *low_n, slip_real *high_n);
+
 #ifdef __cplusplus
 }
 #endif

@@ -10,6 +10,7 @@ import numpy as np
 from fingertip.board.analysis.board_values import find_tactile_response
 from fingertip.board.analysis.limits import TactileResponse
 from fingertip.board.components.front_end import ARTICLE_POINTS, sensor_conductance_s
+from fingertip.catalogues.electronics import HYSTERESIS as HYSTERESIS
 from fingertip.design import Design
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array
@@ -151,8 +152,6 @@ convert = CompiledLoop(_convert_loop, turn_on_power, outputs=3, samples="forces"
 
 # Force-sensing resistor: from the force on its active area to the force that it shows.
 
-HYSTERESIS = 0.10
-"""Largest relative error by which the force reads high after a higher one (article, III.B: at most 10 %)."""
 PLAY_FRACTION = 0.2
 """Fraction of the force through the play operator. Assumption: the article's small vibrations do pass."""
 CREEP_FROM_S = 1.0

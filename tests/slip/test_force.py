@@ -1,0 +1,63 @@
+"""Force beside slip: read off the curve of the sensor, with its interval, and without any say in what is slip."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fingertip.design import Design
+from fingertip.detection.recordings import find_force_scale
+from fingertip.sim.signal.bridge import HYSTERESIS
+from fingertip.sim.signal.converter import compute_bridge_v
+from fingertip.slip.force import MEAN_S
+from fingertip.slip.report import as_data, as_text
+from fingertip.slip.scored_detection import detect
+from fingertip.slip.traces.trace import Trace
+
+CALIBRATED = Design.load("fsr400", changes={"force_curve.curve": "calibrated", "force_curve.interval_factor": 1.3})
+
+
+@pytest.mark.parametrize(("design", "factor"), [(Design(), 8.0), (CALIBRATED, 1.3)])
+def test_a_force_lies_within_its_interval_also_while_it_falls(design: Design, factor: float) -> None:
+    scale = find_force_scale(design)
+    assert scale is not None
+    if design is CALIBRATED:  # its weights stood on the finger
+        for force_n in (1.0, 2.0, 9.0):
+            found = scale.read(float(compute_bridge_v(design, np.array([force_n]))[0]))
+            assert found.force_n == pytest.approx(force_n, rel=0.005)
+            assert found.high_n == pytest.approx(factor * force_n, rel=0.005)
+            assert found.low_n == pytest.approx(force_n / factor / (1 + HYSTERESIS), rel=0.005)
+    open_v, most_v = float(scale.volts[0]), float(scale.volts[-1])
+    assert scale.read(open_v).low_n == 0.0
+    assert scale.read(open_v).high_n == factor * scale.known_n[0]
+    assert math.isinf(scale.read(most_v).high_n)
+
+
+def test_an_unknown_sensor_has_no_force() -> None:
+    assert find_force_scale(Design.load("fsr400", changes=["sensor.model=custom"])) is None
+
+
+def test_the_force_stands_beside_each_interval_and_changes_no_verdict() -> None:
+    """The mean voltage of 20 ms before ON is read; a hand that starts while it touches something reads the same."""
+    design, rate_hz = Design(), 2000.0
+    time_s, noise = np.arange(4000) / rate_hz, np.random.default_rng(1).normal(0.0, 2e-4, 4000)
+    at_v = float(compute_bridge_v(design, np.array([2.0]))[0])
+    slides = (time_s > 1.0) & (time_s < 1.5)
+    buzz = slides * 0.02 * np.random.default_rng(2).normal(0.0, 1.0, 4000)
+    found = detect(Trace(time_s, at_v + noise + buzz), design, "fast")
+    assert found.forces is None
+    beside = replace(found, scale=find_force_scale(design))
+    assert beside.forces is not None
+    first = round(beside.intervals[0].onset_s * rate_hz)
+    mean_v = float(found.trace.voltage_v[first + 1 - round(MEAN_S * rate_hz) : first + 1].mean())
+    assert beside.scale is not None
+    assert beside.forces[0].force_n == pytest.approx(beside.scale.read(mean_v).force_n, rel=0.01)
+    assert as_text(beside).count(f", at {beside.forces[0].describe()}") >= 1
+    assert as_data(beside, None)["intervals"][0].keys() - as_data(found, None)["intervals"][0].keys() == {
+        "force_n",
+        "force_interval_n",
+    }
+    assert beside.intervals == found.intervals

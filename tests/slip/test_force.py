@@ -24,12 +24,13 @@ CALIBRATED = Design.load("fsr400", changes={"force_curve.curve": "calibrated", "
 def test_a_force_lies_within_its_interval_also_while_it_falls(design: Design, factor: float) -> None:
     scale = find_force_scale(design)
     assert scale is not None
-    if design is CALIBRATED:  # its weights stood on the finger
-        for force_n in (1.0, 2.0, 9.0):
-            found = scale.read(float(compute_bridge_v(design, np.array([force_n]))[0]))
-            assert found.force_n == pytest.approx(force_n, rel=0.005)
-            assert found.high_n == pytest.approx(factor * force_n, rel=0.005)
-            assert found.low_n == pytest.approx(force_n / factor / (1 + HYSTERESIS), rel=0.005)
+    for force_n in (1.0, 2.0, 5.0):
+        rising_v, falling_v = compute_bridge_v(design, np.array([force_n, force_n * (1 + HYSTERESIS)])).tolist()
+        for volts in (rising_v, falling_v):
+            found = scale.read(volts)
+            assert found.low_n <= force_n <= found.high_n
+            assert found.high_n == pytest.approx(factor * found.force_n)
+            assert found.low_n == pytest.approx(found.force_n / factor / (1 + HYSTERESIS))
     open_v, most_v = float(scale.volts[0]), float(scale.volts[-1])
     assert scale.read(open_v).low_n == 0.0
     assert scale.read(open_v).high_n == factor * scale.known_n[0]

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.slip.mix_signals import filter_as_board
 from fingertip.design import Design
 from fingertip.firmware.packaging import read_costs
 from fingertip.firmware.sources import SOURCE, float_key, library_settings
@@ -320,3 +321,51 @@ def test_the_committed_measurements_are_measured_again(library: Library) -> None
         for signal in ("quiet", "slip"):
             assert target["instructions"][signal] == pytest.approx(expected["instructions"][signal], rel=TOLERANCE)
         assert target["instructions"]["campaign"] == pytest.approx(expected["instructions"]["campaign"], rel=0.1)
+
+
+RECALL_PROGRAM = """
+#include "slip_detector.h"
+#include <stdio.h>
+int main(void) {
+    slip_state state;
+    slip_floors floors = {0};
+    double tactile_v, filtered_v;
+    int i, begun, on[2] = {0};
+    slip_init(&state);
+    for (i = 0; scanf("%lf %lf", &tactile_v, &filtered_v) == 2; i++) {
+        begun = i == 8000 || i == 9000;
+        if (i == 8000) floors = slip_learned(&state);
+        if (begun) slip_init(&state);
+        if (i == 9000) slip_recall(&state, floors);
+        if (slip_step(&state, tactile_v, filtered_v) && i >= 8000) on[i >= 9000]++;
+    }
+    printf("%d %d\\n", on[0], on[1]);
+    return 0;
+}
+"""
+
+
+def test_a_start_in_the_middle_of_a_slip_is_decided_with_stored_floors(tmp_path: Path) -> None:
+    """Of two equal starts in vibration, the one that recalls the floors of a rest is ON; C counts as Python does."""
+    require_gcc()
+    random, design = np.random.default_rng(3), Design()
+    slides = np.tile(0.004 * random.normal(0.0, 1.0, 1000), 2)
+    volts = 0.6 + random.normal(0.0, 2e-4, 10_000) + np.concatenate((np.zeros(8000), slides))
+    filtered = filter_as_board(design, volts)
+    assert filtered is not None
+    rested = FastDetector(library_settings(design))
+    rested.process(volts[:8000], filtered[:8000])
+    counts = []
+    for part, floors in ((slice(8000, 9000), None), (slice(9000, 10_000), rested.floors)):
+        detector = FastDetector(library_settings(design), floors=floors)
+        counts.append(np.count_nonzero(detector.process(volts[part], filtered[part]).on))
+    write_sources(design, tmp_path)
+    (tmp_path / "main.c").write_text(RECALL_PROGRAM)
+    sources = [str(tmp_path / name) for name in ("main.c", "slip_detector.c")]
+    flags = ["-std=c99", "-DSLIP_REAL=double", "-ffp-contract=off", f"-I{tmp_path}"]
+    subprocess.run(["gcc", *flags, *sources, "-o", str(tmp_path / "main")], check=True)
+    lines = "\n".join(f"{t!r} {s!r}" for t, s in zip(volts.tolist(), filtered.tolist(), strict=True))
+    done = subprocess.run([str(tmp_path / "main")], input=lines, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == [str(count) for count in counts]
+    assert counts[0] == 0
+    assert counts[1] > 800

@@ -293,6 +293,7 @@ def _doubt_result(
     """Find reasons to doubt the noise, the threshold and the quiet part."""
     trace, design, quiet = recording.trace, recording.design, recording.quiet
     if recording.columns.in_volts:
+        yield from warnings.begin_warnings(detection.output, trace)
         # Noise jumps, too.
         noisy = list(warnings.noise_warnings(detection.learned_noise_v, design, noise_v))
         if not any(warnings.flat_warnings(trace.voltage_v, design)):  # a clipped signal jumps, and is named as such

@@ -306,6 +306,25 @@ def glitch_warnings(output: DetectorOutput, trace: Trace) -> Iterator[str]:
     )
 
 
+BEGIN_S, BEGIN_RATIO = 0.3, 2.0
+"""Time in which `fast` learns its first floors [s], and ratio of its threshold then to the least one from which on the
+recording is doubted to begin with rest."""
+
+
+def begin_warnings(output: DetectorOutput, trace: Trace) -> Iterator[str]:
+    """Warn of a recording that begins in vibration, as in the middle of a slip: `fast` took that for its noise."""
+    first = int(np.searchsorted(trace.time_s, trace.time_s[0] + BEGIN_S))
+    if not isinstance(output, FastOutput) or first >= len(trace.time_s):
+        return
+    later_v = output.threshold_v[first:]
+    rested = np.flatnonzero(later_v * BEGIN_RATIO < later_v[0])
+    if len(rested):
+        yield (
+            f"the recording begins in more vibration than it rests in: before {trace.time_s[first + rested[0]]:.1f} s "
+            "it cannot be told whether something slips. Begin to record while nothing moves."
+        )
+
+
 # Warnings of thresholds and settings that are permitted but degrade a detector.
 
 HIGH_RATIO = 3.0

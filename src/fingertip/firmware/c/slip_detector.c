@@ -540,11 +540,29 @@ static void start(slip_state *state, bool has_filtered) {
     state->is_started = true;
     state->has_filtered = has_filtered && SLIP_FILTERED_GAIN > R(0.0);
     if (state->has_filtered) {
-        state->wide_short = state->wide_long = state->floor = SLIP_FILTERED_STATED_WIDE;
-        state->upper_short = state->upper_long = state->upper_floor = SLIP_FILTERED_STATED_UPPER;
+        state->wide_short = state->wide_long = SLIP_FILTERED_STATED_WIDE;
+        state->upper_short = state->upper_long = SLIP_FILTERED_STATED_UPPER;
+        if (!state->is_recalled) {
+            state->floor = state->wide_long;
+            state->upper_floor = state->upper_long;
+        }
         state->min_floor = SLIP_FILTERED_MIN_FLOOR;
         state->min_upper_floor = SLIP_FILTERED_MIN_UPPER_FLOOR;
     }
+    if (state->is_recalled) {
+        state->floor = greater(state->floor, state->min_floor);
+        state->upper_floor = greater(state->upper_floor, state->min_upper_floor);
+        state->input_floor = greater(state->input_floor, SLIP_MIN_INPUT_FLOOR);
+    }
+}
+
+void slip_recall(slip_state *state, slip_floors floors) {
+    state->is_recalled = true;
+    state->floor = floors.wide;
+    state->upper_floor = floors.upper;
+    state->input_floor = floors.tactile;
+    state->settling = (uint16_t)SLIP_SETTLE_TICKS;
+    state->floor_ticks = SLIP_MAX_FLOOR_TICKS;
 }
 
 void slip_init_finger(slip_state *state, unsigned finger) {

@@ -78,7 +78,7 @@ typedef struct slip_state {
     slip_check tactile_check, filtered_check;
     uint16_t phase, slot;                                    /* samples since the last tick, ticks of the slot */
     uint8_t ring_phase, ring_at, low_phase;
-    bool on, incipient, has_filtered, is_started;
+    bool on, incipient, has_filtered, is_started, is_recalled;
     bool is_busy;                                            /* a check or `replaced` is not 0 */
     bool is_off_level;                                       /* `level` is far from the middle of the supply */
     bool begins;                                             /* the filtered signal's rest is to be set anew */
@@ -90,6 +90,21 @@ void slip_init(slip_state *state);
 /* Prepare the detector of one of several fingers that one controller samples: its trees are evaluated `finger` samples
  * sooner than those of finger 0, so that the fingers share the work of each sample. */
 void slip_init_finger(slip_state *state, unsigned finger);
+
+/* What a detector has learned while nothing moved [V^2]: store it, as in flash. */
+typedef struct slip_floors {
+    slip_real wide, upper, tactile;
+} slip_floors;
+
+/* Return the floors of a detector whose signal has rested. */
+static inline slip_floors slip_learned(const slip_state *state) {
+    const slip_floors floors = {state->floor, state->upper_floor, state->input_floor};
+    return floors;
+}
+
+/* Prepare a detector with the floors of an earlier rest and of the same inputs, right after slip_init: a start in the
+ * middle of a slip is then decided after 40 ms. Without them it cannot be told until the signal has rested. */
+void slip_recall(slip_state *state, slip_floors floors);
 
 /* Process one sample of the tactile voltage T and of the filtered signal S of the board's connector, taken at the same
  * time [V], and return whether slip is ON. A board that gives no filtered signal is judged by T alone. */

@@ -145,6 +145,15 @@ class FastSettings:
         return cls(rate_hz, noise, cutoff_hz=design.board.cutoff_hz, filtered=filtered, direction=direction)
 
 
+@dataclass(frozen=True)
+class Floors:
+    """What a detector has learned while its signal rested, stored for a start in which nothing rests [V^2]."""
+
+    wide: float
+    upper: float
+    tactile: float
+
+
 @dataclass(frozen=True, eq=False)
 class FastOutput(DetectorOutput):
     """Output of the detector: one value per input sample."""
@@ -169,8 +178,10 @@ class FastDetector(Detector):
     memory_s = math.log(1 / (fast_state.DECAY_RATIO * STAY_RATIO)) * LONG_S
     """Time until an abrupt end is recognised [s]: by the ratio of the energies or, after a weak slip, the floor."""
 
-    def __init__(self, settings: FastSettings, model: fast_coefficients.FastModel | None = None) -> None:
-        self.settings = settings
+    def __init__(
+        self, settings: FastSettings, model: fast_coefficients.FastModel | None = None, floors: Floors | None = None
+    ) -> None:
+        self.settings, self._stored = settings, floors
         self._model = model = model or fast_coefficients.load_model()
         self.coefficients = _compute_coefficients(settings, model, with_filtered=False)
         """Constants of the loop at this sampling rate and noise."""
@@ -187,6 +198,11 @@ class FastDetector(Detector):
     def state(self) -> tuple[float, ...]:
         """Present state, by the indices of `fingertip.slip.detectors.fast_state`."""
         return tuple(self._state)
+
+    @property
+    def floors(self) -> Floors:
+        """Floors that were learned, for the next start of a detector of the same inputs."""
+        return Floors(*(self._state[at] for at in (fast_state.FLOOR, fast_state.UPPER_FLOOR, fast_state.INPUT_FLOOR)))
 
     @property
     def threshold_v(self) -> float:
@@ -292,6 +308,13 @@ class FastDetector(Detector):
         for index in (fast_state.INPUT_LONG, fast_state.INPUT_FLOOR):
             state[index] = settings.noise_v**2
         ticks_per_s = settings.sample_rate_hz / c.tick_samples
+        if self._stored:  # only the filters must settle
+            state[fast_state.FLOOR] = max(self._stored.wide, c.min_floor)
+            state[fast_state.UPPER_FLOOR] = max(self._stored.upper, c.min_upper_floor)
+            state[fast_state.INPUT_FLOOR] = max(self._stored.tactile, c.min_input_floor)
+            state[fast_state.SETTLING] = float(round(FILTERS_SETTLE_S * ticks_per_s))
+            state[fast_state.FLOOR_TICKS] = c.max_floor_ticks
+            return
         state[fast_state.SETTLING] = float(round(SETTLING_S * ticks_per_s))
         state[fast_state.FLOOR_TICKS] = -float(round(FILTERS_SETTLE_S * ticks_per_s))
 

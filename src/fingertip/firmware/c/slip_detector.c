@@ -146,16 +146,13 @@ static enum vibration hear(slip_state *state, slip_real score, slip_real upper, 
 
 /* Judge whether the floors may learn what is heard: noise, a tone, or what lasts while the force stands still. */
 static bool is_learned(slip_state *state, slip_real upper, slip_real wide, bool is_moving) {
-    if (state->settling > 0 || !(upper > SLIP_CLIP_RATIO || wide > SLIP_CLIP_RATIO)) {
-        state->standing = 0;
-        return true;
-    }
+    const bool is_loud = (upper > SLIP_CLIP_RATIO || wide > SLIP_CLIP_RATIO) && state->settling == 0;
     if (is_moving) {
         state->standing = 0;
-    } else if (state->standing <= SLIP_STANDING_TICKS) {
+    } else if (is_loud && state->standing <= SLIP_STANDING_TICKS) {
         state->standing++;
     }
-    return state->steady > 0 || state->standing > SLIP_STANDING_TICKS;
+    return !is_loud || state->steady > 0 || state->standing > SLIP_STANDING_TICKS;
 }
 
 /* Decide at a tick: features, trees, ON or OFF, floors. `slope` is the squared slope of this sample [V^2]. */

@@ -29,7 +29,7 @@ MOVING_RATIO = 60.0
 CLIP_RATIO = 4.0
 """Ratio of an energy to its floor above which the floor takes it for no more: slip that is not found yet."""
 STANDING_TICKS = 1000.0
-"""Ticks for which the force must stand still in such vibration until the floors learn it all the same."""
+"""Ticks of such vibration since the force moved last from which on the floors learn it all the same."""
 HELD_TICKS = 15.0
 """Ticks of averaging for which a floor stands after the force has changed: it is learned again within 0.5 s."""
 LOW_TICKS = 4.0
@@ -251,7 +251,10 @@ def is_learned(upper: float, wide: float, is_moving: bool, state: MutableFloats)
     `upper` and `wide` are the energies of 20 ms over their floors. The trees have no say in it.
     """
     is_loud = (upper > CLIP_RATIO or wide > CLIP_RATIO) and state[SETTLING] == 0.0
-    state[STANDING] = state[STANDING] + 1.0 if is_loud and not is_moving else 0.0
+    if is_moving:
+        state[STANDING] = 0.0
+    elif is_loud:
+        state[STANDING] += 1.0
     return not is_loud or state[STEADY] > 0.0 or state[STANDING] > STANDING_TICKS
 
 

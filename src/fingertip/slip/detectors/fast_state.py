@@ -52,7 +52,7 @@ SURE_TICKS = 30.0
 """Ticks after which incipient slip is ON if its vibration lasts."""
 EVIDENCE = 40.0
 """Sum of what scores exceed `FastCoefficients.heard_score` by at which slip is incipient: 15 to 40 ticks on slides."""
-HOLD_SCORE = -3.0
+HOLD_SCORE = -2.25
 """Smoothed score above which vibration that lasts stays slip: without it, a hand's tremor keeps an alarm for ever."""
 AFTER_TICKS = 250.0
 """Ticks after ON for which floors stand: a slide falters."""

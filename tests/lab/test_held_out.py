@@ -18,7 +18,7 @@ from fingertip.slip.detectors import fast
 from fingertip.slip.detectors.fast_coefficients import TABLE, load_model
 from tests.designs import ARTICLE
 from tools.detector_training import fit
-from tools.detector_training.disturbances import KINDS, draw_disturbance
+from tools.detector_training.disturbances import KINDS, SLOW_SLIDES, draw_disturbance
 
 FEW = 6
 """Recordings of a kind."""
@@ -84,6 +84,9 @@ def test_drawn_signals_have_their_labels_within_them(design: Design, kind: str) 
     for slide in signal.slides:
         assert 0.5 < slide.motion_s <= slide.onset_s < slide.end_s <= KINDS[kind].duration_s
         first, last = round(slide.onset_s * signal.rate_hz), round(slide.end_s * signal.rate_hz)
-        inside = np.diff(signal.voltage_v[first:last]).std()
-        assert inside > np.diff(signal.voltage_v[:800]).std()
+        inside, quiet = signal.voltage_v[first:last], signal.voltage_v[:800]
+        if kind == SLOW_SLIDES:  # their vibration may be weaker than noise, their friction is not
+            assert inside.std() > quiet.std()
+        else:
+            assert np.diff(inside).std() > np.diff(quiet).std()
     assert all(0.0 <= event.onset_s < event.end_s for event in signal.events)

@@ -43,7 +43,7 @@ def test_slip_of_a_simulated_trace_is_detected(tmp_path, surface):
     assert len(data["delays_s"]) == 1
     # On the smoothest surface the signal barely exceeds the noise of a 16-bit ADC ahead of the gain.
     assert 0.0 < data["delays_s"][0] < (0.2 if surface == "smooth" else 0.05)
-    assert set(data["intervals"][0]) == {"onset_s", "end_s", "confidence"}
+    assert set(data["intervals"][0]) == {"onset_s", "end_s", "confidence", "force_n", "force_interval_n"}
     assert data["intervals"][0]["confidence"] > 1.0
     assert data["incipient"] is data["learned_noise_v"] is None
     assert data["missed_slips"] == []
@@ -72,7 +72,8 @@ def test_a_stream_gives_the_same_transitions_as_the_file(tmp_path, detector):
         time for i in whole for time in (i["onset_s"], i["end_s"])
     ]
     text = run("detect", "-", "--detector", detector, lines=csv(T, V)).stdout.splitlines()
-    assert text[0] == f"ON   {whole[0]['onset_s']:9.4f} s"
+    assert text[0].startswith(f"ON   {whole[0]['onset_s']:9.4f} s, at ")
+    assert data["transitions"][0]["force_n"] == pytest.approx(whole[0]["force_n"], rel=0.1)
 
 
 @pytest.mark.parametrize("rate", [1400, 1900, 1980, 2020, 2100, 2990])

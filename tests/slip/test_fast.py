@@ -287,7 +287,7 @@ def test_outputs_for_a_controller():
     assert output.incipient[first]
     early = IncipientDetector(SETTINGS).process(volts)
     assert np.array_equal(early.on, output.incipient)
-    assert early.threshold_v[first] / output.threshold_v[first] == pytest.approx(0.862, abs=0.001)
+    assert early.threshold_v[first] / output.threshold_v[first] == pytest.approx(0.781, abs=0.001)
     assert early.statistic_v[np.argmax(early.on)] >= early.threshold_v[np.argmax(early.on)]
     assert np.flatnonzero(output.incipient)[0] <= first
     assert output.statistic_v == pytest.approx(output.confidence * output.threshold_v)

@@ -104,7 +104,7 @@ def _column_map(options: tuple[object, ...]) -> ColumnMap:
 
 def test_a_repeated_header_in_a_stream_is_passed_over_without_a_word() -> None:
     done = run("detect", "-", "--json", lines="".join([*LINES[:701], LINES[0], *LINES[701:]]))
-    assert json.loads(done.stdout)["transitions"][0] == {"on": True, "time_s": ONSET}
+    assert json.loads(done.stdout)["transitions"][0].items() >= {"on": True, "time_s": ONSET}.items()
     assert "header" not in done.stderr
 
 
@@ -127,7 +127,7 @@ def test_a_file_may_begin_before_its_header_as_a_stream_may(tmp_path: Path) -> N
 def test_a_stream_in_other_units_and_by_number() -> None:
     words = ("--time-scale", "us", *BY_NUMBER, "--json")
     done = run("detect", "-", *words, lines=rows(f"{1e6 * t:.0f}" for t in T))
-    assert json.loads(done.stdout)["transitions"][0] == {"on": True, "time_s": ONSET}
+    assert json.loads(done.stdout)["transitions"][0].items() >= {"on": True, "time_s": ONSET}.items()
 
 
 def save_mat(path: Path, **arrays: object) -> None:
@@ -377,7 +377,7 @@ def test_quoted_numbers_are_read(tmp_path, delimiter, comma):
     (tmp_path / "t.csv").write_text(text)
     assert single_onset(run("detect", tmp_path / "t.csv", "--json")) == ONSET
     transitions = json.loads(run("detect", "-", "--json", lines=text).stdout)["transitions"]
-    assert transitions[0] == {"on": True, "time_s": ONSET}
+    assert transitions[0].items() >= {"on": True, "time_s": ONSET}.items()
     (tmp_path / "t.csv").write_text(text.replace('"0' + ("," if comma else ".") + '000500"', '"NA"'))
     stderr = run("detect", tmp_path / "t.csv").stderr
     assert "'NA' in line 3 is not a number" in stderr
@@ -401,7 +401,7 @@ def test_preambles_and_unit_lines_are_skipped(tmp_path, name):
     (tmp_path / "u16.csv").write_bytes(SAVED[name].encode("utf-16"))
     assert single_onset(run("detect", tmp_path / "u16.csv", "--json")) == ONSET
     data = json.loads(run("detect", "-", "--json", lines=SAVED[name]).stdout)
-    assert data["transitions"][0] == {"on": True, "time_s": ONSET}
+    assert data["transitions"][0].items() >= {"on": True, "time_s": ONSET}.items()
     # The messages number the lines as an editor does.
     lines = SAVED[name].splitlines()
     first = next(i for i, line in enumerate(lines) if line[:4] in ("0.00", "0,00"))

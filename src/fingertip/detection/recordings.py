@@ -221,7 +221,7 @@ def detect_file(
             found = detect_in_trace(trace, design, detector)
             doubts += warnings.calibration_warnings(noise_v, found, quiet.samples, design, quiet.describe())
     detection = detect_in_trace(recording.trace, recording.design, detector, noise_v)
-    if column_map.in_volts:
+    if column_map.in_volts and column_map.name_in_file("voltage_v") != column_map.name_in_file("envelope_v"):
         detection = replace(detection, scale=find_force_scale(recording.design))
     if quiet:
         quiet.refuse_slip(detection)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,11 +26,13 @@ class Force:
 
     def describe(self) -> str:
         """Describe it for people, such as ``2.1 N (0.9 to 4.8)``."""
+        if self.high_n == math.inf:
+            return f"{self.force_n:.2g} N or more (at least {self.low_n:.2g})"
         return f"{self.force_n:.2g} N ({self.low_n:.2g} to {self.high_n:.2g})"
 
     def as_data(self) -> dict[str, Any]:
         """Force and the ends of its interval for JSON, which knows no infinity."""
-        high_n = round(self.high_n, 4) if self.high_n < np.inf else None
+        high_n = round(self.high_n, 4) if self.high_n < math.inf else None
         return {"force_n": round(self.force_n, 4), "force_interval_n": [round(self.low_n, 4), high_n]}
 
 

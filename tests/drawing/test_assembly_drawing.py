@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_circuit, board_values
+from fingertip.board.circuits.board_circuit import SUPPRESSOR
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.fabrication.bom import purchased_components
 from fingertip.board.kicad.project import load_project
@@ -39,8 +40,9 @@ def test_every_part_is_drawn_once_with_its_value_and_no_text_covers_another(vari
         body = left + SCALE * x0, top - SCALE * y1, left + SCALE * x1, top - SCALE * y0
         inside = [t.text for t in on_board if body[0] < t.box()[0] and body[1] < t.box()[1] and
                   t.box()[2] < body[2] and t.box()[3] < body[3]]  # fmt: skip
-        # Ohms have an R, and the suppressor's name is too long for its outline.
-        assert " ".join(inside) in (f"{reference} {value}", f"{reference} {value}R", "D6"), reference
+        # Ohms have an R, and a suppressor's name is too long for its outline.
+        alone = reference if value == SUPPRESSOR else ""
+        assert " ".join(inside) in (f"{reference} {value}", f"{reference} {value}R", alone), reference
     for a, b in combinations((t.box() for t in texts), 2):
         assert a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]
     for hole in (p for p in sheet.primitives if isinstance(p, Ring) and p.style.name == "pad"):
@@ -65,7 +67,9 @@ def test_bars_lie_at_the_cathodes(variant: str) -> None:
     )
     left, top = frame.points[0][0], frame.points[2][1]
     bars = [p.points for p in sheet.primitives if isinstance(p, Polyline) and p.style.name == "bar"]
-    diodes = [name for name in values if name.startswith("D") and len(parts[name].pads) == 2 and name != "D6"]
+    diodes = [
+        name for name in values if name.startswith("D") and len(parts[name].pads) == 2 and values[name] != SUPPRESSOR
+    ]
     assert len(bars) == len(diodes) == {"article": 1, "precision": 0, "comparator": 2}[variant]
     for (x0, y0), (x1, y1) in bars:
         x, y = ((x0 + x1) / 2 - left) / SCALE, (top - (y0 + y1) / 2) / SCALE

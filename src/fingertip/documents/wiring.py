@@ -158,14 +158,13 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
         yield "The wires stand in the plugs as drawn here, when they are in their sockets and the parts face you."
         yield "J3 is at the right edge, and finger 1 at the bottom. Twist T, S and ground of each finger."
         yield "Of a sensor's pins the one of the higher number is ground, as is TP6, for the shield of a long cable."
-        yield "Firmware and detector fast need T and S of each finger (10 analog inputs for five); the README of"
-        yield "fingertip firmware names their inputs."
+        yield "Firmware and detector fast need T and S of each finger; the README of the firmware names the inputs."
     else:
         yield "Pins 1 have a dot beside them: with J1 on the left, that of J3 is the lower end."
         yield "Pin 2 of J1 is ground, as is TP6, for the shield of a long cable."
-        yield "J3 has the order of Qwiic and STEMMA QT: ground black, 3.3 V red, T blue, S yellow. Take a cable with"
-        yield "open ends: T and S go to two analog pins. An I2C socket feeds the board and harms nothing, but has"
-        yield "pull-ups and no analog inputs: it cannot read T and S."
+        yield "J3 has the order of Qwiic and STEMMA QT: ground black, 3.3 V red, T blue, S yellow."
+        yield "Take a cable with open ends: T and S go to two analog pins."
+        yield "An I2C socket feeds the board and harms nothing, but its pull-ups make T and S unreadable."
         yield "A board that prints T and S alone beside J3 (revision 4) has another order: never join it to this cable."
         yield f"{NEEDED_PINS}{f' {OTHER_PINS}' if VMID_OUT in nets else ''}".replace("`", "")
         yield f"Sketches of fingertip firmware read T at {SKETCH_PINS[ADC_TACTILE]}, S at {SKETCH_PINS[ADC_FILTERED]}."

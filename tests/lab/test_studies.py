@@ -91,7 +91,7 @@ def test_previous_works_are_slower_or_miss_more_with_higher_thresholds() -> None
         (name, factor, 15) for name in RIDGED for factor in PLATE_FACTORS
     ]
     low, high = map(found.means_s, PLATE_FACTORS)
-    assert max(low) < 0.02 < min(high)
+    assert max(low) < 0.025 < min(high)
     rows = {row["figure"]: row["ours"].get("digital chain") for row in json.loads(DATA.read_text())["protocol"]}
     assert rows["mean delay on three ridged plates"] == ", ".join(f"{1000 * mean_s:.1f} ms" for mean_s in low)
     noise, late = found.plain_fft
@@ -261,7 +261,8 @@ def test_skin_attenuates_high_frequencies():
 
 
 @pytest.mark.full
-def test_larger_acceleration_shortens_the_delay_of_every_detector():
+def test_larger_acceleration_shortens_the_delay_of_the_bound_and_of_the_chain():
+    """`fast` takes an abrupt start for a knock until it has lasted."""
     slow, fast = (
         {
             row.detector: row
@@ -270,7 +271,8 @@ def test_larger_acceleration_shortens_the_delay_of_every_detector():
         for a in (1.0, 10.0)
     )
     assert set(slow) == {"bound", "digital", "fast"}
-    assert all(fast[name].median_s < slow[name].median_s for name in slow)
+    assert all(fast[name].median_s < slow[name].median_s for name in ("bound", "digital"))
+    assert fast["fast"].median_s < 0.035
 
 
 @pytest.mark.full

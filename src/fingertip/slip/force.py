@@ -67,7 +67,7 @@ class ForceScale:
     def read_all(self, voltage_v: Array) -> tuple[Array, Array, Array]:
         """Lower ends, forces and upper ends of the intervals at voltages [N]. The lower end counts the hysteresis."""
         force_n = np.interp(voltage_v, self.volts, self.forces_n)
-        least_n, most_n = self.known_n
-        low_n = np.where(force_n > least_n, np.minimum(force_n, most_n) / (self.factor * (1 + HYSTERESIS)), 0.0)
-        high_n = np.where(force_n < most_n, np.maximum(force_n, least_n) * self.factor, np.inf)
+        min_n, max_n = self.known_n
+        low_n = np.where(force_n > min_n, np.minimum(force_n, max_n) / (self.factor * (1 + HYSTERESIS)), 0.0)
+        high_n = np.where(force_n < max_n, np.maximum(force_n, min_n) * self.factor, np.inf)
         return low_n, force_n, high_n

@@ -148,7 +148,7 @@ class FastSettings:
 
 @dataclass(frozen=True)
 class Floors:
-    """What a detector has learned while its signal rested, stored for a start in which nothing rests [V^2]."""
+    """Floors that a detector has learned while its signal rested, stored for a start in which nothing rests [V^2]."""
 
     wide: float
     upper: float

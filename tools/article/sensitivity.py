@@ -7,8 +7,8 @@ are assumptions that nobody has verified.
 The acceleration of the surface changes the delay most. The article gives a trapezoidal velocity profile, 4 cm at 4, 6
 or 8 cm/s, and that 4 cm at 4 cm/s "lasted one second" (figure 9). An acceleration a adds ``v / a`` to that second: 40
 ms at the 1 m/s2 assumed here, 4 ms at 10 m/s2, and both round to one second. Vibration in the fingertip's band needs a
-speed of ``f lambda``, frequency times wavelength, so slip with a larger acceleration is found sooner by the chain and by
-the bound. `fast` takes an abrupt start for a knock until it has lasted.
+speed of ``f lambda``, frequency times wavelength, so slip with a larger acceleration is found sooner by the chain and
+by the bound. `fast` takes an abrupt start for a knock until it has lasted.
 """
 
 from __future__ import annotations

@@ -66,7 +66,7 @@ def test_a_name_gives_what_the_path_gives(kind: Any, folder: Path) -> None:
 def test_a_path_comes_before_a_name(folder: Path) -> None:
     (folder / "fsr400").write_text("[skin]\nwidth_mm = 18\n")
     assert Design.load("fsr400").skin.width_mm == 18
-    assert Design.load("fsr402").skin.width_mm == 24.8
+    assert Design.load("fsr402").skin.width_mm == 27.0
     (folder / "fsr402").mkdir()
     with pytest.raises(FingertipError, match="fsr402: is a folder, which comes before the bundled file of the same"):
         Design.load("fsr402")

@@ -57,18 +57,18 @@ def test_profile_between_the_stops_never_meets_the_shoulder(travel_deg: float) -
 
 
 def test_forces_of_the_joint_follow_from_its_levers() -> None:
-    """39.6 mm of lever about the pin against 5.3 mm of the tendon, and two thirds of the stop, beside the gap."""
+    """41.5 mm of lever about the pin against 5.3 mm of the tendon, and two thirds of the stop, beside the gap."""
     design = load("adult_finger")
-    assert clevis.tendon_force_per_n(design, 25.0) == pytest.approx(39.6 / 5.3)
+    assert clevis.tendon_force_per_n(design, 25.0) == pytest.approx(41.5 / 5.3)
     found = {each.place: each for each in interface_of(design).local_stresses(design, 25.0)}
     section, joint = design.dimensions.collar.section, design.dimensions.joint
     assert joint
-    pull = 39.6 / (2 / 3 * (section.dorsal_height_at(3.8) - joint.axis_y)) + 1.0
+    pull = 41.5 / (2 / 3 * (section.dorsal_height_at(3.8) - joint.axis_y)) + 1.0
     cheek = section.half_width_at(joint.axis_y - 1.5) - joint.half_width
     assert found["end of the eye"].stress_per_n == pytest.approx(math.sqrt(3) * pull / (4 * cheek * (5.1 - 1.5)))
-    assert found["bearing of the pin"].stress_per_n == pytest.approx((39.6 / 5.3 + 1.0) / (2 * cheek * 3.0))
-    # Each strand of 0.8 mm turns by a right angle over a radius of 4 mm.
-    assert found["horn of the tendon"].stress_per_n == pytest.approx(39.6 / 5.3 / 2 / 4.0 / 0.8)
+    assert found["bearing of the pin"].stress_per_n == pytest.approx((41.5 / 5.3 + 1.0) / (2 * cheek * 3.0))
+    # Each strand turns by a right angle over a horn that presses 25 MPa at twice the grip of 10 N, with 4 % in reserve.
+    assert found["horn of the tendon"].stress_per_n == pytest.approx(25.0 / (1.04 * 2 * 10.0))
     assert not found["horn of the tendon"].at_knock
     # The strands pass the eye 0.4 mm nearer to the pin than the tendon's middle: it is 5.1 mm and 4.9 mm high there.
     at_bore = 3.65 * pin_peak(cheek, 3.0, 200e3 / 2000.0) * pull / (2 * cheek * (5.1 + 4.9 - 3.0))

@@ -29,9 +29,9 @@ FINGER = Design.load("first_finger")
 THICK = "silicone.product=own silicone.viscosity_pa_s={}"
 
 
-def run(*changes: str) -> dict[str, float]:
+def run(*changes: str, name: str = "first_finger") -> dict[str, float]:
     """Return the excess of each check's value over its limit; negative if it passes."""
-    design = Design.load("first_finger", changes=" ".join(changes).split())
+    design = Design.load(name, changes=" ".join(changes).split())
     found = checks.check_mold(design, Solids.of(design, MeshEvaluator(TOLERANCE), parts_by_name(design)))
     return {check.name: (check.value - check.limit) * (-1 if check.relation == "at least" else 1) for check in found}
 

@@ -350,9 +350,7 @@ def _find_offset(weighings: Weighings, response: TactileResponse, scale: float) 
     return offset
 
 
-def find_conductance(
-    row: Weighing, kind: str, response: TactileResponse, scale: float, offset_v: float
-) -> float | str:
+def find_conductance(row: Weighing, kind: str, response: TactileResponse, scale: float, offset_v: float) -> float | str:
     """Return the sensor's conductance [S], or a sentence on a reading that the board cannot give."""
     if kind == "resistance_ohm":
         return 1.0 / row.reading

@@ -25,7 +25,7 @@ from fingertip.cli.options import (
     load_fingers,
     refuse,
 )  # fmt: skip
-from fingertip.foundation.errors import FingertipError, Issue, join_words
+from fingertip.foundation.errors import FingertipError, Issue
 from fingertip.foundation.files import write_zip
 
 if TYPE_CHECKING:
@@ -154,7 +154,7 @@ def make(
     if is_set(design):
         _make_set(console, design, out, split_names(formats), force, changes or (), zip_file)
         return
-    from fingertip.catalogues.output_files import ACCEPTANCE, BOARD_FOLDER, PRINT_FOLDER, README, SHEET
+    from fingertip.catalogues.output_files import PRINT_FOLDER, SHEET
     from fingertip.slip.report import as_data
     from fingertip.tasks.make import make as make_everything
 
@@ -175,10 +175,9 @@ def make(
         write_zip(zip_file, made.parts.folder)
     prints = made.parts.prints
     printed = f", {PRINT_FOLDER}/{'plate_*.3mf' if prints.plates else '*.stl'}" if prints.contents else ""
-    sheets = (SHEET, f"{BOARD_FOLDER}/{README}", ACCEPTANCE) if loaded.board.has_filter else (SHEET, ACCEPTANCE)
     last = [f"look at: {made.page or made.parts.folder}{' in a browser' if made.page else ''}"]
     lines = _format_build(made.parts)
-    following = f"order what the page lists, print the parts{printed}, then follow {join_words(sheets, 'and')}"
+    following = f"order what the page lists, print the parts{printed}, then follow {SHEET}"
     last += _tell_next(made.parts, following, offer_fit(loaded, made.parts.checks, changes or (), console))
     lines += [*_list_remarks(made.parts, _MAX_LINES - len(lines) - len(last)), *last]
     console.result(data, "\n".join(lines), made.parts.passed)

@@ -46,7 +46,6 @@ FOLDERS = (
     ("page fsr400", "fingertip.tasks.views.read_sources"),
     ("accuracy", "fingertip.lab.accuracy.measure.measure_accuracy"),
     ("sweep board", "fingertip.sweep.run.compute_rows"),
-    ("rig fsr400", "fingertip.bench.rig.make_rig"),
     ("record --port /dev/null", "fingertip.bench.record.Recorder.run"),
 )
 """Words of a command whose --out is a folder, and what must not be called."""

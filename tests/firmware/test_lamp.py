@@ -118,7 +118,7 @@ def test_the_sketch_counts_lost_samples_and_streams_for_the_computer(tmp_path: P
     text, _ = run_lamp(tmp_path / "stream", "TEENSYDUINO", counts, streams="true")
     samples = [*SampleReader(text.encode().splitlines())]
     assert [round(2000 * one.time_s) for one in samples] == [*range(len(counts))]
-    assert np.flatnonzero([one.moving for one in samples])[[0, -1]].tolist() == [500, 899], "the contacts of the rig"
+    assert np.flatnonzero([one.moving for one in samples])[[0, -1]].tolist() == [500, 899], "the contact of MOTION_PIN"
     done = run_fingertip("detect", "-", "--design", "first_finger", "--detector", "fast", given=text)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("ON") == np.count_nonzero(np.diff(decide(counts * STEP_V).astype(int)) > 0)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from fingertip.bench.fit import Fitted, LevelFit, Pairs, fit_curve, fit_noise
-from fingertip.bench.trials import STROKE_M, TrialFile, onset_s
+from fingertip.bench.trials import STROKE_M, TrialFile
 from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.foundation import jit
@@ -209,15 +209,9 @@ def compare(
     blind = sum(trial.trace.slip is None for trial in slides)
     if blind:
         notes.append(
-            f"{blind} slides have no column slip, for want of the rig's contacts: they count for curve and noise alone"
+            f"{blind} slides have no column slip, recorded without a contact that opens with the motion: "
+            "they count for curve and noise alone"
         )
-    known = [trial for trial in slides if trial.trace.slip is not None and trial.trace.slip.any()]
-    if known:
-        travels_s = [float(np.ptp(trial.trace.time_s[trial.trace.slip])) for trial in known]
-        travel_s, stroke_m = float(np.median(travels_s)), known[0].labels.stroke_m or STROKE_M
-        lag_s, error_s = onset_s(travel_s, stroke_m, design.detector.sample_rate_hz)
-        notes.append(f"the slide travels {1000 * travel_s:.0f} ms (median); the rig's contact then opens "
-                     f"{1000 * lag_s:.1f} ms after the motion, +- {1000 * error_s:.1f} ms")  # fmt: skip
     after = simulate_all("fitted", trials, fitted, levels)
     results = {
         "measured": judge(design, trials, detector),

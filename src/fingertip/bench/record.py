@@ -36,6 +36,8 @@ class Plan:
     surface: str = ""
     stroke_m: float = STROKE_M
     temperature_c: float | None = None
+    onset_error_s: float | None = None
+    """Error of the contact that opens with the motion [s]; None: unknown."""
     pace: float = 1.0
     """Factor of all durations."""
 
@@ -106,7 +108,7 @@ class Recorder:
         self._curve = ForceCurve.from_design(self.design)
         self._base = Labels(
             0, "", {}, self.design.name, hash_parameters(self.design.identity()), self.plan.surface,
-            stroke_m=self.plan.stroke_m, temperature_c=self.plan.temperature_c,
+            stroke_m=self.plan.stroke_m, onset_error_s=self.plan.onset_error_s, temperature_c=self.plan.temperature_c,
         )  # fmt: skip
 
     def run(self, reader: SampleReader) -> Recorded:

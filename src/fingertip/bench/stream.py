@@ -22,7 +22,7 @@ from fingertip.slip.traces.columns import parse_number, split_cells
 from fingertip.slip.traces.trace import ColumnMap
 
 MOVING = "moving"
-"""Column of the rig's contact: 1 while the slide moves."""
+"""Column of the contact that opens with the motion (`MOTION_PIN` of the sketch): 1 while the slide moves."""
 SILENT_S, STALE_S = 5.0, 1.0
 """Time without a byte after which a port counts as silent, and in which what waited ahead of a port has arrived [s]."""
 _VERSION = "# fingertip "
@@ -36,7 +36,7 @@ class Sample:
     voltage_v: float
     filtered_v: float | None
     moving: bool | None
-    """Whether the slide of the rig moves; None without its contact."""
+    """Whether the slide moves; None without a contact."""
 
 
 def open_port(port: str) -> int:

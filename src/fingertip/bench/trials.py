@@ -21,7 +21,7 @@ from fingertip.slip.traces.trace import ColumnMap, Trace
 FORMAT, STROKE_M = "fingertip-trial 1", 0.04
 _MAX_LABELS = 2**14
 """Longest line of labels [bytes]."""
-_NUMBERS = ("force_n", "stroke_m", "temperature_c")
+_NUMBERS = ("force_n", "stroke_m", "onset_error_s", "temperature_c")
 Phases = Mapping[str, float]
 KINDS: Mapping[str, Phases] = {
     "slide": {"away": 1.5, "press": 1.5, "wait": 1.0, "slide": 2.0, "rest": 1.0, "release": 1.0},
@@ -39,20 +39,6 @@ SAID = {
 }  # fmt: skip
 """Phase -> what to do in it."""
 _ORDER = ("slide", "slide", "slide", "hold", "slide", "slide", "tap", "hand")
-
-
-OPEN_MM = 0.02
-"""Way of the rig's slide by which a contact opens: foil and glue yield some 0.006 mm under 0.2 N (assumption)."""
-
-
-def onset_s(travel_s: float, stroke_m: float, rate_hz: float) -> tuple[float, float]:
-    """Return by how much the open contact lags the first motion [s], and the error of that [s].
-
-    At a constant acceleration the first `OPEN_MM` of the stroke take the root of their share of the travel time. The
-    lag lies between none and this; the clock adds a sample.
-    """
-    longest_s = travel_s * math.sqrt(1e-3 * OPEN_MM / stroke_m)
-    return longest_s / 2, longest_s / 2 + 1 / rate_hz
 
 
 def kind_of(number: int) -> str:
@@ -82,7 +68,9 @@ class Labels:
     force_n: float | None = None
     """Force by weights [N]; None if it is not known."""
     stroke_m: float | None = None
-    """Way of the slide between its contacts [m]."""
+    """Way of the slide [m]."""
+    onset_error_s: float | None = None
+    """Error of the contact that opens with the motion [s]; None if it is not known."""
     lost: int = 0
     """Samples that did not arrive, and were replaced by the one before."""
     firmware: str = ""
@@ -92,7 +80,7 @@ class Labels:
 
     def find_issues(self, name: str) -> Iterator[Issue]:
         ends = (end for pair in self.phases.values() for end in pair)
-        numbers = (self.force_n, self.stroke_m, self.temperature_c, *ends)
+        numbers = (*(getattr(self, key) for key in _NUMBERS), *ends)
         if self.format != FORMAT:
             yield Issue(name, f"has the format {quote_value(str(self.format))}; record it again as {FORMAT!r}.")
         if self.kind not in KINDS:

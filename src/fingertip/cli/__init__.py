@@ -17,7 +17,7 @@ from collections.abc import Callable, Sequence
 import typer
 
 from fingertip.cli.accuracy import accuracy
-from fingertip.cli.bench import record, rig
+from fingertip.cli.bench import record
 from fingertip.cli.board import board
 from fingertip.cli.build import build, firmware, make, robot
 from fingertip.cli.calibrate import calibrate
@@ -46,7 +46,7 @@ app = typer.Typer(
 )
 COMMANDS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
     "Make a finger": (new, make, check, studio, build, calibrate),
-    "Board, controller and slip": (board, firmware, simulate, detect, validate, rig, record),
+    "Board, controller and slip": (board, firmware, simulate, detect, validate, record),
     "Many designs": (sweep,),
     "Look up and export": (params, pad, accuracy, robot, schema, completion),
     "What make includes, one by one": (page, sheet, acceptance, picture, drawing),

@@ -1,4 +1,4 @@
-"""Command `record`, which guides through trials on a bench, and `rig`, which makes the bench."""
+"""Command `record`, which guides through trials of a built finger, and the comparison of its recordings."""
 
 from __future__ import annotations
 
@@ -29,7 +29,10 @@ def record(
         None, metavar="N,N,...", help="Forces by weights, each for an equal part of the trials, such as 0.5,1,2,4."
     ),
     surface: str = typer.Option("", help="Surface that slides: one that simulate knows, or any other name."),
-    stroke_mm: float = typer.Option(40.0, help="Way of the slide between its two contacts."),
+    stroke_mm: float = typer.Option(40.0, help="Way of the slide."),
+    onset_error_ms: float | None = typer.Option(
+        None, help="Error of the contact of MOTION_PIN, which opens with the motion; unknown if left out."
+    ),
     temperature_c: float | None = typer.Option(None, help="Temperature of the room."),
     pace: float = typer.Option(1.0, help="Factor of all durations: 2 gives you twice the time."),
     changes: list[str] | None = CHANGES,
@@ -49,7 +52,8 @@ def record(
         forces = tuple(float(word) for word in force_n.split(",")) if force_n else ()
     except ValueError:
         raise TraceError(Issue("--force-n", f"{force_n!r} holds what is no number; write it as 0.5,1,2.")) from None
-    plan = Plan(trials, forces, surface, stroke_mm / 1000, temperature_c, pace)
+    error_s = None if onset_error_ms is None else onset_error_ms / 1000
+    plan = Plan(trials, forces, surface, stroke_mm / 1000, temperature_c, error_s, pace)
     folder = out or Path("out") / loaded.name / "recordings"
     raise_issues(OutputError, find_place_issues(folder, "choose another folder with --out"))
     lines: Iterable[str | bytes] = sys.stdin if port == "-" else read_lines(open_port(port), port, stale_s=STALE_S)
@@ -88,28 +92,3 @@ def compare_recordings(
     found = compare.compare(design, read_recordings(recordings), detector, console.progress)
     writer.write(found.files())
     console.result(found.as_data(), f"{found.as_text()}\nfitted design: {folder / compare.FITTED}")
-
-
-@command
-def rig(
-    console: Console,
-    design: Path = options.DESIGN_FILE,
-    out: Path | None = typer.Option(None, "--out", "-o", help="Folder; default: out/NAME/rig."),
-    force: bool = options.FORCE,
-    changes: list[str] | None = CHANGES,
-) -> None:
-    """Make a printed slide for trials: three parts without supports, a list to buy and ten steps. 1: a check failed."""
-    from fingertip.bench.rig import FILES, make_rig
-    from fingertip.cad.verification.check import count_checks
-    from fingertip.foundation.output_set import SetWriter, hash_parameters
-
-    loaded = load_design(design, changes, console, may_be_empty=False)
-    folder = out or Path("out") / loaded.name / "rig"
-    writer = SetWriter(folder, "rig", loaded.name, hash_parameters(loaded.identity()), force=force)
-    writer.check(FILES)
-    files, checks = make_rig(loaded)
-    writer.write(files)
-    failed = [check for check in checks if not check.passed]
-    data = {"folder": folder.as_posix(), "files": [*files], "checks": [check.to_dict() for check in checks]}
-    lines = [*(f"FAILED {c.name}: {c.value:.4g} {c.unit}, {c.sign} {c.limit:g}" for c in failed), count_checks(checks)]
-    console.result(data, "\n".join([*lines, f"read {folder / 'rig.md'} first"]), not failed)

@@ -23,7 +23,7 @@ static const char *const NAMES[SLIP_FINGERS] = SLIP_NAMES;
 #endif
 static const int LAMP_PIN = LED_BUILTIN, LAMP_ON = HIGH;
 static const bool STREAM = false;  // true: each sample of the first finger, for `fingertip record` or `detect -`
-// Pin that the contacts of `fingertip rig` connect to GND while its slide rests: the stream has the column moving.
+// Pin of a contact to GND that opens with the motion, such as an endstop: the stream has the column moving.
 static const int MOTION_PIN = -1;
 static volatile uint8_t moving[MOTION_PIN < 0 ? 1 : SLIP_BUFFER_SAMPLES];  // level of the pin at each waiting sample
 static const uint32_t RATE_HZ = SLIP_SAMPLE_RATE_MILLIHZ / 1000u, LINE_SAMPLES = RATE_HZ / 50u;

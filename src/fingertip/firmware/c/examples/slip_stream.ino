@@ -20,7 +20,7 @@ static const uint32_t INPUTS[SLIP_FINGERS][2] = SLIP_INPUTS;  // T and S of each
 static const uint32_t INPUTS[SLIP_FINGERS][2] = {{A0, A1}};
 #endif
 static const int SLIP_PIN = LED_BUILTIN;
-// Pin that the contacts of `fingertip rig` connect to GND while its slide rests: the stream has the column moving.
+// Pin of a contact to GND that opens with the motion, such as an endstop: the stream has the column moving.
 static const int MOTION_PIN = -1;
 static volatile uint8_t moving[MOTION_PIN < 0 ? 1 : SLIP_BUFFER_SAMPLES];  // level of the pin at each waiting sample
 static const unsigned long SETTLE_MS = 2000;  // voltages of the board, after power on

@@ -20,7 +20,7 @@ from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.project import load_project
 from fingertip.board.parts.circuit import Circuit, parse_component_value
-from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, FILTERED, GND, TACTILE, THRESHOLD
+from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, FILTERED, GND, TACTILE
 from fingertip.design import Design
 from fingertip.documents.board.bringup import list_unseen
 from fingertip.tasks.board import bring_up_files
@@ -151,13 +151,13 @@ def test_each_net_is_measured_where_the_sheet_says(name: str) -> None:
     assert 0.2 < high.limits.expected < 0.6 * (1.0 if plan.board.is_sampled else 3.0)
     parts = load_project(name).placement.parts.items()
     pads = {reference: [(*pad.centre, pad.net.removeprefix("/")) for pad in part.pads] for reference, part in parts}
-    nets = {"R13": "REFERENCE", "R20": THRESHOLD}
+    nets = {"R13": "REFERENCE"}
     sheet = bring_up_files(design)["bringup.md"].decode()
     for part in (part for part in circuit.components if part.symbol.name == "BAT54S"):
         diodes = {pin.name: circuit.net_by_pin[part.reference, pin.number] for pin in part.symbol.pins}
         assert (diodes["A"], diodes["K"]) == (GND, "VCC")
     found = set(re.findall(r"(left|right|upper|lower) end of (\w+)", sheet))
-    assert {reference for _, reference in found} >= {"R13", "R20"} & {*pads}
+    assert {reference for _, reference in found} >= {"R13"} & {*pads}
     for side, reference in found:
         (x, y, _), (ox, oy, _) = sorted(pads[reference], key=lambda pad: pad[2] != nets.get(reference, GND))
         assert {"left": x < ox, "right": x > ox, "upper": y < oy, "lower": y > oy}[side], reference

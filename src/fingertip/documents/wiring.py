@@ -164,7 +164,7 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
         yield "Pin 2 of J1 is ground, as is TP6, for the shield of a long cable."
         yield "J3 has the order of Qwiic and STEMMA QT: ground black, 3.3 V red, T blue, S yellow."
         yield "Take a cable with open ends: T and S go to two analog pins."
-        yield "An I2C socket feeds the board and harms nothing, but its pull-ups make T and S unreadable."
+        yield "An I2C socket feeds the board and harms nothing, but cannot read T and S, and its bus stops (C19, C25)."
         yield "A board that prints T and S alone beside J3 (revision 4) has another order: never join it to this cable."
         yield f"{NEEDED_PINS}{f' {OTHER_PINS}' if VMID_OUT in nets else ''}".replace("`", "")
         yield f"Sketches of fingertip firmware read T at {SKETCH_PINS[ADC_TACTILE]}, S at {SKETCH_PINS[ADC_FILTERED]}."

@@ -51,12 +51,14 @@ def bill_of_materials(circuit: Circuit) -> bytes:
         alternates += [f"{other} with --set board.amplifier={other}" for other in _list_other_amplifiers(line, circuit)]
         sources = dict.fromkeys(each.source_text for each in (part, alternate) if each)
         low, high = PRICES[part.price] if part else (0.0, 0.0)
+        by_hand = part and not is_assembled(line.components[0])
         price = f"{low:g} to {high:g}" if low else f"below {high:g}"
         rows.append((
             str(len(line.components)), " ".join(line.references), line.value, line.footprint, line.rating,
             fields["Manufacturer"], fields["MPN"],
             "; or ".join(alternates),
-            fields["LCSC"], price if part else "", "; alternate: ".join(sources), line.selection.note,
+            fields["LCSC"], price if part else "", "; alternate: ".join(sources),
+            f"solder by hand: {line.selection.reason}" if by_hand else line.selection.note,
         ))  # fmt: skip
     return format_csv(COLUMNS, rows)
 
@@ -107,15 +109,15 @@ class RotationOffset:
 
 
 def is_assembled(component: Component) -> bool:
-    """Return whether the house fits a component; pin headers are soldered by hand."""
-    return "PinHeader" not in component.footprint
+    """Return whether the house fits a component; a connector without an LCSC number is soldered by hand."""
+    return component.reference[0] != "J" or bool(select_part(component).fields["LCSC"])
 
 
 def assembly_bom_file(circuit: Circuit) -> bytes:
     """Bill of materials in the house's columns, with its part numbers where the parts table has them.
 
     The comment of a resistor, a capacitor, a trimmer or a connector includes the rating, because its value alone does
-    not determine what to buy. The lines are those of `bom.csv`, without pin headers.
+    not determine what to buy. The lines are those of `bom.csv`, without those.
     """
     rows = []
     for line in _list_assembled(circuit):
@@ -133,7 +135,7 @@ def missing_numbers_note(circuit: Circuit) -> str:
     if not found:
         return ""
     return (
-        f"{len(found)} of {len(_list_assembled(circuit))} lines of `{ASSEMBLY_BOM}` have no order number, or one that "
+        f"{len(found)} of {len(_list_assembled(circuit))} lines of `{ASSEMBLY_BOM}` have no LCSC number, or one that "
         f"a single document gives: {', '.join(found)}. The note of each says what to look up at the house."
     )
 

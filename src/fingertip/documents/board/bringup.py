@@ -27,8 +27,14 @@ from fingertip.foundation.errors import join_words
 Row = tuple[str, ...]
 
 _LETTERS = {nets.ADC_TACTILE: "T", nets.ADC_FILTERED: "S", nets.ADC_ENVELOPE: "E", nets.FILTERED: "TP3"}
-_TOP_DEPENDS = {nets.ADC_TACTILE: "R8, R9, C9, C19", nets.ADC_FILTERED: "C20, R27, C25"}
-"""Parts on which the highest tone at a pin depends beside the filter's."""
+_OUTPUTS = (
+    (nets.ADC_TACTILE, nets.TACTILE, "T of J3 to TP1", "R8, R9, J3"),
+    (nets.ADC_FILTERED, nets.FILTERED, "S of J3 to TP3", "R27, J3"),
+    (nets.ADC_ENVELOPE, nets.ENVELOPE, "E of J4 to TP4", "R7, J4"),
+    (nets.VMID_OUT, "VMID", "M of J4 to TP5", "R24, J4"),
+)
+_HIDDEN = ("R7", "R8", "R9")
+"""Resistors that only an ohmmeter shows when open."""
 
 
 def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str) -> str:
@@ -47,7 +53,6 @@ def _collect(plan: BringUp, values: BoardValues, design: Design) -> dict[str, An
     placement = view_channel(load_project(values.variant, design.board.channels).placement, 1)
     parts = {part.reference: part for part in circuit.components}
     small = [name for name, part in parts.items() if "SOT-23" in part.footprint]
-    has_slip = nets.SLIP in circuit.net_by_pin.values()
     c1 = parts["C1"].requirement
     return collect_board(values, design) | {
         "plan": plan,
@@ -56,7 +61,6 @@ def _collect(plan: BringUp, values: BoardValues, design: Design) -> dict[str, An
         "setup": plan.board.bench,
         "name": design.name,
         "letters": _LETTERS,
-        "orientation": "J1" if design.board.channels == 1 else "the sensors' sockets",
         "fingers": NAMES[: design.board.channels],
         "sockets": "; ".join(describe_sockets()[: design.board.channels]),
         "parts": parts,
@@ -66,11 +70,8 @@ def _collect(plan: BringUp, values: BoardValues, design: Design) -> dict[str, An
         "is_class_2": isinstance(c1, CapacitorRequirement) and "C0G" not in c1.dielectrics,
         "gain": values.achieved_response.passband_gain,
         "coupling_capacitor": format_component_value(bench.COUPLING_FARAD),
-        "slip_end": "J4 pin 3" if has_slip else "",
-        "threshold_end": find_end(placement, "R20", nets.THRESHOLD) if has_slip else "",
         "dotted": _join([name for name in parts if name.startswith("U") and name not in small]),
         "diodes": _join([name for name, part in parts.items() if part.symbol.name == "1N4148W"]),
-        "small": _join(small),
         "is_locking": parts["J1"].footprint in LOCKING_CONNECTORS,
         "unseen": join_words(list_unseen(plan)),
         "resistances": list(_list_resistances(plan, placement)),
@@ -87,14 +88,14 @@ def _list_resistances(plan: BringUp, placement: Placement) -> Iterator[Row]:
         yield _row("J2: ground to minus", plan.negative_ohm, "ohm", "a short: do not apply power")
         yield _row("J1: between its pins", plan.sensor_ohm, "ohm", "R10 to R13, C7")
         where = f"diode range: ground to T and E of J3; these to {plus} (red probe first)"
-        yield where, "-", "0.15 to 0.4 V each", "D2, D3"
+        yield where, "0.15 to 0.4 V each", "D2, D3"
         return
-    yield _row("J1 pin 1 to TP1", plan.sensor_ohm, "ohm", "R28 to R30, D6")
-    for pin, point, test, parts in (
-        (nets.ADC_TACTILE, nets.TACTILE, "TP1", "R8, R9"), (nets.ADC_FILTERED, nets.FILTERED, "TP3", "R27"),
-    ):  # fmt: skip
-        ohm = resistance_between(circuit, pin, point)
-        yield _row(f"{_LETTERS[pin]} of J3 to {test}", Limits(ohm, 0.9 * ohm, 1.1 * ohm), "ohm", f"{parts}, J3")
+    yield _row("J1 pin 1 to TP1", plan.sensor_ohm, "ohm", "R28 to R30")
+    known = {net.name for net in circuit.nets}
+    for pin, point, where, parts in _OUTPUTS:
+        if pin in known:
+            ohm = resistance_between(circuit, pin, point)
+            yield _row(where, Limits(ohm, 0.9 * ohm, 1.1 * ohm), "ohm", parts)
 
 
 def _list_supplies(plan: BringUp, placement: Placement) -> Iterator[Row]:
@@ -107,14 +108,10 @@ def _list_supplies(plan: BringUp, placement: Placement) -> Iterator[Row]:
 
 def list_unseen(plan: BringUp) -> list[str]:
     """List the parts that no reading shows when they are open."""
-    seen = {"C1", "C2", "C3"} | ({"C9", "C14", "C19", "C20", "C25", "R8", "R9"} if plan.pins_v else set())
-    suppressors = [part.reference for part in plan.board.circuit.components if part.symbol.name == "D_TVS"]
-    parts = (part.reference for part in sorted(plan.board.circuit.components, key=reference_sort_key))
-    return [
-        name
-        for name in parts
-        if name not in seen and (name[0] == "C" or name in ("D6", "R7", "R8", "R9", "R24") or name in suppressors)
-    ]
+    seen = {"C1", "C2", "C3"} | ({"C9", "C14", "C19", "C20", "C25", "R7", "R8", "R9"} if plan.pins_v else set())
+    parts = sorted(plan.board.circuit.components, key=reference_sort_key)
+    hidden = (part.reference for part in parts if part.symbol.name in ("C", "D_TVS") or part.reference in _HIDDEN)
+    return [name for name in hidden if name not in seen]
 
 
 def _find_plus(placement: Placement) -> str:
@@ -131,29 +128,23 @@ def _list_voltages(plan: BringUp, placement: Placement) -> Iterator[Row]:
 
 
 def _list_tones(plan: BringUp) -> Iterator[Row]:
-    for net, limit in plan.pins_v.items():
-        yield _LETTERS[net], "none: mean", *_figures(limit, "V"), "the voltages above"
-    if plan.pins_v:
-        yield "S", "none: RMS", "-", f"below {plan.quiet_v.high:.4f} V", "hum, oscillation"
     for tone in plan.tones:
-        is_top = tone.samples == plan.board.bench.periods[-1]
-        depends = "as above" if tone is not plan.tones[0] else f"R1 to R5, C1 to C3{', C14' if plan.pins_v else ''}"
-        depends = _TOP_DEPENDS[tone.net] if is_top else depends
-        yield _LETTERS[tone.net], f"{tone.hz:.1f} Hz", *_figures(tone.limits, "V", 4), depends
+        depends = "R1 to R5, C1 to C3" if tone is plan.tones[0] else "as above"
+        yield _LETTERS[tone.net], f"{tone.hz:.1f} Hz", _accept(tone.limits, "V", 4), depends
 
 
 def _row(where: str, limit: Limits, unit: str, last: str) -> Row:
-    return where, *_figures(limit, unit), last
+    return where, _accept(limit, unit), last
 
 
-def _figures(limit: Limits, unit: str, digits: int = 3) -> tuple[str, str]:
+def _accept(limit: Limits, unit: str, digits: int = 3) -> str:
     if unit == "ohm":
         if math.isinf(limit.high):
-            return "-", f"above {format_ohm(limit.low)}"
-        return format_ohm(limit.expected), f"{limit.low:.0f} to {limit.high:.0f} ohm"
-    values = (f"{value + 0.0:.{digits if unit == 'V' else 1}f}" for value in (limit.expected, limit.low, limit.high))
-    expected, low, high = (value.replace("-0.000", "0.000") for value in values)
-    return f"{expected} {unit}", f"{low} to {high} {unit}"
+            return f"above {format_ohm(limit.low)}"
+        return f"{limit.low:.0f} to {limit.high:.0f} ohm"
+    values = (f"{value + 0.0:.{digits if unit == 'V' else 1}f}" for value in (limit.low, limit.high))
+    low, high = (value.replace("-0.000", "0.000") for value in values)
+    return f"{low} to {high} {unit}"
 
 
 def _join(words: list[str]) -> str:

@@ -27,6 +27,7 @@ from fingertip.documents import wiring
 from fingertip.documents.template import render
 from fingertip.foundation.errors import join_words
 
+_ELSEWHERE = "none: its maker or a distributor"
 _NO_DIRECTION = (RESISTOR, CAPACITOR)
 """Symbols of components that may be turned by 180 degrees."""
 
@@ -114,7 +115,7 @@ def _list_cables(circuit: Circuit, design: Design) -> Iterator[tuple[str, ...]]:
             if (is_sensor := alike[0].reference in sensors) and (is_cable or (is_lead and not takes_leads)):
                 continue
             part = mating.part
-            numbers = (f"{part.manufacturer} {part.number}", part.lcsc or "to confirm") if part else (mating.reason, "")
+            numbers = (f"{part.manufacturer} {part.number}", part.lcsc or _ELSEWHERE) if part else (mating.reason, "")
             count, item = mating.count(len(circuit.list_wires(alike[0]))), mating.item
             yield names, str(count * len(alike)), item.removeprefix("or: ") if is_sensor else item, *numbers
 
@@ -135,7 +136,7 @@ def _collect_order(circuit: Circuit, stored: StoredProject) -> dict[str, Any]:
             {pad.drill for group in pads.values() for pad in group if pad.drill and not pad.is_plated}
         ),
         "by_house": [c.reference for c in through_hole if c in assembled],
-        "by_hand": [c.reference for c in through_hole if c not in assembled],
+        "by_hand": [c.reference for c in components if c not in assembled],
         "unknown_rotations": [
             c.reference for c in assembled if c.symbol not in _NO_DIRECTION and bom.find_rotation(c.footprint) is None
         ],

@@ -19,10 +19,14 @@ back, length = design.skin.semi_axis_dorsal_mm, design.skin.length_mm
 nail = cq.Workplane("XY").ellipse(5.0, 1.0).extrude(12.0).translate((0.0, back - 1.0, length - 18.0))
 beside = design.dimensions.bone_outline.section.half_width
 rib = cq.Workplane("XY").box(1.2, 1.2, 6.0).translate((beside, 0.0, -10.0))
-logo = bone(design).faces(tag="post").workplane().slot2D(4.0, 1.2).cutBlind(-0.8)
+end = bone(design).faces(tag="post").workplane(centerOption="CenterOfMass")  # of a clevis, tag="cheek_left"
+logo = end.slot2D(4.0, 1.2).cutBlind(-0.8)
+made = {"skin": skin(design).union(nail), "bone": logo.union(rib)}
+steps = ((skin(design), made["skin"]), (bone(design), logo), (logo, made["bone"]))
+assert all(abs(after.val().Volume() - before.val().Volume()) > 1.0 for before, after in steps), "a feature met nothing"
 
 folder = Path(tempfile.mkdtemp())
-for name, part in (("skin", skin(design).union(nail)), ("bone", logo.union(rib))):
+for name, part in made.items():
     mesh = mesh_of(part)
     data = stl.to_bytes(mesh, name, "with features of its own")
     checks = list(check_mesh_file(design, PARTS[name], stl.from_bytes(data), "stl"))

@@ -36,6 +36,7 @@ sys.path.insert(0, sys.argv[1])
 def show(shown, name):
     print(name)
     if name != "finger":
+        assert all(shown.faces(tag=tag).workplane() for tag in shown.ctx.tags)
         shown.val().exportBrep(f"{sys.argv[1]}/{name}.brep")
 for path in sys.argv[2:]:
     runpy.run_path(f"{sys.argv[1]}/{path}", init_globals={"show_object": show})
@@ -100,7 +101,7 @@ def functions() -> Mapping[str, Any]:
         exec(re.sub(r"(?m)^(from OCP|from cq_|import cadquery).*", "", text.decode()), names)
     made = {name: lambda *a, make=make: Part(make(*map(to_tuple, a))) for name, make in PRIMITIVES.items()}
     names.update(made | {"superconic": superconic, "scaled": lambda part, by: Part(solids.Scaled(part.solid, by))})
-    names |= {"stack": lambda *parts: Part(*(part.solid for part in parts)), "in_plane": abs}
+    names |= {"stack": lambda *parts: Part(*(part.solid for part in parts)), "in_plane": float}
     return names
 
 
@@ -108,7 +109,7 @@ def run_script(text: str, part: str, **changed: float) -> solids.Solid:
     for name, value in changed.items():
         text, count = re.subn(rf"(?m)^{name} = \S+", f"{name} = {value!r}", text)
         assert count == 1
-    names = dict(functions())
+    names = dict(functions()) | {"__name__": "__main__"}
     names |= {name_letters(each): letter_outlines(each, STROKE_WIDTH) for each in re.findall(r"letters_(\w+)", text)}
     kept = re.sub(r"(?s)import cadquery as cq\n|from cq_\w+ import (\(.*?\)|\w+(, \w+)*)\n", "", text)
     exec(kept.partition('\nif "show_object"')[0], names)
@@ -168,7 +169,7 @@ def find_wrong(design: Design, part: str, wanted: int | None = None) -> tuple[li
             continue
         try:
             made = run_script(text, part, **{name: value})
-        except AssertionError as error:
+        except SystemExit as error:
             refused.append(f"{name} {error}")
             continue
         pairs = list(zip(numbers(made), numbers(true), strict=False))
@@ -278,11 +279,18 @@ def test_scripts_name_what_they_make(scripts: Path) -> None:
 def test_refused_number_ends_with_its_condition_and_remedy() -> None:
     text = write_script(Design(), "bone").decode()
     assert "around the bone that retains the skin [> 0, <= 3]\n" in text
-    wanted = r"^bone_groove_depth_mm != 0\.0 does not hold; .* --formats cq --set bone\.groove_depth_mm=VALUE$"
-    with pytest.raises(AssertionError, match=wanted):
+    wanted = r"^bone_groove_depth_mm: bone_\w+ != 0\.0 does not hold; .* --formats cq --set bone\.groove_depth_mm=0\.0$"
+    with pytest.raises(SystemExit, match=wanted):
         run_script(text, "bone", bone_groove_depth_mm=0.0)
+    with pytest.raises(SystemExit, match=r"^bone_wall_mm = 12 is not within 0\.4 to 5$"):
+        run_script(f"CHANGES = {{'bone_wall_mm': 12}}\n{text}", "bone")
+    with pytest.raises(SystemExit, match=r"channel_radius does not hold; .* --set bone\.channel_diameter_mm=9\.0$"):
+        run_script(text, "bone", bone_channel_diameter_mm=9.0)
+    wanted = r"--set sensor\.model=custom( --set custom_sensor\.\w+=[0-9.]+){4}$"
+    with pytest.raises(SystemExit, match=wanted):
+        run_script(text, "bone", sensor_tail_width_mm=20.0)
     for name in ("nothing", "ALONG_FLOOR_MM"):
-        with pytest.raises(AssertionError, match=f"no parameter {name}"):
+        with pytest.raises(SystemExit, match=f"no parameter {name}"):
             run_script(f"CHANGES = {{'{name}': 1.0}}\n{text}", "bone")
     assert functions()["bisect"](lambda y: y < 0.3, 0.0, 1.0)[1] == 0.3
 
@@ -303,7 +311,7 @@ def test_scripts_run_alone_give_the_solids_of_the_step_files(scripts: Path) -> N
     finger = (scripts / "finger.cq.py").read_text()
     (scripts / "wider.cq.py").write_text(finger.replace("CHANGES = {}", 'CHANGES = {"bone_channel_diameter_mm": 3.0}'))
     (scripts / "wrong.cq.py").write_text(finger.replace("CHANGES = {}", 'CHANGES = {"nothing": 3.0}'))
-    assert "not all of these are parameters: nothing" in run_python("-c", ALONE, str(scripts), "wrong.cq.py").stderr
+    assert "these are no parameters: nothing" in run_python("-c", ALONE, str(scripts), "wrong.cq.py").stderr
     done = run_python("-c", ALONE, str(scripts), "finger.cq.py", "stand.cq.py")
     assert done.returncode == 0, done.stderr
     assert done.stdout.split() == [*NAMES[:-1], "sensor", "finger", "stand"]

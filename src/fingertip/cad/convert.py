@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, join_equal, to_canonical_mesh, to_manifold
-from fingertip.cad.shapes.parts import find_frames, hardware, parts_by_name, tagged_planes
+from fingertip.cad.shapes.parts import find_frames, hardware, parts_by_name, tagged_faces
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters.declaration import suggest_name
@@ -29,8 +29,8 @@ _ANGLE_RAD, _DECIMALS = 0.1, 6
 """Angle between neighbouring facets of cadquery's meshes, and decimals [mm] to which their corners are joined."""
 _KEPT = 32
 """Number of exact solids that are kept, and made once: a design has some ten."""
-_ALONG, _NEAR_MM = 0.999, 0.02
-"""Component of a normal along an axis, and distance from a place [mm]."""
+_NEAR_MM = 0.02
+"""Distance from a place [mm]."""
 
 
 def part_solid(design: Design, name: str) -> cadquery.Solid:
@@ -75,7 +75,8 @@ def part_workplane(design: Design, name: str) -> cadquery.Workplane:
 
     The tag "pad" is on the skin over the sensor, or on what shapes it; "pocket" on the floor that the sensor lies on;
     "flat" on the palmar flat of the bone; "channel" on the wall of the cable channel; "post" on the proximal end of the
-    bone, in several faces on a clevis; "parting" on the parting plane of a mold half. Raises as `part_solid`.
+    bone, or "cheek_left" and "cheek_right" on one face of each cheek of a clevis; "parting" on the parting plane of a
+    mold half. A workplane in the middle of a face has `centerOption="CenterOfMass"`. Raises as `part_solid`.
     """
     made = part_solid(design, name)
     workplane = _load_cadquery("part_workplane").Workplane(made)
@@ -96,18 +97,21 @@ def _evaluate(solid: Solid) -> Any:
 def _tag_faces(solid: Solid, design: Design, name: str) -> dict[str, list[int]]:
     """Find the faces of each tag, by their numbers in the solid."""
     cadquery = _load_cadquery("part_workplane")
+    from fingertip.cad.kernel.cadquery_primitives import in_plane  # noqa: PLC0415
+
     made = cadquery.Solid(_evaluate(solid))
     form = PadForm.of_design(design)
     over_sensor = cadquery.Vertex.makeVertex(0.0, -form.platform_mm - form.over_sensor_mm, form.sensor_z_mm)
     faces = dict(enumerate(made.Faces()))
     tagged = {"pad": [i for i, face in faces.items() if face.distance(over_sensor) < _NEAR_MM]}
-    level = [(i, face.normalAt(), face.Center()) for i, face in faces.items() if face.geomType() == "PLANE"]
     if name == "bone":
-        base_z, radius = made.BoundingBox().zmin, design.bone.channel_diameter_mm / 2
-        tagged["post"] = [i for i, _, at in level if abs(at.z - base_z) < _NEAR_MM]
+        radius = design.bone.channel_diameter_mm / 2
         tagged["channel"] = [i for i, face in faces.items() if _is_wire_way(face, radius)]
-    for tag, y in tagged_planes(design, name).items():
-        tagged[tag] = [i for i, normal, at in level if abs(normal.y) > _ALONG and abs(at.y - y) < _NEAR_MM]
+    for tag, selectors in tagged_faces(design, name).items():
+        found = cadquery.Workplane(made)
+        for each in selectors:
+            found = found.faces(each if isinstance(each, str) else in_plane(each))
+        tagged[tag] = [i for i, face in faces.items() if any(map(face.isSame, found.vals()))]
     return {tag: found for tag, found in tagged.items() if found}
 
 

@@ -14,7 +14,7 @@ from fingertip.cad.files.trace import NUMBERS, SOLIDS, Trace, name_letters
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines
 from fingertip.cad.shapes.finger import sensor_body
 from fingertip.cad.shapes.mold import LABEL
-from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, tagged_planes
+from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters import PARAMETERS
@@ -26,10 +26,10 @@ _SCRIPT = (
     '"""{title} of the fingertip {design}, in CadQuery: run it with Python, or open it in CQ-editor."""'
     + """
 
-# Lengths are in mm; x is the width, y points to the back, z to the tip. All that follows from a parameter below follows
-# when it is changed here. No rule checks it; where it would need other statements, the script says so and ends.
+# Lengths are in mm; x is the width, y points to the back, z to the tip. All that follows from a parameter follows when
+# it is changed here, within its bounds. No other rule checks it; what needs other statements ends with a sentence.
+# Sizes that bone, skin, molds and core share are changed in CHANGES of finger.cq.py, else the parts no longer fit.
 # With all checks, and for choices: fingertip build design.toml --formats cq --set NAME=VALUE
-# Booleans have clean=False: faces stay as they are in the STEP file.
 
 import math
 
@@ -39,23 +39,26 @@ import cadquery as cq
 # Parameters
 
 {parameters}
-for changed, value in globals().get("CHANGES", {{}}).items():
-    assert isinstance(globals().get(changed), float), f"CHANGES: this script has no parameter {{changed}}"
-    globals()[changed] = value
 
 # Fixed for this design
 
 {fixed}
 
+# Lower bound, value in the design, and upper bound of each parameter
+{bounds}
+
 # {title}
 
 {statements}
+
+# Add your own features here. Faces are those of the STEP file: before own fillets, {part} = {part}.clean()
 
 if "show_object" in globals():  # in CQ-editor, or imported from ocp_vscode
     show_object({part}, name="{part}")
 elif __name__ == "__main__":
     size = {part}.val().BoundingBox()
     print(f"{part}: {{size.xlen:.3f}} x {{size.ylen:.3f}} x {{size.zlen:.3f}} mm, {{volume({part}.val()):.3f}} mm3")
+    cq.exporters.export({part}, "{part}.step")
 """
 )
 _HEADS = {
@@ -63,7 +66,7 @@ _HEADS = {
     _LETTERS: '"""Outlines of engraved letters, for the CadQuery scripts beside this file [units of their grid]."""',
 }
 _FINGER = (
-    '"""The whole finger {design} with its mold, in CadQuery, of the scripts beside this one."""'
+    '"""The whole finger {design} with its mold, without tools (stand, hand_stub), of the scripts beside this one."""'
     + """
 
 from pathlib import Path
@@ -80,8 +83,11 @@ COLOURS = {{
 paths = {{name: Path(__file__).with_name(f"{{name}}.cq.py") for name in COLOURS}}
 given = {{name: {{key: value for key, value in CHANGES.items() if f"{{key}} = " in path.read_text("utf-8")}}
     for name, path in paths.items()}}
-assert set(CHANGES) == set().union(*given.values()), f"not all of these are parameters: {{', '.join(CHANGES)}}"
-parts = {{name: run_path(str(path), {{"CHANGES": given[name]}})[name] for name, path in paths.items()}}
+REFUSAL = SystemExit if __name__ == "__main__" else ValueError
+if unknown := set(CHANGES).difference(*given.values()):
+    raise REFUSAL(f"CHANGES: these are no parameters: {{', '.join(sorted(unknown))}}")
+parts = {{name: run_path(str(path), {{"CHANGES": given[name], "REFUSAL": REFUSAL}})[name]
+    for name, path in paths.items()}}
 finger = cq.Assembly(name="{design}")
 for name, part in parts.items():
     finger.add(part, name=name, color=cq.Color(*COLOURS[name]))
@@ -100,8 +106,8 @@ def write_script(design: Design, part: str) -> bytes:
     """Write a part, or the sensor, as a script: parameters, derived lengths, and a statement for each solid."""
     trace = Trace(design, _maker(part))
     text = Text(trace, part)
-    made = "\n".join(text.write_statements(tagged_planes(trace.design, part)))
-    called, fixed = {*re.findall(r"(\w+)\(", made), "volume"} & FUNCTIONS, trace.atoms.items()
+    made = "\n".join(text.write_statements())
+    called, fixed = {*re.findall(r"(\w+)\(", made), "volume", "settle"} & FUNCTIONS, trace.atoms.items()
     imports: list[str] = []
     for module, each in _carry().items():
         read = {name for name, atom in fixed if name in text.used and each.constants.get(name) == repr(atom.value)}
@@ -115,6 +121,7 @@ def write_script(design: Design, part: str) -> bytes:
         title=part.replace("_", " ").capitalize(), design=design.name, part=part, statements=made.lstrip(),
         imports="\n".join(imports), parameters="\n".join(text.write_atoms("parameter", "bought")),
         fixed="\n".join([*_describe_choices(design, part), *text.write_atoms("fixed")]),
+        bounds="\n".join(text.write_bounds()),
     ).encode()  # fmt: skip
 
 
@@ -141,7 +148,7 @@ def _break(lines: Iterable[str]) -> Iterator[str]:
 @cache
 def _carry() -> dict[str, carried.Carried]:
     numbers = carried.Carried(NUMBERS)
-    solids = carried.Carried((carried.require, *SOLIDS), numbers, _NUMBERS)
+    solids = carried.Carried((carried.settle, *SOLIDS), numbers, _NUMBERS)
     return {_NUMBERS: numbers, _SOLIDS: solids}
 
 

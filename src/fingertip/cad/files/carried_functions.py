@@ -71,8 +71,26 @@ class Carried:
         return [*lines, *(line for text in self.functions.values() for line in ("", "", *text.splitlines()))]
 
 
-def require(holds: bool, condition: str, *names: str) -> None:
-    """Refuse a number with which a script would need other statements."""
-    if not holds:
-        remedy = f"fingertip build design.toml --formats cq --set {'=VALUE or '.join(names)}=VALUE"
-        raise AssertionError(f"{condition} does not hold; write a new script: {remedy}")
+def settle(names: dict[str, Any], table: dict[str, tuple[float, float, float]]) -> Callable[[bool, str], None]:
+    """Take CHANGES, keep parameters within their bounds, and return what refuses those that need other statements."""
+    paths = {path.replace(".", "_").removeprefix("custom_"): path for path in table}
+    refusal = names.get("REFUSAL") or (SystemExit if names.get("__name__") == "__main__" else ValueError)
+    for name, value in names.get("CHANGES", {}).items():
+        if name not in paths:
+            raise refusal(f"CHANGES: this script has no parameter {name}")
+        names[name] = value
+    for name, path in paths.items():
+        if not table[path][0] <= names[name] <= table[path][2]:
+            raise refusal(f"{name} = {names[name]} is not within {table[path][0]} to {table[path][2]}")
+
+    def require(holds: bool, condition: str) -> None:
+        if not holds:
+            changed = [name for name, path in paths.items() if names[name] != table[path][1]]
+            is_bought = any(paths[name].startswith("custom_") for name in changed)
+            sets = [f"--set {path}={names[name]}" for name, path in paths.items()
+                    if name in changed or (is_bought and path.startswith("custom_"))]  # fmt: skip
+            remedy = " ".join([*["--set sensor.model=custom"] * is_bought, *sets])
+            said = f"{', '.join(changed)}: {condition} does not hold; write a new script"
+            raise refusal(f"{said}: fingertip build design.toml --formats cq {remedy}")
+
+    return require

@@ -7,23 +7,23 @@ import keyword
 import math
 import re
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from itertools import accumulate, chain, count
 
 from fingertip.cad.files.named_numbers import Term, term_of
 from fingertip.cad.files.trace import NUMBERS, SOLIDS, Trace
-from fingertip.cad.shapes.parts import PARTS
+from fingertip.cad.shapes.parts import PARTS, tagged_faces
 from fingertip.design.files import format_bounds
 from fingertip.design.parameters import PARAMETERS
+from fingertip.design.parameters.declaration import find_bounds
 
-WIDTH, _NEAREST = 118, 4
-"""Width of a line, and the largest number of parameters that a refusal names: those nearest to its condition."""
+WIDTH = 118
 FUNCTIONS = {
     "box", "cylinder", "cone", "prism", "stack", "union", "superconic", "elbow_tube", "scaled", "in_plane", "volume",
-    "require", *(each.__name__ for each in (*NUMBERS, *SOLIDS)),
+    "settle", *(each.__name__ for each in (*NUMBERS, *SOLIDS)),
 }  # fmt: skip
 """Functions that scripts import."""
-_PATHS = {path.replace(".", "_"): path for path in PARAMETERS}
+_PATHS = {path.replace(".", "_").removeprefix("custom_"): path for path in PARAMETERS}
 _LONG, _AGAIN_LONG, _NAMELESS = 72, 16, 40
 """Length above which an expression has a name of its own: used once, used again, and used again but held by nothing."""
 _NEVER_NAMED = {"name", "constant", "item", "negative"}
@@ -43,7 +43,7 @@ class Text:
         self._uses: dict[Term, int] = {}
         self._names: dict[Term, str] = {}
         self._done: dict[Term, tuple[str, int]] = {}
-        self._taken: set[str] = {*PARTS, *dir(builtins), *keyword.kwlist, *trace.atoms, *FUNCTIONS, "cq", "math"}
+        self._taken = {*PARTS, *dir(builtins), *keyword.kwlist, *trace.atoms, *FUNCTIONS, "require", "cq", "math"}
         self._made: list[tuple[str, list[str]]] = [("", [])]
         self._places: dict[Term, str] = {}
         self._solid = part
@@ -51,28 +51,39 @@ class Text:
         for each in (*trace.conditions, trace.part):
             self._count(each)
 
-    def write_statements(self, planes: Mapping[str, float]) -> list[str]:
-        """Write the part, with tags of faces in planes across y."""
+    def write_statements(self) -> list[str]:
+        """Write the part, with tags of faces."""
         self._write_solid(self._part, self._trace.part)
         self._made.append(("", [f"{self._part} = {self._part}.solids()"]))
-        selected = {tag: f"in_plane({self.write(term_of(y))[0]})" for tag, y in planes.items()}
-        for tag, faces in (({"post": '"<Z"'} if self._part == "bone" else {}) | selected).items():
-            self._made.append(("", [f'{self._part}.faces({faces}).tag("{tag}")']))
+        for tag, selectors in tagged_faces(self._trace.design, self._part).items():
+            texts = (f'"{s}"' if isinstance(s, str) else f"in_plane({self.write(term_of(s))[0]})" for s in selectors)
+            self._made.append(("", [f'{self._part}.faces({").faces(".join(texts)}).tag("{tag}")']))
         places = {name: i for i, (name, _) in enumerate(self._made) if name}
-        for condition, parameters in self._list_conditions():
-            last = max(places.get(word, 0) for word in re.findall(r"\w+", condition))
-            line = f"require({', '.join((condition, *map(_literal, (condition, *parameters))))})"
-            self._made[last][1].extend(wrap_code(line, ""))
+        conditions = set(map(self._write_condition, self._trace.conditions))
+        for condition in dict.fromkeys(map(self._write_condition, self._trace.conditions)):
+            if condition and condition.replace(" >= ", " > ") not in conditions - {condition}:
+                last = max(places.get(word, 0) for word in re.findall(r"\w+", condition))
+                self._made[last][1].extend(wrap_code(f"require({condition}, {_literal(condition)})", ""))
         return [line for _, lines in self._made for line in lines]
 
     def write_atoms(self, *kinds: str) -> Iterator[str]:
+        heading = ""
         for name, atom in self._trace.atoms.items():
             if atom.kind in kinds and name in self.used:
+                before, heading = heading, name.partition("_")[0] if atom.kind == "parameter" else atom.kind
+                yield from [f"# {heading.capitalize()}"] if heading not in (before, "fixed") else ()
                 meaning, bounds = atom.meaning, format_bounds(PARAMETERS[_PATHS[name]]) if name in _PATHS else ""
                 compared = (Term(sign, Term("name", name), term_of(0.0)) for sign in ("!=", ">"))
                 if any(each in self._trace.conditions for each in compared):
                     meaning, bounds = meaning.partition("; 0: ")[0], bounds.replace(">= 0,", "> 0,")
                 yield from _comment(f"{name} = {_literal(atom.value)}", meaning, f" [{bounds}]" * bool(bounds))
+
+    def write_bounds(self) -> list[str]:
+        """Write the bounds of parameters, around their values in the design."""
+        used = {_PATHS[each]: atom for each, atom in self._trace.atoms.items() if each in self.used & _PATHS.keys()}
+        bounds = ((path, atom, find_bounds(PARAMETERS[path])) for path, atom in used.items())
+        rows = (f'"{path}": ({b.minimum:g}, {_literal(atom.value)}, {b.maximum:g})' for path, atom, b in bounds)
+        return wrap_code(f"require = settle(globals(), {{{', '.join(rows)}}})", "")
 
     def write(self, term: Term, names: bool = True) -> tuple[str, int]:
         """Write a term, and return its text and rank."""
@@ -166,16 +177,8 @@ class Text:
                 return f"{inner(left, rank)} {sign} {inner(right, rank + 1)}", rank
         raise AssertionError(term)
 
-    def _list_conditions(self) -> Iterator[tuple[str, list[str]]]:
-        """List the conditions, with the parameters that are nearest to each."""
-        written = {self._write_condition(each): each for each in self._trace.conditions}
-        for text, term in written.items():
-            if text and text.replace(" >= ", " > ") not in written.keys() - {text}:
-                names = [name for name in _atoms(term) if self._trace.atoms[name].kind != "fixed"]
-                yield text, [_PATHS.get(name) or name.replace("sensor_", "custom_sensor.") for name in names[:_NEAREST]]
-
     def _write_condition(self, term: Term) -> str:
-        atoms = _atoms(term).keys()
+        atoms = _atoms(term)
         kinds = {self._trace.atoms[each].kind for each in atoms}
         if not atoms <= self.used or not kinds & {"parameter", "bought"}:
             return ""
@@ -185,13 +188,12 @@ class Text:
         return self.write(term, names=False)[0]
 
 
-def _atoms(term: Term) -> dict[str, None]:
-    """List the names in a term, those first that stand the nearest to it."""
+def _atoms(term: Term) -> set[str]:
     terms, seen = [term], set[Term]()
     for each in terms:  # it grows
         terms += [inner for inner in each.operands if isinstance(inner, Term) and inner not in seen]
         seen.add(each)
-    return {each.operands[0]: None for each in terms if each.operation == "name"}
+    return {each.operands[0] for each in terms if each.operation == "name"}
 
 
 def _literal(value: object) -> str:
@@ -208,7 +210,7 @@ def _comment(line: str, meaning: str, bounds: str = "") -> list[str]:
     """Write a line with a comment, as much of its first sentence as fits, and bounds; a longer line without one."""
     words = " ".join(meaning.replace(" [mm]", "").partition(". ")[0].split()).rstrip(".")
     while words and len(line) + len(words) + len(bounds) + 4 > WIDTH:
-        words = next(filter(None, (words.rpartition(sign)[0] for sign in ("; ", " (", ": ", ", "))), "")
+        words = next(filter(None, (words.rpartition(sign)[0] for sign in ("; ", " (", ": ", ", ", " within "))), "")
     return wrap_code(line, "") if not words + bounds else [f"{line}  # {words}{bounds}".replace("#  ", "# ")]
 
 

@@ -205,6 +205,8 @@ class Trace:
             if is_named(result):
                 self.variables.setdefault(term_of(result), name)
             results = result if isinstance(result, tuple) else (result,)
+            if isinstance(result, tuple):
+                name = name[:-2] if name.endswith("ches") else name.removesuffix("s")
             returned.extend((each, name) for each in results if isinstance(each, Solid))
 
         before = sys.getprofile()

@@ -156,5 +156,6 @@ def union(first: cq.Workplane, *others: cq.Workplane) -> cq.Workplane:
 
 
 def in_plane(y: float) -> cq.Selector:
-    """Select the faces whose middle lies in the plane at a height y."""
-    return cq.selectors.BoxSelector((-999, y - 0.01, -999), (999, y + 0.01, 999))
+    """Select the flat faces in the plane at a height y."""
+    box_of_plane = cq.selectors.BoxSelector((-999, y - 0.01, -999), (999, y + 0.01, 999))
+    return cq.selectors.ParallelDirSelector(cq.Vector(0, 1, 0)) & box_of_plane

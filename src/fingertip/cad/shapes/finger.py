@@ -59,6 +59,7 @@ def sensor_recess(design: Design) -> Solid:
 def cable_channel(design: Design) -> Solid:
     """Build the cable channel: from the floor of the trough by one bend to the dorsal side of the base."""
     dims, bone = design.dimensions, design.bone
+    assert bone.channel_bend_radius_mm > bone.channel_diameter_mm / 2, "the channel folds into itself"
     return ElbowTube(
         start_y=-dims.flat_depth + dims.pocket_depth,
         start_z=dims.channel_exit_z + bone.channel_bend_radius_mm + _ALONG_FLOOR_MM,
@@ -70,10 +71,10 @@ def cable_channel(design: Design) -> Solid:
 def sensor_body(design: Design) -> Solid:
     """Build the sensor as mounted in the bone, for pictures and checks; it is not printed."""
     dims = design.dimensions
-    depth, half_tail = dims.pocket_depth - design.sensor.adhesive_thickness_mm, dims.sensor.tail_width_mm / 2
-    at_head, thickness = depth - dims.platform_depth, dims.sensor.thickness_mm
-    head = cylinder("y", (dims.sensor_z, 0.0), at_head - thickness, at_head, dims.sensor.head_diameter_mm / 2)
-    return union(head, flat_slab(design, depth - thickness, depth, half_tail, dims.tail_end_z, dims.sensor_z))
+    thickness, half_tail = dims.sensor.thickness_mm, dims.sensor.tail_width_mm / 2
+    head_y, radius = (-dims.platform_depth, thickness - dims.platform_depth), dims.sensor.head_diameter_mm / 2
+    head = cylinder("y", (dims.sensor_z, 0.0), *head_y, radius)
+    return union(head, flat_slab(design, 0.0, thickness, half_tail, dims.tail_end_z, dims.sensor_z))
 
 
 def genus(design: Design) -> int:
@@ -92,16 +93,15 @@ def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
 
 def _cut_flat(design: Design, body: ConicBody, inset_mm: float) -> Solid:
     section, dims = body.section, design.dimensions
-    # The cutting boxes extend past the outline by a length that scales with the design.
-    margin = section.half_width
+    # The cutting boxes extend past the outline by a length that scales with the design: its half width.
 
     def below(depth: float, low: float) -> Box:
         return Box(
-            (-section.half_width - margin, -section.palmar - margin, low),
-            (section.half_width + margin, -depth, design.skin.length_mm + margin),
+            (-2 * section.half_width, -section.palmar - section.half_width, low),
+            (2 * section.half_width, -depth, design.skin.length_mm + section.half_width),
         )
 
-    flat, base, low = dims.flat_depth - inset_mm, dims.base_flat_depth, body.stations[0][0] - margin
+    flat, base, low = dims.flat_depth - inset_mm, dims.base_flat_depth, body.stations[0][0] - section.half_width
     below_base = below(base, low)
     if base == dims.flat_depth:
         return difference(SuperconicSolid(body), below_base)

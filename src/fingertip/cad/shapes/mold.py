@@ -77,10 +77,9 @@ def seam_cuts(design: Design) -> tuple[Solid, ...]:
         (past, face + _PAST_MM), (past, face - depth), (m.foot_z - height + depth, face - depth),
         (m.foot_z - height - _PAST_MM, face + _PAST_MM),
     )  # fmt: skip
-    return (
-        extrude("x", ((low, 0.0), (past, -wide), (past, wide)), -far, far),
-        *(extrude("y", [(z, way * x) for z, x in slot], -half, half) for way in (-1.0, 1.0)),
-    )
+    chamfer = extrude("x", ((low, 0.0), (past, -wide), (past, wide)), -far, far)
+    left_slot, right_slot = (extrude("y", [(z, way * x) for z, x in slot], -half, half) for way in (-1.0, 1.0))
+    return chamfer, left_slot, right_slot
 
 
 def grooves(design: Design) -> tuple[Solid, ...]:

@@ -112,12 +112,13 @@ def find_frames(design: Design) -> dict[str, Point3]:
     }
 
 
-def tagged_planes(design: Design, part: str) -> dict[str, float]:
-    """Find the planes of tagged faces across y, by tag [mm]: flat, floor of the pocket, and parting plane."""
+def tagged_faces(design: Design, part: str) -> dict[str, tuple[str | float, ...]]:
+    """Find what selects flat faces one after the other, by tag: cadquery's selectors, and planes across y [mm]."""
     dims = design.dimensions
-    if part == "bone":
-        return {"flat": -dims.flat_depth, "pocket": dims.pocket_depth - dims.platform_depth}
-    return {"parting": 0.0} if part.startswith("mold") else {}
+    if part != "bone":
+        return {"parting": (0.0,)} if part.startswith("mold") else {}
+    ends = {"cheek_left": ("<Z", "<X"), "cheek_right": ("<Z", ">X")} if dims.joint else {"post": ("<Z",)}
+    return {**ends, "flat": (-dims.flat_depth,), "pocket": (dims.pocket_depth - dims.platform_depth,)}
 
 
 def shapes_of_parameters(design: Design) -> Mapping[str, tuple[str, ...]]:

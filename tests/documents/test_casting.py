@@ -158,7 +158,7 @@ def test_front_end_decides_what_is_wired_and_read() -> None:
     assert only == {"controller", "resistor", "board", "multimeter"}
     assert "board/README.md" in to_read("first_finger board.variant=precision")["sheet"]
     read = {board: to_read(f"first_finger board.variant={board}")["acceptance"] for board in ("divider", "precision")}
-    assert "the lamp lights" in read["divider"]
+    assert "the LED lights" in read["divider"]
     assert "multimeter" in read["precision"]
     falling = to_read("article")["acceptance"]
     assert "| untouched | at least" in falling

@@ -98,6 +98,7 @@ class AcceptanceSheet:
     board: str
     holder: str
     """Part that holds the finger."""
+    supply_v: float
     idle: Idle
     rises: bool
     """True if a force raises the voltage."""
@@ -114,7 +115,7 @@ def acceptance_sheet(design: Design) -> AcceptanceSheet:
         for each in expect_readings(design)
     )  # fmt: skip
     return AcceptanceSheet(
-        design.name, design.board.variant, _HOLDERS.get(design.bone.interface, "hand"),
+        design.name, design.board.variant, _HOLDERS.get(design.bone.interface, "hand"), design.board.supply_v,
         Idle(round(expect_open_v(design), 2), IDLE_TOLERANCE_V), Bridge.of_board(design).response.rises, tuple(weights),
         doubt,
     )  # fmt: skip

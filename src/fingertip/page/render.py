@@ -154,7 +154,7 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
             _title("The board" if has_board else "The wiring"), render_board(sources),
         )),
         ("test", "Test", (_title("Test the sensor and the finished finger"), markdown_sheets.render_tests(sources))),
-        ("more", "More", tuple(
+        ("more", "More", (_title("To look up: nothing to do here"), *(
             fold(title, content, name=name, state="roomy" if name in ("checks", "basis") else "", level=2)
             for name, title, content in (
                 ("basis", "What is simulated and what is measured", markdown_sheets.render_basis(design)),
@@ -166,7 +166,7 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
                 ("words", "Words", _list_words()),
             )
             if content
-        )),
+        ))),
     )  # fmt: skip
     scripts = (read_viewer_library(), read_asset("viewer.js"), read_asset("board.js"))
     end = join((_render_source(), element("script", scene_json(items), type="application/json", id="scene")))

@@ -126,9 +126,14 @@ def varnish(bench: Bench, sheet: CastingSheet) -> Scene:
         (bench.part("mold_palmar"), bench.solid(intersection(_coated(bench), below), _VARNISH)),
         Camera.looking_from((0.35, 1.0, -0.35), _UP),
         Label("varnish on all\nof the hollow", (0.0, -depth, bench.dims.sensor_z)),
-        Label("and here, for\na drop of silicone", (0.8 * m.half_width, 0.0, 0.6 * m.foot_z)),
         Label("PAD stands on\nits outer side", (-m.half_width, -m.palmar_height / 2, m.foot_z / 2)),
     )
+
+
+def _legs(bench: Bench, y: float) -> Solid:
+    end, half = bench.dims.tail_end_z, _TAB_PITCH_MM / 2
+    low = end - bench.design.sensor.tab_length_mm
+    return union(*(Box((x - 0.3, y, low), (x + 0.3, y + 0.4, end + 1.5)) for x in (-half, half)))
 
 
 def solder(bench: Bench, sheet: CastingSheet) -> Scene:
@@ -136,19 +141,18 @@ def solder(bench: Bench, sheet: CastingSheet) -> Scene:
     (_, y, z), end, tail = bench.head, dims.tail_end_z, dims.sensor.tail_width_mm / 2
     legs_end = end - bench.design.sensor.tab_length_mm
     head = cylinder("y", (z, 0.0), y, y + thickness, dims.sensor.head_diameter_mm / 2)
-    legs = union(*(Box((x - 0.3, y, legs_end), (x + 0.3, y + 0.4, end + 1.5)) for x in (-half, half)))
     leads = union(*(cylinder("z", (x, y + wire), legs_end - 16.0, legs_end + 2.5, wire) for x in (-half, half)))
     lengths, heads = (" to ".join(f"{size:g}" for size in sizes) for sizes in (sheet.length_mm, sheet.head_mm))
     return Scene(
         (
             bench.solid(union(head, Box((-tail, y, end), (tail, y + thickness, z))), Paint.SENSOR),
-            bench.solid(legs, Paint.STEEL), bench.solid(leads, Paint.WIRE),
+            bench.solid(_legs(bench, y), Paint.STEEL), bench.solid(leads, Paint.WIRE),
         ),
         Camera.from_angles(20, 55),
         Label(f"head: {heads} mm wide", (0.0, y, z)),
         Label(f"film: {lengths} mm long,\nhead and tail", (0.0, y, (z + end) / 2)),
         Label("solder here,\non the metal leg", (half, y, legs_end + 1.5)),
-        Label("wire, straight on", (-half, y, legs_end - 12.0)),
+        Label("either wire, straight on", (-half, y, legs_end - 12.0)),
     )  # fmt: skip
 
 
@@ -159,7 +163,11 @@ def lay_in(bench: Bench, sheet: CastingSheet) -> Scene:
     middle = (dims.pocket_depth - dims.flat_depth - radius, dims.channel_exit_z + radius)
     knot = cylinder("x", middle, -radius, radius, radius)
     return Scene(
-        (bench.part("bone"), bench.sensor((0.0, -lift, 0.0)), bench.solid(knot, Paint.WIRE)), _FROM_PALM,
+        (
+            bench.part("bone"), bench.sensor((0.0, -lift, 0.0)), bench.solid(knot, Paint.WIRE),
+            bench.solid(_legs(bench, dims.pocket_depth - 0.5), Paint.STEEL, (0.0, -lift, 0.0)),
+        ), _FROM_PALM,
+        Label("legs apart, each\nwith either wire", (0.0, dims.pocket_depth - lift, dims.tail_end_z - 2.0)),
         Label("sensor, paper peeled\noff its other side", (x, y - lift, z)),
         Label("round bed", (x, y, z + dims.sensor.head_diameter_mm / 2)),
         Label("trough", (0.0, y + 1.0, dims.tail_end_z / 2)),

@@ -131,9 +131,8 @@ def varnish(bench: Bench, sheet: CastingSheet) -> Scene:
 
 
 def _legs(bench: Bench, y: float) -> Solid:
-    end, half = bench.dims.tail_end_z, _TAB_PITCH_MM / 2
-    low = end - bench.design.sensor.tab_length_mm
-    return union(*(Box((x - 0.3, y, low), (x + 0.3, y + 0.4, end + 1.5)) for x in (-half, half)))
+    end, half, length = bench.dims.tail_end_z, _TAB_PITCH_MM / 2, bench.design.sensor.tab_length_mm
+    return union(*(Box((x - 0.3, y, end - length), (x + 0.3, y + 0.4, end + 1.5)) for x in (-half, half)))
 
 
 def solder(bench: Bench, sheet: CastingSheet) -> Scene:
@@ -161,12 +160,11 @@ def lay_in(bench: Bench, sheet: CastingSheet) -> Scene:
     dims, lift, (x, y, z) = bench.dims, 12.0, bench.head
     radius = KNOT_WIRES * bench.design.sensor.wire_diameter_mm / 2
     middle = (dims.pocket_depth - dims.flat_depth - radius, dims.channel_exit_z + radius)
-    knot = cylinder("x", middle, -radius, radius, radius)
+    knot, low = cylinder("x", middle, -radius, radius, radius), (0.0, -lift, 0.0)
+    legs = _legs(bench, dims.pocket_depth - 0.5)
     return Scene(
-        (
-            bench.part("bone"), bench.sensor((0.0, -lift, 0.0)), bench.solid(knot, Paint.WIRE),
-            bench.solid(_legs(bench, dims.pocket_depth - 0.5), Paint.STEEL, (0.0, -lift, 0.0)),
-        ), _FROM_PALM,
+        (bench.part("bone"), bench.sensor(low), bench.solid(knot, Paint.WIRE), bench.solid(legs, Paint.STEEL, low)),
+        _FROM_PALM,
         Label("legs apart, each\nwith either wire", (0.0, dims.pocket_depth - lift, dims.tail_end_z - 2.0)),
         Label("sensor, paper peeled\noff its other side", (x, y - lift, z)),
         Label("round bed", (x, y, z + dims.sensor.head_diameter_mm / 2)),

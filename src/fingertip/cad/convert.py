@@ -105,8 +105,7 @@ def _tag_faces(solid: Solid, design: Design, name: str) -> dict[str, list[int]]:
     faces = dict(enumerate(made.Faces()))
     tagged = {"pad": [i for i, face in faces.items() if face.distance(over_sensor) < _NEAR_MM]}
     if name == "bone":
-        radius = design.bone.channel_diameter_mm / 2
-        tagged["channel"] = [i for i, face in faces.items() if _is_wire_way(face, radius)]
+        tagged["channel"] = [i for i, face in faces.items() if _is_wire_way(face, design.bone.channel_diameter_mm / 2)]
     for tag, selectors in tagged_faces(design, name).items():
         found = cadquery.Workplane(made)
         for each in selectors:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+import textwrap
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from itertools import chain
 from typing import cast
 
 from fingertip.cad.files import carried_functions as carried
-from fingertip.cad.files.script_text import FUNCTIONS, WIDTH, Text, remark, wrap_code
+from fingertip.cad.files.script_text import FUNCTIONS, WIDTH, Text, wrap_code
 from fingertip.cad.files.trace import NUMBERS, SOLIDS, Trace, name_letters
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines
 from fingertip.cad.shapes.finger import sensor_body
@@ -107,7 +108,7 @@ def write_script(design: Design, part: str) -> bytes:
     trace = Trace(design, _maker(part))
     text = Text(trace, part)
     made = "\n".join(text.write_statements())
-    called, fixed = {*re.findall(r"(\w+)\(", made), "volume", "settle"} & FUNCTIONS, trace.atoms.items()
+    called, fixed = {*re.findall(r"(?<![.\w])(\w+)\(", made), "volume", "settle"} & FUNCTIONS, trace.atoms.items()
     imports: list[str] = []
     for module, each in _carry().items():
         read = {name for name, atom in fixed if name in text.used and each.constants.get(name) == repr(atom.value)}
@@ -171,4 +172,5 @@ def _describe_choices(design: Design, part: str) -> Iterator[str]:
     _maker(part)(cast(Design, tables))
     chosen = [f"{path} = {value}" for path in PARAMETERS
               if path in reads and not isinstance(value := design.value(path), float)]  # fmt: skip
-    yield from remark(f"What follows holds for {', '.join(chosen)}") if chosen else ()
+    text = f"# What follows holds for {', '.join(chosen)}" * bool(chosen)
+    yield from textwrap.wrap(text, WIDTH, subsequent_indent="# ")

@@ -75,13 +75,12 @@ def settle(names: dict[str, Any], table: dict[str, tuple[float, float, float]]) 
     """Take CHANGES, keep parameters within their bounds, and return what refuses those that need other statements."""
     paths = {path.replace(".", "_").removeprefix("custom_"): path for path in table}
     refusal = names.get("REFUSAL") or (SystemExit if names.get("__name__") == "__main__" else ValueError)
-    for name, value in names.get("CHANGES", {}).items():
-        if name not in paths:
-            raise refusal(f"CHANGES: this script has no parameter {name}")
-        names[name] = value
-    for name, path in paths.items():
-        if not table[path][0] <= names[name] <= table[path][2]:
-            raise refusal(f"{name} = {names[name]} is not within {table[path][0]} to {table[path][2]}")
+    names |= (changes := names.get("CHANGES", {}))
+    wrong = [f"CHANGES: this script has no parameter {name}" for name in changes if name not in paths]
+    wrong += [f"{name} = {names[name]} is not within {table[path][0]} to {table[path][2]}"
+              for name, path in paths.items() if not table[path][0] <= names[name] <= table[path][2]]  # fmt: skip
+    if wrong:
+        raise refusal("\n".join(wrong))
 
     def require(holds: bool, condition: str) -> None:
         if not holds:
@@ -89,8 +88,8 @@ def settle(names: dict[str, Any], table: dict[str, tuple[float, float, float]]) 
             is_bought = any(paths[name].startswith("custom_") for name in changed)
             sets = [f"--set {path}={names[name]}" for name, path in paths.items()
                     if name in changed or (is_bought and path.startswith("custom_"))]  # fmt: skip
-            remedy = " ".join([*["--set sensor.model=custom"] * is_bought, *sets])
+            remedy = " ".join(["design.toml --formats cq", *["--set sensor.model=custom"] * is_bought, *sets])
             said = f"{', '.join(changed)}: {condition} does not hold; write a new script"
-            raise refusal(f"{said}: fingertip build design.toml --formats cq {remedy}")
+            raise refusal(f"{said}: fingertip build {remedy}")
 
     return require

@@ -59,9 +59,9 @@ class Text:
             texts = (f'"{s}"' if isinstance(s, str) else f"in_plane({self.write(term_of(s))[0]})" for s in selectors)
             self._made.append(("", [f'{self._part}.faces({").faces(".join(texts)}).tag("{tag}")']))
         places = {name: i for i, (name, _) in enumerate(self._made) if name}
-        conditions = set(map(self._write_condition, self._trace.conditions))
-        for condition in dict.fromkeys(map(self._write_condition, self._trace.conditions)):
-            if condition and condition.replace(" >= ", " > ") not in conditions - {condition}:
+        conditions = dict.fromkeys(map(self._write_condition, self._trace.conditions))
+        for condition in conditions:
+            if condition and condition.replace(" >= ", " > ") not in conditions.keys() - {condition}:
                 last = max(places.get(word, 0) for word in re.findall(r"\w+", condition))
                 self._made[last][1].extend(wrap_code(f"require({condition}, {_literal(condition)})", ""))
         return [line for _, lines in self._made for line in lines]
@@ -212,10 +212,6 @@ def _comment(line: str, meaning: str, bounds: str = "") -> list[str]:
     while words and len(line) + len(words) + len(bounds) + 4 > WIDTH:
         words = next(filter(None, (words.rpartition(sign)[0] for sign in ("; ", " (", ": ", ", ", " within "))), "")
     return wrap_code(line, "") if not words + bounds else [f"{line}  # {words}{bounds}".replace("#  ", "# ")]
-
-
-def remark(text: str) -> list[str]:
-    return textwrap.wrap(text, WIDTH, initial_indent="# ", subsequent_indent="# ")
 
 
 def wrap_code(text: str, indent: str) -> list[str]:

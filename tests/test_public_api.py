@@ -109,6 +109,7 @@ def test_faces_of_a_part_are_tagged_and_frames_are_places_of_cadquery(name: str)
     assert all(abs(at.x) < 1e-6 and abs(at.z + thickness_mm) < 1e-3 for at in local)
     out = sensor.toWorldCoords((0.0, 0.0, design.skin.thickness_palmar_mm))
     assert min(face.distance(cadquery.Vertex.makeVertex(*out.toTuple())) for face in parts["skin"].faces().vals()) < 0.2
+    assert parts["bone"].faces(tag="flat").workplane()  # flat faces alone have one
     for tag in ends:
         end = parts["bone"].faces(tag=tag).workplane(centerOption="CenterOfMass")
         drilled = end.circle(0.5).cutBlind(-2.0)

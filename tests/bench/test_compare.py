@@ -9,9 +9,8 @@ import pytest
 
 from fingertip.bench.compare import compare
 from fingertip.bench.fit import fast_variance, mean_interval
-from fingertip.bench.record import Plan, Recorder
-from fingertip.bench.recordings import prepare_folder, read_recordings
-from fingertip.bench.stream import SampleReader
+from fingertip.bench.record import Plan, Recorder, SampleReader
+from fingertip.bench.trials import prepare_folder, read_recordings
 from fingertip.design import Design
 from fingertip.foundation import jit
 from tests.bench.player import HEADER, format_line, simulate_person

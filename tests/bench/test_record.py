@@ -16,10 +16,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.bench.record import Plan, Recorded, Recorder
-from fingertip.bench.recordings import check_recordings, prepare_folder, read_recordings
-from fingertip.bench.stream import SampleReader, open_port, read_lines
-from fingertip.bench.trials import KINDS, PAUSE_S, kind_of, list_trials
+from fingertip.bench.record import Plan, Recorded, Recorder, SampleReader, open_port, read_lines
+from fingertip.bench.trials import (
+    KINDS,
+    PAUSE_S,
+    check_recordings,
+    kind_of,
+    list_trials,
+    prepare_folder,
+    read_recordings,
+)
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError
 from tests.bench.player import HEADER, format_line
@@ -43,7 +49,7 @@ def record_over_a_terminal(folder: Path, lines: list[bytes], plan: Plan) -> tupl
     threading.Thread(target=write, daemon=True).start()
     prepare_folder(folder, DESIGN)
     try:
-        recorder = Recorder(DESIGN, folder, plan, lambda moment: told.append(str(moment)), told.append)
+        recorder = Recorder(DESIGN, folder, plan, lambda number, phase, line: told.append(line), told.append)
         return recorder.run(SampleReader(read_lines(number, "terminal"))), told
     finally:
         for each in (main, other, number):
@@ -86,7 +92,7 @@ def test_a_folder_is_given_away_when_all_is_filled_in_and_somebody_agreed(tmp_pa
     for name in ("README.md", "CONSENT.md"):
         text = (tmp_path / name).read_text().replace("agrees: FILL IN with yes or no", "agrees: yes")
         (tmp_path / name).write_text(text.replace("FILL IN", "somebody"))
-    assert check_recordings(tmp_path) == (1, [])
+    assert check_recordings(tmp_path) == (1, [], [])
     damaged = (tmp_path / "trial_0001.csv").read_bytes().replace(b'"kind": "slide"', b'"kind": "glide"')
     (tmp_path / "trial_0001.csv").write_bytes(damaged)
     assert ["has the kind 'glide'" in fault for fault in check_recordings(tmp_path)[1]] == [True]
@@ -167,7 +173,7 @@ def test_fifty_interruptions_leave_no_damaged_file(tmp_path: Path) -> None:
                 f"trial_{i:04}.csv" for i in range(1, 1 + len(list_trials(tmp_path / "out")))
             ]
     assert set(ended) == {-signal.SIGKILL, 128 + signal.SIGINT}
-    count, faults = check_recordings(tmp_path / "out")
+    count, faults, _ = check_recordings(tmp_path / "out")
     assert count >= 50
     assert [fault for fault in faults if fault.startswith("trial")] == []
 

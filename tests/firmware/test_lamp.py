@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.bench.stream import SampleReader
+from fingertip.bench.record import SampleReader
 from fingertip.design import Design
 from fingertip.documents.firmware import render_readme
 from fingertip.firmware.fingers import TASK_CONVERSIONS, find_controller, plan_fingers
@@ -117,8 +117,8 @@ def test_the_sketch_counts_lost_samples_and_streams_for_the_computer(tmp_path: P
     assert set(re.findall(r"late:(\d+)", text)) == {"1101"}
     text, _ = run_lamp(tmp_path / "stream", "TEENSYDUINO", counts, streams="true")
     samples = [*SampleReader(text.encode().splitlines())]
-    assert [round(2000 * one.time_s) for one in samples] == [*range(len(counts))]
-    assert np.flatnonzero([one.moving for one in samples])[[0, -1]].tolist() == [500, 899], "the contact of MOTION_PIN"
+    assert [round(2000 * one[0]) for one in samples] == [*range(len(counts))]
+    assert np.flatnonzero([one[3] for one in samples])[[0, -1]].tolist() == [500, 899], "the contact of MOTION_PIN"
     done = run_fingertip("detect", "-", "--design", "first_finger", "--detector", "fast", given=text)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("ON") == np.count_nonzero(np.diff(decide(counts * STEP_V).astype(int)) > 0)

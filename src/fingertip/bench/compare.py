@@ -7,7 +7,6 @@ alike, from the motion of the slide on. Holds, taps and moving hands are compare
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -22,7 +21,7 @@ from fingertip.foundation import jit
 from fingertip.foundation.progress import Work
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, REPORTED_SEPARATELY, Case
 from fingertip.lab.campaign.run import DetectorResult, evaluate, simulate_trace
-from fingertip.lab.report.results import format_interval, format_ms, summarise, to_number
+from fingertip.lab.report.results import summarise, to_number
 from fingertip.sim import SceneFile
 from fingertip.sim.contact.materials import SURFACES
 from fingertip.sim.runs.timeline import TrapezoidalMove
@@ -33,8 +32,6 @@ _UNKNOWN_SURFACE, _UNKNOWN_N, _SPEEDS_M_S, _MAX_N = "medium", 1.0, (0.005, 0.2),
 _CAUSES = {"slide": "slip", "hold": "hold", "tap": "hard tap", "hand": "moving hand"}
 ROUNDS = ("level", "level again")
 """Rounds of the fit of noise and level."""
-_BIN_MS, _LAST_MS = 5, 100
-"""Bins of the histogram, centred on multiples as in the article's figure 14, and the last one [ms]."""
 
 
 def surface_of(trial: TrialFile) -> str:
@@ -91,71 +88,50 @@ class RecordingsReport:
     fitted: Design
     levels: dict[str, float]
     notes: tuple[str, ...]
+    onset_error_s: float
+    """Largest error of the contact that opens with the motion [s]; 0 if none is known."""
 
     def as_text(self) -> str:
-        return "\n".join([*self._table(), "", *self._histogram(), "", *self._fit()])
+        def line(name: str, cells: Iterable[object]) -> str:
+            return f"{name:24}" + "".join(f"{cell!s:>26}" for cell in cells)
 
-    def _table(self) -> Iterator[str]:
-        yield f"{self.design.name}, detector {self.detector}; delays since the slide moves (95 % intervals)"
-        columns = [*self.results.values()]
-
-        def row(name: str, cells: Iterable[str]) -> str:
-            return f"{name:24}" + "".join(f"{cell:>26}" for cell in cells)
-
-        def delay(one: DetectorResult, share: float) -> str:
-            return f"{format_ms(one.delay_s(share), unit='')} ({format_interval(one.delay_interval(share))})"
-
-        def found(one: DetectorResult) -> str:
-            low, high = one.found_interval
-            return f"{100 * one.found_share:.1f} ({100 * low:.1f}-{100 * high:.1f})"
-
-        def alarms(one: DetectorResult) -> str:
-            low, high = one.alarm_interval
-            return f"{one.alarms_per_minute:.2f} ({low:.2f}-{high:.2f})"
-
-        yield row("", self.results)
-        yield row("slides", (str(one.slips) for one in columns))
-        if all(one.slips for one in columns):
-            yield row("found [%]", map(found, columns))
-            yield row("median [ms]", (delay(one, 0.5) for one in columns))
-            yield row("90th percentile [ms]", (delay(one, 0.9) for one in columns))
-        yield row("alarms/min", map(alarms, columns))
-        for cause in dict.fromkeys(cause for one in columns for cause in one.alarms() if cause != "slip"):
-            minutes = [one.minutes().get(cause, one.minutes().get("slip", 0.0)) for one in columns]
+        sides, rows, worse = [*self.results.values()], [*self._rows()], []
+        heading = f"{self.design.name}, {self.detector}; delays since the slide moves (95 % intervals; inf: missed)"
+        lines = [heading, line("", self.results), line("slides", (one.slips for one in sides))]
+        for name, row in rows:
+            lines.append(line(name, (f"{value:.3g} ({low:.3g}-{high:.3g})" for value, low, high in row)))
+            measured, before, after = (value for value, *_ in row)
+            if abs(after - measured) > abs(before - measured):
+                worse.append(f"the fit makes {name} worse: {before:.3g} -> {after:.3g}, measured {measured:.3g}")
+        lines.append(line("  of minutes", (f"{one.limited_minutes:.1f}" for one in sides)) + "  all trials not apart")
+        for cause in dict.fromkeys(cause for one in sides for cause in one.alarms() if cause != "slip"):
             apart = ", apart" if cause in REPORTED_SEPARATELY else ""
-            yield row(f"  {cause}{apart}", [f"{one.alarms().get(cause, 0)} in {time:.1f} min"
-                                            for one, time in zip(columns, minutes, strict=True)])  # fmt: skip
+            cells = ((one.alarms().get(cause, 0), one.minutes().get(cause, one.minutes().get("slip", 0.0)))
+                     for one in sides)  # fmt: skip
+            lines.append(line(f"  {cause}{apart}", (f"{count} in {time:.1f} min" for count, time in cells)))
+        lines += ["", "simulation: stated -> recordings (95 % interval)", *map(str, self.figures)]
+        return "\n".join([*lines, *worse, *self.notes])
 
-    def _histogram(self) -> Iterator[str]:
-        """Histogram of the delays, as in the article's figure 14."""
-        yield "delay [ms]   slides, m measured, s simulated, f fitted"
-        counts = {name[0]: [min(_LAST_MS, _BIN_MS * math.floor(200 * delay + 0.5)) for delay in one.delays_s]
-                  for name, one in self.results.items()}  # fmt: skip
-        for at in range(0, _LAST_MS + 1, _BIN_MS):
-            bars = [letter * found.count(at) for letter, found in counts.items()]
-            if any(bars):
-                yield f"{at:7}{'+' if at == _LAST_MS else ' '}     {' '.join(filter(None, bars))}"
-
-    def _fit(self) -> Iterator[str]:
-        yield "what in the simulation must move: stated -> recordings (95 % interval)"
-        yield from map(str, self.figures)
-        yield from self.notes
+    def _rows(self) -> Iterator[tuple[str, list[tuple[float, float, float]]]]:
+        """Yield figures of the table, each with its interval for each side."""
+        sides, error_s = self.results.values(), self.onset_error_s
+        if all(one.slips for one in sides):
+            found = [(one.found_share, *one.found_interval) for one in sides]
+            yield "found [%]", [(100 * share, 100 * low, 100 * high) for share, low, high in found]
+            for name, share in (("median [ms]", 0.5), ("90th percentile [ms]", 0.9)):
+                delays = [(one.delay_s(share), *one.delay_interval(share)) for one in sides]
+                value, low, high = delays[0]
+                delays[0] = value, max(0.0, low - error_s), high + error_s
+                yield name, [(1e3 * value, 1e3 * low, 1e3 * high) for value, low, high in delays]
+        yield "alarms/min", [(one.alarms_per_minute, *one.alarm_interval) for one in sides]
 
     def as_data(self) -> dict[str, Any]:
-        return {
-            "design": self.design.name, "detector": self.detector,
-            "results": {
-                name: {
-                    "slides": one.slips, **summarise(one), "alarms": one.alarms(),
-                    "minutes": {cause: to_number(time) for cause, time in one.minutes().items()},
-                    "delays_s": [to_number(delay) for delay in one.delays_s],
-                }
-                for name, one in self.results.items()
-            },
-            "fit": [{key: to_number(value) if isinstance(value, float) else value for key, value in vars(one).items()}
-                    for one in self.figures],
-            "notes": [*self.notes],
-        }  # fmt: skip
+        results = {name: {"slides": one.slips, **summarise(one), "alarms": one.alarms(), "minutes": one.minutes()}
+                   for name, one in self.results.items()}  # fmt: skip
+        fit = [{key: to_number(value) if isinstance(value, float) else value for key, value in vars(one).items()}
+               for one in self.figures]  # fmt: skip
+        return {"design": self.design.name, "detector": self.detector, "onset_error_s": self.onset_error_s,
+                "results": results, "fit": fit, "notes": [*self.notes]}  # fmt: skip
 
     def files(self) -> dict[str, bytes]:
         """Return file name -> content: text, data, the fitted design, and each surface with its fitted level."""
@@ -172,9 +148,8 @@ def compare(
 ) -> RecordingsReport:
     """Compare recordings with their simulation before and after the fit. Raises FingertipError."""
     slides = [trial for trial in trials if trial.labels.kind == "slide"]
-    work = Work(
-        "recordings", {"simulation": len(trials), **dict.fromkeys(ROUNDS, len(slides)), "fitted": len(trials)}, progress
-    )
+    stages = {"simulation": len(trials), **dict.fromkeys(ROUNDS, len(slides)), "fitted": len(trials)}
+    work = Work("recordings", stages, progress)
 
     def simulate_all(stage: str, some: Sequence[TrialFile], of: Design, levels: dict[str, float]) -> Pairs:
         work.begin(stage)
@@ -184,13 +159,12 @@ def compare(
             work.advance(number / len(some))
         return found
 
-    before = simulate_all("simulation", trials, design, {})
-
     def sense_n(trial: TrialFile) -> float:
         case = make_case(trial, {})
         force_n = np.array([trial.labels.force_n])
         return float(case.scene.draw_pad(design, case.seed).sensed_n(force_n, None, is_relative=True)[0])
 
+    before = simulate_all("simulation", trials, design, {})
     fitted, figures, note = fit_curve(design, trials, sense_n)
     notes = [note] if note else []
     moved, names = dict[str, Fitted](), dict.fromkeys(map(surface_of, slides))
@@ -206,16 +180,18 @@ def compare(
     other = sorted({trial.labels.surface or "(none)" for trial in slides if surface_of(trial) != trial.labels.surface})
     if other:
         notes.append(f"{', '.join(other)}: no surface of the simulation; {_UNKNOWN_SURFACE} stands for it")
-    blind = sum(trial.trace.slip is None for trial in slides)
-    if blind:
-        notes.append(
-            f"{blind} slides have no column slip, recorded without a contact that opens with the motion: "
-            "they count for curve and noise alone"
-        )
+    if blind := sum(trial.trace.slip is None for trial in slides):
+        notes.append(f"{blind} slides have no contact that opens with the motion: they count for curve and noise alone")
+    errors_s = [trial.labels.onset_error_s for trial in slides if trial.trace.slip is not None]
+    known_s = [error_s for error_s in errors_s if error_s is not None]
+    if len(known_s) < len(errors_s):
+        notes.append(f"{len(errors_s) - len(known_s)} slides state no error of their contact (--onset-error-ms): "
+                     "intervals of measured delays leave it out")  # fmt: skip
     after = simulate_all("fitted", trials, fitted, levels)
     results = {
         "measured": judge(design, trials, detector),
         "simulated": judge(design, [trial for _, trial in before], detector),
         "fitted": judge(fitted, [trial for _, trial in after], detector),
     }
-    return RecordingsReport(design, detector, results, (*figures, *moved.values()), fitted, levels, tuple(notes))
+    return RecordingsReport(design, detector, results, (*figures, *moved.values()), fitted, levels, tuple(notes),
+                            max(known_s, default=0.0))  # fmt: skip

@@ -2,8 +2,7 @@
 
 Each figure has a 95 % interval. The curve follows from the voltages under known weights, ahead of the slide. Noise and
 level compare each trial with its simulated counterpart, in the voltage: the variance of noise adds, and vibration is
-nearly proportional to the roughness that the pad feels. Student's t of the trials
-gives the intervals.
+nearly proportional to the roughness that the pad feels. Student's t of the trials gives the intervals.
 """
 
 from __future__ import annotations
@@ -15,18 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.bench.trials import TrialFile
-from fingertip.board.analysis.board_values import find_tactile_response
 from fingertip.calibration.printer import apply_calibration
-from fingertip.calibration.sensor import (
-    MIN_LOADS,
-    MIN_WEIGHINGS,
-    calibrate_sensor,
-    find_conductance,
-    fit_power_law,
-    parse_weighings,
-)
+from fingertip.calibration.sensor import MIN_LOADS, MIN_WEIGHINGS, calibrate_sensor, parse_weighings
+from fingertip.catalogues.electronics import HYSTERESIS, PART_TO_PART
 from fingertip.design import Design
-from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.numerics import CONFIDENCE, Array, t_quantile
 from fingertip.lab.campaign.run import VIBRATION_HZ
 from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N
@@ -52,32 +43,24 @@ class Fitted:
     """Ends of the 95 % interval."""
     count: int
     """Trials it follows from."""
+    spread: float = 1.0
+    """Factor within which real values lie about the stated one; beyond it the simulation must move."""
 
     def __str__(self) -> str:
-        unit = f" {self.unit}" if self.unit else ""
-        moved = "" if self.low <= self.stated <= self.high else "   must move"
-        span = f"({self.low:.4g} to {self.high:.4g}, {self.count} trials)"
-        return f"{self.name:28} {self.stated:9.4g} -> {self.value:.4g}{unit} {span}{moved}"
+        must_move = self.high < self.stated / self.spread or self.low > self.stated * self.spread
+        span = f"({self.low:.4g} to {self.high:.4g}, {self.count} trials){'   must move' * must_move}"
+        return f"{self.name:28} {self.stated:9.4g} -> {self.value:.4g} {self.unit} {span}"
 
 
 def still_part(trial: TrialFile) -> slice:
     """Find the samples in which the finger rests on the slide before it moves, or else holds still."""
-    trace, step_s = trial.trace, float(trial.trace.time_s[1] - trial.trace.time_s[0])
+    trace, step_s = trial.trace, _step_s(trial.trace)
     if trace.slip is not None and trace.slip.any():
         end_s = float(trace.time_s[np.argmax(trace.slip)]) - KEEP_OFF_S
     else:
         end_s = next((end for name, (_, end) in trial.labels.phases.items() if name in ("wait", "hold")), 0.0)
     end = round(end_s / step_s)
     return slice(max(0, end - round(LOOK_S / step_s)), end)
-
-
-def sliding_part(trace: Trace) -> slice:
-    """Find the middle of the motion: three fifths of it."""
-    moving = np.flatnonzero(trace.slip) if trace.slip is not None else np.zeros(0, dtype=int)
-    if not len(moving):
-        return slice(0, 0)
-    first, count = int(moving[0]), int(moving[-1] - moving[0]) + 1
-    return slice(first + count // 5, first + count - count // 5)
 
 
 def fast_variance(volts: Array, step_s: float) -> float:
@@ -93,9 +76,7 @@ def fast_variance(volts: Array, step_s: float) -> float:
 def mean_interval(values: Sequence[float]) -> tuple[float, float, float]:
     """Mean, and the ends of its 95 % interval; infinite with one value."""
     known = np.array([value for value in values if math.isfinite(value)])
-    if not len(known):
-        return math.nan, -math.inf, math.inf
-    mean = float(known.mean())
+    mean = float(known.mean()) if len(known) else math.nan
     if len(known) < 2:
         return mean, -math.inf, math.inf
     half = t_quantile(CONFIDENCE, len(known) - 1) * float(known.std(ddof=1)) / math.sqrt(len(known))
@@ -123,33 +104,30 @@ def fit_curve(
     idle = [float(np.mean(trial.trace.voltage_v[: max(1, round(0.5 / _step_s(trial.trace)))])) for trial in trials]
     rows = [(0.0, float(np.mean(idle))), *known]
     weighings = parse_weighings("\n".join(["force_n,voltage_v", *(f"{f},{v}" for f, v in rows)]), "recordings")
-    response, max_n = find_tactile_response(design), min(loads) - TURN_ON_WIDTH_N
-    grid = np.linspace(_MIN_TURN_ON_N, max(max_n, 2 * _MIN_TURN_ON_N), _TURN_ONS).tolist()
-    offset_v, forces = rows[0][1] - response.open_v, [row.force_n for row in weighings.rows]
-    conductances = [find_conductance(row, weighings.kind, response, 1.0, offset_v) for row in weighings.rows]
-    raise_issues(TraceError, (Issue("recordings", text) for text in conductances if isinstance(text, str)))
-    numbers = [number for number in conductances if isinstance(number, float)]
-    laws = [fit_power_law(forces, numbers, turn_on_n) for turn_on_n in grid]
-    best, count = min(laws, key=lambda law: law.scatter), len(forces)
-    allowed = best.scatter**2 * (1 + t_quantile(CONFIDENCE, max(1, count - 3)) ** 2 / max(1, count - 3))
-    kept = [at for at, law in enumerate(laws) if law.scatter**2 <= allowed]
-    near = laws[max(0, kept[0] - 1) : kept[-1] + 2]
-    found = calibrate_sensor(design.with_values({"force_curve.turn_on_n": round(best.turn_on_n, 4)}), weighings)
-    ends = [(law.exponent, law.coverage_factor * law.exponent_uncertainty) for law in near]
-    spans = [(math.log(law.conductance_s),
-              law.coverage_factor * law.scatter * math.sqrt(1 / count + law.mean_log_force**2 / law.squares))
-             for law in near]  # fmt: skip
-    stated = design.force_curve
-    figures: tuple[tuple[str, str, float, float, float, float], ...] = (
-        ("force_curve.turn_on_n", "N", stated.turn_on_n, best.turn_on_n,
-         near[0].turn_on_n, near[-1].turn_on_n),
-        ("force_curve.exponent", "", stated.exponent, best.exponent,
-         min(mean - half for mean, half in ends), max(mean + half for mean, half in ends)),
-        ("force_curve.conductance_us", "uS", stated.conductance_us, 1e6 * best.conductance_s,
-         1e6 * math.exp(min(mean - half for mean, half in spans)),
-         1e6 * math.exp(max(mean + half for mean, half in spans))),
+    highest_n = max(min(force for force, _ in known) - TURN_ON_WIDTH_N - 1e-4, 2 * _MIN_TURN_ON_N)
+    fits = [calibrate_sensor(design.with_values({"force_curve.turn_on_n": turn_on_n}), weighings)
+            for turn_on_n in np.linspace(_MIN_TURN_ON_N, highest_n, _TURN_ONS).round(6).tolist()]  # fmt: skip
+    best, count = min(fits, key=lambda fit: fit.law.scatter), len(weighings.rows)
+    allowed = best.law.scatter**2 * (1 + t_quantile(CONFIDENCE, max(1, count - 3)) ** 2 / max(1, count - 3))
+    kept = [at for at, fit in enumerate(fits) if fit.law.scatter**2 <= allowed]
+    near = [fit.law for fit in fits[max(0, kept[0] - 1) : kept[-1] + 2]]
+    exponents = [
+        law.exponent + sign * law.coverage_factor * law.exponent_uncertainty for law in near for sign in (-1, 1)
+    ]
+    conductances_us = [1e6 * law.conductance_s * math.exp(sign * law.coverage_factor * law.scatter
+                       * math.sqrt(1 / count + law.mean_log_force**2 / law.squares))
+                       for law in near for sign in (-1, 1)]  # fmt: skip
+    stated, law, turn_ons_n = design.force_curve, best.law, [law.turn_on_n for law in near]
+    figures = tuple(
+        Fitted(f"force_curve.{name}", unit, getattr(stated, name), value, min(values), max(values), count, spread)
+        for name, unit, value, values, spread in (
+            ("turn_on_n", "N", law.turn_on_n, turn_ons_n, 1.0), ("exponent", "", law.exponent, exponents, 1.0),
+            ("conductance_us", "uS", 1e6 * law.conductance_s, conductances_us, PART_TO_PART[0]),
+        )
     )  # fmt: skip
-    return apply_calibration(design, found.changes), tuple(Fitted(*one, count) for one in figures), ""
+    factor = max(best.interval_factor, 1 + HYSTERESIS)
+    changes = {**best.changes, "force_curve.turn_on_n": round(law.turn_on_n, 4), "force_curve.interval_factor": factor}
+    return apply_calibration(design, changes), figures, ""
 
 
 def _step_s(trace: Trace) -> float:
@@ -201,7 +179,9 @@ class LevelFit:
 
 
 def _excess(trial: TrialFile) -> float:
-    """Variance of the voltage in the slide beyond that of its noise [V2]."""
-    volts, step_s = trial.trace.voltage_v, _step_s(trial.trace)
-    noise = fast_variance(volts[still_part(trial)], step_s)
-    return fast_variance(volts[sliding_part(trial.trace)], step_s) - noise
+    """Variance of the voltage in the middle three fifths of the motion, beyond that of its noise [V2]."""
+    trace, step_s = trial.trace, _step_s(trial.trace)
+    sliding = trace.voltage_v[:0] if trace.slip is None else trace.voltage_v[trace.slip]
+    cut = len(sliding) // 5
+    noise = fast_variance(trace.voltage_v[still_part(trial)], step_s)
+    return fast_variance(sliding[cut : len(sliding) - cut], step_s) - noise

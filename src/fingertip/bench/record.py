@@ -1,29 +1,125 @@
-"""Guided recording of trials: the schedule follows the times of the samples, so that nobody presses a key.
+"""Guided recording of trials from a controller's stream.
 
-A trial is written when it is complete. At an interruption the trial in progress is not kept, and no file is half
-written; the next run goes on with it. A sample that did not arrive is replaced by the one before, as in the firmware,
-and counted; after a longer gap the trial is repeated.
+A thread reads the port without pause, so that work on earlier samples loses none. The schedule follows the times of the
+samples, so that nobody presses a key. A trial is written when it is complete: an interruption leaves no file half
+written, and the next run goes on. A sample that did not arrive, or whose line is damaged, is replaced by the one
+before, as in the firmware, and counted; after a longer gap the trial is repeated.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+import os
+import queue
+import stat
+import termios
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from fingertip.bench.stream import Sample, SampleReader
 from fingertip.bench.trials import KINDS, PAUSE_S, SAID, STROKE_M, Labels, kind_of, list_trials, trial_path, write_trial
 from fingertip.design import Design
+from fingertip.detection.live import open_stream
 from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.output_set import hash_parameters
 from fingertip.sim.runs.grip import ForceCurve
 from fingertip.slip.detectors import registry
-from fingertip.slip.traces.trace import Trace
+from fingertip.slip.traces.columns import parse_number, split_cells
+from fingertip.slip.traces.trace import ColumnMap, Trace
 
 SHOWN_S, MAX_GAP_S = 0.1, 0.02
 """Time from one shown line to the next, and longest gap that is filled, as in the firmware [s]."""
+SILENT_S, STALE_S = 5.0, 1.0
+"""Time without a byte after which a port counts as silent, and in which what waited ahead of a port has arrived [s]."""
+_COLUMNS = ("time_s", "voltage_v", "filtered_v", "moving")
+"""Columns of a stream, the last two optional; `moving` is 1 while the contact of `MOTION_PIN` is open."""
+_VERSION, _BLOCK = "# fingertip ", 65_536
+"""Beginning of the line in which a sketch states its version, and bytes read at once."""
+
+
+def open_port(port: str) -> int:
+    """Open a port for reading, a terminal without echo or translation. Raises TraceError."""
+    try:
+        number = os.open(port, os.O_RDONLY | os.O_NOCTTY)
+    except OSError as error:
+        ports = sorted(str(path) for kind in ("ttyACM*", "ttyUSB*") for path in Path("/dev").glob(kind))
+        remedy = f"give one of {', '.join(ports)}" if ports else "plug the controller in, and name its port"
+        right = "; for a right: sudo usermod -aG dialout $USER, and log in again"
+        reason = f"{error.strerror}{right * isinstance(error, PermissionError)}"
+        raise TraceError(Issue(port, f"cannot be opened ({reason}); {remedy}.")) from None
+    if stat.S_ISDIR(os.fstat(number).st_mode):
+        os.close(number)
+        raise TraceError(Issue(port, "is a folder; give the port of a controller, such as /dev/ttyACM0."))
+    if os.isatty(number):
+        speed = getattr(termios, "B2000000", termios.B115200)  # a native USB port ignores it
+        characters = termios.tcgetattr(number)[6]
+        characters[termios.VMIN], characters[termios.VTIME] = 1, 0
+        mode = termios.CS8 | termios.CREAD | termios.CLOCAL
+        termios.tcsetattr(number, termios.TCSANOW, [0, 0, mode, 0, speed, speed, characters])
+    return number
+
+
+def read_lines(number: int, name: str, silent_s: float = SILENT_S, stale_s: float = 0.0) -> Iterator[bytes]:
+    """Read lines of an open port until it ends, without those of the first `stale_s` [s].
+
+    Raises TraceError if it stays silent.
+    """
+    blocks: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+
+    def read() -> None:
+        block = b"."
+        while block:
+            try:
+                block = os.read(number, _BLOCK)
+            except OSError:  # the other end of a pseudo terminal was closed, or the controller unplugged
+                block = b""
+            blocks.put(block)
+
+    threading.Thread(target=read, daemon=True).start()
+    rest, begin_s = b"", time.monotonic() + stale_s
+    while True:
+        try:
+            block = blocks.get(timeout=silent_s)
+        except queue.Empty:
+            remedy = "upload a sketch that streams, such as slip_lamp.ino with STREAM = true"
+            raise TraceError(Issue(name, f"sends nothing for {silent_s:g} s; {remedy}.")) from None
+        if not block:
+            return
+        if time.monotonic() >= begin_s:
+            *lines, rest = (rest + block).split(b"\n")
+            yield from filter(None, lines)
+            rest = rest[-_BLOCK:]
+
+
+class SampleReader:
+    """Samples (`_COLUMNS`; NaN for a column that is not there) of lines. Iterate once. Raises TraceError."""
+
+    def __init__(self, lines: Iterable[str | bytes]) -> None:
+        self.firmware = ""
+        """Version that the sketch states; empty until it does."""
+        self._lines = lines
+
+    def __iter__(self) -> Iterator[tuple[float, ...]]:
+        header, rows = open_stream(self._note_version(), ColumnMap())
+        names = list(header.names)
+        for _, line in rows:
+            cells = split_cells(line, header.delimiter)
+            if len(cells) != len(names):
+                continue
+            values = [parse_number(cells[names.index(name)]) if name in names else None for name in _COLUMNS]
+            if None not in values[:2]:  # neither the header again nor a damaged line
+                yield tuple(np.nan if value is None else value for value in values)
+
+    def _note_version(self) -> Iterator[str]:
+        for line in self._lines:
+            text = line.decode("utf-8", "replace") if isinstance(line, bytes) else line
+            if text.startswith(_VERSION):
+                self.firmware = text.removeprefix(_VERSION).strip()[:40]
+            elif not text.startswith("#"):
+                yield text
 
 
 @dataclass(frozen=True)
@@ -42,45 +138,26 @@ class Plan:
     """Factor of all durations."""
 
     def __post_init__(self) -> None:
-        issues = []
-        if not 1 <= self.trials <= 9999:
-            issues.append(Issue("--trials", f"{self.trials} is refused; choose 1 to 9999."))
-        if not all(0.01 <= force <= 100.0 for force in self.forces_n):
-            issues.append(Issue("--force-n", "holds what is no force; give 0.01 to 100 N each, such as 0.5,1,2."))
-        if not 0.001 <= self.stroke_m <= 1.0:
-            issues.append(Issue("--stroke-mm", f"{1000 * self.stroke_m:g} mm is refused; choose 1 to 1000 mm."))
-        if not 0.02 <= self.pace <= 10.0:
-            issues.append(Issue("--pace", f"{self.pace:g} is refused; choose 0.02 to 10."))
-        if self.temperature_c is not None and not -40.0 <= self.temperature_c <= 100.0:
-            issues.append(Issue("--temperature-c", f"{self.temperature_c:g} is refused; choose -40 to 100."))
-        raise_issues(TraceError, issues)
+        limits = (
+            ("--trials", [self.trials], 1, 9999, ""), ("--force-n", self.forces_n, 0.01, 100, " N each"),
+            ("--stroke-mm", [1000 * self.stroke_m], 1, 1000, " mm"), ("--pace", [self.pace], 0.02, 10, ""),
+            ("--temperature-c", [self.temperature_c or 0.0], -40, 100, ""),
+            ("--onset-error-ms", [1000 * (self.onset_error_s or 0.0)], 0, 1000, " ms"),
+        )  # fmt: skip
+        raise_issues(TraceError, (Issue(name, f"{value:g} is refused; choose {low:g} to {high:g}{unit}.")
+                                  for name, values, low, high, unit in limits
+                                  for value in values if not low <= value <= high))  # fmt: skip
 
     def force_n(self, number: int) -> float | None:
         """Force of a trial, numbered from 1 [N]."""
         at = (number - 1) % self.trials * len(self.forces_n) // self.trials
         return self.forces_n[at] if self.forces_n else None
 
-
-@dataclass(frozen=True)
-class Moment:
-    """What is shown while a trial runs."""
-
-    trial: int
-    trials: int
-    kind: str
-    phase: str
-    left_s: float
-    """Time until the next phase [s]."""
-    voltage_v: float
-    force_n: float
-    slip: bool
-
-    def __str__(self) -> str:
-        slip = "SLIP" if self.slip else "    "
-        return (
-            f"trial {self.trial} of {self.trials}, {self.kind}: {SAID[self.phase]} {max(0.0, self.left_s):4.1f} s | "
-            f"{self.voltage_v:.3f} V {self.force_n:6.2f} N {slip}"
-        )
+    def schedule(self, number: int) -> dict[str, tuple[float, float]]:
+        """Phases of a trial with their starts and ends [s]."""
+        durations = KINDS[kind_of(number)]
+        ends = [round(self.pace * end, 6) for end in np.cumsum([*durations.values()]).tolist()]
+        return dict(zip(durations, zip([0.0, *ends], ends, strict=False), strict=True))
 
 
 @dataclass(frozen=True)
@@ -98,89 +175,74 @@ class Recorder:
     design: Design
     folder: Path
     plan: Plan
-    show: Callable[[Moment], None] = lambda moment: None
+    show: Callable[[int, str, str], None] = lambda number, phase, line: None
     note: Callable[[str], None] = lambda message: None
     _lost: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
-        settings = self.design.detector
-        self._rate_hz, self._detector = settings.sample_rate_hz, registry.make_detector("fast", self.design)
-        self._curve = ForceCurve.from_design(self.design)
-        self._base = Labels(
-            0, "", {}, self.design.name, hash_parameters(self.design.identity()), self.plan.surface,
-            stroke_m=self.plan.stroke_m, onset_error_s=self.plan.onset_error_s, temperature_c=self.plan.temperature_c,
-        )  # fmt: skip
+        self._rate_hz = self.design.detector.sample_rate_hz
+        self._detector, self._curve = registry.make_detector("fast", self.design), ForceCurve.from_design(self.design)
 
     def run(self, reader: SampleReader) -> Recorded:
         """Record all trials that the folder lacks. Raises TraceError if the samples end before."""
         samples, written, lost, repeated, count = iter(reader), list[int](), 0, 0, 0
-        done = {path.name for path in list_trials(self.folder)}
-        for number in range(1, self.plan.trials + 1):
-            path = trial_path(self.folder, number)
+        done, plan, rate_hz = {path.name for path in list_trials(self.folder)}, self.plan, self._rate_hz
+        for number in range(1, plan.trials + 1):
+            path, force_n = trial_path(self.folder, number), plan.force_n(number)
             if path.name in done:
                 continue
-            force_n = self.plan.force_n(number)
-            if not written or force_n != self.plan.force_n(number - 1):
-                pause_s, weights = self.plan.pace * PAUSE_S, f"weights for {force_n:g} N" if force_n else "get ready"
+            if not written or force_n != plan.force_n(number - 1):
+                pause_s, weights = plan.pace * PAUSE_S, f"weights for {force_n:g} N" if force_n else "get ready"
                 self.note(f"trial {number} begins in {pause_s:g} s: {weights}")
-                for _ in zip(range(round(pause_s * self._rate_hz)), samples, strict=False):
+                for _ in zip(range(round(pause_s * rate_hz)), samples, strict=False):
                     pass
             while (trace := self._take(samples, number)) is None:
                 repeated += 1
                 self.note(f"trial {number}: a gap of more than {1000 * MAX_GAP_S:g} ms; it is repeated")
-            phases = dict(self._schedule(number))
-            labels = replace(
-                self._base, trial=number, kind=kind_of(number), phases=phases, force_n=force_n, lost=self._lost,
-                firmware=reader.firmware,
+            if trace.slip is not None and kind_of(number) == "slide":
+                moved = f"moved for {1000 * trace.slip.sum() / rate_hz:.0f} ms"
+                self.note(f"trial {number}: {moved if trace.slip.any() else 'the contact of MOTION_PIN never opened'}")
+            labels = Labels(
+                number, kind_of(number), plan.schedule(number), self.design.name,
+                hash_parameters(self.design.identity()), plan.surface, force_n, plan.stroke_m, plan.onset_error_s,
+                self._lost, reader.firmware, plan.temperature_c,
             )  # fmt: skip
             write_trial(path, labels, trace)
             written.append(number)
             lost, count = lost + self._lost, count + len(trace.time_s)
         return Recorded(tuple(written), lost, repeated, count)
 
-    def _schedule(self, number: int) -> Iterator[tuple[str, tuple[float, float]]]:
-        start = 0.0
-        for phase, duration_s in KINDS[kind_of(number)].items():
-            end = start + self.plan.pace * duration_s
-            yield phase, (round(start, 6), round(end, 6))
-            start = end
-
-    def _take(self, samples: Iterator[Sample], number: int) -> Trace | None:
+    def _take(self, samples: Iterator[tuple[float, ...]], number: int) -> Trace | None:
         """Take the samples of one trial; None after a long gap."""
-        phases = [*self._schedule(number)]
-        total, taken, self._lost = round(self._rate_hz * phases[-1][1][1]), list[Sample](), 0
-        shown = 0
+        end_s = max(end for _, end in self.plan.schedule(number).values())
+        total, taken, shown, self._lost = round(self._rate_hz * end_s), list[tuple[float, ...]](), 0, 0
         while len(taken) < total:
             sample = next(samples, None)
             if sample is None:
                 message = f"ended in trial {number}, which is not kept; run the command again to go on with it."
                 raise TraceError(Issue("samples", message))
             if taken:
-                steps = round((sample.time_s - taken[-1].time_s) * self._rate_hz)
+                steps = round((sample[0] - taken[-1][0]) * self._rate_hz)
                 if not 0 < steps <= MAX_GAP_S * self._rate_hz + 1:  # the controller was reset, or much was lost
                     return None
-                for _ in range(1, steps):
-                    taken.append(replace(taken[-1], time_s=taken[-1].time_s + 1 / self._rate_hz))
-                    self._lost += 1
+                taken += [taken[-1]] * (steps - 1)
+                self._lost += steps - 1
             taken.append(sample)
             if len(taken) - shown >= SHOWN_S * self._rate_hz:
-                self._report(taken[shown:], number, phases, len(taken) / self._rate_hz)
+                self._report(np.array(taken[shown:]), number, len(taken) / self._rate_hz)
                 shown = len(taken)
-        return self._make_trace(taken[:total], kind_of(number) == "slide")
+        _, volts, filtered, moving = np.array(taken[:total]).T
+        slip = None if np.isnan(moving[0]) and kind_of(number) == "slide" else moving > 0.0
+        return Trace(np.arange(total) / self._rate_hz, volts, None, slip, None,
+                     None if np.isnan(filtered[0]) else filtered)  # fmt: skip
 
-    def _report(
-        self, part: list[Sample], number: int, phases: list[tuple[str, tuple[float, float]]], at_s: float
-    ) -> None:
-        volts, filtered = [one.voltage_v for one in part], [one.filtered_v for one in part]
-        inputs = [volts] if None in filtered or not self.design.board.has_filter else [volts, filtered]
-        on = self._detector.process(*(np.array(values, dtype=float) for values in inputs)).on
-        phase, (_, end) = next((each for each in phases if at_s <= each[1][1]), phases[-1])
-        mean_v = float(np.mean(volts))
-        self.show(Moment(number, self.plan.trials, kind_of(number), phase, end - at_s, mean_v,
-                         self._curve.force_n(mean_v), bool(on.any())))  # fmt: skip
-
-    def _make_trace(self, taken: list[Sample], is_slide: bool) -> Trace:
-        time_s = np.arange(len(taken)) / self._rate_hz
-        filtered = None if taken[0].filtered_v is None else np.array([one.filtered_v or 0.0 for one in taken])
-        moving = None if taken[0].moving is None and is_slide else np.array([bool(one.moving) for one in taken])
-        return Trace(time_s, np.array([one.voltage_v for one in taken]), None, moving, None, filtered)
+    def _report(self, part: np.ndarray, number: int, at_s: float) -> None:
+        count = 2 if self.design.board.has_filter and np.isfinite(part[:, 2]).all() else 1
+        is_on = self._detector.process(*part[:, 1 : 1 + count].T).on.any()
+        phases, mean_v = self.plan.schedule(number), float(part[:, 1].mean())
+        phase = next((name for name, (_, end) in phases.items() if at_s <= end), [*phases][-1])
+        self.show(number, phase, (
+            f"trial {number} of {self.plan.trials}, {kind_of(number)}: {SAID[phase]} "
+            f"{max(0.0, phases[phase][1] - at_s):4.1f} s | "
+            f"{mean_v:.3f} V {self._curve.force_n(mean_v):6.2f} N {'SLIP' if is_on else '    '}"
+        ))  # fmt: skip

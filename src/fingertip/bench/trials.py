@@ -1,20 +1,30 @@
-"""Trials of a bench: what a person does in each, and one CSV file per trial whose first line holds its labels."""
+"""Trials of a bench: what a person does in each, one CSV file per trial, and a folder of them to give away.
+
+The first line of a file holds its labels. The folder's data sheet is the README of a data set as public collections
+read it: a block of YAML, then the questions of T. Gebru et al., Datasheets for datasets, Commun. ACM 64(12), 2021.
+Nothing is uploaded.
+"""
 
 from __future__ import annotations
 
 import io
 import json
 import math
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fingertip.foundation.errors import InputFileError, Issue, TraceError, quote_value, raise_issues
+from fingertip.design import Design
+from fingertip.design.files import load_tables, to_toml
+from fingertip.documents.template import render
+from fingertip.foundation.errors import FingertipError, InputFileError, Issue, TraceError, quote_value, raise_issues
 from fingertip.foundation.files import write_file
-from fingertip.foundation.input_files import RECORDING_LIMIT, read_input
+from fingertip.foundation.input_files import RECORDING_LIMIT, TOML_LIMIT, read_input
+from fingertip.foundation.output_set import hash_parameters
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.trace import ColumnMap, Trace
 
@@ -22,8 +32,7 @@ FORMAT, STROKE_M = "fingertip-trial 1", 0.04
 _MAX_LABELS = 2**14
 """Longest line of labels [bytes]."""
 _NUMBERS = ("force_n", "stroke_m", "onset_error_s", "temperature_c")
-Phases = Mapping[str, float]
-KINDS: Mapping[str, Phases] = {
+KINDS: Mapping[str, Mapping[str, float]] = {
     "slide": {"away": 1.5, "press": 1.5, "wait": 1.0, "slide": 2.0, "rest": 1.0, "release": 1.0},
     "hold": {"away": 1.5, "press": 1.5, "hold": 5.0, "release": 1.0},
     "tap": {"away": 1.5, "press": 1.5, "tap": 4.0, "release": 1.0},
@@ -38,6 +47,13 @@ SAID = {
     "tap": "tap the bench beside the finger, once a second", "hand": "move as a hand does: wobble, carry, turn",
 }  # fmt: skip
 """Phase -> what to do in it."""
+SHEET, CONSENT, DESIGN = "README.md", "CONSENT.md", "design.toml"
+_OPEN = "FILL IN"
+_REQUIRED = {
+    SHEET: (r"(?m)^license: *\S+", "states no licence; write license: cc-by-4.0 into its first block."),
+    CONSENT: (r"(?mi)^agrees: *yes\s*$", "nobody agrees; ask who was recorded, and write agrees: yes."),
+}
+"""File of a folder -> what must stand in it, and the fault without it."""
 _ORDER = ("slide", "slide", "slide", "hold", "slide", "slide", "tap", "hand")
 
 
@@ -114,9 +130,7 @@ def read_trial(path: Path, below: Path | None = None) -> TrialFile:
         known: dict[str, Any] = {each.name: found[each.name] for each in fields(Labels) if each.name in found}
         told: dict[str, Any] = known["phases"]
         phases = {name: (float(start), float(end)) for name, (start, end) in told.items()}
-        numbers: dict[str, Any] = {
-            key: None if known[key] is None else float(known[key]) for key in _NUMBERS if key in known
-        }
+        numbers = {key: float(known[key]) for key in _NUMBERS if known.get(key) is not None}
         labels = Labels(**{**known, **numbers, "phases": phases})
         raise_issues(TraceError, labels.find_issues(path.name))
     except InputFileError as error:
@@ -127,3 +141,76 @@ def read_trial(path: Path, below: Path | None = None) -> TrialFile:
     raw = read_raw_trace(path, ColumnMap())
     raise_issues(TraceError, raw.issues)
     return TrialFile(labels, raw.trace)
+
+
+def prepare_folder(folder: Path, design: Design) -> None:
+    """Write what the folder lacks of data sheet, consent and design. Raises TraceError for that of another design."""
+    sheet = {
+        DESIGN: to_toml(design, f"{design.name}, as recorded."),
+        SHEET: render("recordings.md", name=design.name, open=_OPEN),
+        CONSENT: render("consent.md", open=_OPEN),
+    }
+    kept = folder / DESIGN
+    if kept.exists() and _hash_design(folder) != hash_parameters(design.identity()):
+        message = f"holds recordings of another design; choose another folder with --out, or record {kept}."
+        raise TraceError(Issue(str(folder), message))
+    for name, text in sheet.items():
+        if not (folder / name).exists():
+            write_file(folder / name, text.encode())
+
+
+def _hash_design(folder: Path) -> str:
+    loaded = load_tables([folder / DESIGN], (), below=folder)
+    return hash_parameters(Design.from_tables(loaded.tables).identity())
+
+
+def is_recordings(folder: Path) -> bool:
+    return bool(list_trials(folder)) and (folder / DESIGN).exists()
+
+
+def _read_all(folder: Path) -> tuple[list[TrialFile], list[Issue]]:
+    issues, found = list[Issue](), list[TrialFile]()
+    for path in list_trials(folder):
+        try:
+            found.append(read_trial(path, folder))
+        except FingertipError as error:
+            issues += error.issues
+    return found, issues
+
+
+def read_recordings(folder: Path) -> tuple[TrialFile, ...]:
+    """Read all trials of a folder, whose faults are found at once. Raises TraceError."""
+    found, issues = _read_all(folder)
+    if not found and not issues:
+        issues.append(Issue(str(folder), "holds no trials; record some with fingertip record."))
+    raise_issues(TraceError, issues)
+    return tuple(found)
+
+
+def check_recordings(folder: Path) -> tuple[int, list[str], list[str]]:
+    """Return the number of trials, what keeps the folder from being given away, and what to know of it."""
+    found, issues = _read_all(folder)
+    faults = [f"{issue.field}: {issue.message}" for issue in issues]
+    simulated = sum(trial.labels.simulated for trial in found)
+    notes = [f"{simulated} trials are simulated, as their labels say: no evidence of a built finger"] * (simulated > 0)
+    return len(list_trials(folder)), [*faults, *_find_faults(folder, found)], notes
+
+
+def _find_faults(folder: Path, trials: Sequence[TrialFile]) -> Iterator[str]:
+    try:
+        expected = _hash_design(folder)
+        others = [each.labels.trial for each in trials if each.labels.design_hash != expected]
+        yield from (f"trial {number}: was recorded with another design than {DESIGN}; keep it in a folder of its own."
+                    for number in others)  # fmt: skip
+    except FingertipError as error:
+        yield from (f"{DESIGN}: {issue.field} {issue.message}" for issue in error.issues)
+    for name, (pattern, message) in _REQUIRED.items():
+        try:
+            text = read_input(folder / name, TOML_LIMIT, below=folder).decode("utf-8", "replace")
+        except (InputFileError, OSError):
+            yield f"{name}: is missing; run fingertip record with --out {folder} once more, which writes it."
+            continue
+        if lines := [str(number) for number, line in enumerate(text.splitlines(), 1) if _OPEN in line]:
+            yield f"{name}: is open in line {', '.join(lines)}; write over {_OPEN!r}."
+        if not re.search(pattern, text):
+            yield f"{name}: {message}"

@@ -286,7 +286,7 @@ def calibrate_sensor(design: Design, weighings: Weighings, scale: float | None =
     turn_on, issues = design.force_curve.turn_on_n, list[Issue]()
     forces, conductances = list[float](), list[float]()
     for row in weighings.rows:
-        found = find_conductance(row, weighings.kind, response, scale or 1.0, offset_v)
+        found = _find_conductance(row, weighings.kind, response, scale or 1.0, offset_v)
         field = f"{weighings.source}, line {row.line}"
         if row.force_n < turn_on + TURN_ON_WIDTH_N:
             message = f"{row.force_n:.3g} N is below {turn_on + TURN_ON_WIDTH_N:g} N, where the sensor turns on"
@@ -350,7 +350,9 @@ def _find_offset(weighings: Weighings, response: TactileResponse, scale: float) 
     return offset
 
 
-def find_conductance(row: Weighing, kind: str, response: TactileResponse, scale: float, offset_v: float) -> float | str:
+def _find_conductance(
+    row: Weighing, kind: str, response: TactileResponse, scale: float, offset_v: float
+) -> float | str:
     """Return the sensor's conductance [S], or a sentence on a reading that the board cannot give."""
     if kind == "resistance_ohm":
         return 1.0 / row.reading

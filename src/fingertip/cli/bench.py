@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -42,9 +43,8 @@ def record(
     The sketches stream with STREAM = true (slip_lamp.ino) or as they are (slip_stream.ino). The terminal says what to
     do, and shows voltage, force and slip. Ctrl-C ends it; the same command goes on with the trial that was interrupted.
     """
-    from fingertip.bench import recordings
-    from fingertip.bench.record import Moment, Plan, Recorder
-    from fingertip.bench.stream import STALE_S, SampleReader, open_port, read_lines
+    from fingertip.bench.record import STALE_S, Plan, Recorder, SampleReader, open_port, read_lines
+    from fingertip.bench.trials import prepare_folder
     from fingertip.foundation.output_set import find_place_issues
 
     loaded = load_design(design, changes, console)
@@ -57,22 +57,19 @@ def record(
     folder = out or Path("out") / loaded.name / "recordings"
     raise_issues(OutputError, find_place_issues(folder, "choose another folder with --out"))
     lines: Iterable[str | bytes] = sys.stdin if port == "-" else read_lines(open_port(port), port, stale_s=STALE_S)
-    recordings.prepare_folder(folder, loaded)
+    prepare_folder(folder, loaded)
     is_shown, told = sys.stderr.isatty() and not console.quiet, set[tuple[int, str]]()
 
-    def show(moment: Moment) -> None:
+    def show(number: int, phase: str, line: str) -> None:
         if is_shown:
-            print(f"{CLEAR_LINE}{moment}", end="", file=sys.stderr, flush=True)
+            print(f"{CLEAR_LINE}{line}", end="", file=sys.stderr, flush=True)
             Console.has_bar = True
-        elif (moment.trial, moment.phase) not in told:
-            told.add((moment.trial, moment.phase))
-            console.progress(str(moment).rstrip())
+        elif (number, phase) not in told:
+            told.add((number, phase))
+            console.progress(line.rstrip())
 
-    recorder = Recorder(loaded, folder, plan, show, console.progress)
-    found = recorder.run(SampleReader(lines))
-    data = {"folder": folder.as_posix(), "trials": [*found.trials], "samples": found.samples, "lost": found.lost,
-            "repeated": found.repeated}  # fmt: skip
-    console.result(data, (
+    found = Recorder(loaded, folder, plan, show, console.progress).run(SampleReader(lines))
+    console.result({"folder": folder.as_posix(), **asdict(found), "trials": [*found.trials]}, (
         f"{len(found.trials)} trials, {found.samples} samples, {found.lost} lost, {found.repeated} trials repeated\n"
         f"next: fingertip validate --recordings {folder}"
     ))  # fmt: skip
@@ -83,7 +80,7 @@ def compare_recordings(
 ) -> None:
     """Compare recordings with their simulation, for `fingertip validate --recordings`."""
     from fingertip.bench import compare
-    from fingertip.bench.recordings import read_recordings
+    from fingertip.bench.trials import read_recordings
     from fingertip.foundation.output_set import SetWriter, hash_parameters
 
     folder = out or Path("out") / design.name / "measured"

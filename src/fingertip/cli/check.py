@@ -117,16 +117,17 @@ def _check_meshes(paths: Sequence[Path], verbose: bool) -> tuple[list[dict[str, 
 
 
 def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[str]]:
-    from fingertip.bench.recordings import check_recordings, is_recordings
+    from fingertip.bench.trials import check_recordings, is_recordings
     from fingertip.tasks.verification import verify_sets
 
     results, texts = [], []
     for folder in folders:
         if is_recordings(folder):
-            trials, faults = check_recordings(folder)
-            results.append({"folder": folder.as_posix(), "passed": not faults, "trials": trials, "faults": faults})
+            trials, faults, notes = check_recordings(folder)
+            found = {"passed": not faults, "trials": trials, "faults": faults, "notes": notes}
+            results.append({"folder": folder.as_posix(), **found})
             verdict = "must be mended before it is given away" if faults else "may be given away"
-            texts.append("\n".join([*faults, f"{folder}: {trials} trials; the folder {verdict}"]))
+            texts.append("\n".join([*faults, *notes, f"{folder}: {trials} trials; the folder {verdict}"]))
             continue
         count, differences = verify_sets(folder)
         result = {"passed": not differences, "files": count, "differences": differences}

@@ -93,9 +93,9 @@ def test_a_folder_is_given_away_when_all_is_filled_in_and_somebody_agreed(tmp_pa
         text = (tmp_path / name).read_text().replace("agrees: FILL IN with yes or no", "agrees: yes")
         (tmp_path / name).write_text(text.replace("FILL IN", "somebody"))
     assert check_recordings(tmp_path) == (1, [], [])
-    damaged = (tmp_path / "trial_0001.csv").read_bytes().replace(b'"kind": "slide"', b'"kind": "glide"')
+    damaged = (tmp_path / "trial_0001.csv").read_bytes().replace(b'"kind":"slide"', b'"kind":"glide"')
     (tmp_path / "trial_0001.csv").write_bytes(damaged)
-    assert ["has the kind 'glide'" in fault for fault in check_recordings(tmp_path)[1]] == [True]
+    assert ["(kind: input should be 'slide', " in fault for fault in check_recordings(tmp_path)[1]] == [True]
 
 
 @pytest.mark.parametrize(

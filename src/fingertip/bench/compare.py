@@ -68,7 +68,7 @@ def simulate(design: Design, trial: TrialFile, detector: str, levels: dict[str, 
     if (start_s := trace.origin.motion_s) is not None:
         move = TrapezoidalMove.with_speed(start_s, slide.distance_m, slide.speed_m_s, slide.acceleration_m_s2)
         moving = (trace.time_s >= start_s) & (trace.time_s <= move.end_s)
-    return TrialFile(replace(trial.labels, simulated=True), replace(trace, slip=moving))
+    return TrialFile(trial.labels.model_copy(update={"simulated": True}), replace(trace, slip=moving))
 
 
 def judge(design: Design, trials: Sequence[TrialFile], detector: str) -> DetectorResult:
@@ -166,9 +166,8 @@ def compare(
 
     before = simulate_all("simulation", trials, design, {})
     fitted, figures, note = fit_curve(design, trials, sense_n)
-    notes = [note] if note else []
-    moved, names = dict[str, Fitted](), dict.fromkeys(map(surface_of, slides))
-    fits = {name: LevelFit(name, SURFACES[name].felt_um, SURFACES[name].felt_um) for name in names}
+    notes, moved = [note] * bool(note), dict[str, Fitted]()
+    fits = {name: LevelFit(name, SURFACES[name].felt_um) for name in dict.fromkeys(map(surface_of, slides))}
     for stage in ROUNDS if slides else ():
         pairs = simulate_all(stage, slides, fitted, {name: fit.um for name, fit in fits.items()})
         noise = moved["noise"] = fit_noise(design.detector.noise_v, fitted.detector.noise_v, pairs)
@@ -188,10 +187,8 @@ def compare(
         notes.append(f"{len(errors_s) - len(known_s)} slides state no error of their contact (--onset-error-ms): "
                      "intervals of measured delays leave it out")  # fmt: skip
     after = simulate_all("fitted", trials, fitted, levels)
-    results = {
-        "measured": judge(design, trials, detector),
-        "simulated": judge(design, [trial for _, trial in before], detector),
-        "fitted": judge(fitted, [trial for _, trial in after], detector),
-    }
+    sides = {"measured": (design, trials), "simulated": (design, [trial for _, trial in before]),
+             "fitted": (fitted, [trial for _, trial in after])}  # fmt: skip
+    results = {name: judge(of, some, detector) for name, (of, some) in sides.items()}
     return RecordingsReport(design, detector, results, (*figures, *moved.values()), fitted, levels, tuple(notes),
                             max(known_s, default=0.0))  # fmt: skip

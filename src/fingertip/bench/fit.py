@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -158,10 +158,13 @@ class LevelFit:
 
     name: str
     stated_um: float
-    um: float
+    um: float = field(init=False)
     """Roughness of the next simulation."""
     _before: tuple[float, float] | None = None
     """Logarithm of the roughness of the round before, and of its ratio of vibration, recorded to simulated."""
+
+    def __post_init__(self) -> None:
+        self.um = self.stated_um
 
     def add_round(self, pairs: Pairs) -> Fitted | None:
         """Take slides that were simulated with `um`; None if none of them shows vibration above its noise."""

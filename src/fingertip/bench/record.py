@@ -17,6 +17,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -45,11 +46,10 @@ def open_port(port: str) -> int:
     try:
         number = os.open(port, os.O_RDONLY | os.O_NOCTTY)
     except OSError as error:
-        ports = sorted(str(path) for kind in ("ttyACM*", "ttyUSB*") for path in Path("/dev").glob(kind))
-        remedy = f"give one of {', '.join(ports)}" if ports else "plug the controller in, and name its port"
-        right = "; for a right: sudo usermod -aG dialout $USER, and log in again"
-        reason = f"{error.strerror}{right * isinstance(error, PermissionError)}"
-        raise TraceError(Issue(port, f"cannot be opened ({reason}); {remedy}.")) from None
+        remedy = "plug the controller in, and name its port"
+        if isinstance(error, PermissionError):
+            remedy = "type sudo usermod -aG dialout $USER, and log in again"
+        raise TraceError(Issue(port, f"cannot be opened ({error.strerror}); {remedy}.")) from None
     if stat.S_ISDIR(os.fstat(number).st_mode):
         os.close(number)
         raise TraceError(Issue(port, "is a folder; give the port of a controller, such as /dev/ttyACM0."))
@@ -95,12 +95,13 @@ def read_lines(number: int, name: str, silent_s: float = SILENT_S, stale_s: floa
 
 
 class SampleReader:
-    """Samples (`_COLUMNS`; NaN for a column that is not there) of lines. Iterate once. Raises TraceError."""
+    """Samples (`_COLUMNS`; NaN for one that is not there) of lines, and the version that the sketch states.
+
+    Iterate once. Raises TraceError.
+    """
 
     def __init__(self, lines: Iterable[str | bytes]) -> None:
-        self.firmware = ""
-        """Version that the sketch states; empty until it does."""
-        self._lines = lines
+        self.firmware, self._lines = "", lines
 
     def __iter__(self) -> Iterator[tuple[float, ...]]:
         header, rows = open_stream(self._note_version(), ColumnMap())
@@ -124,18 +125,16 @@ class SampleReader:
 
 @dataclass(frozen=True)
 class Plan:
-    """What is recorded. Raises TraceError."""
+    """What is recorded: `forces_n` by weights, each for an equal part of the trials (empty: unknown), the error of the
+    contact that opens with the motion (None: unknown), and `pace`, a factor of all durations. Raises TraceError."""
 
     trials: int = 40
     forces_n: tuple[float, ...] = ()
-    """Forces by weights, each for an equal part of the trials [N]; empty: unknown."""
     surface: str = ""
     stroke_m: float = STROKE_M
     temperature_c: float | None = None
     onset_error_s: float | None = None
-    """Error of the contact that opens with the motion [s]; None: unknown."""
     pace: float = 1.0
-    """Factor of all durations."""
 
     def __post_init__(self) -> None:
         limits = (
@@ -160,13 +159,12 @@ class Plan:
         return dict(zip(durations, zip([0.0, *ends], ends, strict=False), strict=True))
 
 
-@dataclass(frozen=True)
-class Recorded:
+class Recorded(NamedTuple):
+    """Numbers of the trials that were written, samples that were lost, trials repeated for a gap, and all samples."""
+
     trials: tuple[int, ...]
-    """Numbers of the trials that were written."""
     lost: int
     repeated: int
-    """Trials that were repeated because of a gap."""
     samples: int
 
 
@@ -180,7 +178,7 @@ class Recorder:
     _lost: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
-        self._rate_hz = self.design.detector.sample_rate_hz
+        self._rate_hz, self._hash = self.design.detector.sample_rate_hz, hash_parameters(self.design.identity())
         self._detector, self._curve = registry.make_detector("fast", self.design), ForceCurve.from_design(self.design)
 
     def run(self, reader: SampleReader) -> Recorded:
@@ -203,9 +201,9 @@ class Recorder:
                 moved = f"moved for {1000 * trace.slip.sum() / rate_hz:.0f} ms"
                 self.note(f"trial {number}: {moved if trace.slip.any() else 'the contact of MOTION_PIN never opened'}")
             labels = Labels(
-                number, kind_of(number), plan.schedule(number), self.design.name,
-                hash_parameters(self.design.identity()), plan.surface, force_n, plan.stroke_m, plan.onset_error_s,
-                self._lost, reader.firmware, plan.temperature_c,
+                trial=number, kind=kind_of(number), phases=plan.schedule(number), design=self.design.name,
+                design_hash=self._hash, surface=plan.surface, force_n=force_n, stroke_m=plan.stroke_m, lost=self._lost,
+                onset_error_s=plan.onset_error_s, firmware=reader.firmware, temperature_c=plan.temperature_c,
             )  # fmt: skip
             write_trial(path, labels, trace)
             written.append(number)

@@ -8,30 +8,29 @@ Nothing is uploaded.
 from __future__ import annotations
 
 import io
-import json
-import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Literal
 
 import numpy as np
+from pydantic import BaseModel, ValidationError
 
 from fingertip.design import Design
 from fingertip.design.files import load_tables, to_toml
 from fingertip.documents.template import render
-from fingertip.foundation.errors import FingertipError, InputFileError, Issue, TraceError, quote_value, raise_issues
+from fingertip.foundation.errors import FingertipError, InputFileError, Issue, TraceError, raise_issues
 from fingertip.foundation.files import write_file
 from fingertip.foundation.input_files import RECORDING_LIMIT, TOML_LIMIT, read_input
 from fingertip.foundation.output_set import hash_parameters
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.trace import ColumnMap, Trace
 
-FORMAT, STROKE_M = "fingertip-trial 1", 0.04
-_MAX_LABELS = 2**14
-"""Longest line of labels [bytes]."""
-_NUMBERS = ("force_n", "stroke_m", "onset_error_s", "temperature_c")
+STROKE_M = 0.04
+Kind = Literal["slide", "hold", "tap", "hand"]
+_MAX_LABELS, _COLUMNS = 2**14, ("time_s", "voltage_v", "filtered_v", "slip")
+"""Longest line of labels [bytes], and columns of a trial."""
 KINDS: Mapping[str, Mapping[str, float]] = {
     "slide": {"away": 1.5, "press": 1.5, "wait": 1.0, "slide": 2.0, "rest": 1.0, "release": 1.0},
     "hold": {"away": 1.5, "press": 1.5, "hold": 5.0, "release": 1.0},
@@ -54,10 +53,10 @@ _REQUIRED = {
     CONSENT: (r"(?mi)^agrees: *yes\s*$", "nobody agrees; ask who was recorded, and write agrees: yes."),
 }
 """File of a folder -> what must stand in it, and the fault without it."""
-_ORDER = ("slide", "slide", "slide", "hold", "slide", "slide", "tap", "hand")
+_ORDER: tuple[Kind, ...] = ("slide", "slide", "slide", "hold", "slide", "slide", "tap", "hand")
 
 
-def kind_of(number: int) -> str:
+def kind_of(number: int) -> Kind:
     """Return the kind of a trial, numbered from 1: of eight, five slide."""
     return _ORDER[(number - 1) % len(_ORDER)]
 
@@ -70,39 +69,28 @@ def list_trials(folder: Path) -> list[Path]:
     return sorted(folder.glob("trial_*.csv"))
 
 
-@dataclass(frozen=True)
-class Labels:
-    """What is known of a trial beside its samples."""
+class Labels(BaseModel, frozen=True, allow_inf_nan=False):
+    """What is known of a trial beside its samples; None for what is not.
+
+    `phases` holds the start and end of each phase, as the person was told; `force_n` is that by weights, `stroke_m` the
+    way of the slide, and `onset_error_s` the error of the contact that opens with the motion. `lost` samples did not
+    arrive, and were replaced by the one before.
+    """
 
     trial: int
-    kind: str
+    kind: Kind
     phases: Mapping[str, tuple[float, float]]
-    """Phase -> its start and end, as the person was told [s]."""
     design: str
     design_hash: str
     surface: str = ""
     force_n: float | None = None
-    """Force by weights [N]; None if it is not known."""
     stroke_m: float | None = None
-    """Way of the slide [m]."""
     onset_error_s: float | None = None
-    """Error of the contact that opens with the motion [s]; None if it is not known."""
     lost: int = 0
-    """Samples that did not arrive, and were replaced by the one before."""
     firmware: str = ""
     temperature_c: float | None = None
     simulated: bool = False
-    format: str = field(default=FORMAT, kw_only=True)
-
-    def find_issues(self, name: str) -> Iterator[Issue]:
-        ends = (end for pair in self.phases.values() for end in pair)
-        numbers = (*(getattr(self, key) for key in _NUMBERS), *ends)
-        if self.format != FORMAT:
-            yield Issue(name, f"has the format {quote_value(str(self.format))}; record it again as {FORMAT!r}.")
-        if self.kind not in KINDS:
-            yield Issue(name, f"has the kind {quote_value(str(self.kind))}; give one of {', '.join(KINDS)}.")
-        if any(number is not None and not math.isfinite(number) for number in numbers):
-            yield Issue(name, "holds a label that is not finite; correct its first line.")
+    format: Literal["fingertip-trial 1"] = "fingertip-trial 1"
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,10 +102,9 @@ class TrialFile:
 
 def write_trial(path: Path, labels: Labels, trace: Trace) -> None:
     """Write a trial under another name and rename it: the file is whole or not there. Raises OutputError."""
-    columns = {"time_s": trace.time_s, "voltage_v": trace.voltage_v, "filtered_v": trace.filtered_v, "slip": trace.slip}
-    known = {name: values for name, values in columns.items() if values is not None}
+    known = {name: values for name in _COLUMNS if (values := getattr(trace, name)) is not None}
     text = io.StringIO()
-    text.write(f"# {json.dumps(asdict(labels))}\n{','.join(known)}\n")
+    text.write(f"# {labels.model_dump_json()}\n{','.join(known)}\n")
     np.savetxt(text, np.column_stack([*known.values()]), "%.7g", ",")
     write_file(path, text.getvalue().encode())
 
@@ -126,17 +113,13 @@ def read_trial(path: Path, below: Path | None = None) -> TrialFile:
     """Read a trial with its labels. Raises TraceError."""
     try:
         first = read_input(path, RECORDING_LIMIT, "a trial", _MAX_LABELS, below).partition(b"\n")[0]
-        found = json.loads(first.decode().removeprefix("#"))
-        known: dict[str, Any] = {each.name: found[each.name] for each in fields(Labels) if each.name in found}
-        told: dict[str, Any] = known["phases"]
-        phases = {name: (float(start), float(end)) for name, (start, end) in told.items()}
-        numbers = {key: float(known[key]) for key in _NUMBERS if known.get(key) is not None}
-        labels = Labels(**{**known, **numbers, "phases": phases})
-        raise_issues(TraceError, labels.find_issues(path.name))
+        labels = Labels.model_validate_json(first.decode("utf-8", "replace").removeprefix("#"))
     except InputFileError as error:
         raise TraceError(error.issues) from None
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        message = "does not begin with the labels of a trial; record it with fingertip record."
+    except ValidationError as error:
+        first_fault = error.errors()[0]
+        fault = f"{'.'.join(map(str, first_fault['loc']))}: {first_fault['msg'].lower()}"
+        message = f"does not begin with the labels of a trial ({fault}); record it with fingertip record."
         raise TraceError(Issue(path.name, message)) from None
     raw = read_raw_trace(path, ColumnMap())
     raise_issues(TraceError, raw.issues)
@@ -145,15 +128,13 @@ def read_trial(path: Path, below: Path | None = None) -> TrialFile:
 
 def prepare_folder(folder: Path, design: Design) -> None:
     """Write what the folder lacks of data sheet, consent and design. Raises TraceError for that of another design."""
-    sheet = {
-        DESIGN: to_toml(design, f"{design.name}, as recorded."),
-        SHEET: render("recordings.md", name=design.name, open=_OPEN),
-        CONSENT: render("consent.md", open=_OPEN),
-    }
+    sheet = {DESIGN: to_toml(design, f"{design.name}, as recorded."), CONSENT: render("consent.md", open=_OPEN),
+             SHEET: render("recordings.md", name=design.name, open=_OPEN)}  # fmt: skip
     kept = folder / DESIGN
     if kept.exists() and _hash_design(folder) != hash_parameters(design.identity()):
-        message = f"holds recordings of another design; choose another folder with --out, or record {kept}."
-        raise TraceError(Issue(str(folder), message))
+        raise TraceError(
+            Issue(str(folder), f"holds another design; choose another folder with --out, or record {kept}.")
+        )
     for name, text in sheet.items():
         if not (folder / name).exists():
             write_file(folder / name, text.encode())
@@ -181,9 +162,8 @@ def _read_all(folder: Path) -> tuple[list[TrialFile], list[Issue]]:
 def read_recordings(folder: Path) -> tuple[TrialFile, ...]:
     """Read all trials of a folder, whose faults are found at once. Raises TraceError."""
     found, issues = _read_all(folder)
-    if not found and not issues:
-        issues.append(Issue(str(folder), "holds no trials; record some with fingertip record."))
-    raise_issues(TraceError, issues)
+    missing = [] if found or issues else [Issue(str(folder), "holds no trials; record some with fingertip record.")]
+    raise_issues(TraceError, issues + missing)
     return tuple(found)
 
 
@@ -199,9 +179,10 @@ def check_recordings(folder: Path) -> tuple[int, list[str], list[str]]:
 def _find_faults(folder: Path, trials: Sequence[TrialFile]) -> Iterator[str]:
     try:
         expected = _hash_design(folder)
-        others = [each.labels.trial for each in trials if each.labels.design_hash != expected]
-        yield from (f"trial {number}: was recorded with another design than {DESIGN}; keep it in a folder of its own."
-                    for number in others)  # fmt: skip
+        others = [trial_path(folder, each.labels.trial).name for each in trials if each.labels.design_hash != expected]
+        yield from (
+            f"{name}: was recorded with another design than {DESIGN}; give it its own folder." for name in others
+        )
     except FingertipError as error:
         yield from (f"{DESIGN}: {issue.field} {issue.message}" for issue in error.issues)
     for name, (pattern, message) in _REQUIRED.items():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -69,7 +68,7 @@ def record(
             console.progress(line.rstrip())
 
     found = Recorder(loaded, folder, plan, show, console.progress).run(SampleReader(lines))
-    console.result({"folder": folder.as_posix(), **asdict(found), "trials": [*found.trials]}, (
+    console.result({"folder": folder.as_posix(), **found._asdict(), "trials": [*found.trials]}, (
         f"{len(found.trials)} trials, {found.samples} samples, {found.lost} lost, {found.repeated} trials repeated\n"
         f"next: fingertip validate --recordings {folder}"
     ))  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -63,6 +64,11 @@ def test_changed_level_noise_and_curve_are_recovered(
         assert one.low <= expected[one.name] <= one.high, str(one)
         assert one.high - one.low < 0.35 * expected[one.name], f"{one}: the interval says nothing"
     assert report.results["measured"].slips == 15
+    assert report.fitted.force_curve.interval_factor >= 1.1, "no sensor repeats better"
+    wider = replace(report, onset_error_s=0.005)
+    (low, high), (wide_low, wide_high) = (dict(each._rows())["median [ms]"][0][1:] for each in (report, wider))
+    assert (low - wide_low, wide_high - high) == pytest.approx((5.0, 5.0)), "the contact's error counts"
+    assert "of minutes" in report.as_text()
     # A design takes the file over, and a simulation the surface.
     taken = Design.load(tmp_path / "found/fitted.toml")
     assert taken.detector.noise_v == pytest.approx(noise_v, rel=0.1)

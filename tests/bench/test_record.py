@@ -80,6 +80,7 @@ def test_trials_have_their_labels_and_lost_samples_are_counted(tmp_path: Path) -
     assert np.flatnonzero(trials[0].trace.slip)[[0, -1]].tolist() == [500, 599]
     assert trials[0].trace.voltage_v[200:203] == pytest.approx(trials[0].trace.voltage_v[199]), "as in the firmware"
     assert any("trial 1 of 3, slide: let the slide go" in text for text in told)
+    assert [text for text in told if "moved" in text][:1] == ["trial 1: moved for 50 ms"], "at once"
 
 
 def test_a_folder_is_given_away_when_all_is_filled_in_and_somebody_agreed(tmp_path: Path) -> None:
@@ -93,6 +94,9 @@ def test_a_folder_is_given_away_when_all_is_filled_in_and_somebody_agreed(tmp_pa
         text = (tmp_path / name).read_text().replace("agrees: FILL IN with yes or no", "agrees: yes")
         (tmp_path / name).write_text(text.replace("FILL IN", "somebody"))
     assert check_recordings(tmp_path) == (1, [], [])
+    trial = (tmp_path / "trial_0001.csv").read_bytes()
+    (tmp_path / "trial_0001.csv").write_bytes(trial.replace(b'"simulated":false', b'"simulated":true'))
+    assert ["1 trials are simulated" in note for note in check_recordings(tmp_path)[2]] == [True]
     damaged = (tmp_path / "trial_0001.csv").read_bytes().replace(b'"kind":"slide"', b'"kind":"glide"')
     (tmp_path / "trial_0001.csv").write_bytes(damaged)
     assert ["(kind: input should be 'slide', " in fault for fault in check_recordings(tmp_path)[1]] == [True]

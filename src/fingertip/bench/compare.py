@@ -167,7 +167,8 @@ def compare(
     before = simulate_all("simulation", trials, design, {})
     fitted, figures, note = fit_curve(design, trials, sense_n)
     notes, moved = [note] * bool(note), dict[str, Fitted]()
-    fits = {name: LevelFit(name, SURFACES[name].felt_um) for name in dict.fromkeys(map(surface_of, slides))}
+    stated_um = {name: SURFACES[name].felt_um for name in map(surface_of, slides)}
+    fits = {name: LevelFit(name, um, um) for name, um in stated_um.items()}
     for stage in ROUNDS if slides else ():
         pairs = simulate_all(stage, slides, fitted, {name: fit.um for name, fit in fits.items()})
         noise = moved["noise"] = fit_noise(design.detector.noise_v, fitted.detector.noise_v, pairs)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -111,9 +111,8 @@ def fit_curve(
     allowed = best.law.scatter**2 * (1 + t_quantile(CONFIDENCE, max(1, count - 3)) ** 2 / max(1, count - 3))
     kept = [at for at, fit in enumerate(fits) if fit.law.scatter**2 <= allowed]
     near = [fit.law for fit in fits[max(0, kept[0] - 1) : kept[-1] + 2]]
-    exponents = [
-        law.exponent + sign * law.coverage_factor * law.exponent_uncertainty for law in near for sign in (-1, 1)
-    ]
+    exponents = [law.exponent + sign * law.coverage_factor * law.exponent_uncertainty
+                 for law in near for sign in (-1, 1)]  # fmt: skip
     conductances_us = [1e6 * law.conductance_s * math.exp(sign * law.coverage_factor * law.scatter
                        * math.sqrt(1 / count + law.mean_log_force**2 / law.squares))
                        for law in near for sign in (-1, 1)]  # fmt: skip
@@ -158,13 +157,10 @@ class LevelFit:
 
     name: str
     stated_um: float
-    um: float = field(init=False)
+    um: float
     """Roughness of the next simulation."""
     _before: tuple[float, float] | None = None
     """Logarithm of the roughness of the round before, and of its ratio of vibration, recorded to simulated."""
-
-    def __post_init__(self) -> None:
-        self.um = self.stated_um
 
     def add_round(self, pairs: Pairs) -> Fitted | None:
         """Take slides that were simulated with `um`; None if none of them shows vibration above its noise."""

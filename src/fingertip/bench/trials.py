@@ -132,9 +132,7 @@ def prepare_folder(folder: Path, design: Design) -> None:
              SHEET: render("recordings.md", name=design.name, open=_OPEN)}  # fmt: skip
     kept = folder / DESIGN
     if kept.exists() and _hash_design(folder) != hash_parameters(design.identity()):
-        raise TraceError(
-            Issue(str(folder), f"holds another design; choose another folder with --out, or record {kept}.")
-        )
+        raise TraceError(Issue(str(folder), f"holds another design; give another --out, or record {kept}."))
     for name, text in sheet.items():
         if not (folder / name).exists():
             write_file(folder / name, text.encode())
@@ -180,9 +178,7 @@ def _find_faults(folder: Path, trials: Sequence[TrialFile]) -> Iterator[str]:
     try:
         expected = _hash_design(folder)
         others = [trial_path(folder, each.labels.trial).name for each in trials if each.labels.design_hash != expected]
-        yield from (
-            f"{name}: was recorded with another design than {DESIGN}; give it its own folder." for name in others
-        )
+        yield from (f"{name}: was recorded with another design; give it its own folder." for name in others)
     except FingertipError as error:
         yield from (f"{DESIGN}: {issue.field} {issue.message}" for issue in error.issues)
     for name, (pattern, message) in _REQUIRED.items():

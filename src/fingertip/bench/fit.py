@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,8 +18,8 @@ from fingertip.calibration.printer import apply_calibration
 from fingertip.calibration.sensor import MIN_LOADS, MIN_WEIGHINGS, calibrate_sensor, parse_weighings
 from fingertip.catalogues.electronics import HYSTERESIS, PART_TO_PART
 from fingertip.design import Design
-from fingertip.foundation.numerics import CONFIDENCE, Array, t_quantile
-from fingertip.lab.campaign.run import VIBRATION_HZ
+from fingertip.foundation.numerics import CONFIDENCE, t_quantile
+from fingertip.lab.campaign.run import measure_vibration_n
 from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N
 from fingertip.slip.traces.trace import Trace
 
@@ -31,18 +31,15 @@ _MIN_TURN_ON_N, _SAME_LEVEL = 0.01, 0.02
 
 @dataclass(frozen=True)
 class Fitted:
-    """One figure of the simulation."""
+    """One figure of the simulation: stated by the design or the surface, and from `count` trials, with its interval."""
 
     name: str
     unit: str
     stated: float
-    """Value of the design, or of the bundled surface."""
     value: float
     low: float
     high: float
-    """Ends of the 95 % interval."""
     count: int
-    """Trials it follows from."""
     spread: float = 1.0
     """Factor within which real values lie about the stated one; beyond it the simulation must move."""
 
@@ -61,16 +58,6 @@ def still_part(trial: TrialFile) -> slice:
         end_s = next((end for name, (_, end) in trial.labels.phases.items() if name in ("wait", "hold")), 0.0)
     end = round(end_s / step_s)
     return slice(max(0, end - round(LOOK_S / step_s)), end)
-
-
-def fast_variance(volts: Array, step_s: float) -> float:
-    """Variance of a voltage beyond the mean of a period of `VIBRATION_HZ` [V2]."""
-    width = max(1, round(1 / (VIBRATION_HZ * step_s)))
-    if len(volts) < 3 * width:
-        return math.nan
-    slow = np.convolve(volts, np.full(width, 1 / width), "valid")
-    middle = volts[(width - 1) // 2 :][: len(slow)]
-    return float(np.mean((middle - slow) ** 2))
 
 
 def mean_interval(values: Sequence[float]) -> tuple[float, float, float]:
@@ -179,8 +166,12 @@ class LevelFit:
 
 def _excess(trial: TrialFile) -> float:
     """Variance of the voltage in the middle three fifths of the motion, beyond that of its noise [V2]."""
-    trace, step_s = trial.trace, _step_s(trial.trace)
-    sliding = trace.voltage_v[:0] if trace.slip is None else trace.voltage_v[trace.slip]
-    cut = len(sliding) // 5
-    noise = fast_variance(trace.voltage_v[still_part(trial)], step_s)
-    return fast_variance(sliding[cut : len(sliding) - cut], step_s) - noise
+    trace = trial.trace
+    still, sliding = np.zeros((2, len(trace.time_s)), dtype=bool)
+    moving = np.flatnonzero(still if trace.slip is None else trace.slip)
+    still[still_part(trial)] = True
+    sliding[moving[len(moving) // 5 : len(moving) - len(moving) // 5]] = True
+    noise, whole = (
+        measure_vibration_n(replace(trace, force_n=trace.voltage_v, slip=part)) for part in (still, sliding)
+    )
+    return whole**2 - noise**2

@@ -1,4 +1,4 @@
-"""What in the simulation must move to agree with recordings: force curve and turn-on, noise, and level of vibration.
+"""Fit of the simulation to recordings: force curve and turn-on, noise, and level of vibration.
 
 Each figure has a 95 % interval. The curve follows from the voltages under known weights, ahead of the slide. Noise and
 level compare each trial with its simulated counterpart, in the voltage: the variance of noise adds, and vibration is

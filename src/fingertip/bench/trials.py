@@ -70,7 +70,7 @@ def list_trials(folder: Path) -> list[Path]:
 
 
 class Labels(BaseModel, frozen=True, allow_inf_nan=False):
-    """What is known of a trial beside its samples; None for what is not.
+    """Labels of a trial beside its samples; None for what is not known.
 
     `phases` holds the start and end of each phase, as the person was told; `force_n` is that by weights, `stroke_m` the
     way of the slide, and `onset_error_s` the error of the contact that opens with the motion. `lost` samples did not

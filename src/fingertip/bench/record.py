@@ -125,7 +125,7 @@ class SampleReader:
 
 @dataclass(frozen=True)
 class Plan:
-    """Plan of a recording: `forces_n` by weights, each for an equal part of the trials (empty: unknown), the error of the
+    """Plan of a recording: `forces_n` by weights, each for an equal part of the trials (empty: unknown), error of the
     contact that opens with the motion (None: unknown), and `pace`, a factor of all durations. Raises TraceError."""
 
     trials: int = 40

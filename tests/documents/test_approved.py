@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from fingertip.bench.trials import prepare_folder
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.casting.sheet import casting_sheet
 from fingertip.design import Design
@@ -79,6 +80,12 @@ def test_readme_of_the_model_of_a_set_is_the_approved_one() -> None:
     check_text(APPROVED / "set_hand_robot.md", render_set_readme(load_set("adult_hand"), "finger.xml", places_m))
     urdf = render_set_readme(load_set("adult_hand"), "finger.urdf", places_m)
     assert "change `origin` of their joints" in urdf
+
+
+def test_data_sheet_and_consent_of_recordings_are_the_approved_ones(tmp_path: Path) -> None:
+    prepare_folder(tmp_path, Design.load("first_finger"))
+    for name in ("README.md", "CONSENT.md"):
+        check_text(APPROVED / f"recordings_{name}", (tmp_path / name).read_bytes())
 
 
 OWN_TESTS = {"start.md", "casting.md", "steps.md", "acceptance.md", "firmware.md", "divider_firmware.md"}

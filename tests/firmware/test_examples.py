@@ -187,7 +187,9 @@ def make_hand_sketch(
 @pytest.mark.full
 @pytest.mark.parametrize("macro", HAND_BOARDS)
 def test_the_example_of_a_hand_tells_which_finger_slips_and_which_has_a_fault(macro: str, tmp_path: Path) -> None:
-    """Index slips from 0.5 s on; the wire of T of the ring finger breaks at 1.5 s; S of the little finger is dead; T of the thumb is limited."""
+    """Index slips from 0.5 s on; the wire of T of the ring finger breaks at 1.5 s;
+    S of the little finger is dead; T of the thumb is limited.
+    """
     design = Design()
     program = make_hand_sketch(tmp_path / "library", macro, plan_fingers(design, "5", HAND_BOARDS[macro]))
     count = round(2.5 * design.detector.sample_rate_hz)

@@ -1,1 +1,9 @@
-"""Measured figures of a built finger: guided recording, a folder that others can use, measured beside simulated."""
+"""Bench: a built finger beside its simulation.
+
+Lines of the firmware's stream and the keys of a person come in; a folder of labelled trials goes out
+(`fingertip record`), and figures measured beside simulated (`fingertip validate --recordings`).
+
+>>> from fingertip.bench.trials import kind_of
+>>> [kind_of(number) for number in (1, 40)]
+['slide', 'hand']
+"""

@@ -60,7 +60,7 @@ class Build:
     removed: tuple[str, ...] = ()
     """Files of another design that were removed from the folder."""
     opinions: tuple[Check, ...] = ()
-    """What trimesh finds in the mesh files; what does not pass is among the checks too."""
+    """Findings of trimesh in the mesh files; what does not pass is among the checks too."""
 
     @property
     def passed(self) -> bool:

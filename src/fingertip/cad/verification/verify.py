@@ -39,7 +39,7 @@ class VerifiedParts:
     checks: tuple[Check, ...]
     strength: BoneStrength | None
     opinions: tuple[Check, ...] = ()
-    """What trimesh finds in the mesh files, if it was asked."""
+    """Findings of trimesh in the mesh files, if it was asked."""
 
 
 def check(

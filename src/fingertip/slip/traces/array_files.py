@@ -259,7 +259,7 @@ def _read_bag(path: Path, wanted: Collection[str]) -> dict[str, Any]:
 class _Kind(NamedTuple):
     noun: str
     remedy: str
-    """What helps where a file is damaged."""
+    """Advice where a file is damaged."""
     read: Callable[[Path, Collection[str]], dict[str, Any]]
     library: str = ""
     """Optional package that reads it; but for pyarrow in a process of its own."""

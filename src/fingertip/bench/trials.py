@@ -139,12 +139,7 @@ def prepare_folder(folder: Path, design: Design) -> None:
 
 
 def _hash_design(folder: Path) -> str:
-    loaded = load_tables([folder / DESIGN], (), below=folder)
-    return hash_parameters(Design.from_tables(loaded.tables).identity())
-
-
-def is_recordings(folder: Path) -> bool:
-    return bool(list_trials(folder)) and (folder / DESIGN).exists()
+    return hash_parameters(Design.from_tables(load_tables([folder / DESIGN], (), below=folder).tables).identity())
 
 
 def _read_all(folder: Path) -> tuple[list[TrialFile], list[Issue]]:

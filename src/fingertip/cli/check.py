@@ -117,12 +117,12 @@ def _check_meshes(paths: Sequence[Path], verbose: bool) -> tuple[list[dict[str, 
 
 
 def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[str]]:
-    from fingertip.bench.trials import check_recordings, is_recordings
+    from fingertip.bench.trials import DESIGN, check_recordings, list_trials
     from fingertip.tasks.verification import verify_sets
 
     results, texts = [], []
     for folder in folders:
-        if is_recordings(folder):
+        if list_trials(folder) and (folder / DESIGN).exists():
             trials, faults, notes = check_recordings(folder)
             found = {"passed": not faults, "trials": trials, "faults": faults, "notes": notes}
             results.append({"folder": folder.as_posix(), **found})

@@ -103,10 +103,7 @@ class CompiledLoop:
         self._asked_s += work_s
         if work_s >= CALL_S and (_always_compile or (self._asked_s >= LOAD_S and available())):
             self._run_compiled(arguments)
-        else:
-            self._run_plain(arguments)
-
-    def _run_plain(self, arguments: tuple[Any, ...]) -> None:
+            return
         lists = [a.tolist() if isinstance(a, np.ndarray) else a for a in arguments]
         self.plain(*lists)
         for argument, values in list(zip(arguments, lists, strict=True))[-self.outputs :]:

@@ -294,14 +294,12 @@ def hash_file(path: Path) -> str:
 def has_hash(path: Path, *digests: str | None) -> bool:
     """Return whether a file is a regular one with one of these hashes, as it is or as git for Windows checks it out."""
     try:
-        return hash_file(path) in digests or _hash_folded(path) in digests
+        if hash_file(path) in digests:
+            return True
+        data = input_files.read_input(path, input_files.RECORDING_LIMIT, below=path.parent)
+        return hash_content(fold_lines(data)) in digests
     except InputFileError:
         return False
-
-
-def _hash_folded(path: Path) -> str:
-    data = input_files.read_input(path, input_files.RECORDING_LIMIT, below=path.parent)
-    return hash_content(fold_lines(data))
 
 
 def fold_lines(data: bytes) -> bytes:

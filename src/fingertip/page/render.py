@@ -68,11 +68,6 @@ def render_tabs(
     return render_document(f"{name}: fingertip", body, read_asset("page.css"), every, data_design=name)
 
 
-def _list_words() -> Markup:
-    rows = [(element("dfn", row["word"]), row["meaning"]) for row in read_rows(_WORDS)]
-    return table(("word", "meaning"), rows, "words")
-
-
 def _read_meanings() -> dict[str, str]:
     """Read the meaning of each word; two words in a row share it, or have one each."""
     found = dict[str, str]()
@@ -136,8 +131,8 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
     verdict, kind = tell_verdict(report.checks)
     drawing = markdown_sheets.render_drawing(sources)
     steps, has_board = cast.count("data-tick="), design.board.variant != "divider"
-    size_mm = measure_finger(items)
-    screen = FirstScreen(design, report.casting, report.loads, size_mm, links, steps, verdict)
+    screen = FirstScreen(design, report.casting, report.loads, measure_finger(items), links, steps, verdict)
+    words = ((element("dfn", row["word"]), row["meaning"]) for row in read_rows(_WORDS))
     picture = render_finger(prepared.finger, "The finished finger, computed: from the back, and from the palm.")
     tabs = (
         ("start", "Start", (
@@ -163,7 +158,7 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
                 ("pad", "What the sensor feels", prepared.pad or render_pad(design)),
                 ("response", "Response of the board", prepared.response),
                 ("trial", "Trial and detection", render_trial(sources)),
-                ("words", "Words", _list_words()),
+                ("words", "Words", table(("word", "meaning"), words, "words")),
             )
             if content
         ))),

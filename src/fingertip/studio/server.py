@@ -62,7 +62,6 @@ _HEADERS = {
 class StudioServer(ThreadingHTTPServer):
     """Server of one design. Raises StudioError."""
 
-    daemon_threads = True
     request_queue_size = 128  # a connection beyond them waits a second before it tries again
     allow_reuse_address = os.name == "posix"  # elsewhere it would allow two servers on one port
 

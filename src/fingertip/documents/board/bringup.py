@@ -12,7 +12,7 @@ from fingertip.board.bringup import plan as limits
 from fingertip.board.bringup.plan import PROBES, BringUp, Limits
 from fingertip.board.bringup.resistances import resistance_between
 from fingertip.board.circuits.channels import describe_sockets
-from fingertip.board.kicad.placement import Pad, Placement, view_channel
+from fingertip.board.kicad.placement import Placement, view_channel
 from fingertip.board.kicad.project import load_project
 from fingertip.board.parts import nets
 from fingertip.board.parts.circuit import CapacitorRequirement, format_component_value, reference_sort_key
@@ -122,7 +122,9 @@ def _find_plus(placement: Placement) -> str:
 def _list_voltages(plan: BringUp, placement: Placement) -> Iterator[Row]:
     front_end = "bridge" if nets.REFERENCE in plan.open_v else "stage"
     for net, limit in plan.open_v.items():
-        yield _row(_find_probe(placement, net), limit, "V", PROBES[net][front_end])
+        probe = PROBES[net]
+        place = find_end(placement, probe["point"], net) if probe["pin"] == "end" else f"{probe['point']}{probe['pin']}"
+        yield _row(f"{place}, {probe['name']}", limit, "V", probe[front_end])
     for ohm, limit in plan.dummy_v.items():
         yield _row(f"TP1, {format_ohm(ohm)} at J1", limit, "V", "R28 to R30" if front_end == "stage" else "R10 to R14")
 
@@ -155,22 +157,9 @@ def _join(words: list[str]) -> str:
 # and supply on the left.
 
 
-def _find_probe(placement: Placement, net: str) -> str:
-    """Name the place of the red probe, and what is there."""
-    point, pin = PROBES[net]["point"], PROBES[net]["pin"]
-    place = find_end(placement, point, net) if pin == "end" else f"{point}{pin}"
-    return f"{place}, {PROBES[net]['name']}"
-
-
 def find_end(placement: Placement, reference: str, net: str) -> str:
     """Name the end of a two-terminal part that is at a net, such as "right end of C10"."""
     here, other = sorted(placement.parts[reference].pads, key=lambda pad: pad.net != net)
-    return f"{_name_side(here, other)} end of {reference}"
-
-
-def _name_side(pad: Pad, other: Pad) -> str:
-    (x, y), (other_x, other_y) = pad.centre, other.centre
-    dx, dy = x - other_x, y - other_y
-    if abs(dx) > abs(dy):
-        return "right" if dx > 0 else "left"
-    return "lower" if dy > 0 else "upper"
+    dx, dy = (a - b for a, b in zip(here.centre, other.centre, strict=True))
+    side = ("right" if dx > 0 else "left") if abs(dx) > abs(dy) else ("lower" if dy > 0 else "upper")
+    return f"{side} end of {reference}"

@@ -29,7 +29,7 @@ def as_text(found: Accuracy) -> str:
     lines = [
         f"{found.design.name}: largest errors of a trial and of a grasp, against steps / {REFERENCE}",
         *as_table(("run", "step [us]", *map(SIGNALS.get, found.steps[0].errors), "CPU [s]", "x real time"),
-                ([one.run, f"{1e6 * one.step_s:g}", *map(_short, one.errors.values()), f"{one.cpu_s:.2f}",
+                ([one.run, f"{1e6 * one.step_s:g}", *map("{:.1e}".format, one.errors.values()), f"{one.cpu_s:.2f}",
                   f"{one.real_time_ratio:.0f}"] for one in found.steps)),
         "",
         f"extreme cases: {f'{len(wrong)} are WRONG' if wrong else 'none is wrong'}",
@@ -57,14 +57,7 @@ def _describe_cases(one: FamilyResult) -> Iterator[str]:
 
 def as_data(found: Accuracy) -> dict[str, Any]:
     extremes = {one.name: dict(zip(EXTREMES[1:], _count_outcomes(one)[1:], strict=True)) for one in found.extremes}
-    steps = [asdict(one) for one in found.steps]
-    return {
-        "design": found.design.name, "steps": steps, "extremes": extremes
-    }  # fmt: skip
-
-
-def _short(value: float) -> str:
-    return f"{value:.1e}"
+    return {"design": found.design.name, "steps": [asdict(one) for one in found.steps], "extremes": extremes}
 
 
 def as_table(header: Sequence[object], rows: Iterable[Sequence[object]]) -> list[str]:

@@ -54,8 +54,7 @@ def calibrate_printer(design: Design, half_thickness_mm: float, plate_width_mm: 
     readings = {"--half-thickness-mm": (half_thickness_mm, half)}
     if plate_width_mm is not None:
         readings["--plate-width-mm"] = plate_width_mm, plate
-    issues = [issue for option, pair in readings.items() for issue in _find_mistakes(option, *pair)]
-    raise_issues(DesignError, issues)
+    raise_issues(DesignError, [issue for option, pair in readings.items() for issue in _find_mistakes(option, *pair)])
     percent = design.printer.scale_percent
     scale, uncertainty = 100.0 / percent, _USUAL_SCALE_ERROR
     if plate_width_mm is not None:
@@ -92,8 +91,7 @@ def _find_mistakes(option: str, reading_mm: float, nominal_mm: float) -> Iterato
         return
     for unit, size in _FACTORS.items():
         if abs(reading_mm * size - nominal_mm) <= limit:
-            message = f"{reading_mm:g} looks like {unit}; write it in millimetres, about {nominal_mm:.2f}."
-            yield Issue(option, message)
+            yield Issue(option, f"{reading_mm:g} looks like {unit}; write it in millimetres, about {nominal_mm:.2f}.")
             return
     yield Issue(
         option,

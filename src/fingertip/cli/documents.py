@@ -181,8 +181,7 @@ def studio(
     from fingertip.foundation.interruption import INTERRUPTIONS
     from fingertip.studio.server import StudioServer
 
-    loaded = load_design(design, changes, console)
-    with StudioServer(loaded, DEFAULT_PORT if port is None else port) as server:
+    with StudioServer(load_design(design, changes, console), DEFAULT_PORT if port is None else port) as server:
         with contextlib.suppress(*INTERRUPTIONS):  # the way to end it, no failure
             console.result({"url": server.url, "port": server.server_port}, f"studio: {server.url}")
             console.progress("Ctrl-C ends it")

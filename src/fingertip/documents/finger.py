@@ -84,8 +84,7 @@ class FirstScreen:
 
 
 def render_start(screen: FirstScreen) -> str:
-    usd = add_prices(screen.casting.things) if screen.casting else None
-    return render_page("start.md", **vars(screen), usd=usd)
+    return render_page("start.md", **vars(screen), usd=add_prices(screen.casting.things) if screen.casting else None)
 
 
 def render_basis_table(design: Design) -> str:

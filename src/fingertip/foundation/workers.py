@@ -336,8 +336,7 @@ def _fork() -> tuple[int, IO[bytes], IO[bytes]]:
         for stream in range(3):
             os.dup2(null, stream)
         # Whatever else is open belongs to the other process, which closes pipes to say that it is done.
-        bounds = (2, *sorted((calls, answers)), os.sysconf("SC_OPEN_MAX"))
-        for low, high in itertools.pairwise(bounds):
+        for low, high in itertools.pairwise((2, *sorted((calls, answers)), os.sysconf("SC_OPEN_MAX"))):
             os.closerange(low + 1, high)
         _serve(parent, calls, answers)
     finally:

@@ -80,8 +80,7 @@ def refuse_other_board(design: Design) -> None:
     folder, channels = output_files.BOARD.folder(design), design.board.channels
     name = design.board.variant if channels == 1 else f"{channels}_fingers"
     finish_interrupted(folder)
-    has_filter = design.board.has_filter
-    circuit = board_circuit(board_values(design), channels) if has_filter else divider_circuit(design)
+    circuit = board_circuit(board_values(design), channels) if design.board.has_filter else divider_circuit(design)
     refuse_other_circuit(folder, kicad_netlist_file(circuit), folder.with_name(f"board_{name}"))
 
 
@@ -169,8 +168,7 @@ def write_board(
     """
     if out is None and not force:
         refuse_other_board(design)
-    plan = plan_board(design, output_files.BOARD.folder(design, out), force=force, bring_up=bring_up)
-    return plan.write(progress)
+    return plan_board(design, output_files.BOARD.folder(design, out), force=force, bring_up=bring_up).write(progress)
 
 
 def write_fabrication(
@@ -187,8 +185,7 @@ def write_fabrication(
     """
     from fingertip.board.fabrication.fabrication_files import fabrication_files  # noqa: PLC0415
 
-    folder = output_files.BOARD.folder(design, out)
-    writer = check_fabrication(design, folder, force=force)
+    writer = check_fabrication(design, output_files.BOARD.folder(design, out), force=force)
     values = board_values(design)
     circuit, sources = board_circuit(values, design.board.channels), board_files(design)
     placement = load_project(values.variant, design.board.channels).placement

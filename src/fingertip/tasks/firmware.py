@@ -32,8 +32,7 @@ def firmware_files(design: Design, fingers: Fingers = ONE_FINGER) -> dict[str, d
         SOURCES: sources,
     }
     for example, names in (_HAND_FILES if fingers.is_hand else _EXAMPLE_FILES).items():
-        files = {name: read_template(f"{EXAMPLES}/{name}").encode() for name in names}
-        folders[f"{EXAMPLES}/{example}"] = files
+        folders[f"{EXAMPLES}/{example}"] = {name: read_template(f"{EXAMPLES}/{name}").encode() for name in names}
     return folders
 
 

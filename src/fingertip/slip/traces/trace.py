@@ -178,8 +178,7 @@ class ColumnMap:
         volts: dict[str, Any] = {name: columns[name] for name in ("voltage_v", *BOARD_COLUMNS) if name in columns}
         if self.scale != 1.0:
             volts = {name: values * self.scale for name, values in volts.items()}
-        flags = None if slip is None else slip == 1.0
-        return Trace(time, force_n=columns.get("force_n"), slip=flags, **volts)
+        return Trace(time, force_n=columns.get("force_n"), slip=None if slip is None else slip == 1.0, **volts)
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,7 @@ from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance
 from fingertip.board.components.values import SUPPLIES
 from fingertip.board.parts.circuit import Circuit, parse_component_value
 from fingertip.board.parts.nets import FILTERED, STAGE1_OUT, VMID
-from fingertip.board.parts.symbols import BAT54S
+from fingertip.board.parts.symbols import SYMBOLS
 from fingertip.catalogues.electronics import LOW_OFFSET_AMPLIFIER, Amplifier
 from fingertip.design import Design
 from fingertip.design.formulas import amplifiers
@@ -144,7 +144,7 @@ def _check_converter(
             FLOOR, "ENVELOPE", limits.signal_ground_v + offset.min_v, limits.adc_low_v, "V", "advised",
             "the converter cannot tell how far the envelope lies below its range: set detector.adc_polarity=bipolar",
         )  # fmt: skip
-    clamps = ", ".join(c.reference for c in circuit.components if c.symbol == BAT54S)
+    clamps = ", ".join(c.reference for c in circuit.components if c.symbol == SYMBOLS["BAT54S"])
     yield at_most(
         CLAMP, clamps or "U1, U2", limits.clamp_high_rail_v, limits.adc_range_v, "V", "advised",
         "only the supply of the board limits it, which pins of a smaller range need not bear; give the converter a "

@@ -83,17 +83,14 @@ class NoisyNetwork:
         f = np.geomspace(low, high, round(_POINTS_PER_DECADE * math.log10(high / low)) + 1)
         corners_hz = np.array([source.corner_hz for source in self.sources])
         density = np.array([source.noise for source in self.sources]) * np.sqrt(1.0 + corners_hz / f[:, None])
-        return np.asarray(np.trapezoid(np.abs(self._transfers(f, net) * density) ** 2, f, axis=0))
+        part = self.network.restrict(net)
+        entries = np.array([[source.entries.get(name, 0.0) for source in self.sources] for name in part.nets])
+        transfers = part.transfers(f, net) @ entries  # (frequencies, sources)
+        return np.asarray(np.trapezoid(np.abs(transfers * density) ** 2, f, axis=0))
 
     def total_v(self, net: str) -> float:
         """RMS noise of all sources together at a net [V]."""
         return math.sqrt(float(self.squares(net).sum()))
-
-    def _transfers(self, f_hz: Array, net: str) -> Array:
-        """Voltage at a net for 1 A or 1 V of each source, (frequencies, sources)."""
-        part = self.network.restrict(net)
-        entries = np.array([[source.entries.get(name, 0.0) for source in self.sources] for name in part.nets])
-        return np.asarray(part.transfers(f_hz, net) @ entries)
 
 
 def add_noise(circuit: Circuit, gain_bandwidth_hz: float) -> NoisyNetwork:

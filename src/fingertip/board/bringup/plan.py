@@ -234,18 +234,14 @@ def _widen(expected: float, drawn: Array, error: tuple[float, float]) -> Limits:
 
 def _draw(path: Network, board: Board, random: np.random.Generator) -> dict[str, Value]:
     drawn: dict[str, Value] = {}
+    required = {part.reference: part.requirement for part in board.circuit.components if part.requirement}
     for name in sorted({term.quantity for term in path.terms}):
-        ratio = _TEST_PART_RATIO.get(name) or _find_tolerance(name, board)
+        ratio = _TEST_PART_RATIO.get(name) or (required[name].tolerance_percent / 100.0 if name in required else 0.0)
         if ratio:
             factor = 1.0 + ratio * random.uniform(-1.0, 1.0, BOARDS)
             value = path.values[name]
             drawn[name] = value / factor if name.startswith("R") else value * factor  # conductance of a resistor
     return drawn
-
-
-def _find_tolerance(reference: str, board: Board) -> float:
-    requirement = next((part.requirement for part in board.circuit.components if part.reference == reference), None)
-    return requirement.tolerance_percent / 100.0 if requirement else 0.0
 
 
 def _draw_offset(path: Network, board: Board, net: str, ground: str, random: np.random.Generator) -> Array:

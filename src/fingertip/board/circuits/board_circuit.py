@@ -117,9 +117,9 @@ def _make_component(row: dict[str, str], values: ComponentValues) -> Component:
             rating = f"{symbol.description}, offset {1e3 * data.max_offset_v:g} mV at most"
             return Component(reference, data.order_name, symbol, symbols.SOIC_8, role, rating)
         case "point":
-            return Component(reference, row["value"], symbols.TEST_POINT, symbols.TEST_PAD, role)
+            return Component(reference, row["value"], symbols.SYMBOLS["TestPoint"], symbols.TEST_PAD, role)
         case "hole":
-            return Component(reference, row["value"], symbols.MOUNTING_HOLE, symbols.M2_HOLE, role)
+            return Component(reference, row["value"], symbols.SYMBOLS["MountingHole"], symbols.M2_HOLE, role)
     symbol, footprint, value = symbols.SYMBOLS[row["symbol"]], getattr(symbols, row["footprint"]), row["value"]
     rating = symbol.description
     if value == SUPPRESSOR:

@@ -98,7 +98,10 @@ def repeat_channel(single: Circuit, fitted: int) -> Circuit:
     for component, nets in pins.items():
         if component.reference in SHARED_PARTS:
             wiring[component] = nets
-    wiring[_host_connector(single)] = host_pins()
+    symbol = symbols.SYMBOLS["Conn_01x15_MountingPin"]
+    role = "to the controller: tactile voltage and filtered signal of each finger, ground between them, supply"
+    host = replace(single.component(HOST_CONNECTOR), symbol=symbol, footprint=symbols.JST_SH_15, role=role)
+    wiring[host] = host_pins()
     for channel in range(1, PLACES + 1):
         for component, nets in pins.items():
             if component.reference not in (*SHARED_PARTS, HOST_CONNECTOR):
@@ -108,12 +111,6 @@ def repeat_channel(single: Circuit, fitted: int) -> Circuit:
                     own, named = _place_socket(own, named, channel)
                 wiring[own] = named
     return build_circuit(single.name, wiring)
-
-
-def _host_connector(single: Circuit) -> Component:
-    symbol = symbols.SYMBOLS["Conn_01x15_MountingPin"]
-    role = "to the controller: tactile voltage and filtered signal of each finger, ground between them, supply"
-    return replace(single.component(HOST_CONNECTOR), symbol=symbol, footprint=symbols.JST_SH_15, role=role)
 
 
 def _place_socket(part: Component, nets: dict[str, str], channel: int) -> tuple[Component, dict[str, str]]:

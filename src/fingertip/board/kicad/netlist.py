@@ -47,8 +47,11 @@ def kicad_netlist_file(circuit: Circuit) -> bytes:
     """Content of the netlist file, UTF-8, with components sorted by reference and nets by name."""
     components = sorted(circuit.components, key=reference_sort_key)
     symbols = sorted({component.symbol for component in components}, key=lambda s: (s.library, s.name))
+    channels = sorted({find_symbol(component.reference)[0] for component in circuit.components})
+    revision = REVISION if channels == [0] else SEVERAL_REVISION
+    sheets = (_sheet(circuit, number, channel, revision) for number, channel in enumerate(channels, start=1))
     sections: tuple[Expression, ...] = (
-        _design(circuit),
+        ("design", *_texts(source=f"{circuit.name}.kicad_sch", date="", tool="fingertip"), *sheets),
         ("components", *(_component(circuit, component) for component in components)),
         ("libparts", *(_libpart(symbol) for symbol in symbols)),
         ("nets", *_nets(circuit)),
@@ -61,13 +64,6 @@ def kicad_netlist_file(circuit: Circuit) -> bytes:
 def _texts(**texts: str) -> Iterator[Expression]:
     """Yield a list of a name and a quoted text for each of these."""
     return ((name, quote(text)) for name, text in texts.items())
-
-
-def _design(circuit: Circuit) -> Expression:
-    channels = sorted({find_symbol(component.reference)[0] for component in circuit.components})
-    revision = REVISION if channels == [0] else SEVERAL_REVISION
-    sheets = (_sheet(circuit, number, channel, revision) for number, channel in enumerate(channels, start=1))
-    return "design", *_texts(source=f"{circuit.name}.kicad_sch", date="", tool="fingertip"), *sheets
 
 
 def _sheet(circuit: Circuit, number: int, channel: int, revision: str) -> Expression:

@@ -114,9 +114,13 @@ class StoredProject:
         changes |= print_values(self.layout, self.board, circuit, self.placement)
         files = {LAYOUT: sexpr.replace_spans(self.layout, changes).encode()}
         drawn = {component.reference: library_id(component.symbol) for component in circuit.components}
+        empty = {name_sheet(split_name(part.reference)[0]) for part in circuit.components if not part.is_fitted}
         for file, sheet in self.sheets.items():
             text = self.schematics[file]
-            changes = _enter_fields(text, sheet, circuit) | _leave_out(text, sheet, circuit)
+            changes = _enter_fields(text, sheet, circuit)
+            for own in sheet.children("sheet"):
+                if any(entry.words[1] == "Sheetname" and entry.words[2] in empty for entry in own.children("property")):
+                    changes |= _mark_empty(text, own)
             if drawn != self.symbols:
                 parts = [name for part in sheet.children("symbol") if (name := read_reference(part)) in drawn]
                 changes |= _draw_symbols(text, sheet, {drawn[part]: self.symbols[part] for part in parts})
@@ -175,16 +179,6 @@ def _enter_part(text: str, part: sexpr.Node, component: Component) -> dict[sexpr
 def _mark_empty(text: str, item: sexpr.Node) -> dict[sexpr.Span, str]:
     """Mark a symbol or a sheet as not fitted (KiCad: do not populate)."""
     return {sexpr.find_word(text, mark, 1): "yes" for mark in item.children("dnp")}
-
-
-def _leave_out(text: str, schematic: sexpr.Node, circuit: Circuit) -> dict[sexpr.Span, str]:
-    """Mark the sheets of the channels that are not fitted."""
-    empty = {name_sheet(split_name(part.reference)[0]) for part in circuit.components if not part.is_fitted}
-    changes: dict[sexpr.Span, str] = {}
-    for sheet in schematic.children("sheet"):
-        if any(entry.words[1] == "Sheetname" and entry.words[2] in empty for entry in sheet.children("property")):
-            changes |= _mark_empty(text, sheet)
-    return changes
 
 
 def _draw_symbols(text: str, schematic: sexpr.Node, drawn_as: dict[str, str]) -> dict[sexpr.Span, str]:

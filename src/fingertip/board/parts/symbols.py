@@ -10,21 +10,12 @@ from pathlib import Path
 
 from fingertip.board.parts.circuit import Pin, Symbol
 
-
-def _load_symbols() -> dict[str, Symbol]:
-    rows = json.loads((Path(__file__).parent / "symbols.json").read_text("utf-8"))
-    return {
-        row["name"]: Symbol(row["library"], row["name"], row["description"], tuple(Pin(*pin) for pin in row["pins"]))
-        for row in rows
-    }
-
-
-SYMBOLS = _load_symbols()
+SYMBOLS = {
+    row["name"]: Symbol(row["library"], row["name"], row["description"], tuple(Pin(*pin) for pin in row["pins"]))
+    for row in json.loads((Path(__file__).parent / "symbols.json").read_text("utf-8"))
+}
 RESISTOR = SYMBOLS["R"]
 CAPACITOR = SYMBOLS["C"]
-BAT54S = SYMBOLS["BAT54S"]
-TEST_POINT = SYMBOLS["TestPoint"]
-MOUNTING_HOLE = SYMBOLS["MountingHole"]
 DUAL_AMPLIFIERS = {
     "TL082": SYMBOLS["TL082"],
     "TLV2372": SYMBOLS["TLV2372"],

@@ -178,7 +178,11 @@ class Text:
         raise AssertionError(term)
 
     def _write_condition(self, term: Term) -> str:
-        atoms = _atoms(term)
+        terms, seen = [term], set[Term]()
+        for each in terms:  # it grows
+            terms += [inner for inner in each.operands if isinstance(inner, Term) and inner not in seen]
+            seen.add(each)
+        atoms = {each.operands[0] for each in terms if each.operation == "name"}
         kinds = {self._trace.atoms[each].kind for each in atoms}
         if not atoms <= self.used or not kinds & {"parameter", "bought"}:
             return ""
@@ -186,14 +190,6 @@ class Text:
         if left == right or (term.operation == "!=" and left.operation != "name" and right.operation == "constant"):
             return ""  # it holds always, or keeps a division from failing
         return self.write(term, names=False)[0]
-
-
-def _atoms(term: Term) -> set[str]:
-    terms, seen = [term], set[Term]()
-    for each in terms:  # it grows
-        terms += [inner for inner in each.operands if isinstance(inner, Term) and inner not in seen]
-        seen.add(each)
-    return {each.operands[0] for each in terms if each.operation == "name"}
 
 
 def _literal(value: object) -> str:

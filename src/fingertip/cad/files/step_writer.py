@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 
 from OCP.IFSelect import IFSelect_RetDone
@@ -95,17 +95,12 @@ def _sort_colour_blocks(text: str) -> str:
     end = text.index("ENDSEC;", starts[-1])
     blocks = [text[a:b] for a, b in zip(starts, [*starts[1:], end], strict=True)]
     blocks.sort(key=lambda block: int(_STYLED_ITEM.findall(block)[0]))
-    blocks = list(_place_colours(blocks))
+    colours = {match[1]: match[0] for block in blocks for match in _COLOUR.finditer(block)}
+    for i, block in enumerate(blocks):
+        own = _COLOUR.sub("", block)
+        used = [number for number in _REFERENCE.findall(own) if number in colours]
+        blocks[i] = own + "".join(colours.pop(number) for number in dict.fromkeys(used))
     old = [number for block in blocks for number in _ENTITY.findall(block)]
     new = dict(zip(old, sorted(old, key=int), strict=True))
     tail = _REFERENCE.sub(lambda m: f"#{new.get(m[1], m[1])}", "".join(blocks))
     return text[: starts[0]] + tail + text[end:]
-
-
-def _place_colours(blocks: list[str]) -> Iterator[str]:
-    """Move each colour to the end of the first block that refers to it."""
-    colours = {match[1]: match[0] for block in blocks for match in _COLOUR.finditer(block)}
-    for block in blocks:
-        own = _COLOUR.sub("", block)
-        used = [number for number in _REFERENCE.findall(own) if number in colours]
-        yield own + "".join(colours.pop(number) for number in dict.fromkeys(used))

@@ -71,13 +71,9 @@ _NONE = Supports((), "nowhere: nothing overhangs", "any face")
 def supports_by_part(design: Design) -> dict[str, Supports]:
     orientations = print_orientations(design)
     every = dict.fromkeys(orientations, _NONE)
-    if not design.prints_without_supports:
-        every["bone"] = _bone(design)
-    return every
-
-
-def _bone(design: Design) -> Supports:
-    """Supports of the bone: proximal to the skin, on the outside."""
+    if design.prints_without_supports:
+        return every
+    # Those of the bone: proximal to the skin, on the outside.
     interface = interface_of(design)
     under = interface.supports_below + interface.supports_inside
     section = design.dimensions.collar.section
@@ -87,4 +83,4 @@ def _bone(design: Design) -> Supports:
         Box((-reach, -reach, below), (reach, reach, 0.0)), finger.sensor_recess(design), finger.cable_channel(design)
     )
     none_on = "anything else above the collar; the seat of the sensor; the channel of the cables"
-    return Supports((outside,), under, none_on)
+    return every | {"bone": Supports((outside,), under, none_on)}

@@ -36,7 +36,10 @@ def check_assembly(design: Design, solids: Solids) -> Iterator[Check]:
     evaluator = solids.evaluator
     parts = {name: solid for name, solid in solids.parts.items() if not PARTS[name].is_tool}
     if "skin" in parts:
-        yield Check.zero_volume("volume_balance.cavity", _cavity_imbalance(design, evaluator, parts["skin"]))
+        growth, silicone = design.dimensions.shrinkage**3, evaluator.manifold(parts["skin"]).volume()
+        room = evaluator.manifold(cavity(design)).volume()
+        core = evaluator.manifold(intersection(cavity(design), core_within_skin(design))).volume()
+        yield Check.zero_volume("volume_balance.cavity", abs(float(room - core - growth * silicone)))
     inside = {name: solid for name, solid in parts.items() if name not in HALVES}
     # The bone does not lie in the mold, and the skin that does is larger by its shrinkage.
     inside.pop("bone", None)
@@ -111,14 +114,6 @@ def _check_overlaps(
             yield Check.zero_volume(f"overlap.{name}.{half}", alone)
     if len(halves) == 2:
         yield Check.zero_volume(f"overlap.{'.'.join(halves)}", volume(intersection(*halves.values())))
-
-
-def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> float:
-    """Compute |cavity - core - silicone that shrinks to the skin| [mm3]."""
-    growth, silicone = design.dimensions.shrinkage**3, evaluator.manifold(skin).volume()
-    room = evaluator.manifold(cavity(design)).volume()
-    core = evaluator.manifold(intersection(cavity(design), core_within_skin(design))).volume()
-    return abs(float(room - core - growth * silicone))
 
 
 def _mold_imbalance(design: Design, evaluator: MeshEvaluator, halves: Iterable[Solid]) -> float:

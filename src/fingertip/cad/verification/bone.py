@@ -137,21 +137,17 @@ def check_air_vent(design: Design, solids: Solids) -> Iterator[Check]:
 )
 def check_laid_in(design: Design, solids: Solids) -> Iterator[Check]:
     """Check the trough in which the sensor is laid: room for what is sold, and an open vent."""
-    largest = solids.evaluator.manifold(finger.sensor_body(_with_largest_sensor(design)))
-    yield Check.zero_volume("sensor.room_overlap", float((largest ^ solids["bone"]).volume()))
-    yield Check("sensor.vent_open", _find_open_share(design, solids), _LEAST_OPEN_PERCENT, "%", "at least")
-
-
-def _with_largest_sensor(design: Design) -> Design:
-    """Give the design the largest sensor that its trough has to take, with its tabs as more of its tail."""
     body = design.dimensions.sensor
-    sizes = {
+    sizes = {  # of the largest sensor that the trough has to take, with its tabs as more of its tail
         "active_diameter_mm": body.active_diameter_mm, "thickness_mm": body.thickness_mm,
         "head_diameter_mm": body.head_diameter_mm + HEAD_MM, "tail_width_mm": body.tail_width_mm + TAIL_MM,
         "length_mm": body.length_mm + LONGER_MM + design.sensor.tab_length_mm,
     }  # fmt: skip
     own, sensor = design.custom_sensor.model_copy(update=sizes), design.sensor.model_copy(update={"model": "custom"})
-    return design.model_copy(update={"sensor": sensor, "custom_sensor": own})
+    with_largest = design.model_copy(update={"sensor": sensor, "custom_sensor": own})
+    largest = solids.evaluator.manifold(finger.sensor_body(with_largest))
+    yield Check.zero_volume("sensor.room_overlap", float((largest ^ solids["bone"]).volume()))
+    yield Check("sensor.vent_open", _find_open_share(design, solids), _LEAST_OPEN_PERCENT, "%", "at least")
 
 
 def _find_open_share(design: Design, solids: Solids) -> float:

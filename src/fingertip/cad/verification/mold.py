@@ -64,9 +64,18 @@ def check_mold(design: Design, solids: Solids) -> Iterator[Check]:
     pressure = plunge_pressure_kpa(design, evaluator)
     yield Check("mold.plunge_pressure", pressure, design.mold_layout.held_kpa, "kPa")
     yield Check("mold.core_bending", design.mold_layout.core_bending_mm(pressure), MAX_BENDING_MM, "mm")
-    yield Check("mold.creep", seam_mm3(design, pressure), _notches_mm3(design), "mm3")
+    layout, (width, depth) = design.mold_layout, NOTCH_MM
+    dorsal = layout.dorsal_height - design.skin.semi_axis_dorsal_mm
+    notches_mm3 = 2 * width * (depth + GAP_MM) * (dorsal + design.mold.wall_mm)  # flows back where some is lost
+    yield Check("mold.creep", seam_mm3(design, pressure), notches_mm3, "mm3")
     yield Check("mold.seat_film", seat_film_mm(design), _MAX_FILM_MM, "mm")
-    yield _check_wall(design, evaluator)
+    # The wall between the cavity and everything else that is open, but for rim and seam, where it opens.
+    below = PLANE_OFFSET_MM + GAP_MM + max(NOTCH_MM[1], RIDGE_HEIGHT_MM)
+    whole: Solid = difference(mold.block(design), *mold.belts(design), *mold.label(design), *mold.key_sockets(design))
+    room = evaluator.manifold(cavity(design)).trim_by_plane((0.0, 0.0, 1.0), below)
+    outside = complement(evaluator, whole).trim_by_plane((0.0, 0.0, 1.0), below)
+    limit = design.printer.min_wall_mm - evaluator.tolerance_mm
+    yield Check("mold.wall", measure_gap(room, outside, 2 * limit), limit, "mm", "at least")
     yield check_fitting_stretch(design, evaluator)
 
 
@@ -177,13 +186,6 @@ def seam_mm3(design: Design, pressure_kpa: float) -> float:
     return gap * depth * (2 * layout.cavity_half_width + 2 * design.skin.length_mm * 2 / 3)
 
 
-def _notches_mm3(design: Design) -> float:
-    """Compute the silicone in the four notches, which flows back where some is lost [mm3]."""
-    layout, (width, depth) = design.mold_layout, NOTCH_MM
-    dorsal = layout.dorsal_height - design.skin.semi_axis_dorsal_mm
-    return 2 * width * (depth + GAP_MM) * (dorsal + design.mold.wall_mm)
-
-
 def seat_film_mm(design: Design) -> float:
     """Compute the film of silicone that is left on the flanks after half the pot life, if it came there [mm].
 
@@ -194,13 +196,3 @@ def seat_film_mm(design: Design) -> float:
     width = 1e-3 * math.sqrt(2.0) * 2 * flanks[0].point_mm[2]
     length, time_s = 1e-3 * (RIDGE_LENGTH_MM - 2 * RIDGE_END_MM), 30 * silicone.planned_pot_life_min
     return 1e3 * math.sqrt(silicone.viscosity_pa_s.high * length * width**3 / (2 * share * time_s))
-
-
-def _check_wall(design: Design, evaluator: MeshEvaluator) -> Check:
-    """Check the wall between the cavity and everything else that is open, but for rim and seam, where it opens."""
-    below = PLANE_OFFSET_MM + GAP_MM + max(NOTCH_MM[1], RIDGE_HEIGHT_MM)
-    whole: Solid = difference(mold.block(design), *mold.belts(design), *mold.label(design), *mold.key_sockets(design))
-    room = evaluator.manifold(cavity(design)).trim_by_plane((0.0, 0.0, 1.0), below)
-    outside = complement(evaluator, whole).trim_by_plane((0.0, 0.0, 1.0), below)
-    limit = design.printer.min_wall_mm - evaluator.tolerance_mm
-    return Check("mold.wall", measure_gap(room, outside, 2 * limit), limit, "mm", "at least")

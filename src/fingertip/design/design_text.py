@@ -42,7 +42,11 @@ def write_design(design: Tables, heading: Iterable[str], marked: Collection[str]
     """
     design = design.with_bare_names()
     listed = {parameter.path: parameter for parameter in list_parameters(marked)}
-    main = list(_list_main(design))
+    # What it states in any case: the main wishes, and what its interface, sensor and silicone are.
+    own = [*_INTERFACES[design.bone.interface]]
+    own += ["custom_sensor."] * (design.sensor.model == "custom") + ["silicone."] * (design.silicone.product == OWN)
+    of_kinds = (path for path in PARAMETERS if path.startswith(tuple(own)))
+    main = list(dict.fromkeys(("name", *_WISHES[:2], *of_kinds, *_WISHES[2:])))
     loaded = parse_tables(DesignTables, fill_in(load_tables((), {path: design.value(path) for path in main}).tables))
     stated = [*main, *(path for path in listed if path not in main and design.value(path) != loaded.value(path))]
     lines = [*(f"# {line}".rstrip() for line in heading), "", *_format_block(design, [listed["name"]])]
@@ -59,14 +63,6 @@ def write_design(design: Tables, heading: Iterable[str], marked: Collection[str]
                 title = " ".join((inspect.getdoc(info.annotation) or "").split())
                 lines += ["", f"# {title}", *_format_block(design, block, "#")]
     return "\n".join([*lines, ""])
-
-
-def _list_main(design: Tables) -> Iterator[str]:
-    """List what a design states in any case: the main wishes, and what its interface, sensor and silicone are."""
-    own = [*_INTERFACES[design.bone.interface]]
-    own += ["custom_sensor."] * (design.sensor.model == "custom") + ["silicone."] * (design.silicone.product == OWN)
-    found = (path for path in PARAMETERS if path.startswith(tuple(own)))
-    yield from dict.fromkeys(("name", *_WISHES[:2], *found, *_WISHES[2:]))
 
 
 def _format_block(design: Tables, parameters: Iterable[Parameter], prefix: str = "") -> Iterator[str]:

@@ -136,7 +136,9 @@ def read_set(
             issues.append(Issue(f"fingers.{name}", f"is no finger; choose from {', '.join(NAMES)}."))
     hand: dict[str, Any] = {}
     with gather(issues):
-        hand = _load_hand(path, contents.hand)
+        if given := contents.hand:
+            beside = _find_beside(path, "hand", given)
+            hand = read_file(beside or find_hand(given), DESIGN, below=path.parent if beside else None)
     fingers: dict[str, T] = {}
     found: dict[Issue, list[str]] = {}
     for name in (name for name in NAMES if name in contents.fingers):
@@ -173,14 +175,6 @@ def set_to_toml(fingers: FingerSet, heading: str) -> str:
 
 def _list_values(values: Mapping[str, Any]) -> Iterator[str]:
     return (change.replace("=", " = ", 1) for change in list_changes(values))
-
-
-def _load_hand(path: Path, given: str) -> dict[str, Any]:
-    """Load the joint of the hand: a file beside the set, or a bundled one; nothing if none is named."""
-    if not given:
-        return {}
-    beside = _find_beside(path, "hand", given)
-    return read_file(beside or find_hand(given), DESIGN, below=path.parent if beside else None)
 
 
 def _find_beside(path: Path, field: str, given: str) -> Path | None:

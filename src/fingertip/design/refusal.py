@@ -166,19 +166,15 @@ def explain_invalid(tables: Mapping[str, Any], error: ValidationError, changed: 
     """Describe what is wrong with tables of which some parameters are not valid; rules check the others at once."""
     issues = issues_from_pydantic(error, DesignTables)
     invalid = frozenset(issue.field for issue in issues)
-    invalid |= frozenset(_find_misplaced(tables, invalid))
+    # The values of parameters that stand in another table, as below a heading that was lost, are not known.
+    known = {name for name, _ in flatten(tables)}
+    keys = {name.rpartition(".")[2] for name in invalid - set(PARAMETERS)}
+    invalid |= {name for name in PARAMETERS if name.rpartition(".")[2] in keys and name not in known}
     values = {name: value for name, value in flatten(tables) if name in PARAMETERS and name not in invalid}
     valid = DesignTables().with_values(values)  # with the defaults in place of the others
     broken = list(find_violations(RULES, valid, invalid))
     issues = [_extend_bound(issue, tables, valid, invalid) for issue in issues]
     return issues + find_remedies(valid, broken, None, changed, invalid)
-
-
-def _find_misplaced(tables: Mapping[str, Any], unknown: frozenset[str]) -> Iterator[str]:
-    """Find parameters that stand in another table, as below a heading that was lost: their values are not known."""
-    known = {name for name, _ in flatten(tables)}
-    keys = {name.rpartition(".")[2] for name in unknown - set(PARAMETERS)}
-    return (name for name in PARAMETERS if name.rpartition(".")[2] in keys and name not in known)
 
 
 def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, invalid: frozenset[str]) -> Issue:

@@ -94,7 +94,10 @@ def renew_design(
     fixed = tuple(path for path, _ in flatten(load_tables([], changes).tables))
     without = (*_MADE_ANEW, *fixed, *left_out)
     sizes = {path: wanted.value(path) for path in kept if path in _NEEDED or not path.startswith(without)}
-    tables = _fit(_adopt_all(tables, sizes), sizes, fixed, progress)
+    left = -1  # sizes that need another one first are tried again after it
+    while left != len(rest := [(path, value) for path, value in sizes.items() if tables.value(path) != value]):
+        left, tables = len(rest), _adopt(tables, rest)
+    tables = _fit(tables, sizes, fixed, progress)
     lower_loads = import_module("fingertip.cad.verification.fitting").lower_loads  # which builds on designs
     lighter = lower_loads(tables, [load for load in LEAST_LOADS if load not in fixed])
     return Renewal(NewDesign(Design(**lighter.tables.model_dump()), base, lighter.moves), stated)
@@ -104,14 +107,6 @@ def _measure_distance(wanted: DesignTables, base: str) -> tuple[bool, bool, floa
     other = DesignTables(**load_tables([base], []).tables)
     differ = (wanted.value(path) != other.value(path) for path in ("bone.interface", "sensor.model"))
     return (*differ, abs(wanted.skin.width_mm - other.skin.width_mm))
-
-
-def _adopt_all(tables: DesignTables, sizes: Mapping[str, Any]) -> DesignTables:
-    """Take over all sizes with which the rules pass. What needs another size first is tried again after it."""
-    left = -1
-    while left != len(rest := [(path, value) for path, value in sizes.items() if tables.value(path) != value]):
-        left, tables = len(rest), _adopt(tables, rest)
-    return tables
 
 
 def _adopt(tables: DesignTables, sizes: Sequence[tuple[str, Any]]) -> DesignTables:

@@ -117,7 +117,12 @@ def find_contacts(
             most = found[-1].force_n if found else force_n * (max_strain / contact.strain) ** 2
             message = f"{force_n:g} N presses the pad by {contact.strain:.0%} of its thickness; at most {most:.2g} N."
             raise TraceError(Issue("force_n", message))
-        found.append(_meet_bone(contact, layout, pressure, inside) if inside else contact)
+        if inside:  # the inside of the skin meets the bone
+            on, distance = pressure > 0.0, np.hypot(layout.x_mm[:, None], layout.dz_mm[None, :])
+            more_n, sunk = inside.compare(pressure[on] * layout.grid_mm**2, distance[on])
+            share, depth = contact.share + more_n / contact.force_n, contact.depth_mm + sunk / contact.force_n
+            contact = replace(contact, share=max(0.0, share), depth_mm=depth)
+        found.append(contact)
     return found
 
 
@@ -129,14 +134,6 @@ def find_rest_n(form: PadForm) -> float:
 
 def _lay_rings(form: PadForm) -> Inside | None:
     return lay_rings(form, _FREE_SIDES * form.young_mpa)
-
-
-def _meet_bone(contact: Contact, layout: _Layout, pressure: Array, inside: Inside) -> Contact:
-    """Correct a contact for where the inside of the skin meets the bone."""
-    on, distance = pressure > 0.0, np.hypot(layout.x_mm[:, None], layout.dz_mm[None, :])
-    more_n, sunk = inside.compare(pressure[on] * layout.grid_mm**2, distance[on])
-    share, depth = contact.share + more_n / contact.force_n, contact.depth_mm + sunk / contact.force_n
-    return replace(contact, share=max(0.0, share), depth_mm=depth)
 
 
 def map_shares(form: PadForm) -> tuple[Array, Array, Array]:

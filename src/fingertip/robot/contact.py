@@ -15,7 +15,6 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,10 +26,6 @@ from fingertip.pad.layer import find_contacts
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import REFERENCE_POSE, Pad
 from fingertip.sim.contact.materials import SURFACES
-
-if TYPE_CHECKING:
-    from manifold3d import Manifold
-
 
 FORCES_N = (0.2, 0.35, 0.6, 1.0, 1.7, 2.8, 4.0, 6.0, 10.0)
 """Forces at which the contact is compared with the pad."""
@@ -128,7 +123,9 @@ def cut_skin(design: Design) -> tuple[tuple[Mesh, ...], float]:
         pieces = []
         for low, high in itertools.pairwise(cuts):
             slab = body.trim_by_plane((0.0, 0.0, 1.0), low).trim_by_plane((0.0, 0.0, -1.0), -high)
-            pieces.append(_hull(slab))
+            # The hull of manifold3d folds where points are not rounded first.
+            points = np.unique(np.round(to_arrays(slab)[0] / _GRID_MM), axis=0) * _GRID_MM
+            pieces.append(to_canonical_mesh(slab.hull_points(points)))
         distance = _measure(pieces, cuts, surface)
         worst = int(distance.argmax())
         cut = min(round(float(surface[worst, 2]), 3), last_cut_mm)
@@ -136,14 +133,6 @@ def cut_skin(design: Design) -> tuple[tuple[Mesh, ...], float]:
         if distance[worst] <= WANTED_MM or len(pieces) == MAX_PIECES or is_short:
             return tuple(pieces), float(distance[worst])
         cuts = sorted([*cuts, cut])
-
-
-def _hull(body: Manifold) -> Mesh:
-    """Build the convex hull of points that are rounded first: that of manifold3d folds where they are not."""
-    from manifold3d import Manifold  # noqa: PLC0415
-
-    points = np.unique(np.round(to_arrays(body)[0] / _GRID_MM), axis=0) * _GRID_MM
-    return to_canonical_mesh(Manifold.hull_points(points))
 
 
 def _measure(pieces: list[Mesh], cuts: list[float], points: Array) -> Array:

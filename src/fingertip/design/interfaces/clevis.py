@@ -111,7 +111,9 @@ class Clevis(JointInterface):
         is_printed = design.hand.pin == "printed"
         shears = VON_MISES_SHEAR / (2 * math.pi * joint.printed_pin_radius**2)
         if joint.travel_deg:
-            pull = _pull_per_n(design, load_z)
+            # The stop pushes the finger away from the hand, and the pin holds it, besides the load itself. The pressure
+            # on the stop grows outwards, so its force acts at two thirds of the length.
+            pull = (load_z - joint.axis_z) / (2 / 3 * clevis_solids.stop_height_mm(design)) + 1.0
             if is_printed:
                 yield LocalStress(PIN, joint.axis_z, shears * pull, at_knock=False)
             eye, factor, end = _eye_stresses(design)
@@ -225,15 +227,6 @@ def tendon_force_per_n(design: DesignTables, load_z_mm: float) -> float:
     """Force of the tendon per newton of load on the pad or apex, by their levers about the pin; 0 without a tendon."""
     joint, anchor = design.dimensions.joint, design.dimensions.anchor
     return (load_z_mm - joint.axis_z) / anchor.distance if joint and anchor else 0.0
-
-
-def _pull_per_n(design: DesignTables, load_z: float) -> float:
-    """Force on the pin per newton of load on a straight finger.
-
-    The stop pushes the finger away from the hand, and the pin holds it, besides the load itself. The pressure on the
-    stop grows outwards, so its force acts at two thirds of the length.
-    """
-    return (load_z - _joint_of(design).axis_z) / (2 / 3 * clevis_solids.stop_height_mm(design)) + 1.0
 
 
 def _eye_stresses(design: DesignTables) -> tuple[float, float, float]:

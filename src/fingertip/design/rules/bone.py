@@ -52,7 +52,8 @@ def trough_takes_measured_sensors(design: DesignTables) -> Limit:
 def collar_carries_skin(design: DesignTables) -> Limit | None:
     dims = design.dimensions
     sides = min(
-        _thickness_at_collar(design, half, thickness) - _MIN_COLLAR_HEIGHT
+        # The silicone that ends on the collar, around the enlarged core.
+        min(thickness, half - (half - thickness - design.mold.core_inset_mm) * dims.shrinkage) - _MIN_COLLAR_HEIGHT
         for half, thickness in (
             (design.skin.width_mm / 2, design.skin.thickness_side_mm),
             (design.skin.semi_axis_dorsal_mm, design.skin.thickness_dorsal_mm),
@@ -62,12 +63,6 @@ def collar_carries_skin(design: DesignTables) -> Limit | None:
         steps = (dims.collar_step_at(dims.base_flat_depth * i / _DEPTHS) for i in range(_DEPTHS + 1))
         sides = min(sides, design.bone.collar_inset_mm + min(steps) - _MIN_COLLAR_HEIGHT)
     return Limit(sides, "leaves too little of the collar's height")
-
-
-def _thickness_at_collar(design: DesignTables, half_mm: float, thickness_mm: float) -> float:
-    """Compute the silicone [mm] that ends on the collar, around the enlarged core."""
-    core = (half_mm - thickness_mm - design.mold.core_inset_mm) * design.dimensions.shrinkage
-    return min(thickness_mm, half_mm - core)
 
 
 @RULES.rule("bone.groove_depth_mm", tip_within_skin, bone_left_at_sides)

@@ -110,12 +110,10 @@ class SurfaceFile(BaseModel):
             raise TraceError(error.issues) from None
 
 
-def _load_bundled() -> dict[str, SurfaceTable]:
-    files = {path.stem: SurfaceFile.load(path) for path in (PARAMS / "surfaces").glob("*.toml")}
-    return {name: files[name].surface for name in (*ARTICLE_SURFACES, *sorted({*files} - {*ARTICLE_SURFACES}))}
-
-
-SURFACES: Mapping[str, SurfaceTable] = _load_bundled()
+_FILES = {path.stem: SurfaceFile.load(path) for path in (PARAMS / "surfaces").glob("*.toml")}
+SURFACES: Mapping[str, SurfaceTable] = {
+    name: _FILES[name].surface for name in (*ARTICLE_SURFACES, *sorted({*_FILES} - {*ARTICLE_SURFACES}))
+}
 """Bundled surfaces by name, the article's six first."""
 
 

@@ -50,7 +50,8 @@ def make_case(trial: TrialFile, levels: dict[str, float]) -> Case:
         return Case(_CAUSES[labels.kind], SceneFile(scene="contact", hold={**hold, "min_s": 5.0}, tremor=tremor), seed)
     slide = {"distance_m": labels.stroke_m or STROKE_M}
     if trace.slip is not None and trace.slip.any():
-        move = TrapezoidalMove.with_duration(0.0, slide["distance_m"], float(np.ptp(trace.time_s[trace.slip])))
+        lasts_s = float(np.ptp(trace.time_s[trace.slip]))
+        move = TrapezoidalMove.with_duration(0.0, slide["distance_m"], lasts_s)
         low, high = _SPEEDS_M_S
         slide |= {"speed_m_s": min(max(move.peak_m_s, low), high), "acceleration_m_s2": move.acceleration_m_s2}
     name = surface_of(trial)

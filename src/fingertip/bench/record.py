@@ -149,7 +149,8 @@ class Plan:
 
     def force_n(self, number: int) -> float | None:
         """Force of a trial, numbered from 1 [N]."""
-        return self.forces_n[(number - 1) % self.trials * len(self.forces_n) // self.trials] if self.forces_n else None
+        at = (number - 1) % self.trials * len(self.forces_n) // self.trials
+        return self.forces_n[at] if self.forces_n else None
 
     def schedule(self, number: int) -> dict[str, tuple[float, float]]:
         """Phases of a trial with their starts and ends [s]."""

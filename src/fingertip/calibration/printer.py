@@ -54,7 +54,8 @@ def calibrate_printer(design: Design, half_thickness_mm: float, plate_width_mm: 
     readings = {"--half-thickness-mm": (half_thickness_mm, half)}
     if plate_width_mm is not None:
         readings["--plate-width-mm"] = plate_width_mm, plate
-    raise_issues(DesignError, [issue for option, pair in readings.items() for issue in _find_mistakes(option, *pair)])
+    issues = [issue for option, pair in readings.items() for issue in _find_mistakes(option, *pair)]
+    raise_issues(DesignError, issues)
     percent = design.printer.scale_percent
     scale, uncertainty = 100.0 / percent, _USUAL_SCALE_ERROR
     if plate_width_mm is not None:
@@ -91,7 +92,8 @@ def _find_mistakes(option: str, reading_mm: float, nominal_mm: float) -> Iterato
         return
     for unit, size in _FACTORS.items():
         if abs(reading_mm * size - nominal_mm) <= limit:
-            yield Issue(option, f"{reading_mm:g} looks like {unit}; write it in millimetres, about {nominal_mm:.2f}.")
+            message = f"{reading_mm:g} looks like {unit}; write it in millimetres, about {nominal_mm:.2f}."
+            yield Issue(option, message)
             return
     yield Issue(
         option,

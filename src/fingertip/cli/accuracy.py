@@ -34,7 +34,8 @@ def accuracy(
     from fingertip.lab.accuracy.measure import measure_accuracy
     from fingertip.sweep.outputs import load_outputs
 
-    refuse([] if 1 <= cases <= 1_000_000 else [Issue("--cases", f"{cases} is out of bounds; choose 1 to 1000000.")])
+    outside = Issue("--cases", f"{cases} is out of bounds; choose 1 to 1000000.")
+    refuse([] if 1 <= cases <= 1_000_000 else [outside])
     is_budget = design == Path("budget")
     extra = Issue("DESIGN", f"{of} is one design too many; name one, or write budget ahead of it.")
     refuse([extra] if of and not is_budget else [])

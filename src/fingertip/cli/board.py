@@ -51,7 +51,8 @@ def board(
 ) -> None:
     """Compute the board's component values; write schematic, layout, netlist, SPICE deck and bill of materials."""
     writing = {"--bode": bode, "--bringup": bringup, "--panel": panel}
-    refuse(find_file_issues("--bode", bode, ".csv"), find_idle_issues("--check", writing if check else {}))
+    idle = find_idle_issues("--check", writing if check else {})
+    refuse(find_file_issues("--bode", bode, ".csv"), idle)
     shape = re.fullmatch("([1-9])x([1-9])", panel or "1x1")
     message = f"{panel} is no panel; write rows and columns, 1 to 9 each, such as 2x3."
     refuse([] if shape else [Issue("--panel", message)])

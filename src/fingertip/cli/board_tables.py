@@ -183,7 +183,8 @@ def _force_lines(design: Design, values: BoardValues) -> list[str]:
     for force_n in _FORCES_N:
         conductance_s = conductance_of(force_n)
         resistance = f"{1 / conductance_s:.0f} ohm" if conductance_s else "open"
-        lines.append(f"{force_n:6g} N {resistance:>10} {values.tactile_response.tactile_v(conductance_s):14.2f} V")
+        tactile_v = values.tactile_response.tactile_v(conductance_s)
+        lines.append(f"{force_n:6g} N {resistance:>10} {tactile_v:14.2f} V")
     return [*lines, design.force_curve.describe(design.sensor.model)]
 
 

@@ -80,7 +80,8 @@ def make_schema(kind: str) -> dict[str, Any]:
 def _normalise(value: Any) -> Any:
     """Write 1 for 1.0, and leave out that further properties are free: releases of pydantic differ in both."""
     if isinstance(value, dict):
-        return {key: _normalise(item) for key, item in value.items() if (key, item) != ("additionalProperties", True)}
+        free = ("additionalProperties", True)
+        return {key: _normalise(item) for key, item in value.items() if (key, item) != free}
     if isinstance(value, list):
         return [_normalise(item) for item in value]
     return int(value) if isinstance(value, float) and value.is_integer() else value

@@ -217,7 +217,8 @@ def validate(
     find_workers(jobs)
     with_plots = extras.is_installed("matplotlib")
     extras.say_left_out({"matplotlib": "plots", "numba": "compiled loops (20 times faster)"}, console.progress)
-    console.warn([*settings_warnings(loaded, detector), *find_range_warnings(loaded)])
+    warnings = [*settings_warnings(loaded, detector), *find_range_warnings(loaded)]
+    console.warn(warnings)
     folder = out or Path("out") / loaded.name / "validation"
     writer = SetWriter(folder, "validation", loaded.name, hash_parameters(loaded.identity()), force=force)
     writer.check(campaign.FILES)

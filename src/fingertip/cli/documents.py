@@ -181,7 +181,8 @@ def studio(
     from fingertip.foundation.interruption import INTERRUPTIONS
     from fingertip.studio.server import StudioServer
 
-    with StudioServer(load_design(design, changes, console), DEFAULT_PORT if port is None else port) as server:
+    loaded = load_design(design, changes, console)
+    with StudioServer(loaded, DEFAULT_PORT if port is None else port) as server:
         with contextlib.suppress(*INTERRUPTIONS):  # the way to end it, no failure
             console.result({"url": server.url, "port": server.server_port}, f"studio: {server.url}")
             console.progress("Ctrl-C ends it")

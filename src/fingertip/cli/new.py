@@ -104,7 +104,8 @@ def _find_taken(name: str, out: Path | None) -> Iterator[Issue]:
         yield Issue("--out", f"{quote_value(out.name)} names no file on Windows; choose another, such as {name}.toml.")
     for kind in (DESIGN, SET):
         if name in list_bundled_files(kind):
-            yield Issue("NAME", f"{name} is the name of a bundled {kind.name}; choose another, such as my_{name}.")
+            taken = f"{name} is the name of a bundled {kind.name}"
+            yield Issue("NAME", f"{taken}; choose another, such as my_{name}.")
 
 
 def _write_one(console: Console, order: _Order, begin: Callable[[], NewDesign], is_new: bool) -> None:
@@ -234,7 +235,8 @@ def _check(design: Design, data: dict[str, Any], progress: Callable[[str], None]
     verified = check_design(design, progress=progress)
     assert verified.strength
     data["strength"] = strength_data(verified.strength)
-    return [check for check in verified.checks if not check.passed], [describe_loads(verified.strength)]
+    failed = [check for check in verified.checks if not check.passed]
+    return failed, [describe_loads(verified.strength)]
 
 
 def _refuse(failed: Iterable[Check]) -> Iterator[Issue]:

@@ -112,7 +112,8 @@ def equivalent_noise_v(detector: str, design: Design, quiet_v: Array, name: str)
     The detector's own output for the signal decides. The white noise of the signal's second differences is the lower
     bound; drift and a constant load do not contribute to it. Raises TraceError.
     """
-    if len(quiet_v) < math.ceil(MIN_S * design.detector.sample_rate_hz):
+    minimum = math.ceil(MIN_S * design.detector.sample_rate_hz)
+    if len(quiet_v) < minimum:
         samples = f"{len(quiet_v)} sample{'s' * (len(quiet_v) != 1)}"
         raise TraceError(Issue("--calibrate", f"covers {samples} of {name}; choose at least {MIN_S:g} s."))
     white_v = math.sqrt(float(np.mean(np.diff(quiet_v, 2) ** 2)) / 6)

@@ -274,7 +274,8 @@ def _add_board(recording: _Recording, report: Progress) -> tuple[_Recording, Noi
     else:
         assert trace.envelope_v is not None
         level = measure_noise_level(trace.envelope_v[quiet.samples], design, recording.name)
-        design = Design(**design.with_values({"detector.threshold_v": level.rounded_threshold_v}).model_dump())
+        calibrated = design.with_values({"detector.threshold_v": level.rounded_threshold_v})
+        design = Design(**calibrated.model_dump())
     return replace(recording, trace=trace, design=design), level
 
 
@@ -324,4 +325,5 @@ def simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str, 
         progress(design.force_curve.describe(design.sensor.model))
     missing, voltage = columns.name_in_file("envelope_v"), columns.name_in_file("voltage_v")
     progress(f"{name} has no column {missing}: simulating {circuits} for the column {voltage}")
-    return replace(trace, voltage_v=voltage_v, envelope_v=SimulatedBoardDetector(design).simulate_envelope_v(voltage_v))
+    envelope_v = SimulatedBoardDetector(design).simulate_envelope_v(voltage_v)
+    return replace(trace, voltage_v=voltage_v, envelope_v=envelope_v)

@@ -54,7 +54,8 @@ def find_step_v(volts: Array) -> float | None:
 def step_warnings(volts: Array, design: Design, detector: str) -> Iterator[str]:
     """Warn of steps in the voltages [V] of a recording that hide the noise that the thresholds assume."""
     settings, step = design.detector, find_step_v(volts)
-    if step is None or step <= max(COARSE_RATIO * settings.noise_v, (1 + _MAX_RESIDUAL) * settings.adc_step_v):
+    assumed = settings.adc_step_v
+    if step is None or step <= max(COARSE_RATIO * settings.noise_v, (1 + _MAX_RESIDUAL) * assumed):
         return
     remedy = "Record with more bits or a smaller range."
     if changes := _propose(volts, step, design, detector):

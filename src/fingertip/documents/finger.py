@@ -84,7 +84,8 @@ class FirstScreen:
 
 
 def render_start(screen: FirstScreen) -> str:
-    return render_page("start.md", **vars(screen), usd=add_prices(screen.casting.things) if screen.casting else None)
+    usd = add_prices(screen.casting.things) if screen.casting else None
+    return render_page("start.md", **vars(screen), usd=usd)
 
 
 def render_basis_table(design: Design) -> str:

@@ -265,4 +265,5 @@ def _fit(field: str, value: Any, hint: Any) -> Any:
             return type(value)(_fit(f"{field}[{i}]", each, get_args(kind)[0]) for i, each in enumerate(value))
     names = [getattr(kind, "__name__", str(kind)) for kind in reversed(kinds)]
     wanted = join_words([_KINDS.get(name, f"a {name}") for name in names], "or")
-    raise ArgumentError(Issue(field, f"is {quote_value(value)}, of type {type(value).__name__}; give {wanted}."))
+    message = f"is {quote_value(value)}, of type {type(value).__name__}; give {wanted}."
+    raise ArgumentError(Issue(field, message))

@@ -53,7 +53,8 @@ def write_zip(path: Path, folder: Path) -> None:
     with open_atomic(path, "--zip") as opened, zipfile.ZipFile(opened, "w") as archive:
         for file in files:
             name = f"{folder.resolve().name}/{file.relative_to(folder).as_posix()}"
-            archive.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), file.read_bytes(), zipfile.ZIP_DEFLATED)
+            member = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
+            archive.writestr(member, file.read_bytes(), zipfile.ZIP_DEFLATED)
 
 
 @contextlib.contextmanager

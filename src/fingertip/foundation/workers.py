@@ -336,7 +336,8 @@ def _fork() -> tuple[int, IO[bytes], IO[bytes]]:
         for stream in range(3):
             os.dup2(null, stream)
         # Whatever else is open belongs to the other process, which closes pipes to say that it is done.
-        for low, high in itertools.pairwise((2, *sorted((calls, answers)), os.sysconf("SC_OPEN_MAX"))):
+        bounds = (2, *sorted((calls, answers)), os.sysconf("SC_OPEN_MAX"))
+        for low, high in itertools.pairwise(bounds):
             os.closerange(low + 1, high)
         _serve(parent, calls, answers)
     finally:

@@ -199,7 +199,8 @@ def validate(
     in_loop = tuple(dict.fromkeys(("analog", "incipient", "fast", detector))) if has_filter else (detector,)
     with side_by_side(find_workers(jobs)):
         work.begin("trials")
-        result = run_campaign(design, plan, compared, SCALES if has_filter else (1.0,), first_seed, work.advance)
+        scales = SCALES if has_filter else (1.0,)
+        result = run_campaign(design, plan, compared, scales, first_seed, work.advance)
         work.begin("closed loop")
         manipulations = run_closed_loop(design, in_loop, 3 if plan.trials >= 12 else 1)
         required = next(summary for summary in summarise(manipulations) if summary.detector == detector)

@@ -124,7 +124,8 @@ def render_bom(text: str) -> Markup:
         class_="cards", id="bom",
     )  # fmt: skip
     # The script shows the line of controls; without it there is nothing to control.
-    return join((element("div", class_="row", id="bom-controls", hidden=True), scrolling(whole, _BOM_CAPTION)))
+    controls = element("div", class_="row", id="bom-controls", hidden=True)
+    return join((controls, scrolling(whole, _BOM_CAPTION)))
 
 
 def _render_gate(gate: list[Mapping[str, Any]]) -> Markup:
@@ -158,7 +159,8 @@ def draw_response(design: Design) -> Markup:
     spread = tolerance.monte_carlo(board, limits, BOARDS, _SEED)
     drawn_values = board.deviate(tolerance.draw_deviations(board, limits, BOARDS, _SEED))
     exact, drawn = (board.model.transfer(values).power_gain() for values in (board.values, drawn_values))
-    f_hz = [_LOW_HZ * 10.0 ** (i / _PER_DECADE) for i in range(round(_PER_DECADE * math.log10(_HIGH_HZ / _LOW_HZ)) + 1)]
+    steps = round(_PER_DECADE * math.log10(_HIGH_HZ / _LOW_HZ))
+    f_hz = [_LOW_HZ * 10.0 ** (i / _PER_DECADE) for i in range(steps + 1)]
     gains_db = []  # nominal, and the ends of the interval with 95 % of the boards
     for hz in f_hz:
         powers = (exact(math.tau * hz), *np.quantile(np.asarray(drawn(math.tau * hz)), tolerance.BAND_QUANTILES))

@@ -88,7 +88,8 @@ def button(*children: str, **attributes: str | bool | None) -> Markup:
 
 def list_links(paths: Iterable[str], links: Mapping[str, str], class_: str | None = None) -> Markup:
     """Build a list of links to files, by the address of each path."""
-    return element("ul", *(element("li", element("a", path, href=links[path])) for path in paths), class_=class_)
+    items = (element("li", element("a", path, href=links[path])) for path in paths)
+    return element("ul", *items, class_=class_)
 
 
 _NOT_EXPLAINED = re.compile(r"</?(a|abbr|button|caption|code|dfn|h\d|label|option|script|select|span|summary|svg|th)\b")
@@ -151,7 +152,8 @@ def render_document(
         element("style", Markup(style)),
     )
     whole = element("body", *body, *(element("script", Markup(script)) for script in scripts))
-    return f"<!DOCTYPE html>\n{element('html', head, whole, lang='en', **attributes)}\n".encode()
+    page = element("html", head, whole, lang="en", **attributes)
+    return f"<!DOCTYPE html>\n{page}\n".encode()
 
 
 def read_viewer_library() -> str:

@@ -132,7 +132,8 @@ def render_shopping(sources: Sources) -> Markup:
     if plugs:
         parts.append(fold("Plugs and wires of the board", render_markdown(plugs, sources.links, **TICKED_THINGS)))
     if sources.design.board.variant != "divider":
-        parts.append(element("p", "The parts on the board are ", element("a", "with its pictures", href="#board"), "."))
+        link = element("a", "with its pictures", href="#board")
+        parts.append(element("p", "The parts on the board are ", link, "."))
     return join(parts)
 
 

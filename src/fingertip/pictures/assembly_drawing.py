@@ -50,7 +50,8 @@ class _Box:
 
 def draw_assembly(circuit: Circuit, placement: Placement, title: str) -> Sheet:
     """Draw the front of a board, with a list of what to place."""
-    width, height = _A4_MM if SCALE * placement.width + _LIST_WIDTH_MM + _MARGIN_MM < _A4_MM[0] else _A3_MM
+    fits_a4 = SCALE * placement.width + _LIST_WIDTH_MM + _MARGIN_MM < _A4_MM[0]
+    width, height = _A4_MM if fits_a4 else _A3_MM
     board = _place((0.0, 0.0, placement.width, placement.height), height)
     note = (
         f"Front, {SCALE:g}:1, {placement.width:g} x {placement.height:g} mm; made with fingertip {__version__}. "
@@ -157,7 +158,8 @@ def _write(body: _Box, name: str, value: str) -> Iterator[Primitive]:
     x, y = body.middle
     for i, text in enumerate(lines):
         down = total / 2.0 - size - i * (1.0 + _GAP) * size
-        yield Text(text, (x - down, y) if turned else (x, y + down), size, "middle", turned)
+        at = (x - down, y) if turned else (x, y + down)
+        yield Text(text, at, size, "middle", turned)
 
 
 def _draw_list(circuit: Circuit, left: float, top: float) -> Iterator[Primitive]:

@@ -105,7 +105,8 @@ def draw(design: Design, width_px: int, progress: Callable[[str], None] = lambda
     work.begin("dorsal view")
     dorsal = _draw_panel("dorsal view", exploded, Camera.from_angles(28, 24), half, labels=_LABELS, mark=mark)
     work.begin("palmar view")
-    palmar = _draw_panel("palmar view", exploded, Camera.from_angles(28, -38), width_px - half, labels=_LABELS)
+    camera = Camera.from_angles(28, -38)
+    palmar = _draw_panel("palmar view", exploded, camera, width_px - half, labels=_LABELS)
     top = np.full((max(len(dorsal), len(palmar)), width_px, 3), 255, dtype=np.uint8)
     top[: len(dorsal), :half], top[: len(palmar), half:] = dorsal, palmar
     panels = [top]

@@ -189,7 +189,8 @@ def _shades(mesh: Mesh, camera: Camera) -> Array:
     normal = _smooth_normals(mesh, cross, facet)
     # Directional light from behind the viewer's left shoulder, plus ambient light. Who looks from below holds the lamp
     # below, or the faces seen would lie in the shade, and what is engraved in them with them.
-    lamp = camera.axes.T @ np.array([-0.45, 0.6 if camera.axes[2, 1] >= _FROM_BELOW else -0.6, 0.66])
+    up = 0.6 if camera.axes[2, 1] >= _FROM_BELOW else -0.6
+    lamp = camera.axes.T @ (np.array([-0.45, up, 0.66]))
     light = 0.42 + 0.58 * np.clip(normal @ lamp, 0.0, 1.0)
     towards = np.repeat((facet @ camera.axes[2])[:, None], 3, axis=1)
     return np.round(np.stack((light, towards), axis=2), _DECIMALS)

@@ -128,7 +128,8 @@ def _draw_arrow(pen: Pen, start: Pixel, end: Pixel) -> None:
         (end[0] - _HEAD_PX * math.cos(way + turn), end[1] - _HEAD_PX * math.sin(way + turn))
         for turn in (-_HEAD_ANGLE, _HEAD_ANGLE)
     ]
-    pen.polygon([(end[0] + 4 * math.cos(way), end[1] + 4 * math.sin(way)), *head], fill=_ARROW)
+    ahead = end[0] + 4 * math.cos(way), end[1] + 4 * math.sin(way)
+    pen.polygon([ahead, *head], fill=_ARROW)
 
 
 class View:

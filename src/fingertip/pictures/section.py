@@ -142,7 +142,8 @@ def draw_scale_bar(pen: Pen, corner: Point, pixels_per_mm: float) -> None:
     pen.line([(x, y), (end, y)], fill=_INK, width=2)
     for at in (x, end):
         pen.line([(at, y - 5), (at, y + 5)], fill=_INK, width=2)
-    pen.text((end + 8, y), f"{length:g} mm", fill=_INK, font=ImageFont.load_default(size=_FONT_PX - 2), anchor="lm")
+    font = ImageFont.load_default(size=_FONT_PX - 2)
+    pen.text((end + 8, y), f"{length:g} mm", fill=_INK, font=font, anchor="lm")
 
 
 def _list_mold_features(design: Design) -> Iterable[Feature]:
@@ -164,9 +165,11 @@ def _list_mold_features(design: Design) -> Iterable[Feature]:
 def _list_bone_features(design: Design) -> Iterable[Feature]:
     dims, bone = design.dimensions, design.bone
     section, collar = dims.bone_outline.section, dims.collar
-    yield "collar", (-bone.collar_length_mm / 2, (section.dorsal + collar.section.dorsal) / 2)
+    dorsal = (section.dorsal + collar.section.dorsal) / 2
+    yield "collar", (-bone.collar_length_mm / 2, dorsal)
     if bone.groove_depth_mm > 0 and bone.groove_width_mm > 0:
-        yield "groove", (bone.groove_distance_mm + bone.groove_width_mm / 2, section.dorsal - bone.groove_depth_mm / 2)
+        groove_z = bone.groove_distance_mm + bone.groove_width_mm / 2
+        yield "groove", (groove_z, section.dorsal - bone.groove_depth_mm / 2)
     yield "sensor", (dims.sensor_z, -dims.platform_depth + dims.pocket_depth - dims.sensor.thickness_mm / 2)
     yield "solder joints", (dims.tail_end_z, -dims.flat_depth + dims.pocket_depth + 0.6)
     yield "cable channel", (dims.channel_exit_z, section.dorsal - bone.channel_diameter_mm / 2)

@@ -119,7 +119,8 @@ def answer_figures(design: Design, still_wanted: StillWanted) -> Answer:
     casting = casting_sheet(design, AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted))
     still_wanted()
     sections = split_sections(render_start(FirstScreen(design, casting, None, measure_finger(items), (), 0, "")))
-    return Answer(figures=render_facts({heading: sections[heading] for heading in _FIGURES if heading in sections}))
+    shown = {heading: sections[heading] for heading in _FIGURES if heading in sections}
+    return Answer(figures=render_facts(shown))
 
 
 _FIGURES = ("Size", "Print", "Silicone", "Time", "Money")
@@ -139,20 +140,23 @@ def make_items(design: Design, still_wanted: StillWanted = lambda: None) -> tupl
 
 def answer_checks(design: Design, still_wanted: StillWanted) -> Answer:
     """Check the parts at the tolerance of the view, and find what each parameter shapes."""
-    solids = Solids.of(design, AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted), parts_by_name(design))
+    evaluator = AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted)
+    solids = Solids.of(design, evaluator, parts_by_name(design))
     checks = [*run_checks(design, solids)]
     still_wanted()
     basis = (
         f"Checked on meshes within {VIEW_TOLERANCE_MM:g} mm of the exact surface, coarser than those of the files, "
         "which have checks of their own. A check that fails names the parameters to change."
     )
-    return replace(_describe_checks(checks, "of the shape passed", basis), moves=shapes_of_parameters(design))
+    checked = _describe_checks(checks, "of the shape passed", basis)
+    return replace(checked, moves=shapes_of_parameters(design))
 
 
 def answer_all_checks(design: Design, still_wanted: StillWanted) -> Answer:
     """Make the files in memory and run every check of `fingertip build` that needs no STEP file."""
     found = verify(design, parts_by_name(design), ("stl", "3mf"), AskingEvaluator(FILE_TOLERANCE_MM, still_wanted))
-    return replace(_describe_checks(found.checks, "of shape and files passed", EVERY_FILE), pad=render_pad(design))
+    checked = _describe_checks(found.checks, "of shape and files passed", EVERY_FILE)
+    return replace(checked, pad=render_pad(design))
 
 
 def _describe_checks(checks: Sequence[Check], passed: str, basis: str) -> Answer:

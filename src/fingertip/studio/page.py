@@ -225,7 +225,8 @@ def make_form() -> dict[str, list[Field]]:
     groups: dict[str, list[Field]] = {MAIN: []}
     for table, parameters in group_parameters().items():
         for parameter in parameters:
-            groups.setdefault(MAIN if parameter.path in _MAIN else table or "design", []).append(_make_field(parameter))
+            is_main = parameter.path in _MAIN
+            groups.setdefault(MAIN if is_main else table or "design", []).append(_make_field(parameter))
     groups[MAIN].sort(key=lambda field: _MAIN.index(field.parameter.path))
     return groups
 

@@ -53,7 +53,8 @@ class Axis:
         """Every value of a list or of a stepped range; empty for an interval."""
         if self.listed:
             return self.listed
-        return tuple(self._interpolate(np.arange(self.steps) / max(1, self.steps - 1)).tolist())
+        fractions = np.arange(self.steps) / max(1, self.steps - 1)
+        return tuple(self._interpolate(fractions).tolist())
 
     def restore_type(self, stored: Any) -> Value:
         """Return a value its type back; the database stores booleans as integers."""

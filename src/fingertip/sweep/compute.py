@@ -197,7 +197,8 @@ def compute_casting(context: PointContext) -> OutputValues:
     from fingertip.cad.verification.skin import pull_off_n, slide_mm
     from fingertip.casting.sheet import compute_batch, measure_poured_cm3
 
-    batch = compute_batch(context.design.silicone.material, measure_poured_cm3(context.design, context.evaluator()))
+    poured_cm3 = measure_poured_cm3(context.design, context.evaluator())
+    batch = compute_batch(context.design.silicone.material, poured_cm3)
     is_bonded = context.design.skin.bonded
     return {
         "silicone_in_mold_g": batch.in_cup_g, "silicone_g": batch.total_g,

@@ -216,7 +216,8 @@ class SweepDatabase:
             connection.executemany(f"INSERT INTO rows VALUES ({marks})", rows)
 
     def count_by_status(self) -> dict[str, int]:
-        counts = dict(self._fetch(f"SELECT status, count(*) FROM rows WHERE status IN {STATUSES} GROUP BY status"))
+        query = f"SELECT status, count(*) FROM rows WHERE status IN {STATUSES} GROUP BY status"
+        counts = dict(self._fetch(query))
         return {status: int(counts.get(status, 0)) for status in STATUSES}
 
     def find_outputs(self) -> tuple[str, ...]:
@@ -294,7 +295,8 @@ class SweepDatabase:
         )
         if before == now:
             return
-        difference = "\n".join(f"  {line}" for line in difflib.ndiff(before, now) if line[0] in "+-")
+        lines = [line for line in difflib.ndiff(before, now) if line[0] in "+-"]
+        difference = "\n".join(f"  {line}" for line in lines)
         problem = "holds a different sweep than the file now describes (- stored, + file)"
         remedy = "change the file back, or choose another folder with --out. Nothing was changed."
         raise make_error(self.folder, f"{problem}; {remedy}\n{difference}")

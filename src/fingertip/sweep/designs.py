@@ -41,7 +41,8 @@ class DesignBuilder:
         own_changes: dict[str, Any] = {**select_changes(changes, self._finger)}
         if self._fits:
             given = {name: value for name, value in own_changes.items() if is_of_parts(name)}
-            own_changes |= self._fitted.get(tuple(given.values()), lambda: self._fit(given))
+            key = tuple(given.values())
+            own_changes |= self._fitted.get(key, lambda: self._fit(given))
         if not self._only_electronics_vary:
             return Design.without_remedies(**apply_changes(self._tables, own_changes))
         design = self._base.with_values(own_changes)

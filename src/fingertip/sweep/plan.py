@@ -74,7 +74,8 @@ class SweepPlan:
         if not all(isinstance(section, Mapping | None) for section in sections):
             raise SweepError(issues)  # which name what is no table
         entries, design_tables, scene_tables = sections
-        axes, axis_issues = _read_axes(entries or {}, tables.get("sampling") in ("latin_hypercube", "sobol"))
+        sampled = tables.get("sampling") in ("latin_hypercube", "sobol")
+        axes, axis_issues = _read_axes(entries or {}, sampled)
         issues += axis_issues if entries is not None else ()
         designs, design_issues = sweep_file.parse_base_designs(design_tables or {})
         issues += design_issues
@@ -87,7 +88,8 @@ class SweepPlan:
         outputs = tables.get("outputs")
         unknown: list[Issue] = []
         if isinstance(outputs, list) and all(isinstance(name, str) for name in outputs):
-            unknown = check_outputs(outputs, "fingers" in (design_tables or {}))
+            is_set = "fingers" in (design_tables or {})
+            unknown = check_outputs(outputs, is_set)
             issues += unknown
         if file and not unknown:  # else an objective may be right, and an output misspelt
             issues += sweep_file.check_objectives(file)
@@ -172,7 +174,8 @@ class SweepPlan:
         if self.file.sampling != "grid" or not self.axes:
             return positions
         order = sorted(range(len(self.axes)), key=lambda i: -self._cost_of_step(self.axes[i]))
-        by_axis = dict(zip(order, np.unravel_index(positions, tuple(self._shape[i] for i in order)), strict=True))
+        indices = np.unravel_index(positions, tuple(self._shape[i] for i in order))
+        by_axis = dict(zip(order, indices, strict=True))
         in_order = tuple(by_axis[i] for i in range(len(order)))
         return np.asarray(np.ravel_multi_index(in_order, self._shape), dtype=np.int64)
 

@@ -77,7 +77,8 @@ class PointEvaluator:
 
     def __init__(self, plan: SweepPlan) -> None:
         self.plan = plan
-        self.points_per_limit = QUICK_POINTS_PER_LIMIT if all(group.cost <= QUICK_COST for group in plan.groups) else 1
+        quick = all(group.cost <= QUICK_COST for group in plan.groups)
+        self.points_per_limit = QUICK_POINTS_PER_LIMIT if quick else 1
         self._builders = {finger: designs.DesignBuilder(plan, finger) for finger in plan.designs}
         self._scene = plan.scene.model_dump() if plan.scene else None
         self._groups = [(group, _find_cache_axes(group, plan)) for group in plan.groups]

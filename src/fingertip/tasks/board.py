@@ -80,7 +80,8 @@ def refuse_other_board(design: Design) -> None:
     folder, channels = output_files.BOARD.folder(design), design.board.channels
     name = design.board.variant if channels == 1 else f"{channels}_fingers"
     finish_interrupted(folder)
-    circuit = board_circuit(board_values(design), channels) if design.board.has_filter else divider_circuit(design)
+    has_filter = design.board.has_filter
+    circuit = board_circuit(board_values(design), channels) if has_filter else divider_circuit(design)
     refuse_other_circuit(folder, kicad_netlist_file(circuit), folder.with_name(f"board_{name}"))
 
 
@@ -168,7 +169,8 @@ def write_board(
     """
     if out is None and not force:
         refuse_other_board(design)
-    return plan_board(design, output_files.BOARD.folder(design, out), force=force, bring_up=bring_up).write(progress)
+    plan = plan_board(design, output_files.BOARD.folder(design, out), force=force, bring_up=bring_up)
+    return plan.write(progress)
 
 
 def write_fabrication(
@@ -185,7 +187,8 @@ def write_fabrication(
     """
     from fingertip.board.fabrication.fabrication_files import fabrication_files  # noqa: PLC0415
 
-    writer = check_fabrication(design, output_files.BOARD.folder(design, out), force=force)
+    folder = output_files.BOARD.folder(design, out)
+    writer = check_fabrication(design, folder, force=force)
     values = board_values(design)
     circuit, sources = board_circuit(values, design.board.channels), board_files(design)
     placement = load_project(values.variant, design.board.channels).placement

@@ -260,7 +260,8 @@ def copy_design(design: Design, name: str, heading: str) -> dict[str, bytes]:
         return {name: to_toml(design, heading).encode()}
     body = read_adapter(design)
     beside = f"adapter{'.step' if body.brep else '.stl'}"
-    return {name: to_toml(design.with_values({"bone.adapter_file": beside}), heading).encode(), beside: body.data}
+    copy = design.with_values({"bone.adapter_file": beside})
+    return {name: to_toml(copy, heading).encode(), beside: body.data}
 
 
 def _write(plan: BuildPlan, made: Build, pictures: Mapping[str, bytes], progress: Callable[[str], None]) -> Build:
@@ -282,7 +283,8 @@ def _replace_subset(writer: SetWriter, contents: Mapping[str, bytes], obsolete: 
     if not contents and (old is None or old.parameters == writer.parameters):
         return ()
     unwanted = [name for name in old.files if name.endswith(obsolete)] if old and obsolete else []
-    return tuple(f"{writer.folder.name}/{name}" for name in writer.write(contents, unwanted))
+    removed = writer.write(contents, unwanted)
+    return tuple(f"{writer.folder.name}/{name}" for name in removed)
 
 
 def _draw_steps(design: Design, tolerance_mm: float) -> dict[str, bytes]:

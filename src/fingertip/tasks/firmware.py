@@ -32,7 +32,8 @@ def firmware_files(design: Design, fingers: Fingers = ONE_FINGER) -> dict[str, d
         SOURCES: sources,
     }
     for example, names in (_HAND_FILES if fingers.is_hand else _EXAMPLE_FILES).items():
-        folders[f"{EXAMPLES}/{example}"] = {name: read_template(f"{EXAMPLES}/{name}").encode() for name in names}
+        files = {name: read_template(f"{EXAMPLES}/{name}").encode() for name in names}
+        folders[f"{EXAMPLES}/{example}"] = files
     return folders
 
 

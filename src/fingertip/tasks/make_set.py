@@ -109,7 +109,8 @@ def make_set(
     collected = [_collect(fingers, form, made) for form, made in zip(fingers.forms, forms, strict=True)]
     board: tuple[Path, ...] = ()
     if board_design:
-        board = plan_board(board_design, folder / BOARD_FOLDER, force=force, bring_up=True, top=folder).write(progress)
+        planned = plan_board(board_design, folder / BOARD_FOLDER, force=force, bring_up=True, top=folder)
+        board = planned.write(progress)
     sheets = finger_set.set_sheets(fingers, collected, has_board=board_design is not None)
     failed = [made.parts.design.name for made in forms if not made.parts.passed]
     contents = _render_sheets(fingers, sheets, _list_files(collected, board, folder), failed)

@@ -31,7 +31,8 @@ def verify_sets(folder: Path) -> tuple[int, list[str]]:
         with lock(outside, shared=True):
             return _compare(folder)
     except OSError as error:
-        message = f"cannot be read ({error.strerror or error}); name a folder that a command wrote."
+        reason = error.strerror or str(error)
+        message = f"cannot be read ({reason}); name a folder that a command wrote."
         raise OutputError(Issue(str(error.filename or folder), message)) from error
 
 

@@ -203,7 +203,8 @@ def _draw_boards(design: Design) -> Iterator[Curve]:
     sizes = (1000.0, float(YIELD_BOARDS), 16_000.0)
     counts = [round(size * draw(size)["filter_yield"]) for size in sizes]
     spans = [binomial_interval(count, round(size)) for count, size in zip(counts, sizes, strict=True)]
-    yield _sample(_refine("Monte Carlo, boards", sizes, 1, 64_000.0, draw), [{"filter_yield": span} for span in spans])
+    curve = _refine("Monte Carlo, boards", sizes, 1, 64_000.0, draw)
+    yield _sample(curve, [{"filter_yield": span} for span in spans])
 
 
 def _draw_trials(design: Design) -> Iterator[Curve]:

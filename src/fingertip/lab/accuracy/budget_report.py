@@ -28,11 +28,12 @@ def as_data(name: str, curves: Sequence[Curve], groups: Groups) -> dict[str, Any
 
 def as_text(name: str, curves: Sequence[Curve], groups: Groups) -> str:
     """Return one table, a line for each output and what it is computed with, and the kinds of all other outputs."""
+    kinds = list_kinds(curves, groups).items()
     return "\n".join([
         f"{name}: errors of named outputs at three settings; of samples, half of the 95 % interval",
         *as_table(HEADER, (row for curve in curves for row in _list_rows(curve))),
         "All other outputs of sweeps:",
-        *(f"- {kind}: {', '.join(names)}" for kind, names in list_kinds(curves, groups).items() if names),
+        *(f"- {kind}: {', '.join(names)}" for kind, names in kinds if names),
     ])  # fmt: skip
 
 

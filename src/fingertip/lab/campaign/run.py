@@ -346,7 +346,8 @@ def run_campaign(
     scales = sorted({1.0, *scales})
     low = {name: LOW_SCALES if registry.find_detector_type(name).takes_envelope else () for name in detectors}
     factors = {name: sorted({*low[name], *scales}) for name in detectors}
-    return CampaignResult(plan, first_seed, run_cases(design, list(generate_cases(plan, first_seed)), factors, advance))
+    results = run_cases(design, list(generate_cases(plan, first_seed)), factors, advance)
+    return CampaignResult(plan, first_seed, results)
 
 
 def run_cases(

@@ -66,7 +66,8 @@ class Occupancy:
         """Return rows and columns of the cells under a polyline, without those outside the sheet."""
         sampled: list[Array] = []
         for a, b in pairwise(points):
-            sampled.append(np.linspace(a, b, max(2, math.ceil(math.dist(a, b) / (0.7 * _CELL_MM)) + 1)))
+            count = max(2, math.ceil(math.dist(a, b) / (0.7 * _CELL_MM)) + 1)
+            sampled.append(np.linspace(a, b, count))
         cells = (np.concatenate(sampled) / _CELL_MM).astype(int) if sampled else np.zeros((0, 2), int)
         columns, rows = cells[((cells >= 0) & (cells < self.texts.shape[::-1])).all(axis=1)].T
         return rows, columns
@@ -199,7 +200,8 @@ def place_circle(
     """Place a diameter or a radius with a leader. The radius is that on paper. Raises NoRoomError."""
     best: tuple[float, tuple[Primitive, ...]] | None = None
     width = _group_width(size.text(), balloon)
-    for order, angle_deg in enumerate([angle for angle in _LEADER_ANGLES_DEG if size.has_edge_at(angle)]):
+    directions = [angle for angle in _LEADER_ANGLES_DEG if size.has_edge_at(angle)]
+    for order, angle_deg in enumerate(directions):
         c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
         tip = (centre[0] + radius * c, centre[1] + radius * s)
         for length in _LEADER_LENGTHS_MM:
@@ -210,7 +212,8 @@ def place_circle(
             text = _text_group(size.text(), balloon, (begin, knee[1]), turned=False)
             if not all(occupancy.is_free(part.box(), _MARGIN_MM) for part in text):
                 continue
-            if occupancy.crosses_text((tip, knee, landing)):
+            path = (tip, knee, landing)
+            if occupancy.crosses_text(path):
                 continue
             # Past the arrow the leader no longer touches the circle.
             edges, lines = occupancy.crossings(((tip[0] + c, tip[1] + s), knee, landing))

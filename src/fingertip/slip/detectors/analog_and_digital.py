@@ -184,7 +184,8 @@ def noise_level(design: Design, noise_v: float | None = None) -> NoiseLevel:
     sigma = input_noise_v(design) if noise_v is None else noise_v
 
     memory = math.ceil(settings.sample_rate_hz / min(settings.cutoff_hz, settings.envelope_cutoff_hz) * 4)
-    h = SlipChain(settings).process([0.0, 1.0] + [0.0] * memory).filtered_v
+    impulse = [0.0, 1.0] + [0.0] * memory
+    h = SlipChain(settings).process(impulse).filtered_v
     sigma *= math.sqrt(float(h @ h))
 
     smoothing = 1 - math.exp(-2 * math.pi * settings.envelope_cutoff_hz / settings.sample_rate_hz)

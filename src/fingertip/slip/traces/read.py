@@ -151,9 +151,8 @@ def read_raw_trace(path: Path, columns: ColumnMap) -> RawTrace:
             raise TraceError(Issue(str(path), kind))
         arrays = _split_tables(load_arrays(kind, path, _list_wanted(columns)))
     except OSError as error:
-        raise TraceError(
-            Issue(str(path), f"cannot be read ({error.strerror or error}); give the path of a trace.")
-        ) from None
+        reason = error.strerror or str(error)
+        raise TraceError(Issue(str(path), f"cannot be read ({reason}); give the path of a trace.")) from None
     columns = columns.with_simulated_names(arrays)
     missing = [column for column in columns.required if columns.name_in_file(column) not in arrays]
     if RATE in arrays and "time_s" in missing:

@@ -178,7 +178,8 @@ class ColumnMap:
         volts: dict[str, Any] = {name: columns[name] for name in ("voltage_v", *BOARD_COLUMNS) if name in columns}
         if self.scale != 1.0:
             volts = {name: values * self.scale for name, values in volts.items()}
-        return Trace(time, force_n=columns.get("force_n"), slip=None if slip is None else slip == 1.0, **volts)
+        flags = None if slip is None else slip == 1.0
+        return Trace(time, force_n=columns.get("force_n"), slip=flags, **volts)
 
 
 @dataclass(frozen=True, eq=False)

@@ -77,8 +77,10 @@ class SlipCollector:
     def add(self, time_s: Array, flags: NDArray[np.bool_]) -> None:
         if not len(time_s):
             return
-        padded = np.concatenate(([self._onset_s is not None], flags))
-        for moment in time_s[np.flatnonzero(padded[1:] != padded[:-1])].tolist():
+        before = self._onset_s is not None
+        padded = np.concatenate(([before], flags))
+        edges = np.flatnonzero(padded[1:] != padded[:-1])
+        for moment in time_s[edges].tolist():
             if self._onset_s is None:
                 self._onset_s = moment
             else:

@@ -147,7 +147,8 @@ def draw_feasibility(axes: dict[str, Column], classes: statistics.PointClasses, 
         plot = figure.subplots()
         (x_name, x), (y_name, y) = sorted(varied.items(), key=lambda item: list(axes).index(item[0]))
         scales = make_scale(x_name, x, _MAX_CELLS), make_scale(y_name, y, _MAX_CELLS)
-        _add_heading(figure, classes, _draw_map(plot, *scales, (x, y), codes, colours), legend)
+        caption = _draw_map(plot, *scales, (x, y), codes, colours)
+        _add_heading(figure, classes, caption, legend)
         return style.to_png(figure)
     # One panel per axis
     columns = 2 if len(varied) == 4 else min(3, max(1, len(varied)))
@@ -197,7 +198,8 @@ def _draw_map(
 ) -> str:
     from matplotlib.colors import ListedColormap  # noqa: PLC0415
 
-    as_markers = not (x.bins.is_exact and y.bins.is_exact) and len(codes) <= _MAX_MARKERS
+    exact = x.bins.is_exact and y.bins.is_exact
+    as_markers = not exact and len(codes) <= _MAX_MARKERS
     margin = 0.02 if as_markers else 0.0
     x.apply(plot, "x", margin=margin)
     y.apply(plot, "y", margin=margin)

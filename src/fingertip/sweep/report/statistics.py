@@ -147,7 +147,8 @@ def _divide(column: Column, max_bins: int, locate: Callable[[Column, NDArray[np.
     bin_numbers = np.clip(np.floor(locate(values, counts)).astype(int), 0, max_bins - 1)
     first = np.flatnonzero(np.diff(bin_numbers, prepend=-1))  # empty bins are left out
     last = np.append(first[1:], len(values)) - 1
-    return Bins(np.repeat(np.arange(len(first)), last - first + 1)[index], values[first], values[last])
+    bin_of_value = np.repeat(np.arange(len(first)), last - first + 1)
+    return Bins(bin_of_value[index], values[first], values[last])
 
 
 FEASIBLE = "feasible"
@@ -212,7 +213,8 @@ def list_failed(table: SweepTable) -> list[Column]:
 
 
 def classify_points(table: SweepTable) -> PointClasses:
-    words = np.where((table.status == "refused") & (table.field != ""), table.field, table.status)
+    refused = (table.status == "refused") & (table.field != "")
+    words = np.where(refused, table.field, table.status)
     check = np.where(table.field == "", CHECKS_FAILED, np.char.add("check ", table.field.astype(str)))
     words = np.where(find_feasible(table), FEASIBLE, np.where(words == "ok", check, words))
     names, indices = np.unique(words, return_inverse=True)

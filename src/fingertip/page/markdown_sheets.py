@@ -113,7 +113,8 @@ def render_printing(sources: Sources) -> Markup:
             rows.append((element("a", path, href=sources.links[path]), names))
     files = table(("file", "holds"), sorted(rows, key=lambda row: row[0].endswith("stl</a>")), "files to print")
     missing = note(element("code", COMMANDS[outputs.PRINT_FOLDER]), " makes plates and parts as they lie on the bed.")
-    return files if rows else missing
+    settings = element("p", "Step 1 of ", element("a", "Cast", href="#cast"), " has the settings.")
+    return join((files, settings)) if rows else missing
 
 
 def render_tests(sources: Sources) -> Markup:

@@ -73,7 +73,7 @@ _HUGE: tuple[Callable[[Path], Any], ...] = (
         (lambda folder: fingertip.calibrate_printer(Design(), 1.14), "half_thickness_mm: 1.14 looks like centimetres"),
         (lambda folder: Design.load(changes={"skin.width_mm": None}), "changes skin.width_mm: None is no value"),
         (lambda folder: Design.load(changes="a.b=c"), 'changes: \'a.b=c\' is a single text; use changes={"a.b": "c"}'),
-        (lambda folder: Design.load("adult_finger", changes={"skin": {"width_mm": 16}}), "skin.width_mm=16.6"),
+        (lambda folder: Design.load("adult_finger", changes={"skin": {"width_mm": 15}}), "skin.width_mm=16 "),
         (lambda folder: Trace(np.zeros(9), np.zeros(8)), "voltage_v: has shape (8,), but time_s has shape (9,)"),
         (lambda folder: Trace(np.zeros((3, 2)), [0.0]), "time_s: has shape (3, 2); give one value per sample"),
         (lambda folder: Trace(["a"], [0.0]), "time_s: is no array of numbers"),

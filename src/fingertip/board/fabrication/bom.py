@@ -135,8 +135,8 @@ def missing_numbers_note(circuit: Circuit) -> str:
     if not found:
         return ""
     return (
-        f"{len(found)} of {len(_list_assembled(circuit))} lines of `{ASSEMBLY_BOM}` have no LCSC number, or one that "
-        f"a single document gives: {', '.join(found)}. The note of each says what to look up at the house."
+        f"Confirm the numbers of {', '.join(found)} ({len(found)} of {len(_list_assembled(circuit))} lines of "
+        f"`{ASSEMBLY_BOM}`): the note of each says what to look up at the house."
     )
 
 

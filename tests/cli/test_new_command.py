@@ -95,16 +95,16 @@ def write_hand(folder: Path, **sizes: float) -> None:
 
 @pytest.mark.full
 def test_the_file_states_the_hands_own_sizes_and_what_moved_for_them(folder: Path) -> None:
-    write_hand(folder, clearance_radius_mm=5.8, width_mm=6.9, travel_deg=45.0)
+    write_hand(folder, clearance_radius_mm=5.8, width_mm=6.9, travel_deg=45.0, axis_height_mm=9.0)
     done = run_fingertip("new", "mine", "--preset", "adult_finger", "--hand", "hand.toml", "--json")
     assert done.returncode == 0, done.stderr
     design, result = Design.load("mine.toml"), json.loads(done.stdout)
     assert design.hand == Design.load("adult_finger").hand.model_copy(
-        update={"clearance_radius_mm": 5.8, "width_mm": 6.9, "travel_deg": 45.0}
+        update={"clearance_radius_mm": 5.8, "width_mm": 6.9, "travel_deg": 45.0, "axis_height_mm": 9.0}
     )
     moved = {one["parameter"]: one for one in result["fitted"]}
-    assert "bone.base_length_mm" in moved
-    assert f"bone.base_length_mm  derived  {moved['bone.base_length_mm']['was']}" in done.stderr
+    assert "skin.semi_axis_dorsal_mm" in moved
+    assert f"skin.semi_axis_dorsal_mm  derived  {moved['skin.semi_axis_dorsal_mm']['was']}" in done.stderr
     text = Path("mine.toml").read_text()
     wishes, measured, fitted, derived = re.split("# (?:Measured on|Fitted to|Derived from) .*", text)[:4]
     assert "skin.width_mm = 18.0" in wishes
@@ -118,7 +118,7 @@ def test_the_file_states_the_hands_own_sizes_and_what_moved_for_them(folder: Pat
 @pytest.mark.full
 def test_loads_that_are_given_are_refused_if_too_heavy_and_others_become_what_the_finger_holds(folder: Path) -> None:
     write_hand(
-        folder, width_mm=8.0, axis_height_mm=7.0, pin_diameter_mm=3.0, clearance_radius_mm=5.0, tendon_distance_mm=4.4,
+        folder, width_mm=9.0, axis_height_mm=7.0, pin_diameter_mm=3.0, clearance_radius_mm=5.0, tendon_distance_mm=4.4,
         travel_deg=60.0,
     )  # fmt: skip
     command = ("new", "mine", "--hand", "hand.toml")

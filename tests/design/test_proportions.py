@@ -28,8 +28,8 @@ def test_what_a_file_leaves_out_follows_and_what_it_states_stays(name: str, tmp_
     lines = [f"{key} = {json.dumps(value)}" for key, value in design.changes().items() if find_kind(key) != "derived"]
     path.write_text("\n".join(lines))
     assert Design.load(path).model_copy(update={"name": name}) == design
-    path.write_text("\n".join([*lines, "mold.wall_mm = 5.0", "bone.rim_mm = 0.5"]))
-    assert (Design.load(path).mold.wall_mm, Design.load(path).bone.rim_mm) == (5.0, 0.5)
+    path.write_text("\n".join([*lines, "printer.min_wall_mm = 0.79", "skin.bump_height_mm = 0.09"]))
+    assert (Design.load(path).printer.min_wall_mm, Design.load(path).skin.bump_height_mm) == (0.79, 0.09)
 
 
 def test_a_change_beside_a_file_does_not_choose_another_finger() -> None:

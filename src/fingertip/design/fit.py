@@ -137,7 +137,7 @@ def find_fit(
     checks: int = _CHECKS,
 ) -> Fit | None:
     """Fit a design as `fit_design` does; None if it finds no design that passes."""
-    return _find(tables, given, guessed, holds, lambda share: None, checks)[0]
+    return _find(tables, given, guessed, holds, lambda share: None, checks, is_early=checks < _CHECKS)[0]
 
 
 def _find(
@@ -147,8 +147,12 @@ def _find(
     holds: Holds | None,
     progress: Progress,
     checks: int = _CHECKS,
+    is_early: bool = False,
 ) -> tuple[Fit | None, Sequence[BrokenRule]]:
-    """Find a design that passes; or else what is too weak in one that passes all rules."""
+    """Find a design that passes; or else what is too weak in one that passes all rules.
+
+    A search that gives up early moves no wish in place of what a whole one would have found.
+    """
     derived = {**DERIVED, **{name: (0.8 * value, 1.2 * value) for name in guessed if (value := tables.value(name))}}
     weak: Sequence[BrokenRule] = ()
     for ranges in (derived, {**derived, **_WISHES})[: 1 if _WISHES.keys() <= set(given) else 2]:
@@ -157,6 +161,8 @@ def _find(
         search = _Search(tables, free)
         values = search.find_passing({}, progress, checks)
         if values is None:
+            if is_early and search.is_over(checks):
+                break
             continue
         values = search.move_back(values)
         if holds and (found := holds.judge(tables.with_values(values))):
@@ -213,7 +219,7 @@ class _Search:
         if not self.check(begin)[1]:
             return dict(begin)
         seen = set[tuple[tuple[str, float], ...]]()
-        while queue and self._count < checks:
+        while queue and not self.is_over(checks):
             progress(self._count / checks)
             _, _, values = heapq.heappop(queue)
             passing: list[tuple[float, dict[str, float]]] = []
@@ -230,6 +236,10 @@ class _Search:
             if passing:
                 return min(passing, key=lambda found: found[0])[1]
         return None
+
+    def is_over(self, checks: int) -> bool:
+        """Whether the search has made as many checks."""
+        return self._count >= checks
 
     def _list_repairs(self, values: Values, broken: BrokenRule) -> Iterator[dict[str, float]]:
         """List values of free parameters with which a rule passes, or is nearer to passing: of each, and of all."""

@@ -60,7 +60,6 @@ def test_mold_of_every_preset_passes(name: str) -> None:
     ("changes", "wanted"),
     [
         ("printer.surface_error_mm=0.3", {"mold.palmar_error", "mold.creep"}),
-        (THICK.format(220), {"mold.plunge_pressure"}),
         (f"{THICK.format(120)} silicone.pot_life_min=1", {"mold.seat_film"}),
         ("silicone.product=own silicone.elongation_percent=60", {"skin.fitting_stretch"}),
     ],

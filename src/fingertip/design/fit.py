@@ -161,7 +161,7 @@ def _find(
         search = _Search(tables, free)
         values = search.find_passing({}, progress, checks)
         if values is None:
-            if is_early and search.is_over(checks):
+            if is_early and search.count >= checks:
                 break
             continue
         values = search.move_back(values)
@@ -201,13 +201,13 @@ class _Search:
         self._held = holds.rules if holds else ()
         self._rules = (*cheapest_first(PART_RULES), *self._held)
         self._checked: dict[tuple[tuple[str, float], ...], tuple[float, tuple[BrokenRule, ...]]] = {}
-        self._count = 0
+        self.count = 0
 
     def check(self, values: Values) -> tuple[float, tuple[BrokenRule, ...]]:
         """Return a score, the number of broken rules and how far each is from passing, and these rules."""
         key = tuple(sorted(values.items()))
         if key not in self._checked:
-            self._count += _CHECK
+            self.count += _CHECK
             found = tuple(RuleChecker(self._tables.with_values(values)).find_broken(self._rules))
             self._checked[key] = sum(1.0 + _measure_lack(broken) for broken in found), found
         return self._checked[key]
@@ -219,8 +219,8 @@ class _Search:
         if not self.check(begin)[1]:
             return dict(begin)
         seen = set[tuple[tuple[str, float], ...]]()
-        while queue and not self.is_over(checks):
-            progress(self._count / checks)
+        while queue and self.count < checks:
+            progress(self.count / checks)
             _, _, values = heapq.heappop(queue)
             passing: list[tuple[float, dict[str, float]]] = []
             for repair in self._list_repairs(values, self.check(values)[1][0]):
@@ -236,10 +236,6 @@ class _Search:
             if passing:
                 return min(passing, key=lambda found: found[0])[1]
         return None
-
-    def is_over(self, checks: int) -> bool:
-        """Whether the search has made as many checks."""
-        return self._count >= checks
 
     def _list_repairs(self, values: Values, broken: BrokenRule) -> Iterator[dict[str, float]]:
         """List values of free parameters with which a rule passes, or is nearer to passing: of each, and of all."""
@@ -271,7 +267,7 @@ class _Search:
             yield self._approach(failing, helpful, values, broken.rule)
 
     def _lack_of(self, rule: Rule, values: Values) -> float:
-        self._count += 1
+        self.count += 1
         design = self._tables.with_values(values)
         checker = RuleChecker(design)
         if checker.passes(rule):

@@ -57,7 +57,11 @@ def test_both_strands_pull_at_the_distance_of_the_tendon(tmp_path: Path) -> None
     data.qpos[:] = angle = math.radians(design.hand.travel_deg)
     mujoco.mj_forward(model, data)
     # The lever of the tangent from the guide to the circle about the horn, in the frame of the hand
-    radius, y, z = 4.0 + anchor.line / 2, anchor.horn_y + 4.0 - joint.axis_y, anchor.horn_low_z - joint.axis_z
+    radius, y, z = (
+        anchor.horn_radius + anchor.line / 2,
+        anchor.horn_y + anchor.horn_radius - joint.axis_y,
+        anchor.horn_low_z - joint.axis_z,
+    )
     horn = np.array([y * math.cos(angle) - z * math.sin(angle), y * math.sin(angle) + z * math.cos(angle)])
     guide = np.array([-distance, -joint.radius - 3.0])
     away = horn - guide

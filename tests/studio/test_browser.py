@@ -159,7 +159,7 @@ def test_a_design_is_chosen_by_its_picture_and_its_figures_follow(opened: Any) -
     click(opened, "[data-design=adult_thumb]")
     assert wait_for_checks(opened).startswith("✓")
     assert value_of(opened, "skin.width_mm") == "22"
-    assert "22 x 18 x 48 mm" in opened.find_element("id", "figures").text
+    assert "22 x 18 x 49 mm" in opened.find_element("id", "figures").text
 
 
 @pytest.mark.full

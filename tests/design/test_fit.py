@@ -34,7 +34,7 @@ def test_a_tendon_that_runs_through_the_hands_fork_is_refused() -> None:
 @pytest.mark.full
 def test_fit_is_reproducible_and_passes_all_rules() -> None:
     begin = tables(
-        "adult_finger", **{"skin.width_mm": 20.0, "skin.semi_axis_dorsal_mm": 9.0, "hand.clearance_radius_mm": 5.6}
+        "adult_finger", **{"skin.width_mm": 20.0, "skin.semi_axis_dorsal_mm": 9.0, "bone.base_length_mm": 13.0}
     )
     given = ["skin.length_mm"]
     first, second = fit_design(begin, given), fit_design(begin, given)
@@ -52,7 +52,7 @@ def test_given_lengths_stay_and_a_limit_shortens_the_skin() -> None:
     assert all(fit_design(tables(name)).moves == () for name in PRESETS), "presets need no fit"
     limited = fit_design(tables("adult_finger", **{"hand.length_limit_mm": 38.5})).tables
     assert limited.skin.length_mm + limited.bone.base_length_mm <= 38.5
-    begin = tables("adult_finger", **{"hand.clearance_radius_mm": 7.0})
+    begin = tables("adult_finger", **{"hand.clearance_radius_mm": 7.0, "bone.base_length_mm": 14.6})
     assert "bone.base_length_mm" in [move.name for move in fit_design(begin).moves]
     with pytest.raises(DesignError, match=r"bone\.base_length_mm"):
         fit_design(begin.with_values({"bone.base_length_mm": 9.0}), given=["bone.base_length_mm"])

@@ -48,7 +48,7 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
     Only `make` has a detection, and so an acceptance sheet beside the parts.
     """
     design = Design.load("fsr400")
-    build(design, tmp_path / "single", formats=["stl"], pictures=True)
+    build(design, tmp_path / "single", formats=["stl"], pictures=True, verify=True)
     write_board(design, tmp_path / "single" / "board", bring_up=True)
     page = render_acceptance(acceptance_sheet(design))
     PART_FILES.writer(design, tmp_path / "single").add({ACCEPTANCE: page.encode()})

@@ -24,6 +24,7 @@ COPYLEFT = {
     "Public License or GPL), LibRaw (LGPL-2.1 or CDDL-1.0) and JBIG-KIT (GPL-2.0)",
     "casadi": "LGPL-3.0 or later; contains qpOASES (LGPL-2.1), alpaqa and SLEQP (LGPL-3.0), and Ipopt, Bonmin, Cbc and "
     "Clp (EPL)",
+    "lxml": "contains iconv (LGPL-2.1)",
     "nlopt": "the compiled library is governed by the LGPL-2.1 of its part luksan",
     "nptdms": "LGPL-3.0",
     "numpy": "contains libquadmath (LGPL-2.1) and libgfortran (GPL-3.0 with the GCC runtime exception)",

@@ -102,7 +102,7 @@ def select_part(component: Component) -> Selection:
         case CapacitorRequirement() as capacitor:
             value, package = parse_component_value(component.value), find_package(component.footprint)
             found = [item.part for item in find_capacitors(value, package, capacitor)]
-            reason = _explain_missing(component.value, package, capacitor)
+            reason = "" if found else _explain_missing(component.value, package, capacitor)
         case None:
             named = [
                 item
@@ -114,7 +114,8 @@ def select_part(component: Component) -> Selection:
     if not found:
         return Selection(None, None, reason or f"the parts table has no {component.value} with {component.rating}")
     part, alternate = found[0], found[1] if len(found) > 1 else None
-    return Selection(part, alternate, NO_LCSC if not part.lcsc else ONE_SOURCE if len(part.sources) < 2 else "")
+    unsure = ONE_SOURCE if len(part.sources) < 2 else ""
+    return Selection(part, alternate, unsure if part.lcsc else reason or NO_LCSC)
 
 
 def symbol_fields(component: Component) -> dict[str, str]:

@@ -20,13 +20,7 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.loads import _find_margin_deg
 from fingertip.board.analysis.report import analyse, bode_table
 from fingertip.board.analysis.response import RECTIFYING_DIODE, FilterModel, decibel, model_filter, target_response
-from fingertip.board.analysis.tolerance import (
-    COMPONENTS,
-    QUANTITIES,
-    TolerancedFilter,
-    compute_sensitivities,
-    monte_carlo,
-)
+from fingertip.board.analysis.tolerance import COMPONENTS, QUANTITIES, TolerancedFilter, monte_carlo
 from fingertip.board.circuits.network import Network, StateSpace, Term, build_network, filter_quantities
 from fingertip.board.circuits.transfer_function import Rational, find_stages, multiply
 from fingertip.board.components.front_end import SUPPRESSOR_F
@@ -135,20 +129,6 @@ def test_monte_carlo_is_reproducible_and_exact_without_tolerances() -> None:
     assert exact.low_95 == exact.worst_high == exact.nominal
 
 
-def test_sensitivities_satisfy_dimensional_analysis() -> None:
-    """Raising all resistors, or all capacitors, by 1 % lowers all frequencies by 1 % for a fast amplifier."""
-    sensitivities = compute_sensitivities(toleranced_filter(ARTICLE, 1e9))
-    for name in ("cutoff_hz", "section_hz", "first_pole_hz"):
-        assert sum(sensitivities[name][component] for component in ("R1", "R2", "R3")) == pytest.approx(-1, abs=2e-5)
-        assert sum(sensitivities[name][component] for component in ("C1", "C2", "C3")) == pytest.approx(-1, abs=2e-5)
-    assert (
-        sensitivities["section_quality"]["R3"]
-        == -sensitivities["section_quality"]["R2"]
-        == pytest.approx(0.5, abs=1e-5)
-    )
-    assert list(sensitivities["passband_gain"]) == list(COMPONENTS[:8])
-
-
 def test_analysis_command_prints_tables_and_writes_the_bode_table(tmp_path: Path) -> None:
     table = tmp_path / "bode.csv"
     run = run_fingertip(
@@ -176,10 +156,6 @@ def test_tolerances_are_those_of_the_parts() -> None:
 def test_alias_attenuation_of_the_default_board() -> None:
     a = board_values(ARTICLE).aliasing
     assert (a.band_hz, a.nyquist_hz, a.alias_hz) == (201.0, 1000.0, 1799.0)
-    assert a.lsb_v == 20 / 65536
-    # A swing of 3.5 V against a step of 0.305 mV.
-    assert a.required_db == pytest.approx(20 * math.log10(3.5 * 65536 / 20), rel=1e-12)
-    assert a.one_lsb_tone_v * 10 ** (a.tactile_alias_db / 20) == pytest.approx(a.lsb_v, rel=1e-12)
     assert -1.7 < a.tactile_band_db < -1.5  # slip ends below 100 Hz in the embedded finger: 0.4 dB
     comparator = board_values(load_article(["board.variant=comparator"])).aliasing
     envelope_pole_db = -10 * math.log10(1 + (1000 / 36.17) ** 2)

@@ -12,7 +12,7 @@ import pytest
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.limits import adc_range_warnings, describe_adc_range
-from fingertip.board.analysis.loads import load_warnings
+from fingertip.board.analysis.loads import compute_output_currents, load_warnings
 from fingertip.board.analysis.noise import NETS, add_noise, noise_budget
 from fingertip.board.analysis.response import decibel
 from fingertip.board.circuits.network import build_network
@@ -269,29 +269,37 @@ def measure_output(deck: str, amplifier: str) -> str:
 def test_amplifier_loads_agree_with_the_currents_in_ngspice(tmp_path: Path, name: str) -> None:
     """A small signal around no bias, with 1 ohm in place of the diode D1, which then conducts all the time."""
     design, deck = write_deck(tmp_path, list(VARIANT_CHANGES[name]))
-    values = board_values(design)
+    values, bandwidth_hz = board_values(design), find_gain_bandwidth_hz(design.board)
+    currents = compute_output_currents(board_circuit(values), bandwidth_hz, design.board.cutoff_hz)
     # The comparator's switch, which drives none of these outputs, keeps ngspice from finding the operating point.
     deck = "\n".join(line for line in deck.splitlines() if not line.startswith("SU4 ")) + "\n"
-    assert values.amplifier_loads[0].amplifier == "U1a"
+    assert currents[0].output.amplifier == "U1a"
     diode = next((line for line in deck.splitlines() if line.startswith("D1 ")), None)
     blocked, conducting = (
         deck.replace(diode, f"RD1 {' '.join(diode.split()[1:3])} {ohm}") if diode else deck for ohm in ("1e12", "1")
     )
-    for load in values.amplifier_loads:
-        output = AMPLIFIER_OUTPUTS[load.amplifier]
-        for variant, expected in ((conducting, load.min_ohm), (blocked, load.min_filter_ohm)):
-            if expected is None or (variant is blocked and not name.startswith("article")):
+    filter_ohm = []
+    for each in currents:
+        if (amplifier := each.output.amplifier) not in AMPLIFIER_OUTPUTS:  # the buffer of VMID
+            continue
+        output = AMPLIFIER_OUTPUTS[amplifier]
+        for variant, siemens in ((conducting, each.filter_s + each.diode_s), (blocked, each.filter_s)):
+            is_blocked = variant is blocked and diode is not None
+            if not siemens.any() or (is_blocked and not name.startswith("article")):
                 continue
             reference = "" if name == "article" else "-v(vmid)"
             commands = (
                 f"ac lin 60 67 201\nlet u = v({output}){reference}\nlet z = abs(u/i(vm))\n"
                 f"let a = abs(i(vm)/(v(tactile){reference}))\nwrdata out z a"
             )
-            rows = run_ngspice(tmp_path, measure_output(variant, load.amplifier), commands)
-            assert expected == pytest.approx(min(ohm for _, ohm, *_ in rows), rel=0.02), load.amplifier
-            if variant is conducting:
-                current = values.voltage_limits.vibration_peak_v * max(row[-1] for row in rows)
-                assert load.max_current_a == pytest.approx(current, rel=0.02)
+            rows = run_ngspice(tmp_path, measure_output(variant, amplifier), commands)
+            ohm = min(row[1] for row in rows)
+            assert np.abs(each.gain / siemens).min() == pytest.approx(ohm, rel=0.02), amplifier
+            if not is_blocked:
+                assert np.abs(siemens).max() == pytest.approx(max(row[-1] for row in rows), rel=0.02)
+            if amplifier in ("U1a", "U1b") and (siemens == each.filter_s).all():
+                filter_ohm.append(ohm)
+    assert values.filter_load_ohm == pytest.approx(min(filter_ohm), rel=0.02)
 
 
 @pytest.mark.full

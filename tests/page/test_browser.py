@@ -177,7 +177,7 @@ def test_saves_the_mesh_that_was_exported(opened: Any, folder: Path) -> None:
 
 @pytest.mark.full
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("width", [1400, 390])
+@pytest.mark.parametrize("width", [1400, 800, 390])
 def test_is_accessible(opened: Any, scheme: str, width: int) -> None:
     for tab in list_tabs(opened):
         click(opened, f"#tab-{tab}")

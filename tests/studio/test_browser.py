@@ -243,7 +243,7 @@ def test_files_of_the_changed_design_are_downloaded(opened: Any, design: Design)
 
 @pytest.mark.full
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("width", [1400, 390])
+@pytest.mark.parametrize("width", [1400, 800, 390])
 def test_is_accessible(opened: Any, scheme: str, width: int) -> None:
     take_in_hand(opened, "skin.width_mm")
     put(opened, "skin.width_mm", 8)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from fingertip.cli import options
-from fingertip.cli.board_tables import analysis_text, channel_lines, gate_lines, load_lines, table_lines
+from fingertip.cli.board_tables import analysis_text, channel_lines, gate_lines, table_lines
 from fingertip.cli.console import Console
 from fingertip.cli.options import command, find_file_issues, find_idle_issues, flag, load_design, refuse
 from fingertip.foundation.errors import Issue
@@ -41,7 +41,7 @@ def board(
         metavar="ROWSxCOLUMNS",
         help="Also write a panel of so many boards, such as 2x3, to OUT/panel; needs KiKit.",
     ),
-    analysis: bool = flag("Also analyse noise, offsets, tolerances (10 000 boards), sensitivities."),
+    analysis: bool = flag("Also analyse noise, offsets, tolerances (10 000 boards)."),
     bode: Path | None = typer.Option(None, metavar="FILE", help="Write the Bode table of each stage as CSV."),
     bringup: bool = flag("Also write bringup.md, how to test a soldered board, and a sketch that plays the tones."),
     article: bool = flag("Also print what the article states about its own board, and what is so."),
@@ -108,7 +108,7 @@ def _write_board(console: Console, design: Design, options: _Options) -> None:
     if options.panel:
         lines += ["", _write_panel(folder, *map(int, options.panel.groups()))]
     if options.verbose:
-        lines += ["", *load_lines(design, values), "", *gate_lines(values)]
+        lines += ["", *gate_lines(values)]
     if options.fab:
         from fingertip.board.circuits.board_circuit import board_circuit
         from fingertip.board.fabrication.bom import missing_numbers_note

@@ -152,21 +152,6 @@ def _format_deviation(ratio: float) -> str:
     return f"{text[1:] if text[1:] == '0.00%' else text:>9}"
 
 
-def load_lines(design: Design, values: BoardValues) -> list[str]:
-    """Load and peak current of each amplifier in the band of the vibrations."""
-    from fingertip.board.analysis.loads import signal_band_hz
-    from fingertip.foundation.files import format_figure
-
-    low_hz, high_hz = signal_band_hz(design.board.cutoff_hz)
-    lines = [f"amplifiers, {low_hz:.4g} Hz to {high_hz:.4g} Hz: smallest load, and peak current at the clipping level"]
-    for load in values.amplifier_loads:
-        ohm, milliampere = format_figure(load.min_ohm, 3), format_figure(1e3 * load.max_current_a, 2)
-        is_bound = load.min_filter_ohm is not None and load.min_filter_ohm > 1.001 * load.min_ohm
-        diode = "; D1 conducting, upper bound of the current" if is_bound else ""
-        lines.append(f"  {load.amplifier:4} {ohm:>6} ohm, {milliampere} mA{diode}")
-    return lines
-
-
 def _force_lines(design: Design, values: BoardValues) -> list[str]:
     """Sensor resistance and tactile voltage at a few forces, and what they assume of the sensor."""
     from fingertip.board.components.front_end import sensor_conductance_s

@@ -13,7 +13,7 @@ from fingertip.board.analysis import interference, limits, response, thresholds
 from fingertip.board.analysis.gate import GateCondition, check_gate, check_yields
 from fingertip.board.analysis.interference import SharedFigures, compute_shared_figures
 from fingertip.board.analysis.limits import TactileResponse, adc_range_warnings
-from fingertip.board.analysis.loads import AmplifierLoad, compute_amplifier_loads, find_filter_load_ohm
+from fingertip.board.analysis.loads import find_filter_load_ohm
 from fingertip.board.analysis.noise import NoiseLevels, compute_noise_levels
 from fingertip.board.analysis.tolerance import compute_yields
 from fingertip.board.circuits.board_circuit import board_circuit
@@ -44,9 +44,8 @@ class BoardValues(ComponentValues):
     """Thresholds of the comparator; None in variants without one."""
     aliasing: interference.AliasAttenuation
     voltage_limits: limits.VoltageLimits
-    amplifier_loads: tuple[AmplifierLoad, ...]
     filter_load_ohm: float
-    """Smallest impedance that an amplifier of the filter (U1) drives in that band, without the rectifying diode."""
+    """Smallest impedance that an amplifier of the filter (U1) drives among vibrations, without the rectifying diode."""
     threshold_spread: thresholds.ThresholdSpread | None
     """Mean and worst case of the comparator's threshold; None in variants without one."""
     gate: tuple[GateCondition, ...]
@@ -113,7 +112,6 @@ def board_values(design: Design) -> BoardValues:
     ripple = interference.compute_supply_ripple(
         circuit, bandwidth_hz, board.cutoff_hz, supply.signal_ground, detector.threshold_v, envelope_gain
     )
-    loads = compute_amplifier_loads(circuit, bandwidth_hz, board.cutoff_hz, voltage_limits.vibration_peak_v)
     tactile_response = limits.compute_tactile_response(circuit, rails, supply.signal_ground)
     return BoardValues(
         **{field.name: getattr(components, field.name) for field in fields(components)},
@@ -124,10 +122,9 @@ def board_values(design: Design) -> BoardValues:
         supply_ripple=ripple,
         noise=compute_noise_levels(circuit, bandwidth_hz, envelope_gain),
         comparator_levels=levels,
-        aliasing=interference.compute_alias_attenuation(circuit, design, voltage_limits.filter_peak_v),
+        aliasing=interference.compute_alias_attenuation(circuit, design),
         voltage_limits=voltage_limits,
-        amplifier_loads=loads,
-        filter_load_ohm=find_filter_load_ohm(loads),
+        filter_load_ohm=find_filter_load_ohm(circuit, bandwidth_hz, board.cutoff_hz),
         threshold_spread=spread,
         gate=(
             *check_gate(

@@ -1,8 +1,7 @@
 """Interference on the board: frequencies that alias, ripple on the supply, and slip at other fingers.
 
-Two poles ahead of the analog-to-digital converter (ADC) cannot attenuate a full-scale tone to less than 1 LSB of 16
-bits. The signal's content beyond the band, noise and the skirt of a resonance, is small. `AliasAttenuation` gives the
-amplitude that a tone may have. A higher sampling rate with subsequent averaging moves the aliases away.
+The signal's content beyond the band, noise and the skirt of a resonance, is small. A higher sampling rate with
+subsequent averaging moves the aliases away.
 """
 
 from __future__ import annotations
@@ -55,27 +54,17 @@ class AliasAttenuation:
     output_nyquist_db: float
     """Gain from the rectifier (in variant article from the envelope) to the pin at `nyquist_hz`; on a board without an
     envelope that from the filtered signal to its pin."""
-    output_alias_db: float
     filtered_gain: float | None
     """Largest gain from the tactile voltage to the pin of the filtered signal, in the band; None without such a pin."""
     filtered_alias_db: float | None
     """Level at `alias_hz` over the one at `band_hz`, from the tactile voltage to that pin: both appear at `band_hz`."""
-    required_db: float
-    """Attenuation that would reduce a tone with the peak `swing_v` to 1 LSB of the ADC."""
-    swing_v: float
-    """Largest peak of the filtered signal [V]."""
-    one_lsb_tone_v: float
-    """Amplitude [V] of a tone in the tactile voltage at `alias_hz` that is attenuated to 1 LSB."""
-    lsb_v: float
-    """Step of the ADC [V]: its least significant bit (LSB)."""
 
 
-def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float) -> AliasAttenuation:
+def compute_alias_attenuation(circuit: Circuit, design: Design) -> AliasAttenuation:
     detector = design.detector
     nyquist_hz = detector.sample_rate_hz / 2.0
     band_hz = min(BAND_CUTOFFS * design.board.cutoff_hz, nyquist_hz)
     alias_hz = detector.sample_rate_hz - band_hz
-    lsb_v = detector.adc_step_v
     rectifier, network = find_rectifier(circuit), build_network(circuit, conducting=[RECTIFYING_DIODE])
     source, pin = ENVELOPE if rectifier == "diode" else FILTERED, find_envelope_pin(circuit)
 
@@ -86,7 +75,7 @@ def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float) 
         return [value / constant for value in values]
 
     tactile = gains(TACTILE, ADC_TACTILE, band_hz, nyquist_hz, alias_hz)
-    envelope = gains(source, pin, nyquist_hz, alias_hz)
+    (output_nyquist,) = gains(source, pin, nyquist_hz)
     filtered_gain = filtered_alias_db = None
     if ADC_FILTERED in circuit.net_by_pin.values():
         f_hz = np.array([*np.geomspace(design.board.cutoff_hz, band_hz, _POINTS), alias_hz])
@@ -100,14 +89,9 @@ def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float) 
         tactile_band_db=decibel(tactile[0]),
         tactile_nyquist_db=decibel(tactile[1]),
         tactile_alias_db=decibel(tactile[2]),
-        output_nyquist_db=decibel(envelope[0]),
-        output_alias_db=decibel(envelope[1]),
+        output_nyquist_db=decibel(output_nyquist),
         filtered_gain=filtered_gain,
         filtered_alias_db=filtered_alias_db,
-        required_db=decibel(swing_v / lsb_v),
-        swing_v=swing_v,
-        one_lsb_tone_v=lsb_v / abs(tactile[2]),
-        lsb_v=lsb_v,
     )
 
 

@@ -8,7 +8,7 @@ diode rise equally fast, and the capacitor's end is at the lower voltage. The bu
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +25,7 @@ from fingertip.board.circuits.network import (
 )
 from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import Circuit
-from fingertip.board.parts.nets import FILTERED, SUM, TACTILE, VMID
+from fingertip.board.parts.nets import FILTERED, SUM, TACTILE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import BAND_CUTOFFS, find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import find_preferred_neighbours
@@ -37,43 +37,9 @@ _FREQUENCIES = 30
 _FILTER_AMPLIFIERS = ("U1a", "U1b")
 
 
-@dataclass(frozen=True)
-class AmplifierLoad:
-    """Load of one amplifier over the band of the vibrations."""
-
-    amplifier: str
-    """Reference, with the letter of its unit."""
-    min_ohm: float
-    """Smallest ratio of its output's voltage to its current [ohm], with the current through the rectifying diode."""
-    min_filter_ohm: float | None
-    """Smallest such ratio without the current through the diode [ohm]; None if the amplifier drives only the diode."""
-    max_current_a: float
-    """Peak of the current for the largest vibrations that are not clipped [A]; through the diode an upper bound."""
-
-
 def signal_band_hz(cutoff_hz: float) -> tuple[float, float]:
     """Band of the vibrations [Hz]: from the cutoff to `BAND_CUTOFFS` cutoffs."""
     return cutoff_hz, BAND_CUTOFFS * cutoff_hz
-
-
-def compute_amplifier_loads(
-    circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float, vibration_v: float
-) -> tuple[AmplifierLoad, ...]:
-    """Compute the load of each amplifier between the sensor and the envelope, in the order of their references."""
-    loads = []
-    for current in compute_output_currents(circuit, gain_bandwidth_hz, cutoff_hz):
-        if current.output.net == VMID:  # the buffer of the signal ground has no load to signal ground
-            continue
-        total_a, filter_a = np.abs(current.filter_s + current.diode_s), current.filter_s
-        loads.append(
-            AmplifierLoad(
-                current.output.amplifier,
-                min_ohm=float((np.abs(current.gain) / total_a).min()),
-                min_filter_ohm=float(np.abs(current.gain / filter_a).min()) if filter_a.any() else None,
-                max_current_a=vibration_v * float(total_a.max()),
-            )
-        )
-    return tuple(loads)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,9 +82,11 @@ def compute_output_currents(circuit: Circuit, gain_bandwidth_hz: float, cutoff_h
     return tuple(currents)
 
 
-def find_filter_load_ohm(loads: Iterable[AmplifierLoad]) -> float:
+def find_filter_load_ohm(circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float) -> float:
     """Find the smallest impedance that an amplifier of the two filter stages drives [ohm], without the diode."""
-    return min(load.min_filter_ohm for load in loads if load.min_filter_ohm and load.amplifier in _FILTER_AMPLIFIERS)
+    currents = compute_output_currents(circuit, gain_bandwidth_hz, cutoff_hz)
+    filters = [current for current in currents if current.output.amplifier in _FILTER_AMPLIFIERS]
+    return min(float(np.abs(each.gain / each.filter_s).min()) for each in filters if each.filter_s.any())
 
 
 def load_warnings(design: Design, filter_load_ohm: float, capacitor_f: float) -> Iterator[str]:
@@ -130,8 +98,7 @@ def load_warnings(design: Design, filter_load_ohm: float, capacitor_f: float) ->
         passing_uf = float(f"{find_preferred_neighbours(0.99 * passing_uf)[0]:.3g}")
         values = {"board.capacitor_uf": passing_uf, "board.capacitor_series": "given"}
         circuit = board_circuit(select_components(design.with_values(values)))
-        bandwidth_hz = find_gain_bandwidth_hz(board)
-        load_ohm = find_filter_load_ohm(compute_amplifier_loads(circuit, bandwidth_hz, board.cutoff_hz, 1.0))
+        load_ohm = find_filter_load_ohm(circuit, find_gain_bandwidth_hz(board), board.cutoff_hz)
     settings = f"board.capacitor_uf={passing_uf:.3g}"
     if board.capacitor_series != "given":
         settings = f"board.capacitor_series=given and {settings}"

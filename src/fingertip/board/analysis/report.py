@@ -30,7 +30,6 @@ class Analysis:
     component_percent: dict[str, float]
     boards: int
     spread: dict[str, Spread]
-    sensitivity: dict[str, dict[str, float]]
 
     def as_data(self) -> dict[str, Any]:
         return {"nets": NETS, **asdict(self)}
@@ -45,7 +44,6 @@ def analyse(design: Design, boards: int = 10_000) -> Analysis:
         component_percent=percent,
         boards=boards,
         spread=tolerance.monte_carlo(toleranced, percent, boards),
-        sensitivity=tolerance.compute_sensitivities(toleranced),
     )
 
 

@@ -1,4 +1,4 @@
-"""Effect of component tolerances on the filter: Monte Carlo spread, worst case and sensitivities.
+"""Effect of component tolerances on the filter: Monte Carlo spread and worst case.
 
 C1, C2 and C3 may differ, as purchased capacitors do. Gain, cutoff, poles and quality factor come from the transfer
 function of the circuit, evaluated for thousands of boards at once.
@@ -6,7 +6,6 @@ function of the circuit, evaluated for thousands of boards at once.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
@@ -117,17 +116,3 @@ def compute_yields(
     found = toleranced.quantities(deviations)
     wanted = {"cutoff_hz": board.cutoff_hz, "passband_gain": board.passband_gain}
     return {name: float(np.mean(np.abs(found[name] / v - 1.0) <= YIELD_RATIO)) for name, v in wanted.items()}
-
-
-def compute_sensitivities(board: TolerancedFilter) -> dict[str, dict[str, float]]:
-    """Compute d ln quantity / d ln component: the change in percent for a change of the component by one percent."""
-    step = 1e-4
-    up, down = (board.quantities(sign * step * np.eye(len(board.names))) for sign in (1.0, -1.0))
-    width = math.log((1.0 + step) / (1.0 - step))
-    return {
-        quantity: {
-            name: round(float(np.log(up[quantity][i] / down[quantity][i]) / width), 6) + 0.0
-            for i, name in enumerate(board.names)
-        }
-        for quantity in QUANTITIES
-    }

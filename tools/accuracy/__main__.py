@@ -102,18 +102,23 @@ def _compare_solvers(rounds: int) -> tuple[list[str], bytes]:
 
 
 def plot_curves(curves: Sequence[Curve]) -> bytes:
-    """Plot the relative error of each output over the CPU time, the setting in use filled; returns a PNG."""
+    """Plot the relative error of each output at its settings, the one in use filled; returns a PNG."""
     figure, drawn = display.new_figure(14, 8), [curve for curve in curves if any(map(any, curve.errors.values()))]
+    styles = list(itertools.product(("-", "--"), display.SERIES))
     for axes, curve in zip(figure.subplots(2, -(-len(drawn) // 2), squeeze=False).flat, drawn, strict=False):
-        for colour, (name, errors) in zip(itertools.cycle(display.SERIES), curve.errors.items(), strict=False):
+        for (dashes, colour), (name, errors) in zip(styles, curve.errors.items(), strict=False):
             relative = [error / (abs(curve.values[name]) or 1.0) for error in errors]
             known = [i for i, error in enumerate(relative) if 0.0 < error < math.inf]
             x, y = [curve.cpu_s[i] for i in known], [relative[i] for i in known]
-            axes.loglog(x, y, "o-", color=colour, markerfacecolor="none", label=name)
+            axes.loglog(x, y, f"o{dashes}", color=colour, markerfacecolor="none", label=name)
             if curve.used in known:
                 axes.loglog([curve.cpu_s[curve.used]], [relative[curve.used]], "o", color=colour)
-        axes.set(xlabel="CPU time [s]", ylabel="relative error", title=curve.source)
-        axes.legend(frameon=False, fontsize=6)
+        axes.set(xlabel=f"{curve.source}; CPU time", ylabel="error / value")
+        axes.set_xticks([], minor=True)
+        ticks = zip(curve.settings, curve.cpu_s, strict=True)
+        axes.set_xticks(curve.cpu_s, [f"{setting:g}\n{cpu_s:.2g} s" for setting, cpu_s in ticks])
+        axes.set_ylim(top=axes.get_ylim()[1] * 4.0)  # room for the names
+        axes.legend(frameon=False, fontsize=6, ncols=2, loc="upper right")
         display.style_axes(axes, "both")
     return display.to_png(figure)
 

@@ -227,8 +227,7 @@ class Rig:
             for i, a in enumerate(names):
                 for b in names[i + 1 :]:
                     meet = 0.0 if {a, b} <= inside else (bodies[a] ^ bodies[b]).volume()
-                    limit = 1e-2 if {a, b} & {"arm", "strip"} and {a, b} & inside else 1e-6  # faces that touch
-                    assert meet <= limit, f"{a} and {b} overlap by {meet:.3g} mm3, {moved:g} mm from the rest"
+                    assert meet <= 1e-6, f"{a} and {b} overlap by {meet:.3g} mm3, {moved:g} mm from the rest"
             beside = (bodies["sled"].translate((0, y, 0)) ^ bodies["base"] for y in (0.3, -0.3))
             assert all(meet.volume() <= 1e-6 for meet in beside), "the sled has no play between the guides"
         held = self.assemble(0.2)

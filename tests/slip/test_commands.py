@@ -146,6 +146,22 @@ def test_a_force_is_detected_with_thresholds_from_a_quiet_part(tmp_path):
         assert 0.5 < onset < 0.535
 
 
+def test_a_recording_that_begins_in_slip_is_decided_with_the_floors_of_a_rest(tmp_path):
+    random = np.random.default_rng(3)
+    rest = 2.3 + random.normal(0.0, 4e-4, 4000)
+    parts = {"rest": rest, "short": rest[:800], "slip": rest + random.normal(0.0, 0.004, 4000)}
+    files = {name: tmp_path / f"{name}.csv" for name in parts}
+    for name, volts in parts.items():
+        files[name].write_text(csv(np.arange(len(volts)) / 2000, volts))
+    words = ("--detector", "fast", "--json")
+    assert json.loads(run("detect", files["slip"], *words).stdout)["intervals"] == []
+    found = json.loads(run("detect", files["slip"], *words, "--floors", files["rest"]).stdout)["intervals"]
+    assert found[0]["onset_s"] < 0.1
+    for name, problem in (("short", "of 0.4 s gives fast none"), ("rest", "gives digital none")):
+        done = run("detect", files["slip"], *(words if name == "short" else ()), "--floors", files[name])
+        assert (done.exit_code, problem in done.stderr) == (2, True), done.stderr
+
+
 def test_adc_counts_are_converted_by_the_suggested_scale(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, np.round(V / 3.3 * 4096)))
     words = ("detect", tmp_path / "t.csv", "--json")

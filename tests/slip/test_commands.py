@@ -147,11 +147,9 @@ def test_a_force_is_detected_with_thresholds_from_a_quiet_part(tmp_path):
 
 
 def test_a_recording_that_begins_in_slip_is_decided_with_the_floors_of_a_rest(tmp_path):
-    random = np.random.default_rng(3)
+    random, files = np.random.default_rng(3), {name: tmp_path / f"{name}.csv" for name in ("rest", "short", "slip")}
     rest = 2.3 + random.normal(0.0, 4e-4, 4000)
-    parts = {"rest": rest, "short": rest[:800], "slip": rest + random.normal(0.0, 0.004, 4000)}
-    files = {name: tmp_path / f"{name}.csv" for name in parts}
-    for name, volts in parts.items():
+    for name, volts in (("rest", rest), ("short", rest[:800]), ("slip", rest + random.normal(0.0, 0.004, 4000))):
         files[name].write_text(csv(np.arange(len(volts)) / 2000, volts))
     words = ("--detector", "fast", "--json")
     assert json.loads(run("detect", files["slip"], *words).stdout)["intervals"] == []

@@ -182,9 +182,7 @@ class FastDetector(Detector):
     def __init__(
         self, settings: FastSettings, model: fast_coefficients.FastModel | None = None, floors: Floors | None = None
     ) -> None:
-        self.settings = settings
-        self.stored_floors = floors
-        """Floors that it starts with; None: it learns them first."""
+        self.settings, self.stored_floors = settings, floors
         self._model = model = model or fast_coefficients.load_model()
         self.coefficients = _compute_coefficients(settings, model, with_filtered=False)
         """Constants of the loop at this sampling rate and noise."""

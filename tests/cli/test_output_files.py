@@ -49,7 +49,7 @@ FOLDERS = (
     ("record --port /dev/null", "fingertip.bench.record.Recorder.run"),
 )
 """Words of a command whose --out is a folder, and what must not be called."""
-READ = {"--design", "--hand", "--own", "--from"}
+READ = {"--design", "--floors", "--hand", "--own", "--from"}
 """Options that name a file to read."""
 
 

@@ -146,6 +146,16 @@ def test_a_force_is_detected_with_thresholds_from_a_quiet_part(tmp_path):
         assert 0.5 < onset < 0.535
 
 
+def test_a_recording_that_begins_in_slip_is_decided_with_the_floors_of_a_rest(tmp_path):
+    rest, slip = np.random.default_rng(3).normal(2.3, [[4e-4], [4e-3]], (2, 4000))
+    for name, volts in (("rest", rest), ("short", rest[:800]), ("slip", slip)):
+        (tmp_path / name).with_suffix(".csv").write_text(csv(np.arange(len(volts)) / 2000, volts))
+    words = ("detect", tmp_path / "slip.csv", "--detector", "fast", "--json")
+    assert json.loads(run(*words).stdout)["intervals"] == []
+    assert json.loads(run(*words, "--floors", tmp_path / "rest.csv").stdout)["intervals"][0]["onset_s"] < 0.1
+    assert "--floors: of 0.4 s gives fast none" in run(*words, "--floors", tmp_path / "short.csv").stderr
+
+
 def test_adc_counts_are_converted_by_the_suggested_scale(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, np.round(V / 3.3 * 4096)))
     words = ("detect", tmp_path / "t.csv", "--json")

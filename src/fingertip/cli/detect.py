@@ -41,6 +41,9 @@ def detect(
         help="Interval in which nothing happens, in seconds after the first sample, such as 4.0:4.5; thresholds "
         "follow from the noise there. Best in the held grasp.",
     ),
+    floors: Path | None = typer.Option(
+        None, help="Recording of a rest with the same columns; fast starts with its floors, to begin within a slip."
+    ),
     scale: float = typer.Option(1.0, help="Volts per unit of the file's voltage, such as 0.00030518."),
     time_scale: str = typer.Option(
         "s", metavar="SECONDS", help="Seconds per unit of the file's times: 1e-3 or another number, or ms, us, ns."
@@ -77,13 +80,13 @@ def detect(
     keep_window = "detector.window_samples" in load_tables([], changes or ()).changed
     reading = _Reading(rate_hz, scale, _parse_columns(columns or []), _parse_time_scale(time_scale), keep_window)
     if is_stream:
-        _refuse_without_recording({"--plot": plot, "--calibrate": calibrate})
+        _refuse_without_recording({"--plot": plot, "--calibrate": calibrate, "--floors": floors})
         _follow_standard_input(console, loaded, detector, reading)
         return
     calibrate_s, adapt_to_file = _parse_interval(calibrate), False if design else None
     found = detect_file(
-        trace, loaded, detector, calibrate_s=calibrate_s, adapt_to_file=adapt_to_file, progress=console.progress,
-        **vars(reading),
+        trace, loaded, detector, calibrate_s=calibrate_s, floors=floors, adapt_to_file=adapt_to_file,
+        progress=console.progress, **vars(reading),
     )  # fmt: skip
     console.warn(found.warnings)
     if plot is not None:

@@ -20,6 +20,7 @@ from fingertip.detection.adaptation import Adaptation, QuietPart, equivalent_noi
 from fingertip.foundation.errors import Issue, TraceError, join_words, shorten
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.analog_and_digital import measure_noise_level
+from fingertip.slip.detectors.fast import Floors
 from fingertip.slip.detectors.noise import NoiseLevel
 from fingertip.slip.force import ForceScale
 from fingertip.slip.scored_detection import Detection
@@ -141,6 +142,7 @@ def detect_file(
     *,
     rate_hz: float | None = None,
     calibrate_s: tuple[float, float] | None = None,
+    floors: str | Path | None = None,
     scale: float = 1.0,
     time_scale: float = 1.0,
     columns: Mapping[str, str] | None = None,
@@ -166,6 +168,8 @@ def detect_file(
     calibrate_s
         Start and end of an interval during which nothing happens, after the first sample [s]. Thresholds then follow
         from the noise there.
+    floors
+        Recording of a rest, read as this one: `fast` starts with its floors, so that a start in a slip is decided.
     scale
         Volts per unit of the file's voltage.
     time_scale
@@ -196,6 +200,12 @@ def detect_file(
     """
     path, report, design = Path(path), progress or (lambda message: None), design or Design()
     kind = registry.check_detector(design, detector)
+    if floors is not None and not ColumnMap(columns or {}).in_volts:
+        raise TraceError(Issue("--floors", "are those of a voltage, and this column is a force; leave --floors out."))
+    rest = None if floors is None else detect_file(
+        floors, design, detector, rate_hz=rate_hz, scale=scale, time_scale=time_scale, columns=columns,
+        adapt_to_file=adapt_to_file,
+    )  # fmt: skip
     adaptation = Adaptation(detector, keep_threshold, keep_window, calibrate_s is not None, report)
     if rate_hz is not None:
         design = adaptation.to_rate(design, rate_hz)
@@ -220,7 +230,8 @@ def detect_file(
         if column_map.in_volts:
             found = detect_in_trace(trace, design, detector)
             doubts += warnings.calibration_warnings(noise_v, found, quiet.samples, design, quiet.describe())
-    detection = detect_in_trace(recording.trace, recording.design, detector, noise_v)
+    stored = None if rest is None else _take_floors(rest, recording)
+    detection = detect_in_trace(recording.trace, recording.design, detector, noise_v, stored)
     if column_map.in_volts and column_map.name_in_file("voltage_v") != column_map.name_in_file("envelope_v"):
         detection = replace(detection, scale=find_force_scale(recording.design))
     if quiet:
@@ -259,6 +270,25 @@ def _doubt_signals(recording: _Recording) -> Iterator[str]:
         yield from warnings.filtered_warnings(trace, design)
     elif recording.quiet is None:
         yield from warnings.step_warnings(volts, design, recording.detector)
+
+
+FLOORS_S = 0.5
+"""Time in which `fast` learns its floors [s]."""
+
+
+def _take_floors(rest: FileDetection, recording: _Recording) -> Floors:
+    """Take the floors of a rest that was recorded in the same way. Raises TraceError."""
+    found, lasts_s = rest.detection, rest.trace.time_s[-1] - rest.trace.time_s[0]
+    one, other = ((part.design.detector.sample_rate_hz, part.trace.filtered_v is None) for part in (rest, recording))
+    if found.floors is None or lasts_s < FLOORS_S:
+        message = f"of {lasts_s:.3g} s gives {found.detector} none; take --detector fast, and {FLOORS_S:g} s or more."
+    elif found.incipient:
+        message = f"may hold slip at {found.incipient[0].onset_s:.4f} s; record it while nothing moves."
+    elif one != other:
+        message = f"is not sampled as {recording.name}; record both at one rate and with the same columns."
+    else:
+        return found.floors
+    raise TraceError(Issue("--floors", message))
 
 
 def _add_board(recording: _Recording, report: Progress) -> tuple[_Recording, NoiseLevel]:

@@ -321,7 +321,7 @@ def begin_warnings(output: DetectorOutput, trace: Trace) -> Iterator[str]:
     if len(rested):
         yield (
             f"the recording begins in more vibration than it rests in: before {trace.time_s[first + rested[0]]:.1f} s "
-            "it cannot be told whether something slips. Begin to record while nothing moves."
+            "it cannot be told whether something slips. Begin while nothing moves, or give a rest with --floors."
         )
 
 

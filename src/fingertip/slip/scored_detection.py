@@ -14,7 +14,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import find_not_positive
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.analog_and_digital import SlipChain, noise_level
-from fingertip.slip.detectors.fast import FastDetector, FastOutput
+from fingertip.slip.detectors.fast import FastDetector, FastOutput, Floors
 from fingertip.slip.detectors.noise import NoiseLevel
 from fingertip.slip.force import MEAN_S, Force, ForceScale
 from fingertip.slip.traces.trace import RawTrace, Trace
@@ -73,6 +73,8 @@ class Detection:
     """Intervals of slip from its first signs on, with more false alarms; None for other detectors than `fast`."""
     learned_noise_v: float | None
     """White RMS noise that the detector has learned at the end [V]; None for detectors that learn none."""
+    floors: Floors | None
+    """Floors that `fast` has learned at the end; None for other detectors."""
     trace: Trace
     scale: ForceScale | None = None
     """Forces that the voltages mean; None where the curve of the sensor is not known, or the signal is in no volts."""
@@ -136,11 +138,14 @@ class Detection:
         return to_dataframe(columns, "Detection.to_dataframe")
 
 
-def detect(trace: Trace, design: Design, detector: str = registry.DEFAULT, noise_v: float | None = None) -> Detection:
+def detect(
+    trace: Trace, design: Design, detector: str = registry.DEFAULT, noise_v: float | None = None,
+    floors: Floors | None = None,
+) -> Detection:  # fmt: skip
     """Detect slip in a trace whose sampling rate is the design's. Raises TraceError with all issues of the trace.
 
     `noise_v` is the white RMS noise of the signal [V], by default the design's. Given in the unit of the signal, it may
-    be any signal that follows the force.
+    be any signal that follows the force. `fast` starts with `floors`, those of a rest, if given.
     """
     issues = RawTrace("trace", trace, in_volts=noise_v is None, is_array=True).find_issues(design.detector)
     if noise_v is not None:
@@ -152,6 +157,8 @@ def detect(trace: Trace, design: Design, detector: str = registry.DEFAULT, noise
         issues.append(Issue("trace, envelope_v", message))
     raise_issues(TraceError, issues)
     instance = registry.make_detector(detector, design, noise_v)
+    if isinstance(instance, FastDetector):
+        instance.stored_floors = floors
     output = instance.process(*inputs)
     detected = intervals(trace.time_s, output.on)
     truth = None if trace.slip is None else intervals(trace.time_s, trace.slip)
@@ -167,6 +174,7 @@ def detect(trace: Trace, design: Design, detector: str = registry.DEFAULT, noise
         _find_confidences(find_ratio(output), trace.time_s, detected),
         intervals(trace.time_s, output.incipient) if isinstance(output, FastOutput) else None,
         instance.noise_v if isinstance(instance, FastDetector) else None,
+        instance.floors if isinstance(instance, FastDetector) else None,
         trace,
     )
 

@@ -182,7 +182,7 @@ class FastDetector(Detector):
     def __init__(
         self, settings: FastSettings, model: fast_coefficients.FastModel | None = None, floors: Floors | None = None
     ) -> None:
-        self.settings, self._stored = settings, floors
+        self.settings, self.stored_floors = settings, floors
         self._model = model = model or fast_coefficients.load_model()
         self.coefficients = _compute_coefficients(settings, model, with_filtered=False)
         """Constants of the loop at this sampling rate and noise."""
@@ -309,10 +309,10 @@ class FastDetector(Detector):
         for index in (fast_state.INPUT_LONG, fast_state.INPUT_FLOOR):
             state[index] = settings.noise_v**2
         ticks_per_s = settings.sample_rate_hz / c.tick_samples
-        if self._stored:  # only the filters must settle
-            state[fast_state.FLOOR] = max(self._stored.wide, c.min_floor)
-            state[fast_state.UPPER_FLOOR] = max(self._stored.upper, c.min_upper_floor)
-            state[fast_state.INPUT_FLOOR] = max(self._stored.tactile, c.min_input_floor)
+        if self.stored_floors:  # only the filters must settle
+            state[fast_state.FLOOR] = max(self.stored_floors.wide, c.min_floor)
+            state[fast_state.UPPER_FLOOR] = max(self.stored_floors.upper, c.min_upper_floor)
+            state[fast_state.INPUT_FLOOR] = max(self.stored_floors.tactile, c.min_input_floor)
             state[fast_state.SETTLING] = float(round(FILTERS_SETTLE_S * ticks_per_s))
             state[fast_state.FLOOR_TICKS] = c.max_floor_ticks
             return

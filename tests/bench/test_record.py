@@ -125,9 +125,10 @@ def test_a_silent_port_and_a_stream_that_ends_are_named(tmp_path: Path) -> None:
 
 
 @contextmanager
-def playing(folder: Path) -> Iterator[str]:
+def playing(folder: Path, volts: np.ndarray | None = None) -> Iterator[str]:
     """Process that plays the firmware's stream at 2 kHz; yields the name of its terminal."""
-    np.save(folder / "samples.npy", np.column_stack([np.linspace(0.5, 1.5, 4001), np.arange(4001) % 3 == 0]))
+    volts = np.linspace(0.5, 1.5, 4001) if volts is None else volts
+    np.save(folder / "samples.npy", np.column_stack([volts, np.arange(len(volts)) % 3 == 0]))
     command = [sys.executable, "-m", "tests.bench.player", str(folder / "samples.npy"), "2000"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT) as player:
         assert player.stdout

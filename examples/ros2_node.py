@@ -6,7 +6,7 @@ controller streams (`slip_lamp.ino` with STREAM = true, or `slip_stream.ino`). S
     python3 examples/ros2_node.py --ros-args -p port:=/dev/ttyACM0 -p design:=first_finger -r __ns:=/index
     ros2 topic echo /index/wrench
 
-It ran with stand-ins for the classes of ROS (tests/bench/test_examples.py), and with no ROS.
+It ran with stand-ins for the classes of ROS (tests/bench/test_driver.py), and with no ROS.
 
 | topic | message |
 | --- | --- |
@@ -14,6 +14,8 @@ It ran with stand-ins for the classes of ROS (tests/bench/test_examples.py), and
 | `slip` | std_msgs/Bool, true if it slipped since the last message |
 | `slip_incipient` | std_msgs/Bool, earlier and less sure; on a divider the same |
 | `/diagnostics` | diagnostic_msgs/DiagnosticArray, each second: samples lost, and the interval of the force |
+
+`frame_id` is the frame of the sensor in the model that `fingertip robot --format urdf` writes. A negative force presses.
 
 Next: let a controller of the hand subscribe to `slip`, and tighten its grip. A subscriber needs the QoS of sensors
 (best effort), as `qos_profile_sensor_data`; a reliable one gets nothing.
@@ -40,7 +42,7 @@ class FingerNode(Node):
         super().__init__("fingertip")
         self.declare_parameter("port", "/dev/ttyACM0")
         self.declare_parameter("design", "first_finger")
-        self.declare_parameter("frame_id", "finger_sensor")
+        self.declare_parameter("frame_id", "first_finger_sensor")
         self.declare_parameter("rate_hz", 200.0)
         values = {name: self.get_parameter(name).value for name in ("port", "design", "frame_id", "rate_hz")}
         self.frame_id, self.port = values["frame_id"], values["port"]

@@ -1,12 +1,16 @@
-"""Driver of a finger: states of the detector, forces, lost samples, refusals, and a port that is read meanwhile."""
+"""Driver of a finger: states, forces, lost samples, refusals, a port that is read meanwhile, and its examples."""
 
 from __future__ import annotations
 
 import os
 import re
+import runpy
+import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -19,6 +23,7 @@ from fingertip.sim import run_scene
 from fingertip.slip.detectors.fast import FastDetector
 from tests.bench.player import slide_scene
 from tests.bench.test_record import DESIGN, playing
+from tests.conftest import ROOT
 
 
 def simulate(design: Design) -> np.ndarray:
@@ -94,5 +99,52 @@ def test_a_port_keeps_the_newest_lines_and_closes_at_once(monkeypatch: pytest.Mo
         os.write(write, b"%d\n" % number)
         time.sleep(0.02)
     port.close()
+    port.close()
     assert (time.monotonic() - begin_s < 1.0, threading.active_count()) == (True, threads - 1)
     assert [*port] == [b"6", b"7", b"8"]
+
+
+class Base(MagicMock):
+    """What the examples inherit of ROS and of LeRobot, which are not installed here: a mock that takes any argument."""
+
+    observation_features, is_connected = {"gripper.pos": float}, True
+    connect, disconnect, destroy_node = MagicMock(), MagicMock(), MagicMock()
+    get_observation = MagicMock(return_value={"gripper.pos": 1.0})
+
+    def __init__(self, *_: Any) -> None:
+        super().__init__()
+
+    def _get_child_mock(self, **names: Any) -> Any:
+        return MagicMock(**names)
+
+
+@pytest.mark.full
+def test_examples_give_force_and_slip_to_ros_and_lerobot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    modules = {
+        name: MagicMock(Node=Base, SO101Follower=Base, SO101FollowerConfig=object)
+        for name in ("rclpy", "rclpy.executors", "rclpy.node", "rclpy.qos", "diagnostic_msgs.msg", "geometry_msgs.msg",
+                     "std_msgs.msg", "lerobot", "lerobot.robots", "lerobot.robots.so_follower")
+    }  # fmt: skip
+    modules["lerobot.robots"].RobotConfig.register_subclass.return_value = lambda kind: kind
+    for name, module in modules.items():
+        monkeypatch.setitem(sys.modules, name, module)
+    ros, arms = (runpy.run_path(str(ROOT / "examples" / name)) for name in ("ros2_node.py", "lerobot_sensor.py"))
+    with playing(tmp_path, simulate(DESIGN)[4500:8500, 0]) as port:
+        ros["FingerNode"].__init__.__globals__["Finger"] = lambda *_: Finger(port)
+        node, forces_n = ros["FingerNode"](), []
+        for _ in range(110):
+            time.sleep(0.02)
+            node.publish()
+            forces_n.append(modules["geometry_msgs.msg"].WrenchStamped().wrench.force.z)
+        node.destroy_node()
+        arm = arms["SO101Fingertip"](arms["SO101FingertipConfig"](fingertip_port=port))
+        with pytest.raises(ConnectionError, match=r"call connect\(\) first"):
+            arm.get_observation()
+        arm.connect()
+        seen = [arm.get_observation() for _ in range(200)]
+    assert (max(forces_n) < 0.0, min(forces_n)) == (True, pytest.approx(-1.0, rel=0.5))
+    assert {call.kwargs["data"] for call in modules["std_msgs.msg"].Bool.call_args_list} == {True, False}
+    assert {*seen[0]} == {*arm.observation_features} == {"gripper.pos", "fingertip.force", "fingertip.slip"}
+    with pytest.raises(TimeoutError, match="has ended"):
+        [arm.get_observation() for _ in range(99)]
+    assert not arm.is_connected

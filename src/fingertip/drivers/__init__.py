@@ -10,7 +10,6 @@ from __future__ import annotations
 import os
 import queue
 import select
-import stat
 import termios
 import threading
 import time
@@ -24,7 +23,7 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.detection.live import open_stream
 from fingertip.detection.recordings import find_force_scale
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError, checked
 from fingertip.slip.detectors import fast_state
 from fingertip.slip.detectors.fast import GAP_S, FastDetector
 from fingertip.slip.force import MEAN_S, Force
@@ -42,8 +41,7 @@ _POLL_S, _FIRST, _RATE_TOLERANCE = 0.1, 20, 0.02
 
 
 class Port:
-    """Lines of a port, without those of a terminal's first `stale_s` [s]. A thread reads without pause, so that work on
-    earlier lines loses none. Raises TraceError."""
+    """Lines of a port that a thread reads without pause, after a terminal's first `stale_s` [s]. Raises TraceError."""
 
     def __init__(self, name: str, silent_s: float = SILENT_S, stale_s: float = STALE_S) -> None:
         self.name, self._silent_s, self._number = name, silent_s, _open(name)
@@ -74,9 +72,10 @@ class Port:
                     yield self._lines.pop()
 
     def close(self) -> None:
-        self._closed.set()
-        self._thread.join()
-        os.close(self._number)
+        if not self._closed.is_set():
+            self._closed.set()
+            self._thread.join()
+            os.close(self._number)
 
     def _read(self) -> None:
         block = b"."
@@ -94,6 +93,8 @@ class Port:
 
 def _open(port: str) -> int:
     """Open a port for reading, a terminal without echo or translation. Raises TraceError."""
+    if Path(port).is_dir():
+        raise TraceError(Issue(port, "is a folder; give the port of a controller, such as /dev/ttyACM0."))
     try:
         number = os.open(port, os.O_RDONLY | os.O_NOCTTY)
     except OSError as error:
@@ -101,9 +102,6 @@ def _open(port: str) -> int:
         if isinstance(error, PermissionError):
             remedy = "type sudo usermod -aG dialout $USER, and log in again"
         raise TraceError(Issue(port, f"cannot be opened ({error.strerror}); {remedy}.")) from None
-    if stat.S_ISDIR(os.fstat(number).st_mode):
-        os.close(number)
-        raise TraceError(Issue(port, "is a folder; give the port of a controller, such as /dev/ttyACM0."))
     if os.isatty(number):
         speed = getattr(termios, "B2000000", termios.B115200)  # a native USB port ignores it
         characters = termios.tcgetattr(number)[6]
@@ -164,6 +162,7 @@ class Reading:
     lost: int
 
 
+@checked
 class Finger:
     """A built finger whose controller streams: `read` gives the newest reading, iteration one for each sample.
 
@@ -172,7 +171,7 @@ class Finger:
     """
 
     def __init__(self, port: str | Path | Iterable[str | bytes], design: Design | str = "first_finger") -> None:
-        self.design = Design.load(design) if isinstance(design, str) else design
+        self.design = design if isinstance(design, Design) else Design.load(design)
         self._lines = Port(str(port)) if isinstance(port, str | Path) else port
         self._name, self._readings = str(getattr(self._lines, "name", "stream")), self._judge()
 
@@ -190,10 +189,10 @@ class Finger:
 
     def read(self) -> Reading:
         """Wait for a sample, and return the newest, with the surest slip since the last call. Raises TraceError."""
-        slip = Slip.NONE
+        slip, end_s = Slip.NONE, time.monotonic() + SILENT_S  # a computer that is too slow would take samples for ever
         for reading in self._readings:
             slip = max(slip, reading.slip)
-            if not getattr(self._lines, "in_waiting", 0):
+            if not getattr(self._lines, "in_waiting", 0) or time.monotonic() > end_s:
                 return replace(reading, slip=slip)
         raise TraceError(Issue(self._name, "has ended; plug the controller in, and make another Finger."))
 

@@ -15,7 +15,7 @@ It ran with stand-ins for the classes of ROS (tests/bench/test_driver.py), and w
 | `slip_incipient` | std_msgs/Bool, earlier and less sure; on a divider the same |
 | `/diagnostics` | diagnostic_msgs/DiagnosticArray, each second: samples lost, and the interval of the force |
 
-`frame_id` is the frame of the sensor in the model that `fingertip robot --format urdf` writes. A negative force presses.
+`frame_id` is the frame of the sensor in the model that `fingertip robot --format urdf` writes. It presses along -z.
 
 Next: let a controller of the hand subscribe to `slip`, and tighten its grip. A subscriber needs the QoS of sensors
 (best effort), as `qos_profile_sensor_data`; a reliable one gets nothing.

@@ -59,7 +59,7 @@ def test_states_and_forces_are_those_of_detector_and_curve_and_lost_samples_coun
 def test_a_finger_on_a_terminal_gives_the_newest_sample_and_the_surest_slip_since_the_last(tmp_path: Path) -> None:
     """The process that plays the firmware streams a slide over a divider; a hand reads every 20 ms."""
     volts = simulate(DESIGN)[4500:8500, 0]
-    with playing(tmp_path, volts) as port, Finger(port) as finger:
+    with playing(tmp_path, volts) as port, Finger(Path(port)) as finger:
         found = [next(iter(finger))]
         while found[-1].time_s < found[0].time_s + 2.5:
             time.sleep(0.02)
@@ -94,7 +94,7 @@ def test_another_stream_is_refused_with_a_remedy(lines: list[str] | str, said: s
 def test_a_port_keeps_the_newest_lines_and_closes_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fingertip.drivers._MOST_BLOCKS", 3)
     read, write = os.pipe()
-    port, threads, begin_s = Port(f"/dev/fd/{read}"), threading.active_count(), time.monotonic()
+    port, threads, begin_s = Port(os.fdopen(read)), threading.active_count(), time.monotonic()
     for number in range(9):
         os.write(write, b"%d\n" % number)
         time.sleep(0.02)

@@ -17,6 +17,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -43,8 +44,11 @@ _POLL_S, _FIRST, _RATE_TOLERANCE = 0.1, 20, 0.02
 class Port:
     """Lines of a port that a thread reads without pause, after a terminal's first `stale_s` [s]. Raises TraceError."""
 
-    def __init__(self, name: str, silent_s: float = SILENT_S, stale_s: float = STALE_S) -> None:
-        self.name, self._silent_s, self._number = name, silent_s, _open(name)
+    def __init__(self, port: Any, silent_s: float = SILENT_S, stale_s: float = STALE_S) -> None:
+        """Open a port by its name, or take a `serial.Serial`, whose own `readline` is too slow for 2 kHz."""
+        is_open, self._silent_s = hasattr(port, "fileno"), silent_s
+        self.name = str(port.name if is_open else port)
+        self._number = os.dup(port.fileno()) if is_open else _open(self.name)
         self._begin_s = time.monotonic() + stale_s * os.isatty(self._number)
         self._blocks, self._lines, self._closed = queue.SimpleQueue[bytes](), list[bytes](), threading.Event()
         self._thread = threading.Thread(target=self._read, daemon=True)
@@ -166,13 +170,14 @@ class Reading:
 class Finger:
     """A built finger whose controller streams: `read` gives the newest reading, iteration one for each sample.
 
-    `port` is a name, or gives lines: a `serial.Serial` without a timeout, a file, a list. `design` is the one whose
+    `port` is a name or a `serial.Serial`, or gives lines, as a file or a list does. `design` is the one whose
     firmware streams, or its name. Raises TraceError.
     """
 
     def __init__(self, port: str | Path | Iterable[str | bytes], design: Design | str = "first_finger") -> None:
         self.design = design if isinstance(design, Design) else Design.load(design)
-        self._lines = Port(str(port)) if isinstance(port, str | Path) else port
+        is_port = isinstance(port, str | Path) or (hasattr(port, "fileno") and hasattr(port, "in_waiting"))
+        self._lines: Any = Port(port) if is_port else port
         self._name, self._readings = str(getattr(self._lines, "name", "stream")), self._judge()
 
     def __enter__(self) -> Finger:

@@ -64,13 +64,13 @@ def test_a_finger_on_a_terminal_gives_the_newest_sample_and_the_surest_slip_sinc
         while found[-1].time_s < found[0].time_s + 2.5:
             time.sleep(0.02)
             found.append(finger.read())
-        assert finger.read().time_s - found[-1].time_s < 0.015, "nothing waits after a read"
     first, *ends = (round(2000 * reading.time_s) for reading in found)
     on = FastDetector.for_design(DESIGN).process(volts[np.arange(first, ends[-1] + 1) % len(volts)]).on
     parts = zip([first, *ends], ends, strict=False)
     expected = [bool(on[start + 1 - first : end + 1 - first].any()) for start, end in parts]
     assert [reading.slip == Slip.ON for reading in found[1:]] == expected
     assert (any(expected), all(expected), found[-1].lost) == (True, False, 0)
+    assert ends[-1] - first > 20 * len(ends), "what has arrived in 20 ms is taken at once"
     with pytest.raises(TraceError, match="has ended"):
         [finger.read() for _ in range(9)]
 

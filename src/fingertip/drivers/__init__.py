@@ -49,6 +49,7 @@ class Port:
         is_open, self._silent_s = hasattr(port, "fileno"), silent_s
         self.name = str(port.name if is_open else port)
         self._number = os.dup(port.fileno()) if is_open else _open(self.name)
+        os.set_blocking(self._number, False)
         self._begin_s = time.monotonic() + stale_s * os.isatty(self._number)
         self._blocks, self._lines, self._closed = queue.SimpleQueue[bytes](), list[bytes](), threading.Event()
         self._thread = threading.Thread(target=self._read, daemon=True)
@@ -86,12 +87,13 @@ class Port:
         while block and not self._closed.is_set():
             if self._blocks.qsize() > _MOST_BLOCKS:  # nobody takes them: the oldest are lost, and counted
                 self._blocks.get()
-            if select.select([self._number], [], [], _POLL_S)[0]:
-                try:
-                    block = os.read(self._number, _BLOCK)
-                except OSError:  # the other end of a pseudo terminal was closed, or the controller unplugged
-                    break
+            try:
+                block = os.read(self._number, _BLOCK)
                 self._blocks.put(block)
+            except BlockingIOError:
+                select.select([self._number], [], [], _POLL_S)
+            except OSError:  # the other end of a pseudo terminal was closed, or the controller unplugged
+                break
         self._blocks.put(b"")
 
 

@@ -139,8 +139,8 @@ def test_the_quoted_message_is_the_message_printed(clone: Path) -> None:
     assert f"error: {' '.join(quoted[1].split())}" in done.stderr
 
 
-ELSEWHERE = {"hold_a_slipping_block", "continue_in_build123d"}
-"""Examples that need MuJoCo, which has a test beside those of the models for it, or an environment of build123d."""
+ELSEWHERE = {"hold_a_slipping_block", "continue_in_build123d", "lerobot_sensor", "ros2_node", "slip_in_mujoco"}
+"""Examples that need MuJoCo, LeRobot or ROS, which have tests of their own, or an environment of build123d."""
 EXAMPLES = sorted(path for path in (ROOT / "examples").glob("*.py") if path.stem not in ELSEWHERE)
 
 

@@ -7,6 +7,8 @@ above and partly below a subfolder.
 
 from __future__ import annotations
 
+from importlib.util import find_spec
+
 from grimp import ImportGraph
 from importlinter.application import output
 from importlinter.domain.contract import Contract, ContractCheck
@@ -35,9 +37,15 @@ class FoldersAndSubfolders(Contract):
                 output.print_error(f"{importer} -> {imported}")
 
 
+def _is_package(module: str) -> bool:
+    """Return whether a module without modules below it is the only one of its folder."""
+    spec = find_spec(module)
+    return spec is not None and spec.submodule_search_locations is not None
+
+
 def _find_both_ways(graph: ImportGraph, folder: str) -> dict[str, list[Import]]:
     children = graph.find_children(folder)
-    subfolders = {child for child in children if graph.find_children(child)}
+    subfolders = {child for child in children if graph.find_children(child) or _is_package(child)}
     loose = children - subfolders
     found = {}
     for subfolder in subfolders:

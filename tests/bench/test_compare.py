@@ -10,9 +10,10 @@ import pytest
 
 from fingertip.bench.compare import compare
 from fingertip.bench.fit import mean_interval
-from fingertip.bench.record import Plan, Recorder, SampleReader
+from fingertip.bench.record import Plan, Recorder
 from fingertip.bench.trials import prepare_folder, read_recordings
 from fingertip.design import Design
+from fingertip.drivers import SampleReader
 from fingertip.foundation import jit
 from tests.bench.player import HEADER, format_line, simulate_person
 from tests.conftest import run_fingertip

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.bench.record import Plan, Recorded, Recorder, SampleReader, open_port, read_lines
+from fingertip.bench.record import Plan, Recorded, Recorder
 from fingertip.bench.trials import (
     KINDS,
     PAUSE_S,
@@ -27,6 +27,7 @@ from fingertip.bench.trials import (
     read_recordings,
 )
 from fingertip.design import Design
+from fingertip.drivers import Port, SampleReader
 from fingertip.foundation.errors import FingertipError
 from tests.bench.player import HEADER, format_line
 from tests.conftest import ROOT, run_fingertip
@@ -39,7 +40,7 @@ def record_over_a_terminal(folder: Path, lines: list[bytes], plan: Plan) -> tupl
     """Record what a thread writes to a pseudo terminal, and return it with what the person is told."""
     main, other = os.openpty()
     tty.setraw(other)
-    number, told = open_port(os.ttyname(other)), list[str]()
+    port, told = Port(os.ttyname(other), stale_s=0.0), list[str]()
 
     def write() -> None:
         with suppress(OSError):  # the recorder has all, and the terminal is closed
@@ -50,9 +51,10 @@ def record_over_a_terminal(folder: Path, lines: list[bytes], plan: Plan) -> tupl
     prepare_folder(folder, DESIGN)
     try:
         recorder = Recorder(DESIGN, folder, plan, lambda number, phase, line: told.append(line), told.append)
-        return recorder.run(SampleReader(read_lines(number, "terminal"))), told
+        return recorder.run(SampleReader(port)), told
     finally:
-        for each in (main, other, number):
+        port.close()
+        for each in (main, other):
             os.close(each)
 
 
@@ -114,7 +116,7 @@ def test_what_cannot_be_is_refused_before_a_folder_is_made(words: tuple[str, str
 def test_a_silent_port_and_a_stream_that_ends_are_named(tmp_path: Path) -> None:
     read, write = os.pipe()
     with pytest.raises(FingertipError, match=r"sends nothing for 0\.1 s"):
-        list(read_lines(read, "port", 0.1))
+        list(Port(f"/dev/fd/{read}", 0.1))
     os.close(write)
     words = ("record", "first_finger", "--port", "-", "--out", str(tmp_path))
     done = run_fingertip(*words, given="time_s,voltage_v\n0,1\n")
@@ -123,9 +125,10 @@ def test_a_silent_port_and_a_stream_that_ends_are_named(tmp_path: Path) -> None:
 
 
 @contextmanager
-def playing(folder: Path) -> Iterator[str]:
+def playing(folder: Path, volts: np.ndarray | None = None) -> Iterator[str]:
     """Process that plays the firmware's stream at 2 kHz; yields the name of its terminal."""
-    np.save(folder / "samples.npy", np.column_stack([np.linspace(0.5, 1.5, 4001), np.arange(4001) % 3 == 0]))
+    volts = np.linspace(0.5, 1.5, 4001) if volts is None else volts
+    np.save(folder / "samples.npy", np.column_stack([volts, np.arange(len(volts)) % 3 == 0]))
     command = [sys.executable, "-m", "tests.bench.player", str(folder / "samples.npy"), "2000"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT) as player:
         assert player.stdout

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.bench.record import SampleReader
 from fingertip.design import Design
 from fingertip.documents.firmware import render_readme
+from fingertip.drivers import SampleReader
 from fingertip.firmware.fingers import TASK_CONVERSIONS, find_controller, plan_fingers
 from fingertip.firmware.packaging import find_warnings
 from fingertip.firmware.sources import library_settings

@@ -215,3 +215,14 @@ def test_example_holds_the_block_with_the_detector_and_loses_it_without() -> Non
     assert lost.slipped_mm > 25.0
     assert 0.005 < held.detected_s < 0.06
     assert held.false_alarms == lost.false_alarms == 0
+
+
+def test_example_feels_the_slip_of_a_contact_and_nothing_without_its_vibration() -> None:
+    require_module("mujoco", INSTALL)
+    example = runpy.run_path(str(ROOT / "examples/slip_in_mujoco.py"))
+    delays, alarms, held = example["slide"]("medium")
+    assert (alarms, held.force_n) == (0, pytest.approx(2.0, rel=0.1))
+    assert 0.005 < min(delay_s for state, delay_s in delays.items() if state) < max(delays.values()) < 0.1
+    step = example["FeltContact"].step
+    example["FeltContact"].step = lambda self, normal_n, shear_n, speed_m_s: step(self, normal_n, shear_n, 0.0)
+    assert not any(example["slide"]("medium")[0])

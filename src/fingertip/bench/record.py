@@ -1,20 +1,13 @@
 """Guided recording of trials from a controller's stream.
 
-A thread reads the port without pause, so that work on earlier samples loses none. The schedule follows the times of the
-samples, so that nobody presses a key. A trial is written when it is complete: an interruption leaves no file half
-written, and the next run goes on. A sample that did not arrive, or whose line is damaged, is replaced by the one
-before, as in the firmware, and counted; after a longer gap the trial is repeated.
+The schedule follows the times of the samples, so that nobody presses a key. A trial is written when it is complete: an
+interruption leaves no file half written, and the next run goes on. A sample that did not arrive, or whose line is
+damaged, is replaced by the one before, as in the firmware, and counted; after a longer gap the trial is repeated.
 """
 
 from __future__ import annotations
 
-import os
-import queue
-import stat
-import termios
-import threading
-import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -23,104 +16,16 @@ import numpy as np
 
 from fingertip.bench.trials import KINDS, PAUSE_S, SAID, STROKE_M, Labels, kind_of, list_trials, trial_path, write_trial
 from fingertip.design import Design
-from fingertip.detection.live import open_stream
+from fingertip.drivers import SampleReader
 from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.output_set import hash_parameters
 from fingertip.sim.runs.grip import ForceCurve
 from fingertip.slip.detectors import registry
-from fingertip.slip.traces.columns import parse_number, split_cells
-from fingertip.slip.traces.trace import ColumnMap, Trace
+from fingertip.slip.detectors.fast import GAP_S
+from fingertip.slip.traces.trace import Trace
 
-SHOWN_S, MAX_GAP_S = 0.1, 0.02
-"""Time from one shown line to the next, and longest gap that is filled, as in the firmware [s]."""
-SILENT_S, STALE_S = 5.0, 1.0
-"""Time without a byte after which a port counts as silent, and in which what waited ahead of a port has arrived [s]."""
-_COLUMNS = ("time_s", "voltage_v", "filtered_v", "moving")
-"""Columns of a stream, the last two optional; `moving` is 1 while the contact of `MOTION_PIN` is open."""
-_VERSION, _BLOCK = "# fingertip ", 65_536
-"""Beginning of the line in which a sketch states its version, and bytes read at once."""
-
-
-def open_port(port: str) -> int:
-    """Open a port for reading, a terminal without echo or translation. Raises TraceError."""
-    try:
-        number = os.open(port, os.O_RDONLY | os.O_NOCTTY)
-    except OSError as error:
-        remedy = "plug the controller in, and name its port"
-        if isinstance(error, PermissionError):
-            remedy = "type sudo usermod -aG dialout $USER, and log in again"
-        raise TraceError(Issue(port, f"cannot be opened ({error.strerror}); {remedy}.")) from None
-    if stat.S_ISDIR(os.fstat(number).st_mode):
-        os.close(number)
-        raise TraceError(Issue(port, "is a folder; give the port of a controller, such as /dev/ttyACM0."))
-    if os.isatty(number):
-        speed = getattr(termios, "B2000000", termios.B115200)  # a native USB port ignores it
-        characters = termios.tcgetattr(number)[6]
-        characters[termios.VMIN], characters[termios.VTIME] = 1, 0
-        mode = termios.CS8 | termios.CREAD | termios.CLOCAL
-        termios.tcsetattr(number, termios.TCSANOW, [0, 0, mode, 0, speed, speed, characters])
-    return number
-
-
-def read_lines(number: int, name: str, silent_s: float = SILENT_S, stale_s: float = 0.0) -> Iterator[bytes]:
-    """Read lines of an open port until it ends, without those of the first `stale_s` [s].
-
-    Raises TraceError if it stays silent.
-    """
-    blocks: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-
-    def read() -> None:
-        block = b"."
-        while block:
-            try:
-                block = os.read(number, _BLOCK)
-            except OSError:  # the other end of a pseudo terminal was closed, or the controller unplugged
-                block = b""
-            blocks.put(block)
-
-    threading.Thread(target=read, daemon=True).start()
-    rest, begin_s = b"", time.monotonic() + stale_s
-    while True:
-        try:
-            block = blocks.get(timeout=silent_s)
-        except queue.Empty:
-            remedy = "upload a sketch that streams, such as slip_lamp.ino with STREAM = true"
-            raise TraceError(Issue(name, f"sends nothing for {silent_s:g} s; {remedy}.")) from None
-        if not block:
-            return
-        if time.monotonic() >= begin_s:
-            *lines, rest = (rest + block).split(b"\n")
-            yield from filter(None, lines)
-            rest = rest[-_BLOCK:]
-
-
-class SampleReader:
-    """Samples (`_COLUMNS`; NaN for one that is not there) of lines, and the version that the sketch states.
-
-    Iterate once. Raises TraceError.
-    """
-
-    def __init__(self, lines: Iterable[str | bytes]) -> None:
-        self.firmware, self._lines = "", lines
-
-    def __iter__(self) -> Iterator[tuple[float, ...]]:
-        header, rows = open_stream(self._note_version(), ColumnMap())
-        names = list(header.names)
-        for _, line in rows:
-            cells = split_cells(line, header.delimiter)
-            if len(cells) != len(names):
-                continue
-            values = [parse_number(cells[names.index(name)]) if name in names else None for name in _COLUMNS]
-            if None not in values[:2]:  # neither the header again nor a damaged line
-                yield tuple(np.nan if value is None else value for value in values)
-
-    def _note_version(self) -> Iterator[str]:
-        for line in self._lines:
-            text = line.decode("utf-8", "replace") if isinstance(line, bytes) else line
-            if text.startswith(_VERSION):
-                self.firmware = text.removeprefix(_VERSION).strip()[:40]
-            elif not text.startswith("#"):
-                yield text
+SHOWN_S = 0.1
+"""Time from one shown line to the next [s]."""
 
 
 @dataclass(frozen=True)
@@ -196,7 +101,7 @@ class Recorder:
                     pass
             while (trace := self._take(samples, number)) is None:
                 repeated += 1
-                self.note(f"trial {number}: a gap of more than {1000 * MAX_GAP_S:g} ms; it is repeated")
+                self.note(f"trial {number}: a gap of more than {1000 * GAP_S:g} ms; it is repeated")
             if trace.slip is not None and kind_of(number) == "slide":
                 moved = f"moved for {1000 * trace.slip.sum() / rate_hz:.0f} ms"
                 self.note(f"trial {number}: {moved if trace.slip.any() else 'the contact of MOTION_PIN never opened'}")
@@ -221,7 +126,7 @@ class Recorder:
                 raise TraceError(Issue("samples", message))
             if taken:
                 steps = round((sample[0] - taken[-1][0]) * self._rate_hz)
-                if not 0 < steps <= MAX_GAP_S * self._rate_hz + 1:  # the controller was reset, or much was lost
+                if not 0 < steps <= GAP_S * self._rate_hz + 1:  # the controller was reset, or much was lost
                     return None
                 taken += [taken[-1]] * (steps - 1)
                 self._lost += steps - 1

@@ -42,8 +42,9 @@ def record(
     The sketches stream with STREAM = true (slip_lamp.ino) or as they are (slip_stream.ino). The terminal says what to
     do, and shows voltage, force and slip. Ctrl-C ends it; the same command goes on with the trial that was interrupted.
     """
-    from fingertip.bench.record import STALE_S, Plan, Recorder, SampleReader, open_port, read_lines
+    from fingertip.bench.record import Plan, Recorder
     from fingertip.bench.trials import prepare_folder
+    from fingertip.drivers import Port, SampleReader
     from fingertip.foundation.output_set import find_place_issues
 
     loaded = load_design(design, changes, console)
@@ -55,7 +56,7 @@ def record(
     plan = Plan(trials, forces, surface, stroke_mm / 1000, temperature_c, error_s, pace)
     folder = out or Path("out") / loaded.name / "recordings"
     raise_issues(OutputError, find_place_issues(folder, "choose another folder with --out"))
-    lines: Iterable[str | bytes] = sys.stdin if port == "-" else read_lines(open_port(port), port, stale_s=STALE_S)
+    lines: Iterable[str | bytes] = sys.stdin if port == "-" else Port(port)
     prepare_folder(folder, loaded)
     is_shown, told = sys.stderr.isatty() and not console.quiet, set[tuple[int, str]]()
 

@@ -20,7 +20,8 @@ from fingertip.foundation import jit
 from fingertip.foundation.errors import FingertipError
 from fingertip.sim.runs.grip import ForceCurve, GripLaw, GripSettings
 from fingertip.slip.detectors import fast_state
-from fingertip.slip.detectors.fast import FAULT_S, TICK_S, FastDetector, FastOutput
+from fingertip.slip.detectors.fast import FastDetector, FastOutput
+from fingertip.slip.detectors.fast_settings import FAULT_S, TICK_S
 from fingertip.slip.force import ForceScale
 from tests.conftest import run_fingertip
 from tests.firmware.conftest import require_arm, require_gcc

@@ -14,7 +14,7 @@ from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import binomial_interval, quantile_ranks
-from fingertip.lab.accuracy import budget, budget_report
+from fingertip.lab.accuracy import budget, report
 from fingertip.lab.accuracy.budget import Curve
 from fingertip.lab.campaign.run import quantile_interval_s
 from fingertip.pad import layer
@@ -66,11 +66,11 @@ def test_errors_of_meshes_and_the_pad_are_those_of_a_second_computation() -> Non
 
 def test_text_names_each_output_once_in_the_table_or_by_its_kind() -> None:
     curve = Curve("a [mm]", (3.0, 2.0, 1.0), 1, (1, 2, 3), {"pad_share": 0.5}, {"pad_share": (3e-3, 2e-3, 1e-3)})
-    found = budget_report.list_kinds([curve], GROUPS)
+    found = report.list_kinds([curve], GROUPS)
     named = [name for names in found.values() for name in names]
     assert sorted([*named, "pad_share"]) == sorted(GROUPS)
     assert "| pad_share | 0.5 | a [mm] | 3 / 2* / 1 | 3.0e-03 / 2.0e-03 / 1.0e-03 | 1 / 2 / 3 | - | 0.011 rms" in (
-        budget_report.as_text("x", [curve], GROUPS)
+        report.budget_text("x", [curve], GROUPS)
     )
 
 

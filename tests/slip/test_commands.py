@@ -153,7 +153,9 @@ def test_a_recording_that_begins_in_slip_is_decided_with_the_floors_of_a_rest(tm
     words = ("detect", tmp_path / "slip.csv", "--detector", "fast", "--json")
     assert json.loads(run(*words).stdout)["intervals"] == []
     assert json.loads(run(*words, "--floors", tmp_path / "rest.csv").stdout)["intervals"][0]["onset_s"] < 0.1
-    assert "--floors: of 0.4 s gives fast none" in run(*words, "--floors", tmp_path / "short.csv").stderr
+    assert "--floors: the rest lasts 0.4 s" in run(*words, "--floors", tmp_path / "short.csv").stderr
+    found = run(*words, "--detector", "digital", "--floors", tmp_path / "rest.csv")
+    assert "--floors: are not learned by digital" in found.stderr
 
 
 def test_adc_counts_are_converted_by_the_suggested_scale(tmp_path):

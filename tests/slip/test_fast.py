@@ -9,15 +9,8 @@ import numpy as np
 import pytest
 
 from benchmarks.slip.mix_signals import LabelledSignal, Slide, draw_band_noise
-from fingertip.slip.detectors import fast, fast_state
-from fingertip.slip.detectors.fast import (
-    STAY_SCORE,
-    TICK_S,
-    FastDetector,
-    FastSettings,
-    FilteredSignal,
-    IncipientDetector,
-)
+from fingertip.slip.detectors import fast_settings, fast_state
+from fingertip.slip.detectors.fast import FastDetector, IncipientDetector
 from fingertip.slip.detectors.fast_coefficients import (
     DEPTH,
     FEATURES,
@@ -33,6 +26,7 @@ from fingertip.slip.detectors.fast_coefficients import (
     load_model,
     noise_energies,
 )
+from fingertip.slip.detectors.fast_settings import STAY_SCORE, TICK_S, FastSettings, FilteredSignal
 from fingertip.slip.traces.truth import Interval
 from tools.detector_training import rows
 
@@ -413,7 +407,7 @@ def test_vibration_that_lasts_keeps_what_the_trees_began(kind: str, lasts: bool)
 def test_trees_that_nearly_say_slip_for_long_are_taken_at_their_word() -> None:
     """A score 1 above `HEARD_SCORE` adds up to incipient slip in 40 ticks of vibration that is heard."""
     model = replace(ask_one_question(), threshold=3.0, incipient_threshold=2.0)
-    model = replace(model, leaves=np.full(NODES + 1, fast.HEARD_SCORE + 1.0))
+    model = replace(model, leaves=np.full(NODES + 1, fast_settings.HEARD_SCORE + 1.0))
     detector = FastDetector(FastSettings(RATE_HZ, NOISE_V), model)
     assert not detector.process(4.0 + white_noise(4000)).incipient.any()
     output = detector.process(4.0 + 6.0 * white_noise(1000, 7))
@@ -462,7 +456,7 @@ def test_of_a_jump_that_the_next_sample_confirms_nothing_is_lost(monkeypatch: py
     filtered = np.where(np.arange(800) < 500, 0.0, 0.3 * np.exp(-(np.arange(800) - 500) / 5)) + white_noise(800)
     settings = FastSettings(RATE_HZ, NOISE_V, filtered=FilteredSignal(64.0, 4.0))
     suspected = FastDetector(settings).process(volts, filtered).filtered_v
-    monkeypatch.setattr(fast, "FILTERED_JUMP_RATIO", math.inf)
+    monkeypatch.setattr(fast_settings, "FILTERED_JUMP_RATIO", math.inf)
     expected = FastDetector(settings).process(volts, filtered).filtered_v
     assert np.abs(suspected - expected)[500:505].max() > 0.05 * np.abs(expected).max()
     assert np.abs(suspected - expected)[510:].max() < 0.02 * np.abs(expected).max()

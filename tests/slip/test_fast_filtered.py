@@ -17,7 +17,8 @@ from fingertip.foundation import jit
 from fingertip.foundation.errors import TraceError
 from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
-from fingertip.slip.detectors.fast import LIMIT_SHARE, LIMITED_S, FastDetector, FastOutput, FastSettings, FilteredSignal
+from fingertip.slip.detectors.fast import FastDetector, FastOutput
+from fingertip.slip.detectors.fast_settings import LIMIT_SHARE, LIMITED_S, FastSettings, FilteredSignal
 from fingertip.slip.detectors.registry import find_second_column, make_detector, select_inputs
 from fingertip.slip.scored_detection import detect
 from fingertip.slip.traces.trace import Trace

@@ -21,7 +21,7 @@ from benchmarks.peers.work_precision import WorkPrecision
 from fingertip.design import Design
 from fingertip.foundation import display
 from fingertip.foundation.jit import compiled
-from fingertip.lab.accuracy import budget_report, report
+from fingertip.lab.accuracy import report
 from fingertip.lab.accuracy.budget import Curve, measure_budget
 from fingertip.lab.accuracy.measure import measure_accuracy
 from fingertip.sweep.outputs import load_outputs
@@ -44,7 +44,7 @@ def main() -> None:
     groups = {name: output.group for name, output in load_outputs().items()}
     whole, page = report.as_text(found).splitlines(), DOCS / "accuracy.md"
     tried = whole if options.cases else page.read_text().splitlines()
-    budget = budget_report.as_text(DESIGN, curves, groups).splitlines()
+    budget = report.budget_text(DESIGN, curves, groups).splitlines()
     peers, picture = _compare_solvers(options.rounds)
     values = {
         "design": DESIGN, "cases": f"{options.cases or 50_000}", "rounds": f"{options.rounds}",

@@ -27,8 +27,9 @@ from fingertip.design import Design
 from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.plan import Case
 from fingertip.sim import run_scene
-from fingertip.slip.detectors.fast import FastDetector, FastSettings
+from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.detectors.fast_coefficients import HIGH_HZ, LOW_HZ
+from fingertip.slip.detectors.fast_settings import FastSettings
 from fingertip.slip.detectors.noise import mean_quantised_noise_v
 
 ALARMS_PER_MINUTE = 0.1

@@ -13,8 +13,9 @@ from benchmarks.slip.mix_signals import LabelledSignal
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors import fast_state
-from fingertip.slip.detectors.fast import LOWEST_SCORE, SETTLING_S, TICK_S, FastDetector, FastSettings
+from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.detectors.fast_coefficients import FastModel
+from fingertip.slip.detectors.fast_settings import LOWEST_SCORE, SETTLING_S, TICK_S, FastSettings
 from tools.detector_training.signals import TrainingSignal
 
 EARLY_S = 0.004

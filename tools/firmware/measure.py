@@ -14,7 +14,7 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.firmware import packaging as costs
-from fingertip.slip.detectors.fast import TICK_S
+from fingertip.slip.detectors.fast_settings import TICK_S
 from tools.firmware.signals import Recording, campaign_recordings, quiet_recording, slip_recording
 from tools.firmware.toolchain import (
     FIVE,

@@ -21,7 +21,7 @@ from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.output_set import hash_parameters
 from fingertip.sim.runs.grip import ForceCurve
 from fingertip.slip.detectors import registry
-from fingertip.slip.detectors.fast import GAP_S
+from fingertip.slip.detectors.fast_settings import GAP_S
 from fingertip.slip.traces.trace import Trace
 
 SHOWN_S = 0.1

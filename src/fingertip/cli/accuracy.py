@@ -29,7 +29,7 @@ def accuracy(
     """
     from fingertip.foundation.errors import Issue
     from fingertip.foundation.output_set import SetWriter, hash_parameters
-    from fingertip.lab.accuracy import budget_report, report
+    from fingertip.lab.accuracy import report
     from fingertip.lab.accuracy.budget import measure_budget
     from fingertip.lab.accuracy.measure import measure_accuracy
     from fingertip.sweep.outputs import load_outputs
@@ -43,7 +43,7 @@ def accuracy(
     if is_budget:
         curves = measure_budget(loaded, console.progress)
         shown = loaded.name, curves, {name: output.group for name, output in load_outputs().items()}
-        console.result(budget_report.as_data(*shown), budget_report.as_text(*shown))
+        console.result(report.budget_data(*shown), report.budget_text(*shown))
         return
     writer = SetWriter(out, "accuracy", loaded.name, hash_parameters(loaded.identity()))
     writer.check(report.FILES)

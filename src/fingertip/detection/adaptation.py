@@ -17,7 +17,8 @@ from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, TraceError, join_words
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.analog_and_digital import noise_level
-from fingertip.slip.detectors.fast import FastDetector, FastSettings
+from fingertip.slip.detectors.fast import FastDetector
+from fingertip.slip.detectors.fast_settings import FastSettings
 from fingertip.slip.detectors.registry import find_detector_type
 from fingertip.slip.scored_detection import Detection
 from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, RATE_TOLERANCE, check_rate, rate_bounds_message

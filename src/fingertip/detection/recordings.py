@@ -280,12 +280,14 @@ def _take_floors(rest: FileDetection, recording: _Recording) -> Floors:
     """Take the floors of a rest that was recorded in the same way. Raises TraceError."""
     found, lasts_s = rest.detection, rest.trace.time_s[-1] - rest.trace.time_s[0]
     one, other = ((part.design.detector.sample_rate_hz, part.trace.filtered_v is None) for part in (rest, recording))
-    if found.floors is None or lasts_s < FLOORS_S:
-        message = f"of {lasts_s:.3g} s gives {found.detector} none; take --detector fast, and {FLOORS_S:g} s or more."
+    if found.floors is None:
+        message = f"are not learned by {found.detector}; add --detector fast, or leave --floors out."
+    elif lasts_s < FLOORS_S:
+        message = f"the rest lasts {lasts_s:.3g} s, and fast learns for {FLOORS_S:g} s; record a longer one."
     elif found.incipient:
-        message = f"may hold slip at {found.incipient[0].onset_s:.4f} s; record it while nothing moves."
+        message = f"the rest may hold slip at {found.incipient[0].onset_s:.4f} s; record it while nothing moves."
     elif one != other:
-        message = f"is not sampled as {recording.name}; record both at one rate and with the same columns."
+        message = f"the rest is not sampled as {recording.name}; record both at one rate and with the same columns."
     else:
         return found.floors
     raise TraceError(Issue("--floors", message))

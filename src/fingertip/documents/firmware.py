@@ -19,8 +19,8 @@ from fingertip.documents.wiring import SKETCH_PINS, list_notes, name_signals
 from fingertip.firmware import fingers as capacity
 from fingertip.firmware import packaging
 from fingertip.firmware.fingers import Fingers, list_places
-from fingertip.slip.detectors.fast import TICK_S, FilteredSignal
 from fingertip.slip.detectors.fast_coefficients import load_model
+from fingertip.slip.detectors.fast_settings import TICK_S, FilteredSignal
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,8 @@ from fingertip.detection.live import open_stream
 from fingertip.detection.recordings import find_force_scale
 from fingertip.foundation.errors import Issue, TraceError, checked
 from fingertip.slip.detectors import fast_state
-from fingertip.slip.detectors.fast import GAP_S, FastDetector
+from fingertip.slip.detectors.fast import FastDetector
+from fingertip.slip.detectors.fast_settings import GAP_S
 from fingertip.slip.force import MEAN_S, Force
 from fingertip.slip.traces.columns import parse_number, split_cells
 from fingertip.slip.traces.trace import ColumnMap

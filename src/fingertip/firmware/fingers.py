@@ -12,7 +12,7 @@ from fingertip.design import Design
 from fingertip.design.finger_set import FingerSet
 from fingertip.firmware.packaging import read_costs
 from fingertip.foundation.errors import FingertipError, Issue, join_words, quote_value, raise_issues
-from fingertip.slip.detectors.fast import TICK_S
+from fingertip.slip.detectors.fast_settings import TICK_S
 
 DEFAULT_CONTROLLER = "black_pill_f411"
 """Controller of several fingers, unless another one is named: a small board that carries five."""

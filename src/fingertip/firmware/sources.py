@@ -20,8 +20,9 @@ from fingertip.firmware.fingers import CONVERSIONS, GENERIC, TASK_CONVERSIONS, F
 from fingertip.foundation.version import __version__
 from fingertip.sim.runs.grip import HISTORY, LONGEST_STEP_S, MIN_PRESENT_N, ForceCurve, GripSettings
 from fingertip.slip.detectors import fast_state
-from fingertip.slip.detectors.fast import REST_SHARE, STILL_S, FastDetector, FastSettings, FilteredSignal
+from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.detectors.fast_coefficients import NODES, FastModel, load_model
+from fingertip.slip.detectors.fast_settings import REST_SHARE, STILL_S, FastSettings, FilteredSignal
 from fingertip.slip.force import ForceScale
 
 _COUNTS = (

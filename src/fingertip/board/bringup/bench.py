@@ -1,4 +1,5 @@
-"""The bench: what replaces the sensor while a board is brought up, and the tone that a controller feeds in.
+"""The bench: what replaces the sensor while a board is brought up, the tone that a controller feeds in, and the
+resistances that a meter reads ahead of the first current.
 
 A resistor in place of the sensor stands for a force, the same on every day. A pin of the controller that switches
 between 0 and its supply reaches the sensor's socket through a capacitor and a large resistor, so that some millivolts
@@ -13,10 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fingertip.board.circuits.network import Network, build_network
-from fingertip.board.components.front_end import ARTICLE_POINTS, sensor_conductance_s
+from fingertip.board.components.front_end import ARTICLE_POINTS, GAIN_RESISTOR, sensor_conductance_s
 from fingertip.board.components.selection import nearest_value
 from fingertip.board.parts import nets
-from fingertip.board.parts.circuit import Circuit, Component
+from fingertip.board.parts.circuit import Circuit, Component, parse_component_value
 from fingertip.board.parts.symbols import C_0603, CAPACITOR, R_0603, RESISTOR
 from fingertip.foundation.numerics import Array
 
@@ -90,3 +91,32 @@ def square_level(network: Network, hz: float, net: str) -> Array:
     """RMS of a net's voltage with all harmonics, for 1 V of the fundamental of a square wave."""
     squares = [(level(network, k * hz, net) / k) ** 2 for k in HARMONICS]
     return np.asarray(np.sqrt(np.sum(squares, axis=0)))
+
+
+def resistance_between(circuit: Circuit, first: str, second: str) -> float:
+    """Resistance between two nets of a board without power [ohm]; infinite if no resistors join them.
+
+    The resistors around a part lower it, and count; capacitors and semiconductors do not conduct at a meter's voltage.
+    """
+    edges = []
+    for part in circuit.components:
+        far_pin = {"R": "2", "R_Potentiometer": "3"}.get(part.symbol.name)
+        if far_pin and part.reference != GAIN_RESISTOR:
+            ends = circuit.net_by_pin[part.reference, "1"], circuit.net_by_pin[part.reference, far_pin]
+            edges.append((*ends, 1.0 / parse_component_value(part.value)))
+    reached, grew = {first}, True
+    while grew:
+        added = {net for a, b, _ in edges for net in (a, b) if a in reached or b in reached} - reached
+        reached, grew = reached | added, bool(added)
+    if second not in reached:
+        return math.inf
+    nets = sorted(reached - {second})
+    G = np.zeros((len(nets), len(nets)))
+    row = {net: i for i, net in enumerate(nets)}
+    for a, b, siemens in edges:
+        for one, other in ((a, b), (b, a)):
+            if one in row:
+                G[row[one], row[one]] += siemens
+                if other in row:
+                    G[row[one], row[other]] -= siemens
+    return float(np.linalg.inv(G)[row[first], row[first]])

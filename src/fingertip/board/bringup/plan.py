@@ -16,7 +16,7 @@ import numpy as np
 from fingertip.board.analysis.board_values import BoardValues
 from fingertip.board.analysis.interference import compute_supply_current_a
 from fingertip.board.bringup import bench
-from fingertip.board.bringup.resistances import resistance_between
+from fingertip.board.bringup.bench import resistance_between
 from fingertip.board.circuits.network import Network, Value, build_network, list_amplifiers
 from fingertip.board.components.front_end import AD623_OFFSET_V, GAIN_CONSTANT_OHM, GAIN_RESISTOR
 from fingertip.board.components.values import SUPPLIES

@@ -9,8 +9,8 @@ from typing import Any
 from fingertip.board.analysis.board_values import BoardValues
 from fingertip.board.bringup import bench
 from fingertip.board.bringup import plan as limits
+from fingertip.board.bringup.bench import resistance_between
 from fingertip.board.bringup.plan import PROBES, BringUp, Limits
-from fingertip.board.bringup.resistances import resistance_between
 from fingertip.board.circuits.channels import describe_sockets
 from fingertip.board.kicad.placement import Placement, view_channel
 from fingertip.board.kicad.project import load_project

@@ -25,7 +25,7 @@ class FastCoefficients(NamedTuple):
 
     `board` is the board's high-pass filter as a digital filter; its first section has the numerator ``b (1 - 1/z)``.
     `restore` moves its cutoff down to that of the bands. Smoothing factors are per sample, or per tick where a floor or
-    a score is smoothed; their times stand in `fast`. Scores are those of `FastModel` and of `fast`.
+    a score is smoothed; their times and scores stand in `fast_settings` and in `FastModel`.
     """
 
     board_1: FirstOrder

@@ -34,8 +34,10 @@ MIN_PRESENT_N = 0.1
 """Smallest present force that the force ratio is applied to [N]: with a smaller one a finger would hardly close."""
 HISTORY = 16
 """Moments that are kept over the window of growth, at least a fifteenth of it apart."""
-_TABLE_N = np.concatenate((np.linspace(0.0, 0.5, 41), np.geomspace(0.5, 20.0, 88)[1:]))
-"""Forces of a curve [N]. Lines between them are within 0.5 % of the force above 0.3 N, where the sensor is on."""
+_TABLE_N = np.concatenate((np.linspace(0.0, 0.5, 41), np.geomspace(0.5, 20.0, 88)[1:])).round(9)
+"""Forces of a curve [N], rounded, since processors differ in the last bit of a power.
+
+Lines between them are within 0.5 % of the force above 0.3 N, where the sensor is on."""
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array, binomial_interval, poisson_interval, quantile_ranks
 from fingertip.foundation.workers import call_each
@@ -166,13 +165,6 @@ def measure_vibration_n(trace: Trace) -> float:
     width = min(max(1, round(1 / (VIBRATION_HZ * float(trace.time_s[1] - trace.time_s[0])))), len(trace.force_n))
     fast_n = trace.force_n - np.convolve(trace.force_n, np.full(width, 1 / width), "same")
     return float(np.sqrt(np.mean(fast_n[slipping[0] : slipping[-1] + 1] ** 2)))
-
-
-def measure_beyond_range(design: Design, filtered_v: Array, slip: NDArray[np.bool_]) -> float:
-    """Measure the share of the slip in which the filtered voltage [V] leaves the board's range; 0 without slip."""
-    limits, sliding_v = board_values(design).voltage_limits, filtered_v[slip]
-    beyond = (sliding_v > limits.filter_peak_v) | (sliding_v < -limits.filter_trough_v)
-    return float(beyond.mean()) if beyond.size else 0.0
 
 
 def measure_out_of_contact_share(trace: Trace) -> float:

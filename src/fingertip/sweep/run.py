@@ -115,12 +115,7 @@ def run_sweep(
     progress
         Called with the state of the sweep.
 
-    Raises
-    ------
-    SweepError
-        If the sweep is refused, or the folder holds another one.
-    MissingLibraryError
-        If pandas is not installed.
+    Raises SweepError if the sweep is refused, or the folder holds another one, and MissingLibraryError without pandas.
     """
     frames = load("pandas", "run_sweep")
     if isinstance(file, Mapping) and changes:

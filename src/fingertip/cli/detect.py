@@ -77,7 +77,7 @@ def detect(
     detector = detector or (DEFAULT if own == "fast" and loaded.board.has_filter else own)
     # A window from --set is for this recording's rate, a window from a design file for that file's rate.
     keep_window = "detector.window_samples" in load_tables([], changes or ()).changed
-    reading = {
+    reading: dict[str, Any] = {
         "rate_hz": rate_hz, "scale": scale, "columns": _parse_columns(columns or []),
         "time_scale": _parse_time_scale(time_scale), "keep_window": keep_window,
     }  # fmt: skip

@@ -199,7 +199,7 @@ def plan_fingers(
 
     `fingers` are their number, or their names, separated by commas; None for as many as the design's board has
     channels. None as `controller` is the default one of several fingers, and any controller of one. `inputs` are its
-    analog inputs, T and S of each finger in turn, or one for each divider, separated by commas; None for the first ones.
+    analog inputs, T and S of each finger in turn, or one for each divider, separated by commas, or None for the first.
     """
     issues: list[Issue] = []
     channels = design.board.channels

@@ -14,7 +14,7 @@ from fingertip.design import Design
 from fingertip.foundation.numerics import Array, binomial_interval, poisson_interval, quantile_ranks
 from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, Case, generate_cases
-from fingertip.sim import SceneFile, run_scene
+from fingertip.sim import run_scene
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.grid import Grid
 from fingertip.slip.detectors import registry
@@ -295,15 +295,10 @@ class DetectorResult:
         return {k: (float(np.mean(d)), float(np.std(d)), len(d)) if d else (np.inf, 0.0, 0) for k, d in groups.items()}
 
 
-def scene_surface(scene: SceneFile) -> str:
-    """Surface of a scene, or the object that is pulled through the grasp."""
-    name = scene.contact.surface
-    return name if scene.name == "sliding_finger" else f"object, {name}"
-
-
 def surface(trial: TrialResult) -> str:
-    """Surface of a trial, a key for `DetectorResult.group_delays`."""
-    return scene_surface(trial.case.scene)
+    """Surface of a trial, or the object that is pulled through the grasp; a key for `DetectorResult.group_delays`."""
+    scene = trial.case.scene
+    return scene.contact.surface if scene.name == "sliding_finger" else f"object, {scene.contact.surface}"
 
 
 def speed_m_s(trial: TrialResult) -> float:

@@ -16,12 +16,14 @@ from functools import partial
 from unittest.mock import patch
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.board import board_values
 from fingertip.design import Design
+from fingertip.foundation.numerics import Array
 from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, Case, generate_cases
-from fingertip.lab.campaign.run import evaluate, measure_beyond_range, score_trial
+from fingertip.lab.campaign.run import evaluate, score_trial
 from fingertip.lab.divider import with_variant
 from fingertip.sim import run_scene
 from fingertip.sim.runs.scene import SceneResult
@@ -71,6 +73,13 @@ def run(design: Design, case: Case, amplifiers: str) -> SceneResult:
         found = run_scene(design, scene, case.seed)
     _prepare_board.cache_clear()
     return found
+
+
+def measure_beyond_range(design: Design, filtered_v: Array, slip: NDArray[np.bool_]) -> float:
+    """Measure the share of the slip in which the filtered voltage [V] leaves the board's range; 0 without slip."""
+    limits, sliding_v = board_values(design).voltage_limits, filtered_v[slip]
+    beyond = (sliding_v > limits.filter_peak_v) | (sliding_v < -limits.filter_trough_v)
+    return float(beyond.mean()) if beyond.size else 0.0
 
 
 def compare(design: Design, case: Case) -> Beside:

@@ -17,10 +17,10 @@ from fingertip.board.fabrication.bom import (
     PRICE,
     assembly_bom_file,
     bill_of_materials,
-    count_unconfirmed,
     estimate_cost,
     is_assembled,
     list_extended,
+    list_unconfirmed,
     missing_numbers_note,
     placement_file,
     purchased_components,
@@ -177,7 +177,7 @@ def test_boards_for_a_controller_have_order_numbers_and_alternates() -> None:
     ):  # fmt: skip
         design = Design.load(changes=[change])
         circuit = board_circuit(board_values(design), design.board.channels)
-        assert count_unconfirmed(circuit) == unconfirmed
+        assert len(list_unconfirmed(circuit)) == unconfirmed
         assert f"({unconfirmed} of " in missing_numbers_note(circuit)
         rows = list(csv.DictReader(io.StringIO(bill_of_materials(circuit).decode())))
         assert all(row["MPN"] for row in rows)

@@ -299,7 +299,7 @@ def test_delays_by_group() -> None:
         f"object, {pulled.contact.surface}": (math.inf, 0.0, 0),
     }
     touched = SceneFile(scene="contact", contact={"surface": "smooth"})
-    assert run.scene_surface(touched) == "object, smooth"
+    assert surface(trial(case=Case("contact", touched, 1))) == "object, smooth"
     speeds = pool(trial([0.01])).group_delays(speed_m_s)
     assert list(speeds) == [SLIDE.slide.speed_m_s]
 

@@ -34,7 +34,6 @@ from fingertip.documents.finger_set import (
     MOLD_MIN,
     STIR_MIN,
     FormSheets,
-    Mold,
     SetSheets,
     find_short_pot_lives,
     plan_cups,
@@ -245,16 +244,16 @@ def test_every_mold_is_filled_once_from_as_few_mixtures_as_the_pot_lives_allow(l
         for life in lives
     ]
     molds = {
-        finger: Mold(finger, silicone, g + number)
+        finger: (silicone, finger, g + number)
         for number, (finger, silicone) in enumerate(zip(fingers, silicones, strict=True))
     }
     cups = list(plan_cups(molds.values()))
     assert sorted(pour.finger for cup in cups for pour in cup.pours) == sorted(fingers)
     for cup in cups:
         filled = [molds[pour.finger] for pour in cup.pours]
-        (silicone,) = {mold.silicone for mold in filled}
+        (silicone,) = {silicone for silicone, _, _ in filled}
         assert cup.pours[-1].closed_min == STIR_MIN + MOLD_MIN * len(filled) <= silicone.planned_pot_life_min
-        cm3 = sum(mold.poured_g for mold in filled) / silicone.density_g_cm3.high
+        cm3 = sum(poured_g for _, _, poured_g in filled) / silicone.density_g_cm3.high
         assert cup.total_g == pytest.approx(mix(silicone, cm3).total_g, abs=0.11)
     fewest = (math.ceil(lives.count(life) / ((life - STIR_MIN) // MOLD_MIN)) for life in set(lives))
     assert len(cups) == sum(fewest)

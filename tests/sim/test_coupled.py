@@ -259,16 +259,12 @@ def test_chunk_that_fails_leaves_the_state_as_it_was(monkeypatch):
     first, second = ([column[:150] for column in drive], [column[150:] for column in drive])
     contact = CoupledContact(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, FORCE_N)
     contact.process(*first)
-    with pytest.raises(TraceError, match="carriage_m: nan at sample 0"):
-        contact.process(second[0] * math.nan, *second[1:])
     with monkeypatch.context() as patch:
         patch.setattr(coupled, "MAX_STEPS", 0)
         with pytest.raises(TraceError, match=r"sample 150: needs more than 0 steps .* choose a larger tolerance_n"):
             contact.process(*second)
     expected = integrate(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, *drive).position_m[150:]
     assert np.array_equal(contact.process(*second).position_m, expected)
-    with pytest.raises(TraceError, match=r"max_pressing_n: -1 N .* at least 0"):
-        CoupledContact(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, -1.0)
 
 
 def test_few_steps_are_rejected():

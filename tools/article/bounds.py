@@ -30,7 +30,7 @@ from fingertip.sim import run_scene
 from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.detectors.fast_coefficients import HIGH_HZ, LOW_HZ
 from fingertip.slip.detectors.fast_settings import FastSettings
-from fingertip.slip.detectors.noise import mean_quantised_noise_v
+from tools.quantised_noise import mean_quantised_noise_v
 
 ALARMS_PER_MINUTE = 0.1
 """Rate of false alarms for which the bound holds [1/min]."""

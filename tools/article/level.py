@@ -16,10 +16,11 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.board_range import measure_beyond_range
 from fingertip.design import Design
 from fingertip.foundation import display as style
 from fingertip.foundation.workers import call_each
-from fingertip.lab.campaign.run import TrialResult, evaluate, measure_beyond_range
+from fingertip.lab.campaign.run import TrialResult, evaluate
 from fingertip.lab.divider import with_variant
 from fingertip.sim import run_scene
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES, SurfaceTable
@@ -98,16 +99,9 @@ def search(points: int = POINTS, trials: int = 120) -> list[LevelPoint]:
     for diode in DIODES:
         threshold_v = simulate_quiescent_level(article, diode).rounded_threshold_v
         designs[diode] = Design(**article.with_values({"detector.threshold_v": threshold_v}).model_dump())
-    drawn = [*draw_points(points), *((diode, default_level(), default_exponent()) for diode in DIODES)]
+    default = SURFACES[ARTICLE_SURFACES[0]]
+    drawn = [*draw_points(points), *((diode, default.felt_um, default.felt_exponent) for diode in DIODES)]
     return list(call_each(partial(try_point, designs[at[0]], *at, trials) for at in drawn))
-
-
-def default_level() -> float:
-    return SURFACES[ARTICLE_SURFACES[0]].felt_um
-
-
-def default_exponent() -> float:
-    return SURFACES[ARTICLE_SURFACES[0]].felt_exponent
 
 
 def try_point(design: Design, diode: str, level_um: float, exponent: float, trials: int) -> LevelPoint:

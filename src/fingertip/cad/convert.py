@@ -36,12 +36,7 @@ _NEAR_MM = 0.02
 def part_solid(design: Design, name: str) -> cadquery.Solid:
     """Build a part, or a bought item such as "sensor", as an exact `cadquery.Solid` [mm]; equal ones are made once.
 
-    Raises
-    ------
-    DesignError
-        If the design has no part of this name.
-    MissingLibraryError
-        If cadquery, or a system library it needs, is missing.
+    Raises DesignError for another name, and MissingLibraryError without cadquery or a system library it needs.
     """
     cadquery = _load_cadquery("part_solid")
     return cadquery.Solid(_evaluate(_find_solid(design, name)))
@@ -137,25 +132,14 @@ def frames(design: Design) -> dict[str, cadquery.Location]:
 
 
 def part_mesh(design: Design, name: str, tolerance_mm: float = 0.01) -> Mesh:
-    """Build a part as a mesh: vertices (n, 3) [mm] and triangles (m, 3).
-
-    Raises
-    ------
-    DesignError
-        If the design has no part of this name.
-    """
+    """Build a part as a mesh: vertices (n, 3) [mm] and triangles (m, 3). Raises DesignError for another name."""
     return MeshEvaluator(tolerance_mm).mesh(_find_solid(design, name))
 
 
 def mesh_of(shape: cadquery.Workplane | cadquery.Shape, tolerance_mm: float = 0.01) -> Mesh:
     """Mesh what was made with cadquery, such as a part with a nail, for the STL writer and the checks of files.
 
-    Raises
-    ------
-    DesignError
-        If the tolerance is out of bounds.
-    GeometryError
-        If the mesh is not closed.
+    Raises DesignError if the tolerance is out of bounds, and GeometryError if the mesh is not closed.
     """
     tolerance_mm = MeshEvaluator(tolerance_mm).tolerance_mm
     whole = getattr(shape, "val", lambda: shape)()
@@ -169,15 +153,7 @@ def mesh_of(shape: cadquery.Workplane | cadquery.Shape, tolerance_mm: float = 0.
 
 
 def part_trimesh(design: Design, name: str, tolerance_mm: float = 0.01) -> trimesh.Trimesh:
-    """Build a part as a `trimesh.Trimesh` [mm].
-
-    Raises
-    ------
-    DesignError
-        If the design has no part of this name.
-    MissingLibraryError
-        If trimesh is not installed.
-    """
+    """Build a part as a `trimesh.Trimesh` [mm]. Raises as `part_mesh`, and MissingLibraryError without trimesh."""
     trimesh_module = extras.load("trimesh", "part_trimesh", alternative="use part_mesh")
     mesh = part_mesh(design, name, tolerance_mm)
     return trimesh_module.Trimesh(mesh.vertices, mesh.triangles, process=False)
@@ -186,10 +162,7 @@ def part_trimesh(design: Design, name: str, tolerance_mm: float = 0.01) -> trime
 def assembly(design: Design) -> cadquery.Assembly:
     """Build all parts of a design with the hardware in their places, as a `cadquery.Assembly` that Jupyter shows.
 
-    Raises
-    ------
-    MissingLibraryError
-        If cadquery, or a system library it needs, is missing.
+    Raises MissingLibraryError as `part_solid`.
     """
     cadquery = _load_cadquery("assembly")
     parts = parts_by_name(design)

@@ -85,23 +85,11 @@ class Build:
         return text + (html_table("FAILED", ("check", "value", "limit", "unit"), failed) if failed else "")
 
     def plot(self, width_px: int = 1600) -> Picture:
-        """Draw the design that was built.
-
-        Parameters
-        ----------
-        width_px
-            Width of the picture [pixels].
-        """
+        """Draw the design that was built, in a picture of this width [pixels]."""
         return self.design.plot(width_px)
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return every check with value and limit as a data frame.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return every check with value and limit as a data frame. Raises MissingLibraryError without pandas."""
         columns: dict[str, list[Any]] = {"check": [check.name for check in self.checks]}
         for key in ("value", "sign", "limit", "unit", "passed"):
             columns[key] = [getattr(check, key) for check in self.checks]

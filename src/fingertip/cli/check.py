@@ -148,7 +148,7 @@ def _check_designs(
     verify: bool,
 ) -> tuple[dict[str, Any], list[str], dict[str, tuple[Check, ...]]]:
     from fingertip.cad.verification.second_opinion import second_opinions
-    from fingertip.cad.verification.verify import check
+    from fingertip.cad.verification.verify import check, list_margins
 
     checks_by_design: dict[str, tuple[Check, ...]] = {}
     designs = {label: design for label, (_, design) in loaded.items()}
@@ -169,8 +169,6 @@ def _check_designs(
         for label, checks in checks_by_design.items()
     ]
     if margins:
-        from fingertip.cad.verification.margins import list_margins
-
         for i, (label, design) in enumerate(designs.items()):
             nearest = list_margins(design, checks_by_design[label])[:_NEAREST]
             found[i]["margins"] = [{key: getattr(one, key) for key in _MARGIN} for one in nearest]

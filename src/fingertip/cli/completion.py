@@ -49,10 +49,6 @@ def first_sentence(text: str) -> str:
 # a shell asks, or a help page is written.
 
 
-def _words(*words: str) -> Callable[[], Iterable[str]]:
-    return lambda: words
-
-
 def _bundled(*kinds: str) -> Iterable[str]:
     from fingertip.catalogues.file_kinds import KINDS, list_bundled_files
 
@@ -116,7 +112,7 @@ COMPLETIONS: Mapping[str, Callable[..., Iterable[str]]] = {
     "changes": _settings,
     "sensor": _choices("sensor.model"),
     "hand": _table("design.hand_sizes:list_hands"),
-    "finger": _words(*(f"{name}=" for name in NAMES)),
+    "finger": lambda: [f"{name}=" for name in NAMES],
     "preset": _table("design.new_design:PRESETS"),
     "formats": _sets_of_formats,
     "parts": _table("cad.shapes.parts:PARTS"),
@@ -126,7 +122,7 @@ COMPLETIONS: Mapping[str, Callable[..., Iterable[str]]] = {
     "surface": _files("surface"),
     "controller": _table("catalogues.electronics:list_keys"),
     "time_scale": _table("slip.traces.sampling:TIME_UNITS_S"),
-    "shell": _words(*SHELLS),
+    "shell": lambda: SHELLS,
 }
 """Parameter of all commands, or of one, -> words that it takes."""
 
@@ -135,7 +131,7 @@ _LISTS: Mapping[str, Callable[[], Iterable[str]]] = {
     "silicones": COMPLETIONS["material"],
     "hands": COMPLETIONS["hand"],
     "presets": COMPLETIONS["preset"],
-    "fingers": _words(", ".join(NAMES)),
+    "fingers": lambda: [", ".join(NAMES)],
     "formats": lambda: [", ".join(_table("catalogues.output_files:PART_FORMATS")())],
     "sweeps": lambda: _bundled("sweep"),
     "detectors": describe_detectors,

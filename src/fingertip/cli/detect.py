@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -78,7 +77,10 @@ def detect(
     detector = detector or (DEFAULT if own == "fast" and loaded.board.has_filter else own)
     # A window from --set is for this recording's rate, a window from a design file for that file's rate.
     keep_window = "detector.window_samples" in load_tables([], changes or ()).changed
-    reading = _Reading(rate_hz, scale, _parse_columns(columns or []), _parse_time_scale(time_scale), keep_window)
+    reading: dict[str, Any] = {
+        "rate_hz": rate_hz, "scale": scale, "columns": _parse_columns(columns or []),
+        "time_scale": _parse_time_scale(time_scale), "keep_window": keep_window,
+    }  # fmt: skip
     if is_stream:
         _refuse_without_recording({"--plot": plot, "--calibrate": calibrate, "--floors": floors})
         _follow_standard_input(console, loaded, detector, reading)
@@ -86,23 +88,12 @@ def detect(
     calibrate_s, adapt_to_file = _parse_interval(calibrate), False if design else None
     found = detect_file(
         trace, loaded, detector, calibrate_s=calibrate_s, floors=floors, adapt_to_file=adapt_to_file,
-        progress=console.progress, **vars(reading),
+        progress=console.progress, **reading,
     )  # fmt: skip
     console.warn(found.warnings)
     if plot is not None:
         add_to_set(plot, draw(found.trace, found.detection, trace.name), "--plot")
     console.result(as_data(found.detection, found.noise), as_text(found.detection))
-
-
-@dataclass(frozen=True)
-class _Reading:
-    """Reading of samples: arguments of `detect_file` and `detect_stream` by these names."""
-
-    rate_hz: float | None
-    scale: float
-    columns: Mapping[str, str]
-    time_scale: float
-    keep_window: bool
 
 
 def _parse_columns(columns: list[str]) -> dict[str, str]:
@@ -142,7 +133,7 @@ def _refuse_without_recording(options: Mapping[str, object]) -> None:
     raise_issues(TraceError, (Issue(name, message) for name, value in options.items() if value is not None))
 
 
-def _follow_standard_input(console: Console, design: Design, detector: str, reading: _Reading) -> None:
+def _follow_standard_input(console: Console, design: Design, detector: str, reading: Mapping[str, Any]) -> None:
     """Detect slip in standard input until it ends, is wrong or is interrupted; report the transitions up to then."""
     from fingertip.detection.live import NAME, detect_stream
 
@@ -150,7 +141,7 @@ def _follow_standard_input(console: Console, design: Design, detector: str, read
     data: dict[str, Any] = {"detector": detector, "transitions": transitions}
     any_on = False
     try:
-        found = detect_stream(sys.stdin, design, detector, progress=console.progress, **vars(reading))
+        found = detect_stream(sys.stdin, design, detector, progress=console.progress, **reading)
         data["signals"] = list(found.signals.columns)
         console.progress(f"detector {detector}, {found.signals.describe()}")
         console.warn(found.warnings)

@@ -45,15 +45,6 @@ class FormSheets:
 
 
 @dataclass(frozen=True)
-class Mold:
-    """Mold of a finger, and what is poured into it."""
-
-    finger: str
-    silicone: Silicone
-    poured_g: float
-
-
-@dataclass(frozen=True)
 class Pour:
     finger: str
     poured_g: float
@@ -182,7 +173,7 @@ def set_sheets(fingers: FingerSet, sheets: Sequence[FormSheets], has_board: bool
 def plan_set(castings: Sequence[tuple[Form, CastingSheet]]) -> SetPlan:
     """Plan printing and castings: one plate and one mold for each finger, all molds filled on one day."""
     cups = plan_cups([
-        Mold(finger, form.design.silicone.material, casting.batch.in_cup_g)
+        (form.design.silicone.material, finger, casting.batch.in_cup_g)
         for form, casting in castings
         for finger in form.fingers
     ])  # fmt: skip
@@ -197,17 +188,20 @@ def plan_set(castings: Sequence[tuple[Form, CastingSheet]]) -> SetPlan:
     )
 
 
-def plan_cups(molds: Iterable[Mold]) -> Iterator[Cup]:
-    """Plan the mixtures of a set, none of which fills many more molds than another of its silicone."""
-    silicones: dict[Silicone, list[Mold]] = {}
-    for mold in molds:
-        silicones.setdefault(mold.silicone, []).append(mold)
+def plan_cups(molds: Iterable[tuple[Silicone, str, float]]) -> Iterator[Cup]:
+    """Plan the mixtures of a set for molds, each with its finger and the mass [g] that is poured into it.
+
+    None fills many more molds than another of its silicone.
+    """
+    silicones: dict[Silicone, list[tuple[str, float]]] = {}
+    for silicone, finger, poured_g in molds:
+        silicones.setdefault(silicone, []).append((finger, poured_g))
     for silicone, waiting in silicones.items():
         count = math.ceil(len(waiting) / _count_molds(silicone))
         for start, end in pairwise(round(len(waiting) * number / count) for number in range(count + 1)):
             taken = waiting[start:end]
-            batch = mix(silicone, sum(mold.poured_g / silicone.density_g_cm3.high for mold in taken))
-            pours = (Pour(mold.finger, mold.poured_g, STIR_MIN + MOLD_MIN * i) for i, mold in enumerate(taken, 1))
+            batch = mix(silicone, sum(poured_g / silicone.density_g_cm3.high for _, poured_g in taken))
+            pours = (Pour(*mold, STIR_MIN + MOLD_MIN * i) for i, mold in enumerate(taken, 1))
             masses = dict(zip(batch.components, (batch.a_g, batch.b_g), strict=True))
             yield Cup(silicone.label, masses, tuple(pours), batch.pot_life_min)
 

@@ -197,17 +197,9 @@ def plan_fingers(
 ) -> Fingers:
     """Give each finger a name and its inputs. Raises FingertipError, with all that is wrong.
 
-    Parameters
-    ----------
-    design
-        The design, whose sampling rate and converter count.
-    fingers
-        Their number, or their names, separated by commas; None for as many as the design's board has channels.
-    controller
-        Name of the controller; None for the default one of several fingers, and for any controller of one.
-    inputs
-        Its analog inputs, T and S of each finger in turn, or one for each divider, separated by commas; None for the
-        first ones.
+    `fingers` are their number, or their names, separated by commas; None for as many as the design's board has
+    channels. None as `controller` is the default one of several fingers, and any controller of one. `inputs` are its
+    analog inputs, T and S of each finger in turn, or one for each divider, separated by commas, or None for the first.
     """
     issues: list[Issue] = []
     channels = design.board.channels

@@ -46,13 +46,7 @@ class Picture:
         return int.from_bytes(self.png[16:20], "big"), int.from_bytes(self.png[20:24], "big")
 
     def save(self, path: str | Path) -> Path:
-        """Write the picture to a PNG file.
-
-        Raises
-        ------
-        OutputError
-            If the name does not end in ``.png``, or the file cannot be written.
-        """
+        """Write the picture to a file whose name ends in ``.png``. Raises OutputError."""
         from fingertip.foundation.files import write_file  # noqa: PLC0415
 
         if Path(path).suffix.lower() != ".png":

@@ -109,8 +109,11 @@ def _cumulative(count: int, mean: float) -> float:
 def binomial_interval(count: int, total: int) -> tuple[float, float]:
     """Compute the interval of a share from a count (C. J. Clopper, E. S. Pearson, Biometrika 26, 1934, 404)."""
     tail = (1 - CONFIDENCE) / 2
-    low = bisect(lambda p: 1 - _at_most(count - 1, total, p) < tail, 0.0, 1.0, halvings=60)[0] if count else 0.0
-    high = bisect(lambda p: _at_most(count, total, p) > tail, 0.0, 1.0, halvings=60)[0] if count < total else 1.0
+    low, high = 0.0, 1.0
+    if count:
+        low, _ = bisect(lambda p: 1 - math.fsum(_probabilities(count - 1, total, p)) < tail, 0.0, 1.0, halvings=60)
+    if count < total:
+        high, _ = bisect(lambda p: math.fsum(_probabilities(count, total, p)) > tail, 0.0, 1.0, halvings=60)
     return low, high
 
 
@@ -121,11 +124,6 @@ def quantile_ranks(total: int, fraction: float) -> tuple[int, int]:
     """
     tail, below = (1 - CONFIDENCE) / 2, list(itertools.accumulate(_probabilities(total, total, fraction)))
     return sum(p <= tail for p in below) - 1, sum(p < 1 - tail for p in below)
-
-
-def _at_most(count: int, total: int, share: float) -> float:
-    """Probability that at most `count` of `total` independent events happen."""
-    return math.fsum(_probabilities(count, total, share))
 
 
 def _probabilities(count: int, total: int, share: float) -> Iterator[float]:

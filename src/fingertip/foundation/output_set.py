@@ -80,7 +80,7 @@ class SetWriter:
     def check(self, names: Collection[str], revisions: Revisions = _NONE) -> None:
         """Refuse to write these names if the folder cannot take them, before work starts. Raises OutputError."""
         names = {**names, MANIFEST: b""} if isinstance(names, Mapping) else {*names, MANIFEST}
-        link = self._find_link()
+        link = input_files.find_link(self.top or self.folder, self.folder)
         if link is None:
             finish_interrupted(self.folder)
         try:
@@ -98,21 +98,15 @@ class SetWriter:
         with output_errors(self.folder):
             raise_issues(OutputError, self._find_issues(names, revisions))
 
-    def _find_link(self) -> Path | None:
-        return input_files.find_link(self.top or self.folder, self.folder)
-
-    def _read_manifest(self) -> Manifest | None:
-        return read_manifest(self.folder, self.top)
-
     def _find_issues(self, names: Collection[str], revisions: Revisions) -> Iterator[Issue]:
-        if link := self._find_link():
+        if link := input_files.find_link(self.top or self.folder, self.folder):
             yield Issue(str(link), "is a link, which may lead to the files of others; remove it, or name its target.")
             return
         place = next((path for path in (self.folder, *self.folder.parents) if path.exists()), self.folder)
         if not place.is_dir():
             yield Issue(str(place), "is a file; choose another folder with --out.")
             return
-        manifest = self._read_manifest()
+        manifest = read_manifest(self.folder, self.top)
         if manifest and manifest.kind != self.kind:
             message = f"holds the {manifest.kind} of {manifest.design!r}; choose another folder with --out, such as"
             yield Issue(str(self.folder), f"{message} {self.folder / self.kind}.")
@@ -177,7 +171,7 @@ class SetWriter:
     def check_addition(self, names: Collection[str]) -> None:
         """Refuse to add these names to a folder, before work starts. Raises OutputError."""
         self.check(names)
-        manifest = self._read_manifest()
+        manifest = read_manifest(self.folder, self.top)
         if manifest and (manifest.kind, manifest.parameters) != (self.kind, self.parameters):
             message = (
                 f"holds the {manifest.kind} of another design, or of other parameters of {manifest.design!r}; build "
@@ -205,7 +199,7 @@ class SetWriter:
         return removed
 
     def _foreign(self, names: Collection[str]) -> set[str]:
-        manifest, foreign = self._read_manifest(), set()
+        manifest, foreign = read_manifest(self.folder, self.top), set()
         for name in names:
             path = self.folder / name
             if not os.path.lexists(path) or is_folder(path):

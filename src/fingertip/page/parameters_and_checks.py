@@ -61,11 +61,6 @@ def group_parameters() -> dict[str, list[Parameter]]:
     return tables
 
 
-def describe_table(design: Design, name: str) -> str:
-    """Describe a table of parameters in a line; "" for those that stand in none."""
-    return " ".join((type(getattr(design, name)).__doc__ or "").split()) if name else ""
-
-
 def _render_row(design: Design, parameter: Parameter, moved: Mapping[str, tuple[str, ...]]) -> tuple[str, str, str]:
     path, value = parameter.path, design.value(parameter.path)
     items = moved.get(path, ())

@@ -262,11 +262,6 @@ def _claim(taken: NDArray[np.bool_], box: tuple[float, float, float, float]) -> 
 def picture(design: Design, width_px: int = 1600) -> Picture:
     """Draw a design: exploded views, a section through the closed mold and, with a joint, the finger on its hand.
 
-    Parameters
-    ----------
-    design
-        The fingertip.
-    width_px
-        Width of the picture [pixels].
+    `width_px` is the width of the picture [pixels].
     """
     return Picture(draw(design, width_px))

@@ -220,17 +220,9 @@ def simulate(design: Design, trial: Trial | None = None) -> Trace:
     Trans. Automatic Control 47(5), 2002, doi:10.1109/TAC.2002.1000274). The vibration is 1 % (`smooth`) to 17 %
     (`wood`) of the force.
 
-    Parameters
-    ----------
-    design
-        Gives the shape of the pad, the sampling rate, the ADC and its noise.
-    trial
-        Trial to simulate. The default is the article's slowest slide on its medium surface.
-
-    Returns
-    -------
-    Trace
-        Voltage, true normal force and true gross slip. The same design and trial give the same trace.
+    The design gives the shape of the pad, the sampling rate, the ADC and its noise. The default trial is the article's
+    slowest slide on its medium surface. The trace has voltage, true normal force and true gross slip; the same design
+    and trial give the same trace.
     """
     trial = trial or Trial()
     return run_scene(design, trial.scene, trial.seed).trace

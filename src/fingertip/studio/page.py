@@ -16,7 +16,7 @@ from fingertip.design.parameters.declaration import find_bounds, list_choices
 from fingertip.design.search import describe_bands
 from fingertip.page.html import Markup, button, code, element, read_asset, read_viewer_library, render_document
 from fingertip.page.model_section import render_model, render_no_view, scene_json
-from fingertip.page.parameters_and_checks import describe_table, group_parameters
+from fingertip.page.parameters_and_checks import group_parameters
 from fingertip.studio.answers import DOWNLOADS, FILE_TOLERANCE_MM, VIEW_TOLERANCE_MM, make_items
 
 _LOGARITHMIC_STEP = 0.002
@@ -48,8 +48,8 @@ def _render_group(name: str, fields: Sequence[Field], design: Design, moved: Map
         element("span", name, class_=None if is_main else "code"), f": {count} parameter{'s' if count > 1 else ''}",
         element("span", "", class_="counts"),
     )  # fmt: skip
-    description = "" if name in (MAIN, "design") else describe_table(design, name)
-    hint = [element("p", description, class_="hint")] if description else []
+    described = "" if name in (MAIN, "design") else type(getattr(design, name)).__doc__ or ""
+    hint = [element("p", " ".join(described.split()), class_="hint")] if described else []
     rendered = (_render_field(field, design, moved.get(field.parameter.path, ()), is_main) for field in fields)
     return element("details", element("summary", *title), *hint, *rendered, class_="group", open=is_main)
 

@@ -77,7 +77,7 @@ def compute_board(context: PointContext) -> OutputValues:
 def compute_circuit(context: PointContext) -> OutputValues:
     from fingertip.board import board_circuit, board_values
     from fingertip.board.analysis import gate
-    from fingertip.board.fabrication.bom import count_unconfirmed
+    from fingertip.board.fabrication.bom import list_unconfirmed
 
     values = board_values(context.design)
     spread, limits = values.threshold_spread, values.voltage_limits
@@ -97,7 +97,7 @@ def compute_circuit(context: PointContext) -> OutputValues:
         "phase_margin_deg": min(c.value for c in values.gate if c.name == gate.MARGIN),
         "peaking_db": max(c.value for c in values.gate if c.name == gate.PEAKING),
         "filter_yield": min(c.value for c in values.gate if c.name == gate.YIELD),
-        "unconfirmed_lines": count_unconfirmed(board_circuit(values, context.design.board.channels)),
+        "unconfirmed_lines": len(list_unconfirmed(board_circuit(values, context.design.board.channels))),
         "board_current_a": known(values.shared, "supply_current_a"),
         "crosstalk_db": known(values.shared, "crosstalk_db"),
         "odd_capacitors": max(c.value for c in values.gate if c.name == gate.SERIES),

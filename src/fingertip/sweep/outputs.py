@@ -105,12 +105,6 @@ def find_groups(outputs: Iterable[str]) -> tuple[OutputGroup, ...]:
     return tuple(group for group in GROUPS.values() if group.name in names)
 
 
-def find_shareable(outputs: Iterable[str]) -> tuple[OutputGroup, ...]:
-    """Find everything that points can share: the groups of these outputs, and the simulated trials."""
-    groups = find_groups(outputs)
-    return (*groups, TRACES) if any(group.name == "detection" for group in groups) else groups
-
-
 def check_outputs(names: Sequence[str], is_set: bool) -> list[Issue]:
     """Find outputs that are unknown or listed twice, and else those that cannot be computed for a set, or a finger."""
     retired = [name for name in dict.fromkeys(names) if name in load_retired()]

@@ -30,7 +30,7 @@ from fingertip.foundation.files import round_for_output
 from fingertip.slip.detectors.registry import find_detector_type
 from fingertip.sweep import sweep_file
 from fingertip.sweep.axes import Axis, Value, find_repeats, flatten_axes, read_axis, select_changes
-from fingertip.sweep.outputs import OutputGroup, check_outputs, find_groups, find_shareable
+from fingertip.sweep.outputs import TRACES, OutputGroup, check_outputs, find_groups
 from fingertip.sweep.sweep_file import MAX_POINTS, MAX_SAMPLED_VALUES, SweepFile
 
 if TYPE_CHECKING:
@@ -181,7 +181,9 @@ class SweepPlan:
 
     def _cost_of_step(self, axis: Axis) -> float:
         """Cost of what has to be computed again when an axis takes its next value."""
-        costs = [group.cost for group in find_shareable(self.outputs) if group.depends_on(axis.name)]
+        has_trials = any(group.name == "detection" for group in self.groups)
+        shared = (*self.groups, TRACES) if has_trials else self.groups
+        costs = [group.cost for group in shared if group.depends_on(axis.name)]
         # Every part is made from the finger's shape. The mold, the printer and the name do not change it.
         table = split_finger(axis.name)[1].partition(".")[0]
         return max(costs, default=-1) + {"mold": -0.25, "printer": -0.5, "name": -0.5}.get(table, 0.0)

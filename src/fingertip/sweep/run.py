@@ -102,25 +102,11 @@ def run_sweep(
 ) -> pandas.DataFrame:
     """Compute outputs of many designs, or read those that were computed before, as a table with a row for each.
 
-    Parameters
-    ----------
-    file
-        A sweep file, a bundled sweep, such as "board", or the tables of one, with the design as a table.
-    changes
-        Changes of the sweep, of its design or of its scene.
-    out
-        Folder of the results, where an interrupted sweep goes on; `out/sweeps/<name>` if None.
-    jobs
-        Number of processes; one for each processor if None.
-    progress
-        Called with the state of the sweep.
+    `file` is a sweep file, a bundled sweep, such as "board", or the tables of one, with the design as a table; the
+    changes are those of the sweep, of its design or of its scene. In `out`, by default `out/sweeps/<name>`, an
+    interrupted sweep goes on. `jobs` is the number of processes, by default one for each processor.
 
-    Raises
-    ------
-    SweepError
-        If the sweep is refused, or the folder holds another one.
-    MissingLibraryError
-        If pandas is not installed.
+    Raises SweepError if the sweep is refused, or the folder holds another one, and MissingLibraryError without pandas.
     """
     frames = load("pandas", "run_sweep")
     if isinstance(file, Mapping) and changes:

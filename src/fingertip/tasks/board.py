@@ -158,14 +158,10 @@ def write_board(
     that are somebody's own. With `bring_up`, the sheet for bringing the board up is written too; otherwise that of
     another design is removed.
 
-    Raises
-    ------
-    BoardError
-        If the values cannot be computed, or the board cannot work with them.
-    OutputError
-        If the folder cannot be written, or holds a file of these names that is somebody's own and cannot be kept: a
-        schematic or layout if parts, footprints or nets change, any other file in any case. Also if the default folder
-        holds a board with other parts, footprints or nets. Its files are then unchanged.
+    Raises BoardError if the values cannot be computed, or the board cannot work with them, and OutputError if the
+    folder cannot be written, or holds a file of these names that is somebody's own and cannot be kept: a schematic or
+    layout if parts, footprints or nets change, any other file in any case. Also if the default folder holds a board
+    with other parts, footprints or nets. Its files are then unchanged.
     """
     if out is None and not force:
         refuse_other_board(design)

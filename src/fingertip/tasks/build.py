@@ -99,17 +99,9 @@ def build(
     progress
         Called with a message at each step.
 
-    Raises
-    ------
-    DesignError
-        If a part, format, tolerance, silicone or folder name is not valid.
-    MissingLibraryError
-        If STEP files are requested and Open CASCADE cannot be loaded.
-    GeometryError
-        If a kernel rejects a solid. No file has been written then.
-    OutputError
-        If the folder cannot be written, or holds a file of these names that is somebody's own. No file has been
-        written then.
+    Raises DesignError if a part, format, tolerance, silicone or folder name is not valid, MissingLibraryError if STEP
+    files are requested and Open CASCADE cannot be loaded, GeometryError if a kernel rejects a solid, and OutputError if
+    the folder cannot be written, or holds a file of these names that is somebody's own. No file has been written then.
     """
     options = BuildOptions(parts, formats, tolerance_mm, material, pictures, drawings, force, verify)
     return run_build(plan_build(design, out, options, progress), progress)

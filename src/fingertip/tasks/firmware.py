@@ -42,22 +42,10 @@ def write_firmware(
 ) -> tuple[Path, ...]:
     """Write the library of a design to a folder, `out/NAME/firmware` by default, and return the paths of its files.
 
-    Parameters
-    ----------
-    design
-        The design.
-    out
-        The folder.
-    fingers
-        The fingers that the controller reads, as `fingertip.firmware.fingers.plan_fingers` gives them.
-    force
-        Whether files may be overwritten that this function did not write, or that were changed since.
-
-    Raises
-    ------
-    OutputError
-        If the folder cannot be written, or holds a file of these names that is somebody's own. Nothing has been
-        written then.
+    `fingers` are those that the controller reads, as `fingertip.firmware.fingers.plan_fingers` gives them. With
+    `force`, files may be overwritten that this function did not write, or that were changed since. Without it, a file
+    of these names that is somebody's own raises OutputError, as a folder that cannot be written does. Nothing has been
+    written then.
     """
     return plan_firmware(design, FIRMWARE.folder(design, out), fingers=fingers, force=force)()
 

@@ -68,23 +68,9 @@ def make(
 ) -> Made:
     """Make parts, drawings, board or sketch, a simulated trial and its detection, in one folder.
 
-    Parameters
-    ----------
-    design
-        The fingertip.
-    out
-        Output folder; `out/<design name>` if None.
-    formats
-        File formats of the parts, as for `build`.
-    force
-        Whether files may be overwritten that this function did not write, or that were changed since.
-    progress
-        Called with a message at each step.
-
-    Raises
-    ------
-    FingertipError
-        As `build`, `write_board`, `simulate` and `detect_file` do. Nothing has been written then.
+    The folder is `out/NAME` by default; `formats` are those of the parts, as for `build`. With `force`, files may be
+    overwritten that this function did not write, or that were changed since. `progress` is called with a message at
+    each step. Raises as `build`, `write_board`, `simulate` and `detect_file` do; nothing has been written then.
     """
     named = None if formats is None else tuple(formats)
     plan = _plan(design, output_files.PART_FILES.folder(design, out), find_formats() if named is None else named, force)

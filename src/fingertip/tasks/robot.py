@@ -34,13 +34,8 @@ def write_robot(
     The folder is `out/NAME/robot` by default, the format "mjcf" or "urdf". With `force`, files may be overwritten that
     this function did not write, or that were changed since.
 
-    Raises
-    ------
-    DesignError
-        If the format is not known.
-    OutputError
-        If the folder cannot be written, or holds a file of these names that is somebody's own. Nothing has been
-        written then.
+    Raises DesignError if the format is not known, and OutputError if the folder cannot be written, or holds a file of
+    these names that is somebody's own. Nothing has been written then.
     """
     if file_format not in ROBOT_FILES:
         message = f"{file_format!r} is no format of a model; {suggest_name(file_format, tuple(ROBOT_FILES))}"

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import HOST_CONNECTOR, SENSOR_CONNECTOR, Circuit, Component, build_circuit
-from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, BIAS, GND, POWER_IN, RAILS, name_open_net
+from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, BIAS, GND, POWER_IN, RAILS, UNCONNECTED
 from fingertip.catalogues.electronics import NAMES
 
 PLACES = len(NAMES)
@@ -119,7 +119,7 @@ def _place_socket(part: Component, nets: dict[str, str], channel: int) -> tuple[
     symbol = symbols.SYMBOLS[f"Conn_01x{size:02}_MountingPin"]
     wired = {sensor: nets["1"], ground: nets["2"], "MP": nets["MP"]}
     placed = replace(part, symbol=symbol, footprint=_FOOTPRINTS[size])
-    pins = ((pin.number, name_open_net(part.reference, pin.name, pin.number)) for pin in symbol.pins)
+    pins = ((pin.number, f"{UNCONNECTED}{part.reference}-{pin.name}-Pad{pin.number})") for pin in symbol.pins)
     return placed, {number: wired.get(number, unused) for number, unused in pins}
 
 

@@ -131,18 +131,13 @@ def assembly_bom_file(circuit: Circuit) -> bytes:
 
 def missing_numbers_note(circuit: Circuit) -> str:
     """Name the lines to assemble whose number is missing or unsure; empty if none is."""
-    found = [line.name for line in _list_unconfirmed(circuit)]
+    found = [line.name for line in list_unconfirmed(circuit)]
     if not found:
         return ""
     return (
         f"Confirm the numbers of {', '.join(found)} ({len(found)} of {len(_list_assembled(circuit))} lines of "
         f"`{ASSEMBLY_BOM}`): the note of each says what to look up at the house."
     )
-
-
-def count_unconfirmed(circuit: Circuit) -> int:
-    """Count the lines to assemble whose number of the house is missing or stands in one document only."""
-    return len(_list_unconfirmed(circuit))
 
 
 def estimate_cost(circuit: Circuit) -> tuple[float, float]:
@@ -159,7 +154,8 @@ def list_extended(circuit: Circuit) -> list[str]:
     return [line.name for line, part in known if part and BASIC_SOURCE not in part.sources]
 
 
-def _list_unconfirmed(circuit: Circuit) -> list[BomLine]:
+def list_unconfirmed(circuit: Circuit) -> list[BomLine]:
+    """List the lines to assemble whose number of the house is missing or stands in one document only."""
     return [line for line in _list_assembled(circuit) if line.selection.reason]
 
 

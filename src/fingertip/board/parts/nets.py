@@ -40,11 +40,6 @@ UNCONNECTED = "unconnected-("
 """Beginning of the name that KiCad gives the net of a pin that is left open on purpose."""
 
 
-def name_open_net(reference: str, pin: str, number: str) -> str:
-    """Name the net of such a pin as KiCad does."""
-    return f"{UNCONNECTED}{reference}-{pin}-Pad{number})"
-
-
 def kicad_net_name(net: str) -> str:
     """Name of a net in KiCad: with the path of its sheet, here "/", unless power symbols or global labels name it."""
     return net if net in (*RAILS, VMID) or net.startswith(UNCONNECTED) else f"/{net}"

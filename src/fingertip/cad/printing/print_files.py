@@ -9,12 +9,10 @@ from itertools import islice, product
 from fingertip.cad.files import stl
 from fingertip.cad.files.threemf import Item, write_items
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.printing.orientations import Orientation, Supports, print_orientations, supports_by_part
-from fingertip.cad.printing.overhang import Pose, bed_pose
-from fingertip.cad.printing.settings import PlateKind, choose_plate_kind, describe_part, slicer_settings
-from fingertip.catalogues.materials import PrintMaterial
+from fingertip.cad.printing.orientations import print_orientations, supports_by_part
+from fingertip.cad.printing.overhang import bed_pose
+from fingertip.cad.printing.settings import choose_plate_kind, describe_part, slicer_settings
 from fingertip.design import Design
-from fingertip.design.parameters.parts import Printer
 
 _ROUNDING_MM = 1e-6
 """Overlap that counts as none [mm]."""
@@ -106,65 +104,29 @@ def parts_on_plates(design: Design) -> tuple[str, ...]:
     return tuple(name for name in print_orientations(design) if name != "bone" or holds)
 
 
-@dataclass(frozen=True)
-class Piece:
-    """Part to print, with a name of its own on the plates."""
-
-    name: str
-    part: str
-    mesh: Mesh
-    encoded: str
-    pose: Pose
-    lies: Orientation
-    stands: Supports
-    material: PrintMaterial
-
-    def place(self, kind: PlateKind, placed: Placed) -> Item:
-        """Place the part on a plate, with its settings for a slicer."""
-        pose = (self.pose.turned() if placed.is_turned else self.pose).on_bed(self.mesh, placed.x, placed.y)
-        settings = slicer_settings(kind, self.part, self.lies, self.stands)
-        note = describe_part(kind, self.part, self.lies, self.stands, self.material)
-        return Item(self.name, self.encoded, note, pose.rotation, pose.shift, settings)
-
-
-def list_pieces(design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str]) -> dict[str, Piece]:
-    """List what lies on the plates of a design, by the names of the parts."""
-    supports, material = supports_by_part(design), design.strength.material
-    lies = print_orientations(design)
-    return {
-        name: Piece(
-            name, name, meshes[name], encoded[name], bed_pose(meshes[name], lies[name].rotate_x_deg), lies[name],
-            supports[name], material,
-        )
-        for name in parts_on_plates(design)
-    }  # fmt: skip
-
-
-def make_plates(title: str, kind: PlateKind, printer: Printer, pieces: Mapping[str, Piece]) -> PrintFiles:
-    """Arrange parts on as few plates as a simple search finds."""
-    contents, plates = {}, {}
-    footprints = {name: piece.pose.size(piece.mesh)[:2] for name, piece in pieces.items()}
-    arranged = arrange(footprints, (printer.bed_x_mm, printer.bed_y_mm), kind.gap_mm)
-    for file, plate in zip(kind.file_names(len(arranged)), arranged, strict=True):
-        items = [pieces[placed.name].place(kind, placed) for placed in plate]
-        contents[file] = write_items(f"{title} {file.removesuffix('.3mf')}", items)
-        plates[file] = tuple(placed.name for placed in plate)
-    return PrintFiles(contents, plates)
-
-
 def make_print_files(
     design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], with_stl: bool
 ) -> PrintFiles:
     """Make the files of the printed parts; plates only if all parts are there, so that none leaves out a part."""
     orientations = print_orientations(design)
-    contents = {}
+    poses = {name: bed_pose(meshes[name], orientations[name].rotate_x_deg) for name in orientations if name in meshes}
+    contents, plates = {}, {}
     if with_stl:
-        for name, lies in orientations.items():
-            if name in meshes:
-                mesh = bed_pose(meshes[name], lies.rotate_x_deg).apply(meshes[name])
-                contents[f"{name}.stl"] = stl.to_bytes(mesh, name)
+        for name, pose in poses.items():
+            contents[f"{name}.stl"] = stl.to_bytes(pose.apply(meshes[name]), name)
     if not set(orientations) <= set(encoded):
         return PrintFiles(contents, {})
-    pieces = list_pieces(design, meshes, encoded)
-    arranged = make_plates(design.name, choose_plate_kind(design), design.printer, pieces)
-    return PrintFiles({**contents, **arranged.contents}, arranged.plates)
+    kind, supports, material = choose_plate_kind(design), supports_by_part(design), design.strength.material
+    footprints = {name: poses[name].size(meshes[name])[:2] for name in parts_on_plates(design)}
+    arranged = arrange(footprints, (design.printer.bed_x_mm, design.printer.bed_y_mm), kind.gap_mm)
+    for file, plate in zip(kind.file_names(len(arranged)), arranged, strict=True):
+        items = []
+        for placed in plate:
+            name, pose = placed.name, poses[placed.name].turned() if placed.is_turned else poses[placed.name]
+            on_bed = pose.on_bed(meshes[name], placed.x, placed.y)
+            printed = (kind, name, orientations[name], supports[name])
+            note, settings = describe_part(*printed, material), slicer_settings(*printed)
+            items.append(Item(name, encoded[name], note, on_bed.rotation, on_bed.shift, settings))
+        contents[file] = write_items(f"{design.name} {file.removesuffix('.3mf')}", items)
+        plates[file] = tuple(placed.name for placed in plate)
+    return PrintFiles(contents, plates)

@@ -10,7 +10,7 @@ from typing import cast
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.verification.mold import palmar_error_mm, palmar_error_share
 from fingertip.cad.verification.skin import MAX_REST_N
-from fingertip.cad.verification.strength import BoneStrength, assess_strength, find_lighter_loads, list_load_points
+from fingertip.cad.verification.strength import BoneStrength, assess_strength, list_load_points
 from fingertip.cad.verification.verify import check
 from fingertip.design import Design
 from fingertip.design.fit import LEAST_LOADS, Fit, Holds, Move, find_fit, fit_design
@@ -68,7 +68,7 @@ def fit_finger(
 
 def lower_loads(tables: DesignTables, loads: Collection[str]) -> Fit:
     """Lower some loads to what the bone holds. Raises GeometryError."""
-    held = find_lighter_loads(cast(Design, tables)) if loads else {}
+    held = _assess(tables).lighter_loads if loads else {}
     moves = [Move(load, tables.value(load), held[load], "the bone holds no more") for load in loads if load in held]
     return Fit(tables.with_values({move.name: move.after for move in moves}), tuple(moves))
 

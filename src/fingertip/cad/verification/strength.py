@@ -39,8 +39,6 @@ from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import REFERENCE_POSE
 
 STATIONS = 160
-_FINE_MM = 0.01
-"""Tolerance of the mesh of `fingertip check` [mm]."""
 AT_COLLAR, AT_CHANNEL_MOUTH, REACH_MM = 1.6, 2.7, 1.0
 """Stress concentration beside the collar and at the channel's mouth, and how far that of the collar acts [mm].
 
@@ -162,11 +160,6 @@ class BoneStrength:
 def _round_down(value: float) -> float:
     step = 10.0 ** (math.floor(math.log10(value)) - 1)
     return float(f"{math.floor(value / step) * step:.6g}")
-
-
-def find_lighter_loads(design: Design) -> dict[str, float]:
-    """Find loads that the bone holds in place of those that are too heavy. Raises GeometryError."""
-    return assess_strength(design, MeshEvaluator(_FINE_MM)).lighter_loads
 
 
 def list_load_points(design: Design) -> dict[str, Point3]:

@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -47,7 +45,9 @@ class StepError:
 def measure_steps(design: Design, name: str, scene: SceneFile | ManipulationFile) -> list[StepError]:
     """Run a scene without noise with the shipped step, a half and a quarter of it. Raises TraceError."""
     signals = ["force_n", "tactile_v", *(["envelope_v"] if design.board.has_filter else [])]
-    scene, runs, cpu_s = silence(scene, signals), list[SceneResult | ManipulationResult](), list[float]()
+    quiet = scene.sensing.model_copy(update={"noise": False})
+    scene = scene.model_copy(update={"outputs": signals, "sensing": quiet})
+    runs, cpu_s = list[SceneResult | ManipulationResult](), list[float]()
     base = (SceneRun(design, scene).grid or Grid()).refinement if isinstance(scene, SceneFile) else 1
     for refinement in (1, *_REFINEMENTS, REFERENCE):  # the first run loads the loops
         begin, grid = time.process_time(), Grid(base * refinement)
@@ -66,12 +66,6 @@ def measure_steps(design: Design, name: str, scene: SceneFile | ManipulationFile
             errors[signal] = max(errors[signal], float(np.abs(run.columns[column] - exact)[compared].max()))
         found.append(StepError(name, Grid(base * refinement).step_s, errors, spent_s, run.duration_s / spent_s))
     return found
-
-
-def silence(scene: Any, outputs: Sequence[str]) -> Any:
-    """Copy of a scene without noise, with other outputs."""
-    quiet = scene.sensing.model_copy(update={"noise": False})
-    return scene.model_copy(update={"outputs": [*outputs], "sensing": quiet})
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,12 +10,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array, binomial_interval, poisson_interval, quantile_ranks
 from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, Case, generate_cases
-from fingertip.sim import SceneFile, run_scene
+from fingertip.sim import run_scene
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.grid import Grid
 from fingertip.slip.detectors import registry
@@ -168,13 +167,6 @@ def measure_vibration_n(trace: Trace) -> float:
     return float(np.sqrt(np.mean(fast_n[slipping[0] : slipping[-1] + 1] ** 2)))
 
 
-def measure_beyond_range(design: Design, filtered_v: Array, slip: NDArray[np.bool_]) -> float:
-    """Measure the share of the slip in which the filtered voltage [V] leaves the board's range; 0 without slip."""
-    limits, sliding_v = board_values(design).voltage_limits, filtered_v[slip]
-    beyond = (sliding_v > limits.filter_peak_v) | (sliding_v < -limits.filter_trough_v)
-    return float(beyond.mean()) if beyond.size else 0.0
-
-
 def measure_out_of_contact_share(trace: Trace) -> float:
     """Measure the share of the slip in which the pad does not touch; NaN without slip."""
     if trace.force_n is None or trace.slip is None or not trace.slip.any():
@@ -303,15 +295,10 @@ class DetectorResult:
         return {k: (float(np.mean(d)), float(np.std(d)), len(d)) if d else (np.inf, 0.0, 0) for k, d in groups.items()}
 
 
-def scene_surface(scene: SceneFile) -> str:
-    """Surface of a scene, or the object that is pulled through the grasp."""
-    name = scene.contact.surface
-    return name if scene.name == "sliding_finger" else f"object, {name}"
-
-
 def surface(trial: TrialResult) -> str:
-    """Surface of a trial, a key for `DetectorResult.group_delays`."""
-    return scene_surface(trial.case.scene)
+    """Surface of a trial, or the object that is pulled through the grasp; a key for `DetectorResult.group_delays`."""
+    scene = trial.case.scene
+    return scene.contact.surface if scene.name == "sliding_finger" else f"object, {scene.contact.surface}"
 
 
 def speed_m_s(trial: TrialResult) -> float:

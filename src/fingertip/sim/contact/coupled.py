@@ -25,9 +25,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.foundation.errors import Issue, TraceError, raise_issues
+from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.validation import find_column_issues, find_negative, find_not_positive
 from fingertip.sim.contact import coupled_loop
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, Friction
 from fingertip.sim.contact.tangential import Mount, PadMotion
@@ -45,21 +44,13 @@ steps."""
 
 @dataclass(frozen=True)
 class NormalContact:
-    """Resonance of the contact in the normal direction. Raises TraceError."""
+    """Resonance of the contact in the normal direction."""
 
     resonance_hz: float
     """Undamped resonance while touching [Hz]."""
     damping_ratio: float
     hand_ratio: float = 0.02
     """Ratio of the hand's stiffness behind the pad to the contact's; some 0.008 in trials (`pad.response`)."""
-
-    def __post_init__(self) -> None:
-        raise_issues(
-            TraceError,
-            find_not_positive("normal.resonance_hz", self.resonance_hz, "Hz", "90"),
-            find_negative("normal.damping_ratio", self.damping_ratio, ""),
-            find_not_positive("normal.hand_ratio", self.hand_ratio, "", "0.02"),
-        )
 
 
 @dataclass(frozen=True)
@@ -83,7 +74,6 @@ class CoupledContact:
         self, friction: Friction, mount: Mount, normal: NormalContact, step_s: float, max_pressing_n: float,
         tolerance_n: float = 1e-6,
     ) -> None:  # fmt: skip
-        raise_issues(TraceError, _find_setting_issues(step_s, max_pressing_n, tolerance_n))
         omega = 2 * math.pi * normal.resonance_hz
         damping_per_s = 2 * normal.damping_ratio * omega
         self._parameters = (
@@ -115,9 +105,6 @@ class CoupledContact:
 
     def process(self, carriage_m: Array, carriage_m_s: Array, pressing_n: Array) -> CoupledMotion:
         """Return the motion at the next samples; the very first sample is the start. Raises TraceError."""
-        raise_issues(
-            TraceError, find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, pressing_n=pressing_n)
-        )
         # The interval before a chunk's first sample begins at the last sample of the chunk before.
         repeated = self._last.shape[1]
         drive: tuple[Array, ...] = (carriage_m, carriage_m_s, pressing_n)
@@ -148,17 +135,6 @@ def integrate(
     pressing_n: Array, tolerance_n: float = 1e-6,
 ) -> CoupledMotion:  # fmt: skip
     """Integrate from standstill, in balance with the pressing force of the first sample. Raises TraceError."""
-    issues = _find_setting_issues(step_s, 0.0, tolerance_n)
-    issues += find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, pressing_n=pressing_n)
-    raise_issues(TraceError, issues)
     max_pressing_n = max(float(np.max(pressing_n)), 0.0)
     contact = CoupledContact(friction, mount, normal, step_s, max_pressing_n, tolerance_n)
     return contact.process(carriage_m, carriage_m_s, pressing_n)
-
-
-def _find_setting_issues(step_s: float, max_pressing_n: float, tolerance_n: float) -> list[Issue]:
-    return [
-        *find_not_positive("step_s", step_s, "s", "0.0005"),
-        *find_negative("max_pressing_n", max_pressing_n, "N"),
-        *find_not_positive("tolerance_n", tolerance_n, "N", "1e-6"),
-    ]

@@ -138,13 +138,7 @@ class _SceneTables(SimulationFile):
 
 
 class SceneFile(PathTables, _SceneTables):
-    """One validated scene; a faulty one reports all its issues at once.
-
-    Raises
-    ------
-    TraceError
-        With one issue for each parameter out of bounds, unknown name or broken rule.
-    """
+    """One validated scene. Raises TraceError with all parameters out of bounds, unknown names and broken rules."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip scene")
     file_kind: ClassVar[FileKind] = SCENE
@@ -336,13 +330,7 @@ class _ManipulationTables(SimulationFile):
 
 
 class ManipulationFile(PathTables, _ManipulationTables):
-    """One validated manipulation; a faulty one reports all its issues at once.
-
-    Raises
-    ------
-    TraceError
-        With one issue for each parameter out of bounds, unknown name or broken rule.
-    """
+    """One validated manipulation. Raises TraceError as `SceneFile` does."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip manipulation")
     file_kind: ClassVar[FileKind] = MANIPULATION

@@ -193,17 +193,12 @@ class GripController:
 
     def step(self, observation: Observation) -> Array:
         """Return the commanded closing [m]: the planned closing, and what detections have added to it."""
-        detector, now = self.settings.detector, observation.time_s
-        samples = select_inputs(observation, detector)
-        assert samples, f"the scene's outputs do not include {find_detector_type(detector).input_column}"
-        detected = self._detect(samples)
-        volts = [float(v.mean()) for v in observation.voltage_v]
-        suppressed, tightened = self.law.step(_whole_us(now), detected, volts, observation.closing_m.tolist())
-        self.decisions.append(GripDecision(now, detected, suppressed, tightened))
-        return np.asarray(observation.planned_m + self.law.added_m)
-
-    def _detect(self, samples: tuple[Array, ...]) -> bool:
-        """Process the new samples of all fingers; return whether any detector was ON at any of them."""
+        kind, now = self.settings.detector, observation.time_s
+        samples = select_inputs(observation, kind)
+        assert samples, f"the scene's outputs do not include {find_detector_type(kind).input_column}"
         # Every detector must process every sample, even if the first one is already ON.
         on = [bool(detector.process(*rows).on.any()) for detector, *rows in zip(self._detectors, *samples, strict=True)]
-        return any(on)
+        volts = [float(v.mean()) for v in observation.voltage_v]
+        suppressed, tightened = self.law.step(_whole_us(now), any(on), volts, observation.closing_m.tolist())
+        self.decisions.append(GripDecision(now, any(on), suppressed, tightened))
+        return np.asarray(observation.planned_m + self.law.added_m)

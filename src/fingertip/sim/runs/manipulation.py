@@ -138,26 +138,13 @@ def run_manipulation(
 ) -> ManipulationResult:
     """Simulate a manipulation.
 
-    Parameters
-    ----------
-    design
-        Gives the shape of the pads, the board, the ADC and its noise. All fingers are alike.
-    scene
-        Object, grasp, knock and hand, and the outputs to record.
-    controller
-        Controller that closes the loop. None keeps the planned grip.
-    seed
-        Seed of grip, friction, surfaces and noise. The same design, scene, seed and commands give the same columns.
-    progress
-        Receives progress messages, for manipulations longer than `progress.LONG_S`.
-    grid
-        Grid of the computation. None: the base grid. Pads and object take more steps where the bristles need it.
+    The design gives the shape of the pads, the board, the ADC and its noise; all fingers are alike. The controller
+    closes the loop; None keeps the planned grip. The seed is that of grip, friction, surfaces and noise: the same
+    design, scene, seed and commands give the same columns. `progress` and `grid` are as for `run_scene`: pads and
+    object take more steps where the bristles need it.
 
-    Raises
-    ------
-    TraceError
-        If the seed is negative, the plan needs more force than a finger can press with, the board of this design has no
-        such output, or a command of the controller is not valid.
+    Raises TraceError if the seed is negative, the plan needs more force than a finger can press with, the board of this
+    design has no such output, or a command of the controller is not valid.
     """
     if controller is not None and not hasattr(controller, "step"):
         message = f"is {controller!r:.60}, which has no method step; see fingertip.sim.Controller, or leave it out."

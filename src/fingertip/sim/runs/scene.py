@@ -239,23 +239,11 @@ def run_scene(
 ) -> SceneResult:
     """Simulate a scene, running only the parts that its outputs depend on.
 
-    Parameters
-    ----------
-    design
-        Gives the shape of the pad, the board, the ADC and its noise.
-    scene
-        Events, and outputs to record.
-    seed
-        Seed of force, surface, motors and noise. The same design, scene and seed give the same columns.
-    progress
-        Receives progress messages, for scenes longer than `progress.LONG_S`.
-    grid
-        Grid of the computation. None: the base grid, refined where the bristles need it.
+    The design gives the shape of the pad, the board, the ADC and its noise; the seed is that of force, surface, motors
+    and noise. The same design, scene and seed give the same columns. `progress` receives messages of scenes longer than
+    `progress.LONG_S`. Without a grid, the computation takes the base grid, refined where the bristles need it.
 
-    Raises
-    ------
-    TraceError
-        If the scene cannot be simulated with this design.
+    Raises TraceError if the scene cannot be simulated with this design.
     """
     chunks: list[FingerSignals] = []
     record = stream_scene(design, scene, chunks.append, seed, progress, grid)

@@ -14,7 +14,6 @@ with diodes and amplifiers of 3 MHz, differs by 0.1 mV in 0.18 V (tests/sim/test
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -28,9 +27,7 @@ from fingertip.board.components.values import select_components
 from fingertip.board.parts.nets import FILTERED, STAGE1_OUT, STAGE2_IN, TACTILE, VMID
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier
-from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.validation import find_negative, find_not_positive
 from fingertip.sim.signal.envelope_loop import ABSCISSAE, BLOCK, LEVELS
 
 # Exact steps of linear state equations.
@@ -120,16 +117,10 @@ class Amplifiers:
         trough_v, reversal_v = (up_v, limits.filter_trough_v) if reverses else (limits.filter_trough_v, None)
         return cls(amplifier.bandwidth_hz, amplifier.slew_v_per_s, up_v, trough_v, reversal_v)
 
-    def find_issues(self) -> Iterator[Issue]:
-        values = {"bandwidth_hz": "Hz", "slew_v_per_s": "V/s", "peak_v": "V", "trough_v": "V", "reversal_v": "V"}
-        for name, unit in values.items():
-            if (value := getattr(self, name)) is not None:
-                yield from find_not_positive(f"amplifiers.{name}", value, unit, "3.5" if unit == "V" else "3e6")
-
 
 @dataclass(frozen=True)
 class AnalogBoard:
-    """Filter, rectifier and envelope of a board, with models of its diode and its amplifiers. Raises TraceError."""
+    """Filter, rectifier and envelope of a board, with models of its diode and its amplifiers."""
 
     network: Network
     """Equations of the filter, driven at its input."""
@@ -141,19 +132,6 @@ class AnalogBoard:
     diode: Diode = Diode()
     amplifiers: Amplifiers | None = None
     """Amplifiers of the filter, whose bandwidth the network has; None: ideal ones."""
-
-    def __post_init__(self) -> None:
-        issues = _find_component_issues(self.components)
-        d = self.diode
-        issues.extend(find_not_positive("diode.saturation_a", d.saturation_a, "A", f"{SATURATION_A:g}"))
-        issues.extend(find_not_positive("diode.emission", d.emission, "", f"{EMISSION:g}"))
-        issues.extend(find_negative("diode.series_ohm", d.series_ohm, "ohm"))
-        issues.extend(find_not_positive("diode.thermal_v", d.thermal_v, "V", "0.0259"))
-        issues.extend(self.amplifiers.find_issues() if self.amplifiers else ())
-        is_real = any(term.equation == term.net == FILTERED for term in self.network.terms if term.order)
-        if is_real != (self.amplifiers is not None):
-            issues.append(Issue("board.amplifiers", "are not those of the network; use AnalogBoard.from_design."))
-        raise_issues(TraceError, issues)
 
     @classmethod
     def from_design(
@@ -184,14 +162,7 @@ class AnalogBoard:
         }
 
     def with_components(self, **values: Value) -> AnalogBoard:
-        """Copy of the board with other values of some of its components [ohm, F], by reference. Raises TraceError."""
-        known = self.components
-        issues = [
-            Issue(f"board.{name}", f"is no component of this board; choose from {', '.join(known)}.")
-            for name in values
-            if name not in known
-        ]
-        raise_issues(TraceError, [*issues, *_find_component_issues(values)])
+        """Copy of the board with other values of some of its components [ohm, F], by reference."""
         quantities = {name: 1 / value if name.startswith("R") else value for name, value in values.items()}
         return replace(self, network=self.network.with_values(quantities))
 
@@ -215,11 +186,6 @@ class AnalogBoard:
     def envelope_gain(self) -> Value:
         """Gain from the positive half waves of the filtered voltage to the envelope; 1 for a bare diode."""
         return 1.0 if self.rectifier == "diode" else self.envelope.gain(self.network.values)
-
-
-def _find_component_issues(values: Mapping[str, Value]) -> list[Issue]:
-    examples = {name: ("ohm", "1000") if name.startswith("R") else ("F", "1e-6") for name in values}
-    return [issue for name in values for issue in find_not_positive(f"board.{name}", values[name], *examples[name])]
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,7 +39,6 @@ from fingertip.sim.signal.grid import (
     draw_noise,
     open_stream,
 )
-from fingertip.sim.signal.parameters import ConverterInput
 from fingertip.slip.detectors.analog_and_digital import AnalogDetector, measure_noise_level
 from fingertip.slip.detectors.noise import NoiseLevel, input_noise_v
 from fingertip.slip.detectors.registry import Detector, DetectorOutput
@@ -123,13 +122,6 @@ class AdcRange:
         """Range of the design's ADC against ground."""
         d = design.detector
         return cls(d.adc_bits, d.adc_low_v, d.adc_range_v)
-
-    @classmethod
-    def select(cls, design: Design, converter: ConverterInput) -> AdcRange:
-        """Range of a scene's converter, or of the design's where the scene names none."""
-        if converter.bits:
-            return cls(converter.bits, converter.low_v, converter.high_v)
-        return cls.from_design(design)
 
     def above_signal_ground(self, design: Design) -> AdcRange:
         """The same range above the signal ground, which the controller subtracts from filtered signal and envelope."""

@@ -20,7 +20,6 @@ from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.validation import find_column_issues, find_not_finite, find_not_positive
 from fingertip.sim.signal import envelope_loop
 from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_state_space, compute_step_matrices
 from fingertip.sim.signal.envelope_loop import LEVELS
@@ -51,16 +50,12 @@ class BoardSignals:
 def simulate_board(
     board: AnalogBoard, step_s: float, voltage_v: Array, tolerance_v: float = 1e-4, after_v: Array | None = None
 ) -> BoardSignals:
-    """Simulate a board's response to a voltage, starting in the steady state of its first sample. Raises TraceError.
+    """Simulate a board's response to a voltage, starting in the steady state of its first sample.
 
     The tolerance is that of the estimated error of one step, not of their sum: docs/accuracy.md says what is left. The
     matrices of 256 boards take 4 MB.
     """
     after = voltage_v if after_v is None else after_v
-    given = {"voltage_v": voltage_v} | ({} if after_v is None else {"after_v": after_v})
-    columns = list(find_column_issues(**given))
-    voltages = (issue for name, rows in given.items() if not columns for issue in find_voltage_issues(name, rows))
-    raise_issues(TraceError, _find_setting_issues(step_s, tolerance_v), columns, voltages)
     values = _values(board)
     is_one = all(np.ndim(value) == 0 for value in values)
     by_name = values if is_one else np.broadcast_arrays(*map(np.atleast_1d, values))
@@ -75,10 +70,9 @@ def simulate_board(
 
 
 class AnalogStream:
-    """One board; voltages in any chunks give the bits of `simulate_board`. Raises TraceError."""
+    """One board; voltages in any chunks give the bits of `simulate_board`."""
 
     def __init__(self, board: AnalogBoard, step_s: float, tolerance_v: float = 1e-4) -> None:
-        raise_issues(TraceError, _find_setting_issues(step_s, tolerance_v))
         fixed = np.array([[float(value) for value in _values(board)[:_FIXED]]])
         self.integrator = Integrator(board, step_s, tolerance_v, fixed)
         self._state: tuple[Array, Array] | None = None
@@ -112,15 +106,11 @@ class AnalogStream:
         return filtered_v[repeated:], envelope_v[repeated:]
 
 
-def _find_setting_issues(step_s: float, tolerance_v: float) -> list[Issue]:
-    step_issues = find_not_positive("step_s", step_s, "s", "0.0005")
-    return step_issues + find_not_positive("tolerance_v", tolerance_v, "V", "1e-4")
-
-
 def find_voltage_issues(field: str, voltage_v: Array) -> Iterator[Issue]:
     """Report voltages that are not finite or beyond `MAX_V`, with the first such sample."""
-    if issues := list(find_not_finite(field, voltage_v)):
-        yield from issues
+    if (bad := np.flatnonzero(~np.isfinite(voltage_v))).size:
+        more = f" (and {bad.size - 1} more after it)" if bad.size > 1 else ""
+        yield Issue(field, f"{voltage_v[bad[0]]} at sample {bad[0]}{more} is not a finite number; give the true value.")
     elif (bad := np.flatnonzero(np.abs(voltage_v) > MAX_V)).size:
         message = f"{voltage_v[bad[0]]:g} V at sample {bad[0]} is no voltage of a board; at most {MAX_V:g} V."
         yield Issue(field, message)
@@ -200,7 +190,7 @@ _PARTS = 4
 
 @dataclass(frozen=True)
 class Comparator:
-    """Time constant and thresholds, relative to the signal ground. Raises TraceError."""
+    """Time constant and thresholds, relative to the signal ground."""
 
     averaging_tau_s: float
     on_v: float
@@ -209,13 +199,6 @@ class Comparator:
     """Mean below which the pin goes OFF [V]."""
     high_v: float = 5.0
     """Voltage of the pin while it is OFF [V]."""
-
-    def __post_init__(self) -> None:
-        issues = find_not_positive("comparator.averaging_tau_s", self.averaging_tau_s, "s", "0.015")
-        if not self.off_v < self.on_v:
-            message = f"{self.off_v:g} V is not below on_v, so the output would oscillate; choose less than"
-            issues.append(Issue("comparator.off_v", f"{message} {self.on_v:g} V."))
-        raise_issues(TraceError, issues)
 
     @classmethod
     def from_design(cls, design: Design) -> Comparator:
@@ -228,21 +211,15 @@ class Comparator:
 
 
 class ComparatorStream:
-    """Comparator behind one board's outputs, chunk by chunk. The mean begins in its steady state. Raises TraceError."""
+    """Comparator behind one board's outputs, chunk by chunk. The mean begins in its steady state."""
 
     def __init__(self, comparator: Comparator, board: AnalogBoard, step_s: float) -> None:
-        issues = find_not_positive("step_s", step_s, "s", "0.0005")
-        if board.rectifier != "precision":
-            message = f"{board.rectifier!r} has no comparator behind it; use 'precision'."
-            issues.insert(0, Issue("board.rectifier", message))
-        raise_issues(TraceError, issues)
         self._comparator, self._board, self._step_s = comparator, board, step_s
         self._state = np.zeros(0)
         self._last = np.zeros((2, 0))
 
     def process(self, filtered_v: Array, envelope_v: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Return the mean [V], and whether it is ON, for the next outputs of the board [V]. Raises TraceError."""
-        raise_issues(TraceError, find_column_issues(filtered_v=filtered_v, envelope_v=envelope_v))
+        """Return the mean [V], and whether it is ON, for the next outputs of the board [V]."""
         levels, board = self._comparator, self._board
         slope = (board.envelope_gain * np.maximum(filtered_v, 0.0) - envelope_v) / np.asarray(board.envelope_decay_s)
         if not len(self._state):

@@ -338,7 +338,8 @@ def _build_converter(
     sensing, design = setup.path.sensing, setup.design
     noise = open_stream(*setup.seed, purpose) if sensing.noise else None
     jitter = (open_stream(*setup.seed, f"jitter of {purpose}"), sensing.jitter_s) if sensing.jitter_s else None
-    adc = AdcRange.select(design, setup.path.converter)
+    own = setup.path.converter
+    adc = AdcRange(own.bits, own.low_v, own.high_v) if own.bits else AdcRange.from_design(design)
     if from_signal_ground:
         adc = adc.above_signal_ground(design)
     return Converter(design, AntiAliasFilter.ahead_of(pin, design, grid.step_s), adc, grid.step_s, noise, jitter)

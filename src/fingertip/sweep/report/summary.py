@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -61,7 +61,7 @@ def to_json_data(summary: SweepSummary) -> dict[str, Any]:
         "status": {status: int(np.sum(table.status == status)) for status in STATUSES},
         "feasible": int(feasible.sum()),
         "limiting_rules": [_to_json_object(rule) for rule in summary.limiting_rules],
-        "outputs": {name: asdict(_find_range(column[feasible])) for name, column in table.outputs.items()},
+        "outputs": {name: _find_range(column[feasible]) for name, column in table.outputs.items()},
         "sensitivity": [_to_json_object(sensitivity) for sensitivity in summary.sensitivities],
         "objectives": [{"output": o.output, "goal": o.goal} for o in selection.objectives],
         "best": None if selection.best is None else _describe_point(summary, selection.best),
@@ -158,24 +158,12 @@ def _describe_point(summary: SweepSummary, row: int) -> dict[str, Any]:
     return {"point": point, "parameters": summary.plan.point(point), "outputs": outputs}
 
 
-@dataclass(frozen=True)
-class _OutputRange:
-    """Values of an output over some points; those that are not finite are counted, and have no minimum."""
-
-    points: int
-    infinite: int
-    minimum: float | None = None
-    median: float | None = None
-    maximum: float | None = None
-
-
-def _find_range(column: statistics.Column) -> _OutputRange:
-    finite, infinite = column[np.isfinite(column)], int(np.isinf(column).sum())
-    if not len(finite):
-        return _OutputRange(0, infinite)
-    return _OutputRange(
-        len(finite), infinite, *(_to_json_number(float(f(finite))) for f in (np.min, np.median, np.max))
-    )
+def _find_range(column: statistics.Column) -> dict[str, float | None]:
+    """Find the range of an output over some points; values that are not finite are counted, and have no minimum."""
+    finite, kinds = column[np.isfinite(column)], (np.min, np.median, np.max)
+    low, middle, high = (_to_json_number(float(kind(finite))) if len(finite) else None for kind in kinds)
+    ends = {"minimum": low, "median": middle, "maximum": high}
+    return {"points": len(finite), "infinite": int(np.isinf(column).sum()), **ends}
 
 
 def _to_json_number(value: float) -> float | None:
@@ -216,8 +204,8 @@ def _format_outputs(summary: SweepSummary) -> list[str]:
     lines = ["", "output (feasible points)              minimum     median    maximum"]
     for name, column in summary.table.outputs.items():
         found = _find_range(column[feasible])
-        numbers = " ".join(f"{_format_value(value):>10}" for value in (found.minimum, found.median, found.maximum))
-        lines.append(f"{name:34} {numbers}" + (f"   {found.infinite} infinite" if found.infinite else ""))
+        numbers = " ".join(f"{_format_value(found[end]):>10}" for end in ("minimum", "median", "maximum"))
+        lines.append(f"{name:34} {numbers}" + (f"   {found['infinite']} infinite" if found["infinite"] else ""))
     return lines
 
 

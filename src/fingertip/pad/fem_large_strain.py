@@ -143,6 +143,8 @@ class LargeStrainSolver:
                 error = float(np.linalg.norm(residual[free]))  # NaN: an element is turned inside out
                 if error < (math.inf if step < _FULL_STEPS else (1.0 - 0.1 * pace) * before):
                     break
+            if not error < math.inf:
+                break
         raise TraceError(Issue("force_n", f"{force_n:g} N: no equilibrium is found; use less force."))
 
     def _assemble(self, unknown: Array, load: float) -> tuple[Array, Any, Array]:

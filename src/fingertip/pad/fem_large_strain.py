@@ -30,6 +30,8 @@ _MAX_STEPS, _CLOSE = 60, 1e-7
 """Largest number of Newton's steps for a force, and the error of the forces, relative to it, at which they end."""
 _FULL_STEPS = 4
 """Steps for a force that are not shortened."""
+_PACES = (1.0, 0.5, 0.25, 0.125, 0.0625)
+"""Parts of a later step that are tried until it lessens the error: nodes that stick and slide in turn overshoot."""
 _BULGES = (0.1, 0.25, 0.5, 1.0)
 """Parts of a bump and its gap that are computed one after the other."""
 _AWAY_MM = 10.0
@@ -124,30 +126,40 @@ class LargeStrainSolver:
 
     def balance(self, force_n: float, unknown: Array) -> tuple[Array, Array]:
         """Return the unknowns under a force, from those under another, and the forces of the skin on its nodes."""
-        from scipy.sparse import block_array  # noqa: PLC0415
-
-        unknown, load, error = unknown.copy(), force_n / self._model.copies, math.inf
+        load = force_n / self._model.copies
         free = self._free if force_n else self._free[:-1]
+        residual, matrix, held = self._assemble(unknown, load)
         for step in range(_MAX_STEPS):
-            with np.errstate(invalid="ignore"):
-                matrix, held = self._model.body.tangent(unknown[:-1].reshape(-1, 3))
-            residual = np.append(held.ravel(), -load)
-            whole = block_array([[matrix, None], [None, np.zeros((1, 1))]]).tocsr()
-            for face in self._faces:
-                forces, stiffness = face.meet(unknown)
-                residual += forces
-                whole += stiffness
-            before, error = error, float(np.abs(residual[free]).max()) / (load or _FIRST_N)
-            if error < _CLOSE:
+            if float(np.abs(residual[free]).max()) < _CLOSE * (load or _FIRST_N):
                 for face in self._faces:
                     face.settle()
                 return unknown, held
+            before, start = float(np.linalg.norm(residual[free])), unknown
+            way = factorise(matrix[free][:, free]).solve(residual[free])
+            for pace in _PACES:
+                unknown = start.copy()
+                unknown[free] -= pace * way
+                residual, matrix, held = self._assemble(unknown, load)
+                error = float(np.linalg.norm(residual[free]))  # NaN: an element is turned inside out
+                if error < (math.inf if step < _FULL_STEPS else (1.0 - 0.1 * pace) * before):
+                    break
             if not error < math.inf:
-                break  # an element is turned inside out
-            # A node that sticks and slides in turn would go on for ever: half a step breaks the cycle.
-            pace = 0.5 if step > _FULL_STEPS and error > 0.5 * before else 1.0
-            unknown[free] -= pace * factorise(whole[free][:, free]).solve(residual[free])
+                break
         raise TraceError(Issue("force_n", f"{force_n:g} N: no equilibrium is found; use less force."))
+
+    def _assemble(self, unknown: Array, load: float) -> tuple[Array, Any, Array]:
+        """Return the forces that lack a balance, their slopes, and the forces of the skin on its nodes."""
+        from scipy.sparse import block_array  # noqa: PLC0415
+
+        with np.errstate(invalid="ignore"):
+            matrix, held = self._model.body.tangent(unknown[:-1].reshape(-1, 3))
+        residual = np.append(held.ravel(), -load)
+        whole = block_array([[matrix, None], [None, np.zeros((1, 1))]]).tocsr()
+        for face in self._faces:
+            forces, stiffness = face.meet(unknown)
+            residual += forces
+            whole += stiffness
+        return residual, whole, held
 
 
 class Face:

@@ -11,7 +11,7 @@ from fingertip.design import Design
 from fingertip.design.parameters.electronics import Detector as DetectorParameters
 from fingertip.detection.adaptation import Adaptation
 from fingertip.detection.recordings import find_force_scale
-from fingertip.detection.warnings import StepWatch, settings_warnings
+from fingertip.detection.warnings import StreamWatch, settings_warnings
 from fingertip.foundation.errors import Issue, TraceError, shorten
 from fingertip.slip.detectors import registry
 from fingertip.slip.force import MEAN_S, Force, ForceScale
@@ -107,7 +107,7 @@ def detect_stream(
     instance, column_map = _select_stream_detector(header.names, design, detector, voltage, report)
     second = registry.find_second_column(design, detector)
     reads_second = second is not None and voltage.name_in_file(second) in header.names
-    watch = None if reads_second else StepWatch(design, detector)
+    watch = StreamWatch(design, detector, not reads_second) if column_map is voltage else None
     forces = find_force_scale(design) if column_map is voltage else None
     transitions = follow(header, rows, instance, design.detector, column_map, report, watch, second, forces)
     signals = registry.find_signals(design, detector, reads_second)
@@ -172,7 +172,7 @@ def follow(
     parameters: DetectorParameters,
     columns: ColumnMap,
     report: Callable[[str], None] = lambda message: None,
-    watch: StepWatch | None = None,
+    watch: StreamWatch | None = None,
     second_column: str | None = None,
     scale: ForceScale | None = None,
 ) -> Iterator[Transition]:
@@ -197,7 +197,7 @@ def follow(
             raise _line_error(number, f"{message} {_quote(line)}")
         volts = _parse_number(cells[voltage_index], number, line) * columns.scale
         all_whole = all_whole and volts % 1 == 0
-        if watch is not None and (warning := watch.add(volts)):
+        for warning in watch.add(volts) if watch else ():
             report(f"warning: {warning}")
         if columns.in_volts and not parameters.adc_low_v <= volts <= parameters.adc_range_v:
             raise _line_error(number, sampling.range_message(volts, "", all_whole, parameters))
@@ -214,7 +214,7 @@ def follow(
         if detector.step(*values) != on:
             on = not on
             yield Transition(on, time_s, scale.read(mean_v) if scale else None)
-    if watch is not None and (warning := watch.end()):
+    for warning in watch.end() if watch else ():
         report(f"warning: {warning}")
     if sample < 0:
         raise TraceError(Issue(NAME, "has no samples below its header; write at least one line of samples."))

@@ -260,6 +260,7 @@ def _doubt_signals(recording: _Recording) -> Iterator[str]:
         return
     yield from warnings.hum_warnings(volts, design.detector.sample_rate_hz)
     yield from warnings.polarity_warnings(volts, design)
+    yield from warnings.preload_warnings(volts, design)
     if np.ptp(volts) == 0.0 and volts[0] < design.detector.adc_range_v - 1.5 * design.detector.adc_step_v:
         yield f"the voltage is constant at {volts[0]:g} V; is a sensor connected?"
     else:

@@ -7,7 +7,7 @@ beginning of slip to a detector whose threshold was made for finer steps.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -113,37 +113,41 @@ def _count_flat(volts: Array, limit: float) -> int:
     return int(runs[: np.flatnonzero(is_long)[-1] + 1].sum()) if is_long.any() and len(blocks) else 0
 
 
-class StepWatch:
-    """Voltages of a stream, examined for a limit, and for coarse steps ever more rarely, until each is warned of."""
+class StreamWatch:
+    """Voltages of a stream, examined for what a recording's are: each is warned of once, a preload from the start."""
 
-    def __init__(self, design: Design, detector: str) -> None:
+    def __init__(self, design: Design, detector: str, with_steps: bool) -> None:
         self._design, self._detector = design, detector
         self._levels: set[float] = set()
-        self._count, self._next = 0, _FIRST_LOOK
-        self._recent: list[float] | None = []
+        self._count, self._next = 0, _FIRST_LOOK if with_steps else 0
+        self._recent: list[float] = []
+        self._checks = [flat_warnings, preload_warnings]
 
-    def end(self) -> str | None:
-        """Return a warning of the last samples at the end of the stream, which may be the only ones."""
-        return next(flat_warnings(np.array(self._recent), self._design), None) if self._recent else None
+    def end(self) -> list[str]:
+        """List the warnings of the last samples, at the end of the stream maybe the only ones."""
+        volts, found = np.array(self._recent), list[str]()
+        for check in [*self._checks]:
+            found += (warnings := [*check(volts, self._design)][:1])
+            if warnings or check is preload_warnings:
+                self._checks.remove(check)
+        return found
 
-    def add(self, volts: float) -> str | None:
-        if self._recent is not None:
-            self._recent.append(volts)
-            if len(self._recent) == _RECENT:
-                if flat := self.end():
-                    self._recent = None
-                    return flat
-                del self._recent[: _RECENT // 2]
+    def add(self, volts: float) -> Sequence[str]:
+        self._recent.append(volts)
+        if len(self._recent) == _RECENT:
+            found = self.end()
+            del self._recent[: _RECENT // 2]
+            return found
         if not self._next:
-            return None
+            return ()
         self._levels.add(volts)
         self._count += 1
         if self._count < self._next:
-            return None
-        warning = next(step_warnings(np.array(sorted(self._levels)), self._design, self._detector), None)
-        is_over = warning is not None or len(self._levels) > _MAX_LEVELS or self._count >= _LAST_LOOK
+            return ()
+        found = [*step_warnings(np.array(sorted(self._levels)), self._design, self._detector)]
+        is_over = found or len(self._levels) > _MAX_LEVELS or self._count >= _LAST_LOOK
         self._next = 0 if is_over else 2 * self._next
-        return warning
+        return found
 
 
 def _propose(volts: Array, step: float, design: Design, detector: str) -> dict[str, float]:
@@ -246,8 +250,7 @@ def polarity_warnings(volts: Array, design: Design) -> Iterator[str]:
     from fingertip.sim.signal.converter import compute_bridge_v  # noqa: PLC0415
 
     rest_v, pressed_v = compute_bridge_v(design, np.array([0.0, _HIGH_N])).tolist()
-    width = max(1, round(_REST_S * design.detector.sample_rate_hz))
-    means = volts[: len(volts) // width * width].reshape(-1, width).mean(axis=1)
+    means = _average(volts, design)
     shares = (means - rest_v) / (pressed_v - rest_v)
     if len(shares) and shares[0] > _PRESSED_SHARE and shares.min() < shares[0] - _MOVED_SHARE:
         yield (
@@ -255,6 +258,22 @@ def polarity_warnings(volts: Array, design: Design) -> Iterator[str]:
             "sensor without force: is the signal reversed? On this board it "
             f"{'rises' if pressed_v > rest_v else 'falls'} with the force; give the design of the board that was used."
         )
+
+
+def preload_warnings(volts: Array, design: Design) -> Iterator[str]:
+    """Warn of a voltage that comes near that of an untouched finger, and not to it."""
+    from fingertip.board.analysis.board_values import find_tactile_response  # noqa: PLC0415
+
+    response, means = find_tactile_response(design), _average(volts, design)
+    if len(means) and (preload := response.describe_preload(means.min() if response.rises else means.max())):
+        yield preload
+
+
+def _average(volts: Array, design: Design) -> Array:
+    """Average over parts that are long enough to tell a rest [V]."""
+    width = max(1, round(_REST_S * design.detector.sample_rate_hz))
+    means: Array = volts[: len(volts) // width * width].reshape(-1, width).mean(axis=1)
+    return means
 
 
 def noise_warnings(learned_v: float | None, design: Design, measured_v: float | None) -> Iterator[str]:

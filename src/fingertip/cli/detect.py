@@ -78,11 +78,15 @@ def detect(
     detector = detector or (DEFAULT if own == "fast" and loaded.board.has_filter else own)
     # A window from --set is for this recording's rate, a window from a design file for that file's rate.
     keep_window = "detector.window_samples" in load_tables([], changes or ()).changed
-    reading = _Reading(rate_hz, scale, _parse_columns(columns or []), _parse_time_scale(time_scale), keep_window)
+    named, channels = _parse_columns(columns or [])
+    reading = _Reading(rate_hz, scale, named, _parse_time_scale(time_scale), keep_window)
     if is_stream:
         _refuse_without_recording({"--plot": plot, "--calibrate": calibrate, "--floors": floors})
-        _follow_standard_input(console, loaded, detector, reading)
+        _follow_standard_input(console, loaded, detector, reading, channels)
         return
+    if channels:
+        message = f"names {len(channels)} voltages; give one, or pass the lines to - in place of a file."
+        raise TraceError(Issue("--column", message))
     calibrate_s, adapt_to_file = _parse_interval(calibrate), False if design else None
     found = detect_file(
         trace, loaded, detector, calibrate_s=calibrate_s, floors=floors, adapt_to_file=adapt_to_file,
@@ -105,12 +109,14 @@ class _Reading:
     keep_window: bool
 
 
-def _parse_columns(columns: list[str]) -> dict[str, str]:
+def _parse_columns(columns: list[str]) -> tuple[dict[str, str], list[str]]:
+    """Return the columns by their names in a trace, and the voltages where there are several."""
     pairs = [column.partition("=") for column in columns]
     if invalid := ["".join(pair) for pair in pairs if not (pair[0] and pair[2])]:
         message = "is not of the form COLUMN=NAME; write it as voltage_v=AI0."
         raise TraceError([Issue(f"--column {text}", message) for text in invalid])
-    return {column: name for column, _, name in pairs}
+    voltages = [name for column, _, name in pairs if column == "voltage_v"]
+    return {column: name for column, _, name in pairs}, voltages if len(voltages) > 1 else []
 
 
 def _parse_interval(text: str | None) -> tuple[float, float] | None:
@@ -142,7 +148,9 @@ def _refuse_without_recording(options: Mapping[str, object]) -> None:
     raise_issues(TraceError, (Issue(name, message) for name, value in options.items() if value is not None))
 
 
-def _follow_standard_input(console: Console, design: Design, detector: str, reading: _Reading) -> None:
+def _follow_standard_input(
+    console: Console, design: Design, detector: str, reading: _Reading, channels: list[str]
+) -> None:
     """Detect slip in standard input until it ends, is wrong or is interrupted; report the transitions up to then."""
     from fingertip.detection.live import NAME, detect_stream
 
@@ -150,7 +158,9 @@ def _follow_standard_input(console: Console, design: Design, detector: str, read
     data: dict[str, Any] = {"detector": detector, "transitions": transitions}
     any_on = False
     try:
-        found = detect_stream(sys.stdin, design, detector, progress=console.progress, **vars(reading))
+        found = detect_stream(
+            sys.stdin, design, detector, progress=console.progress, channels=channels, **vars(reading)
+        )
         data["signals"] = list(found.signals.columns)
         console.progress(f"detector {detector}, {found.signals.describe()}")
         console.warn(found.warnings)
@@ -158,10 +168,12 @@ def _follow_standard_input(console: Console, design: Design, detector: str, read
             any_on = True
             if console.as_json:
                 force = transition.force.as_data() if transition.force else {}
-                transitions.append({"on": transition.on, "time_s": round(transition.time_s, 7)} | force)
+                channel = {"channel": transition.channel} if channels else {}
+                transitions.append({"on": transition.on, "time_s": round(transition.time_s, 7)} | channel | force)
             else:
                 force_text = f", at {transition.force.describe()}" if transition.force else ""
-                console.write(f"{'ON ' if transition.on else 'OFF'}  {transition.time_s:9.4f} s{force_text}")
+                text = f"{'ON ' if transition.on else 'OFF'}  {transition.time_s:9.4f} s{force_text}"
+                console.write(f"{text}  {transition.channel}".rstrip())
     except FingertipError as error:
         console.print_issues(error, data)
         raise typer.Exit(BAD_INPUT) from None

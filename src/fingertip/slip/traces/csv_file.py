@@ -142,7 +142,7 @@ def _read_valid(source: _Source) -> RawTrace | None:
             table = np.loadtxt(rows, delimiter=delimiter, comments=None, ndmin=2, max_rows=most)
     except ValueError:
         return None
-    if not len(table) or table.shape[1] != header.count_cells(table.shape[1], columns):
+    if not len(table) or table.shape[1] != header.count_cells(table.shape[1], places.values()):
         return None
     if len(table) == most or not np.isfinite(table[:, list(places.values())]).all():
         return None
@@ -213,7 +213,7 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
             continue
         after_header = False
         cells = text.split_cells(line, header.delimiter)
-        samples.width = width = samples.width or header.count_cells(len(cells), source.columns)
+        samples.width = width = samples.width or header.count_cells(len(cells), places.values())
         samples.lines.append(number)
         if len(samples.lines) > most:
             raise TraceError(Issue(str(source.path), shape_message([len(samples.lines)]) or ""))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import csv
 import datetime
-import json
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -97,9 +96,9 @@ def parse_instant(cell: str) -> datetime.datetime | None:
         return None
 
 
-# Lines that name each value, as plotters, JSON and serial monitors write them.
+# Lines that name each value, as plotters and serial monitors write them.
 
-_NAMED = re.compile(r"\s*(\{.*\}|.* -?> .*|[A-Za-z_][^,;\t:=]*[:=]\s*[-+.\d].*)\s*")
+_NAMED = re.compile(r"\s*(.* -?> .*|[A-Za-z_][^,;\t:=]*[:=]\s*[-+.\d].*)\s*")
 """Line that names each value, or that begins with a monitor's time stamp."""
 _NAME = re.compile(r"(^.* -?> )|[A-Za-z_][A-Za-z_0-9 .]*[:=] *")
 
@@ -132,21 +131,8 @@ def is_named(line: str) -> bool:
 
 
 def bare_lines(lines: Iterable[str]) -> Iterator[str]:
-    """Leave the values of lines that name them; of a JSON object those within others too, in their order."""
-    for line in lines:
-        plain = _NAME.sub("", line) if is_named(line) else line
-        if line.lstrip().startswith("{"):
-            with contextlib.suppress(ValueError, RecursionError):
-                plain = f"{','.join(_list_values(json.loads(line)))}\n"
-        yield plain
-
-
-def _list_values(value: object) -> Iterator[str]:
-    if isinstance(value, dict | list):
-        for each in value.values() if isinstance(value, dict) else value:
-            yield from _list_values(each)
-    else:
-        yield str(value).replace(",", " ")
+    """Leave the values of lines that name them."""
+    return (_NAME.sub("", line) if is_named(line) else line for line in lines)
 
 
 @dataclass

@@ -24,6 +24,7 @@ NOT_TEXT = "is not a text file; a trace is a CSV file with the columns time_s,vo
 
 _SEPARATOR = re.compile(r'"?sep=.?"?', re.IGNORECASE)
 """First line of a spreadsheet's export."""
+_JSON = re.compile(r"\s*(\{.*\}|\[\s*[-\d.\"\[{].*\])\s*")
 
 
 @dataclass(frozen=True)
@@ -170,6 +171,9 @@ def _is_sample(line: str) -> bool:
 
 
 def _header_issues(name: str, lines: Sequence[str], columns: ColumnMap) -> list[Issue]:
+    if _JSON.fullmatch(lines[len(lines) // 2]):
+        command = "jq --unbuffered -r '[.. | numbers] | @csv'"
+        return [Issue(name, f"holds JSON lines; pass them through {command}, which leaves their numbers as CSV.")]
     survey, required = survey_lines(lines), list(map(columns.name_in_file, columns.required))
     number = survey.header or survey.first if survey else next(i for i, line in enumerate(lines, 1) if line.strip())
     line, field = _strip_comment(lines[number - 1]), f"{name}, line {number}"

@@ -56,8 +56,7 @@ def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
     except TraceError as error:
         if change is not text.bare_lines:
             raise
-        what = "JSON lines" if last[0].lstrip().startswith("{") else "labels or time stamps"
-        note = f"the file holds {what}, whose values are taken in their order: "
+        note = "the file holds labels or time stamps, whose values are taken in their order: "
         raise TraceError(replace(issue, message=note + issue.message) for issue in error.issues) from None
     below = "".join(start[header.line : header.line + 1])
     first_line = header.line + (2 if below.strip() and header.is_unit_line(below) else 1)

@@ -67,7 +67,6 @@ def detect_stream(
     time_scale: float = 1.0,
     columns: Mapping[str, str] | None = None,
     channels: Sequence[str] = (),
-    keep_threshold: bool | None = None,
     keep_window: bool = False,
     progress: Callable[[str], None] | None = None,
 ) -> StreamDetection:
@@ -83,7 +82,7 @@ def detect_stream(
         simulated for the voltage.
     channels
         Columns of several voltages, by name or number. Each is judged alone, without the board's columns.
-    design, detector, rate_hz, scale, time_scale, columns, keep_threshold, keep_window, progress
+    design, detector, rate_hz, scale, time_scale, columns, keep_window, progress
         As for `detect_file`, but the voltage may not be the column of a force.
 
     Raises
@@ -95,7 +94,7 @@ def detect_stream(
     """
     report, design = progress or (lambda message: None), design or Design()
     kind = registry.check_detector(design, detector)
-    adaptation = Adaptation(detector, keep_threshold, keep_window, report=report)
+    adaptation = Adaptation(detector, keep_window, report=report)
     if rate_hz is not None:
         design = adaptation.to_rate(design, rate_hz)
     voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)

@@ -202,9 +202,9 @@ class TactileResponse:
     def rises(self) -> bool:
         return self.transfer_ohm < 0.0
 
-    def describe_preload(self, least_v: float) -> str | None:
+    def describe_preload(self, rest_v: float) -> str | None:
         """Describe the voltage at the least load [V] if it is that of a sensor that a skin presses on."""
-        excess_v = least_v - self.open_v
+        excess_v = rest_v - self.open_v
         if (excess_v > 0.0) != self.rises or not IDLE_TOLERANCE_V < abs(excess_v) <= MAX_PRELOAD_V:
             return None
         return (

@@ -122,7 +122,7 @@ def plain_labview(lines: Iterable[str]) -> Iterator[str]:
         delimiter = "\t" if "\t" in line else ","
         cells = line.rstrip("\r\n").split(delimiter)
         width = width or (cells.index("Comment") if "Comment" in cells else len(cells))
-        yield f"{delimiter.join(cells[:width])}\n"
+        yield delimiter.join(cells[:width]) + line[len(line.rstrip("\r\n")) :]
 
 
 def is_named(line: str) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -79,7 +78,13 @@ def detect(
     # A window from --set is for this recording's rate, a window from a design file for that file's rate.
     keep_window = "detector.window_samples" in load_tables([], changes or ()).changed
     named, channels = _parse_columns(columns or [])
-    reading = _Reading(rate_hz, scale, named, _parse_time_scale(time_scale), keep_window)
+    reading: dict[str, Any] = {
+        "rate_hz": rate_hz,
+        "scale": scale,
+        "columns": named,
+        "time_scale": _parse_time_scale(time_scale),
+    }
+    reading |= {"keep_window": keep_window, "progress": console.progress}
     if is_stream:
         _refuse_without_recording({"--plot": plot, "--calibrate": calibrate, "--floors": floors})
         _follow_standard_input(console, loaded, detector, reading, channels)
@@ -89,24 +94,12 @@ def detect(
         raise TraceError(Issue("--column", message))
     calibrate_s, adapt_to_file = _parse_interval(calibrate), False if design else None
     found = detect_file(
-        trace, loaded, detector, calibrate_s=calibrate_s, floors=floors, adapt_to_file=adapt_to_file,
-        progress=console.progress, **vars(reading),
+        trace, loaded, detector, calibrate_s=calibrate_s, floors=floors, adapt_to_file=adapt_to_file, **reading,
     )  # fmt: skip
     console.warn(found.warnings)
     if plot is not None:
         add_to_set(plot, draw(found.trace, found.detection, trace.name), "--plot")
     console.result(as_data(found.detection, found.noise), as_text(found.detection))
-
-
-@dataclass(frozen=True)
-class _Reading:
-    """Reading of samples: arguments of `detect_file` and `detect_stream` by these names."""
-
-    rate_hz: float | None
-    scale: float
-    columns: Mapping[str, str]
-    time_scale: float
-    keep_window: bool
 
 
 def _parse_columns(columns: list[str]) -> tuple[dict[str, str], list[str]]:
@@ -149,7 +142,7 @@ def _refuse_without_recording(options: Mapping[str, object]) -> None:
 
 
 def _follow_standard_input(
-    console: Console, design: Design, detector: str, reading: _Reading, channels: list[str]
+    console: Console, design: Design, detector: str, reading: Mapping[str, Any], channels: list[str]
 ) -> None:
     """Detect slip in standard input until it ends, is wrong or is interrupted; report the transitions up to then."""
     from fingertip.detection.live import NAME, detect_stream
@@ -158,9 +151,7 @@ def _follow_standard_input(
     data: dict[str, Any] = {"detector": detector, "transitions": transitions}
     any_on = False
     try:
-        found = detect_stream(
-            sys.stdin, design, detector, progress=console.progress, channels=channels, **vars(reading)
-        )
+        found = detect_stream(sys.stdin, design, detector, channels=channels, **reading)
         data["signals"] = list(found.signals.columns)
         console.progress(f"detector {detector}, {found.signals.describe()}")
         console.warn(found.warnings)

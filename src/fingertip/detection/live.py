@@ -102,7 +102,8 @@ def detect_stream(
     if not all(each.in_volts for each in selected):
         problem = "names a force, whose thresholds require --calibrate and the whole recording"
         raise TraceError(Issue("--column", f"{problem}; save the lines in a file."))
-    header, rows = open_stream(lines, selected[0], *([_map_envelope(voltage)] if kind.takes_envelope else []))
+    envelope = replace(voltage, names={**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")})
+    header, rows = open_stream(lines, selected[0], *([envelope] if kind.takes_envelope else []))
     if rate_hz is None and "sample_rate_hz" not in design.detector.model_fields_set:
         first = list(itertools.islice(rows, _FIRST))
         rows = itertools.chain(first, rows)
@@ -113,11 +114,6 @@ def detect_stream(
     transitions = _follow(header, rows, found, design.detector, selected[0], report)
     signals = registry.find_signals(design, detector, len(found[0].places) > 1)
     return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)), signals)
-
-
-def _map_envelope(voltage: ColumnMap) -> ColumnMap:
-    """Map the envelope to where a detector finds its voltage."""
-    return replace(voltage, names={**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")})
 
 
 @dataclass
@@ -179,7 +175,7 @@ def _find_rate(header: Header, rows: Sequence[tuple[int, str]], columns: ColumnM
         return None
     try:
         first_s, last_s = (
-            _read_time(times, split_cells(row[1], header.delimiter), *row) for row in (rows[0], rows[-1])
+            _read_time(times, split_cells(line, header.delimiter), number, line) for number, line in (rows[0], rows[-1])
         )
     except (IndexError, TraceError):
         return None  # the line is refused in its turn
@@ -214,9 +210,7 @@ def _follow(
     times = _place_times(header, columns)
     clock, width, sample, step_s = _SampleClock(parameters), 0, -1, 1 / parameters.sample_rate_hz
     share = 1 / max(1.0, MEAN_S * parameters.sample_rate_hz)
-    taken = [
-        place for places in ([place for place, _ in times], *(each.places for each in channels)) for place in places
-    ]
+    taken = {place for place, _ in times}.union(*(channel.places for channel in channels))
     for number, line in rows:
         if header.is_repeated(line) or line.startswith("#"):
             continue  # a controller repeats it each second, with its version
@@ -261,46 +255,36 @@ class _SampleClock:
     """Checks the times of samples against the sampling rate: each step, and the mean rate once a window is full."""
 
     def __init__(self, parameters: DetectorParameters) -> None:
-        self._parameters = parameters
-        self._step_s = 1 / parameters.sample_rate_hz
-        self._previous_s = -math.inf
-        self._start_s = 0.0
-        self._steps = 0
-        self._has_valid_step = False
+        self._parameters, self._steps = parameters, 0
+        self._start_s = self._previous_s = math.nan
 
     def check(self, time_s: float, line: int) -> None:
-        previous_s, self._previous_s = self._previous_s, time_s
-        if previous_s == -math.inf:
+        rate_hz, window = self._parameters.sample_rate_hz, self._parameters.window_samples
+        step_s, self._previous_s = time_s - self._previous_s, time_s
+        if math.isnan(step_s):
             self._start_s = time_s
             return
-        step_s = time_s - previous_s
-        if abs(step_s - self._step_s) > sampling.STEP_TOLERANCE * self._step_s:
+        if abs(step_s * rate_hz - 1) > sampling.STEP_TOLERANCE:
             remedy = "use --rate-hz, or record without gaps"
             if step_s == 0.0:
                 remedy = "ignore rounded times with --column time_s=none and --rate-hz"
-            elif self._has_valid_step:
-                rate_hz = self._parameters.sample_rate_hz
+            elif self._steps:
                 remedy = f"if few samples are missing, ignore the times with --rate-hz {rate_hz:g} --column time_s=none"
             elif step_s > 0.0 and sampling.guess_time_unit(1 / step_s):
                 raise _line_error(line, sampling.rate_bounds_message(1 / step_s) or "")
             raise _line_error(
                 line,
                 f"{time_s:.9g} s is {step_s:.4g} s after the previous sample, but the detector requires steps of "
-                f"{self._step_s:.4g} s ({self._parameters.sample_rate_hz:g} Hz); {remedy}.",
+                f"{1 / rate_hz:.4g} s ({rate_hz:g} Hz); {remedy}.",
             )
-        self._has_valid_step = True
         self._steps += 1
-        if self._steps % self._parameters.window_samples == 0:
-            self._check_rate(time_s, line)
-
-    def _check_rate(self, time_s: float, line: int) -> None:
-        rate_hz = self._steps / (time_s - self._start_s)
-        # A single time stamp may be off by STEP_TOLERANCE, which affects the mean of few steps more than that of many.
-        tolerance = sampling.RATE_TOLERANCE + sampling.STEP_TOLERANCE / self._steps
-        if abs(rate_hz / self._parameters.sample_rate_hz - 1) > tolerance:
-            raise _line_error(line, sampling.rate_message(rate_hz, self._parameters))
-        if self._steps >= _RATE_WINDOWS * self._parameters.window_samples:
-            self._start_s, self._steps = time_s, 0
+        if self._steps % window == 0:
+            mean_hz = self._steps / (time_s - self._start_s)
+            # A single time stamp may be off by STEP_TOLERANCE, which affects the mean of few steps most.
+            if abs(mean_hz / rate_hz - 1) > sampling.RATE_TOLERANCE + sampling.STEP_TOLERANCE / self._steps:
+                raise _line_error(line, sampling.rate_message(mean_hz, self._parameters))
+            if self._steps >= _RATE_WINDOWS * window:
+                self._start_s, self._steps = time_s, 0
 
 
 def _parse_number(cell: str, number: int, line: str) -> float:

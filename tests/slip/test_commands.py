@@ -19,7 +19,7 @@ from fingertip.foundation.errors import FingertipError
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, find_rounding, rate_bounds_message
 from tests.conftest import design_file
-from tests.slip.recordings import ONSET, PLAIN, T, V, burst, csv, run, single_onset
+from tests.slip.recordings import ONSET, PLAIN, T, V, burst, csv, rows, run, single_onset
 
 HEADER = "time_s,voltage_v,force_n,slip"
 
@@ -97,6 +97,16 @@ def test_jitter_is_accepted_and_a_change_of_rate_is_not():
     t, v = np.concatenate((t, t[-1] + np.arange(1, 8000) / 2040)), np.full(9999, 2.3)
     done = run("detect", "-", lines=csv(t, v))  # 2 % faster from the first second on
     assert "the detector is designed for 2000 Hz" in done.stderr
+
+
+def test_several_voltages_of_a_stream_are_judged_alone():
+    begins = [f"{t:.4f},{v:.6f},2.3" for t, v in zip(T, V, strict=True)]
+    lines = "time_s,A0,still,A2\n" + rows(begins, volts=np.roll(V, 400))
+    options = ("--column", "voltage_v=A0", "--column", "voltage_v=4", "--column", "voltage_v=still")
+    found = json.loads(run("detect", "-", "--json", *options, lines=lines).stdout)["transitions"]
+    onsets = {each["channel"]: each["time_s"] for each in found if each["on"]}
+    assert onsets == {"A0": ONSET, "4": pytest.approx(ONSET + 0.2, abs=0.002)}
+    assert "no column A1; known" in run("detect", "-", *options[:3], "voltage_v=A1", lines=lines).stderr
 
 
 def test_transitions_are_reported_whatever_ends_the_stream(monkeypatch):

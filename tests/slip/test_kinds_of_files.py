@@ -319,15 +319,6 @@ def test_a_late_recording_in_single_precision_is_detected_with_a_note(tmp_path: 
     assert "time_s: is in single precision; evenly spaced times are taken instead" in done.stderr
 
 
-def minute_of_counts(path: Path, bits: int) -> float:
-    """Save a minute without slip under a slow press, as a converter over 5 V sees it; return volts per count."""
-    t = np.arange(60 * 2000) / 2000
-    volts = 2.3 + 0.05 * np.sin(2 * np.pi * 0.3 * t) + np.random.default_rng(0).normal(0, 4e-4, len(t))
-    step = 5 / 2**bits
-    np.savez(path, time_s=t, voltage_v=np.round(volts / step))
-    return step
-
-
 def test_coarse_steps_of_a_stream_are_warned_of_once() -> None:
     counts = np.round(np.tile(V, 3) / 5 * 1024)
     times = [f"{i / 2000:.4f}" for i in range(len(counts))]
@@ -342,7 +333,9 @@ def test_coarse_steps_of_a_stream_are_warned_of_once() -> None:
 
 @pytest.mark.full
 def test_fine_steps_are_not_warned_of(tmp_path: Path) -> None:
-    step = minute_of_counts(tmp_path / "t.npz", 14)
+    t, step = np.arange(60 * 2000) / 2000, 5 / 2**14
+    volts = 2.3 + 0.05 * np.sin(2 * np.pi * 0.3 * t) + np.random.default_rng(0).normal(0, 4e-4, len(t))
+    np.savez(tmp_path / "t.npz", time_s=t, voltage_v=np.round(volts / step))
     assert run("detect", tmp_path / "t.npz", "--detector", "fast", "--scale", step).stderr == ""
     assert find_step_v(np.load(tmp_path / "t.npz")["voltage_v"] * step) == pytest.approx(step)
     assert find_step_v(np.full(9, 4.0)) is None

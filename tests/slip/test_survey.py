@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fingertip.board.analysis.board_values import find_tactile_response
+from fingertip.board.analysis.limits import PRELOAD
 from fingertip.design import Design
 from fingertip.detection.warnings import flat_warnings
 from fingertip.slip.traces.columns import bare_lines, is_named, parse_number
@@ -129,6 +131,16 @@ def test_a_bag_lists_its_topics_and_takes_a_field_of_one(plugin: str, tmp_path: 
     for time, start in (("/fsr.bag_time", 0.0), ("/clock.stamp.sec+/clock.stamp.nanosec", begin / 1e9)):
         done = run("detect", path, "--column", f"time_s={time}", "--column", "voltage_v=/fsr.data", "--json")
         assert single_onset(done) - start == pytest.approx(ONSET, abs=1e-6)
+
+
+def test_a_finger_that_is_pressed_at_rest_is_pressed_in_a_file_and_live(tmp_path: Path) -> None:
+    response = find_tactile_response(Design())
+    for excess_v, is_pressed in ((0.356, True), (0.05, False), (0.8, False), (-0.08, False)):
+        text = csv(T, V - 2.3 + response.open_v + excess_v + 0.5 * (T > 0.3))
+        (tmp_path / "t.csv").write_text(text)
+        for said in (run("detect", tmp_path / "t.csv").stderr, run("detect", "-", lines=text).stderr):
+            assert (f"{1000 * excess_v:+.0f} mV from the 0.143 V" in said) == is_pressed
+            assert said.count(PRELOAD) == is_pressed
 
 
 def test_runs_at_a_limit_are_told_from_steps_and_noise() -> None:

@@ -8,9 +8,6 @@ import datetime
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Generic, TypeVar
-
-T = TypeVar("T")
 
 # Cells of a line of text: splitting, and parsing of numbers and of times as ISO 8601 writes them.
 
@@ -136,13 +133,13 @@ def bare_lines(lines: Iterable[str]) -> Iterator[str]:
 
 
 @dataclass
-class NotedLines(Generic[T]):
+class NotedLines:
     """Lines that are passed over or cannot be used, of which a file may hold millions: their number, and the first."""
 
     count: int = 0
-    first: tuple[int, T] | None = None
+    first: tuple[int, str] | None = None
     """Number of the first line, and what is noted of it."""
 
-    def add(self, line: int, what: T) -> None:
+    def add(self, line: int, what: str) -> None:
         self.count += 1
         self.first = self.first or (line, what)

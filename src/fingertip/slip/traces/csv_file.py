@@ -153,11 +153,11 @@ class _Samples:
 
     values: dict[str, array.array[float]]
     lines: array.array[int] = field(default_factory=lambda: array.array("q"))
-    uneven: text.NotedLines[int] = field(default_factory=lambda: text.NotedLines[int]())
+    uneven: text.NotedLines = field(default_factory=text.NotedLines)
     """Line number and number of cells of lines with another number of cells than the others."""
-    wrong: dict[str, text.NotedLines[str]] = field(default_factory=dict)
+    wrong: dict[str, text.NotedLines] = field(default_factory=dict)
     """Line number and text of the cells of each column that cannot be read."""
-    passed_over: text.NotedLines[str] = field(default_factory=lambda: text.NotedLines[str]())
+    passed_over: text.NotedLines = field(default_factory=text.NotedLines)
     """Lines of headers and comments among the samples."""
     width: int = 0
     """Number of cells that each line must have."""
@@ -179,7 +179,7 @@ def _read_by_line(source: _Source) -> RawTrace:
         message = "holds several segments, and no times that join them; keep the lines of one, or export X_Columns One."
         issues.append(Issue(name, message))
     values: dict[str, Array] = {column: np.array(cells) for column, cells in samples.values.items()}
-    has_all_times = not samples.uneven.count and not samples.wrong.get("time_s", text.NotedLines[str]()).count
+    has_all_times = not samples.uneven.count and not samples.wrong.get("time_s", text.NotedLines()).count
     if samples.start is not None:  # dates are in seconds: their scale is an issue, and would make others
         columns = replace(columns, time_scale=1.0)
     trace = columns.make_trace(values)
@@ -190,7 +190,7 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
     """Collect the samples of numbered lines. Cells that cannot be read become 0, so that the others are validated."""
     header, places = source.header, source.places
     samples = _Samples(
-        {column: array.array("d") for column in places}, wrong={column: text.NotedLines[str]() for column in places}
+        {column: array.array("d") for column in places}, wrong={column: text.NotedLines() for column in places}
     )
     after_header, most = False, SAMPLES_LIMIT.value
     below = (entry for entry in lines if entry[0] >= source.first_line and entry[1].strip())
@@ -206,7 +206,7 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
         if len(samples.lines) > most:
             raise TraceError(Issue(str(source.path), shape_message([len(samples.lines)]) or ""))
         if len(cells) != width:
-            samples.uneven.add(number, len(cells))
+            samples.uneven.add(number, str(len(cells)))
         for column, place in places.items():
             value = 0.0
             if len(cells) == width:

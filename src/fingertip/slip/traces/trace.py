@@ -20,14 +20,7 @@ from fingertip.foundation.errors import ArgumentError, InputFileError, Issue, Tr
 from fingertip.foundation.input_files import RECORDING_LIMIT, SAMPLES_LIMIT, check_regular
 from fingertip.foundation.numerics import Array
 from fingertip.slip.traces import sampling
-from fingertip.slip.traces.sampling import (
-    TIME_UNITS_S,
-    count_others,
-    find_rounding,
-    rises_as_time,
-    sample_location,
-    time_issues,
-)
+from fingertip.slip.traces.sampling import TIME_UNITS_S, find_rounding, rises_as_time, sample_location, time_issues
 from fingertip.slip.traces.truth import UNKNOWN, Origin
 
 if TYPE_CHECKING:
@@ -233,7 +226,9 @@ class RawTrace:
         for column, values in self.trace._columns():
             if (wrong := np.flatnonzero(~np.isfinite(values))).size:
                 first = int(wrong[0])
-                where = f"{sample_location(first, self.lines)} is not a finite number{count_others(wrong.size)}"
+                where = (
+                    f"{sample_location(first, self.lines)} is not a finite number{sampling.count_others(wrong.size)}"
+                )
                 message = f"{values[first]} {where}; record again or remove it."
                 yield Issue(f"{self.name}, {column}", message)
         volts = self.trace.voltage_v

@@ -87,7 +87,7 @@ def detect(
     reading |= {"keep_window": keep_window, "progress": console.progress}
     if is_stream:
         _refuse_without_recording({"--plot": plot, "--calibrate": calibrate, "--floors": floors})
-        _follow_standard_input(console, loaded, detector, reading, channels)
+        _follow_standard_input(console, loaded, detector, reading | {"channels": channels})
         return
     if channels:
         message = f"names {len(channels)} voltages; give one, or pass the lines to - in place of a file."
@@ -141,17 +141,15 @@ def _refuse_without_recording(options: Mapping[str, object]) -> None:
     raise_issues(TraceError, (Issue(name, message) for name, value in options.items() if value is not None))
 
 
-def _follow_standard_input(
-    console: Console, design: Design, detector: str, reading: Mapping[str, Any], channels: list[str]
-) -> None:
+def _follow_standard_input(console: Console, design: Design, detector: str, reading: Mapping[str, Any]) -> None:
     """Detect slip in standard input until it ends, is wrong or is interrupted; report the transitions up to then."""
-    from fingertip.detection.live import NAME, detect_stream
+    from fingertip.detection.live import detect_stream
 
     transitions: list[dict[str, Any]] = []
     data: dict[str, Any] = {"detector": detector, "transitions": transitions}
     any_on = False
     try:
-        found = detect_stream(sys.stdin, design, detector, channels=channels, **reading)
+        found = detect_stream(sys.stdin.buffer, design, detector, **reading)
         data["signals"] = list(found.signals.columns)
         console.progress(f"detector {detector}, {found.signals.describe()}")
         console.warn(found.warnings)
@@ -159,7 +157,7 @@ def _follow_standard_input(
             any_on = True
             if console.as_json:
                 force = transition.force.as_data() if transition.force else {}
-                channel = {"channel": transition.channel} if channels else {}
+                channel = {"channel": transition.channel} if transition.channel else {}
                 transitions.append({"on": transition.on, "time_s": round(transition.time_s, 7)} | channel | force)
             else:
                 force_text = f", at {transition.force.describe()}" if transition.force else ""
@@ -167,10 +165,6 @@ def _follow_standard_input(
                 console.write(f"{text}  {transition.channel}".rstrip())
     except FingertipError as error:
         console.print_issues(error, data)
-        raise typer.Exit(BAD_INPUT) from None
-    except UnicodeDecodeError:
-        message = "is not UTF-8 text; save it in a file, which may be UTF-16."
-        console.print_issues(TraceError(Issue(NAME, message)), data)
         raise typer.Exit(BAD_INPUT) from None
     except INTERRUPTIONS as error:
         console.result(data, "" if any_on else "never ON")

@@ -25,19 +25,22 @@ def run_ngspice(folder: Path, deck: str, commands: str) -> list[list[float]]:
 
 
 def read_noise_total(folder: Path, deck: str, net: str) -> float:
-    """Integrate the noise of a net from 0.1 Hz to 1 MHz [V].
-
-    ngspice 46 adds one sidewall noise for every diode, though none has a sidewall; it is left out of the sum.
-    """
+    """Integrate the noise of a net from 0.1 Hz to 1 MHz [V]."""
     commands = f"noise v({net.lower()}) IJ1 dec 100 0.1 1meg 1\nsetplot noise2\nset filetype=ascii\nwrite all.raw"
     run_ngspice(folder, deck, f"{commands}\nwrdata out onoise_total")
     return sum_noise((folder / "all.raw").read_text(encoding="utf-8"))
 
 
 def sum_noise(raw: str) -> float:
-    """Return the total of a raw file of noise less what ngspice 46 adds for sidewalls [V]."""
+    """Sum the sources of a raw file of noise but for sidewalls of diodes, which no deck has [V].
+
+    ngspice 46 integrates three for every diode, from memory that it has not set, and adds them to the total.
+    """
     head, _, values = raw.partition("Values:\n")
     names = [name.removeprefix("v(").removesuffix(")") for name in re.findall(r"^\t\d+\t(\S+)", head, re.MULTILINE)]
-    found = dict(zip(names, map(float, values.split()[1:]), strict=True))
-    sidewalls = (found[name] ** 2 for name in names if name.startswith("onoise_total") and name.endswith("_idsw"))
-    return math.sqrt(found["onoise_total"] ** 2 - sum(sidewalls))
+    total = 0.0
+    for name, value in zip(names, map(float, values.split()[1:]), strict=True):
+        is_sum = any(other.startswith(f"{name}_") for other in names)
+        if name.startswith("onoise_total") and not is_sum and not name.endswith(("_rsw", "_idsw", "_1overfsw")):
+            total += value**2
+    return math.sqrt(total)

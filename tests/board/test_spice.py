@@ -354,14 +354,11 @@ def test_output_noise_of_the_bridge_amplifier_shows_at_low_gain(gain_resistor: s
 
 
 def test_the_sidewalls_that_ngspice_46_adds_to_each_diode_are_left_out() -> None:
-    """Form of its raw file: the total holds the same sidewall noise once for each diode, though none has a sidewall."""
-    total_v = math.sqrt(3e-5**2 + 2 * 4e-5**2)
-    found = {
-        "v(onoise_total)": total_v,
-        "onoise_total_d1_idsw": 4e-5,
-        "v(onoise_total_d2_idsw)": 4e-5,
-        "v(inoise_d1)": 1,
-    }
+    """Form of its raw file: the totals hold what stood in memory for three sources of a sidewall that no diode has."""
+    d = {"_rs": 1e-5, "_id": 2e-5, "_1overf": 0.0, "_rsw": 4e-5, "_idsw": 7e-5, "_1overfsw": 3e9, "": 3e9}
+    found = {f"v({way}noise_total_{name}{each})": d[each] for name in ("d1", "d2") for each in d for way in "io"}
+    found |= {"onoise_total_r1_thermal": 2e-5, "onoise_total_r1_1overf": 0.0, "onoise_total_r1": 2e-5}
+    found |= {"onoise_total": 5e9, "inoise_total": 5e9}
     names = "".join(f"\t{i}\t{name}\tvoltage\n" for i, name in enumerate(found))
     values = "".join(f"\t{value}\n" for value in found.values())
-    assert sum_noise(f"Variables:\n{names}Values:\n 0{values}") == pytest.approx(3e-5)
+    assert sum_noise(f"Variables:\n{names}Values:\n 0{values}") == pytest.approx(math.sqrt(14e-10))

@@ -21,7 +21,7 @@ ROBOT = (
     "fingers", "file", "tolerance_mm", "reference_n", "timestep_s", "pad_n", "spacing_mm", "facet_mm", "speed_rad_s",
 )  # fmt: skip
 FIELDS: dict[str, tuple[type, dict[str, Any]]] = {
-    "acceptance.md": (AcceptanceSheet, {}),
+    "acceptance.md": (AcceptanceSheet, {"preload": str}),
     "casting.md": (CastingSheet, {"steps": tuple[Step, ...], "pictures": Any, "number": Any, "usd": Any}),
     "steps.md": (CastingSheet, {}),
     "start.md": (FirstScreen, {"usd": Any}),

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from fingertip.board.analysis.board_values import find_tactile_response
+from fingertip.board.analysis.limits import PRELOAD
 from fingertip.design import Design
 from fingertip.detection.warnings import flat_warnings
 from fingertip.slip.traces.columns import bare_lines, is_named, parse_number
@@ -29,28 +33,32 @@ NAMED = {
     "sensor 1 = 3 , sensor 2 = 2": "3 , 2", "Analog reading = 512": "512", "12:30:01.123 -> 176": "176",
     "12:30:01.123 -> 176,12": "176,12", "12:30:01.123 -> FSR1:176": "176", "12:30:01.123 > A0=1.25 V": "1.25 V",
     "2026-11-28 12:30:01.123 -> 17": "17", "12:30:01.123 -> 0.5\t0.7": "0.5\t0.7", "t_ms:12,a1:+.5": "12,+.5",
-    '{"t": 0.5, "v": 2.5}': "0.5,2.5", '{"v":176}': "176", '{"a0": -2, "b": 1e-3}': "-2,0.001",
-    '{"stamp": {"sec": 1, "nanosec": 5}, "data": 2}': "1,5,2",
 }  # fmt: skip
+
+
+NUMBERED = ("--column", "time_s=2", "--column", "voltage_v=1")
 
 
 def test_numbers_are_read_as_instruments_write_them() -> None:
     assert {text: parse_number(text) for text in NUMBERS} == pytest.approx(NUMBERS)
 
 
-def test_lines_that_name_their_values_leave_these(tmp_path: Path) -> None:
+def test_lines_that_name_their_values_leave_these() -> None:
     assert all(map(is_named, NAMED))
     assert dict(zip(NAMED, map(str.strip, bare_lines(NAMED)), strict=True)) == NAMED
-    assert [*bare_lines(['{"t": 1, "v": 2'])] == ['{"t": 1, "v": 2'], "a line that was cut off is no object"
-    volts = (f"{v:.5f}" for v in V)
-    lines = [f'{{"v": {v}, "at": {{"t": {t:.4f}}}}}' for v, t in zip(volts, T, strict=True)]
-    (tmp_path / "t.txt").write_text("ready\n" + "\n".join(lines) + '\n{"v": 1.2')
-    said = run("detect", tmp_path / "t.txt").stderr
-    assert "the file holds JSON lines" in said
-    assert "--column time_s=2 --column voltage_v=1" in said
-    done = run("detect", tmp_path / "t.txt", "--column", "time_s=2", "--column", "voltage_v=1", "--json")
-    assert single_onset(done) == ONSET
-    assert "line 2002: is cut off" in done.stderr
+
+
+@pytest.mark.parametrize("form", ['{{"v": {:.5f}, "at": {{"t": {:.4f}}}}}', "[{:.5f}, [{:.4f}]]"])
+def test_json_lines_are_named_with_what_makes_numbers_of_them(form: str, tmp_path: Path) -> None:
+    path = tmp_path / "t.txt"
+    path.write_text("ready\n" + "\n".join(map(form.format, V, T)) + "\n")
+    for said in (run("detect", path), run("detect", "-", lines=path.read_text()), run("detect", path, *NUMBERED)):
+        assert "holds JSON lines; pass them through jq" in said.stderr
+        assert "--column" not in said.stderr
+    command = re.search("(jq .*?), which", said.stderr)[1]
+    if shutil.which("jq"):
+        subprocess.run(f"tail -n +2 t.txt | {command} > t.csv", shell=True, cwd=tmp_path, check=True)
+        assert single_onset(run("detect", tmp_path / "t.csv", *NUMBERED, "--json")) == ONSET
 
 
 @pytest.mark.parametrize(
@@ -123,6 +131,16 @@ def test_a_bag_lists_its_topics_and_takes_a_field_of_one(plugin: str, tmp_path: 
     for time, start in (("/fsr.bag_time", 0.0), ("/clock.stamp.sec+/clock.stamp.nanosec", begin / 1e9)):
         done = run("detect", path, "--column", f"time_s={time}", "--column", "voltage_v=/fsr.data", "--json")
         assert single_onset(done) - start == pytest.approx(ONSET, abs=1e-6)
+
+
+def test_a_finger_that_is_pressed_at_rest_is_pressed_in_a_file_and_live(tmp_path: Path) -> None:
+    response = find_tactile_response(Design())
+    for excess_v, is_pressed in ((0.356, True), (0.05, False), (0.8, False), (-0.08, False)):
+        text = csv(T, V - 2.3 + response.open_v + excess_v + 0.5 * (T > 0.3))
+        (tmp_path / "t.csv").write_text(text)
+        for said in (run("detect", tmp_path / "t.csv").stderr, run("detect", "-", lines=text).stderr):
+            assert (f"{1000 * excess_v:+.0f} mV from the 0.143 V" in said) == is_pressed
+            assert said.count(PRELOAD) == is_pressed
 
 
 def test_runs_at_a_limit_are_told_from_steps_and_noise() -> None:

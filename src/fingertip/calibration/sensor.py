@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.board.analysis.board_values import find_tactile_response
-from fingertip.board.analysis.limits import TactileResponse
+from fingertip.board.analysis.limits import MAX_PRELOAD_V, TactileResponse
 from fingertip.board.components.front_end import NEWTON_PER_GRAM
 from fingertip.design import Design
 from fingertip.design.parameters import PARAMETERS
@@ -219,10 +219,6 @@ def fit_power_law(forces_n: Sequence[float], conductances_s: Sequence[float], tu
     return PowerLaw(turn_on_n, exponent, math.exp(y_mean - exponent * x_mean), scatter, count, x_mean, squares)
 
 
-MAX_OFFSET_V = 0.5
-"""Largest difference between the readings without load and the design's voltage of an open sensor [V]."""
-_MAX_IDLE_V = 0.1
-"""Voltage of an untouched finger towards that of a load from which its skin presses on it [V], as in acceptance.md."""
 _DIGITS = 6
 """Significant digits of the figures that are written into a design."""
 
@@ -247,6 +243,8 @@ class SensorCalibration:
     """Curve under each weight of the file, in the order of the weights."""
     offset_v: float
     """Voltage that the board showed without load, less the design's [V]; 0 without such readings."""
+    preload: str | None
+    """What such an offset means that a skin makes."""
     ratio_to_typical: float
     """Conductance under the middle weight over that of the typical sensor."""
 
@@ -307,8 +305,9 @@ def calibrate_sensor(design: Design, weighings: Weighings, scale: float | None =
         voltage_v, (low_n, high_n) = response.tactile_v(conductance_s), law.interval_n(conductance_s)
         points.append(CurvePoint(force_n, conductance_s, voltage_v, low_n, high_n))
     middle = points[len(points) // 2]
+    preload = response.describe_preload(response.open_v + offset_v)
     typical_s = fit_conductance_curve().conductance_s(middle.force_n)
-    calibration = SensorCalibration(law, tuple(points), offset_v, middle.conductance_s / typical_s)
+    calibration = SensorCalibration(law, tuple(points), offset_v, preload, middle.conductance_s / typical_s)
     if not calibration.interval_factor <= (find_bounds(PARAMETERS["force_curve.interval_factor"]).maximum or math.inf):
         message = "the readings scatter so much that they tell no force; weigh more often, or over more loads."
         raise TraceError(Issue(weighings.source, message))
@@ -319,13 +318,8 @@ def list_warnings(weighings: Weighings, calibration: SensorCalibration | None = 
     """List what makes a calibration less certain than its interval says."""
     kind, saturated = weighings.kind, weighings.saturated
     warnings = [f"{weighings.source}: {_describe_saturated(kind, saturated)}: left out"] if saturated else []
-    if calibration and abs(calibration.offset_v) > _MAX_IDLE_V:
-        first, *_, last = calibration.points
-        if (last.voltage_v - first.voltage_v) * calibration.offset_v > 0.0:
-            warnings.append(
-                f"{1000 * calibration.offset_v:+.0f} mV without load is more than a board's offset: the skin presses "
-                "on the sensor, and taking that off bends the curve; pull the skin on again, and weigh again."
-            )
+    if calibration and calibration.preload:
+        warnings.append(f"{calibration.preload} Taken off as an offset, that bends the curve: weigh again.")
     if weighings.unloaded or weighings.kind == "resistance_ohm":
         return warnings
     return [
@@ -341,9 +335,9 @@ def _find_offset(weighings: Weighings, response: TactileResponse, scale: float) 
         return 0.0
     mean = scale * math.fsum(row.reading for row in weighings.unloaded) / len(weighings.unloaded)
     offset = mean - response.open_v
-    if abs(offset) > MAX_OFFSET_V:
+    if abs(offset) > MAX_PRELOAD_V:
         message = (
-            f"{mean:.3g} V without load is more than {MAX_OFFSET_V:g} V off the {response.open_v:.3g} V of the "
+            f"{mean:.3g} V without load is more than {MAX_PRELOAD_V:g} V off the {response.open_v:.3g} V of the "
             "design's board; give the design of the board that took the readings, or check --scale and wiring."
         )
         raise TraceError(Issue(f"{weighings.source}, line {weighings.unloaded[0].line}", message))

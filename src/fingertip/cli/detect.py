@@ -77,18 +77,25 @@ def detect(
     detector = detector or (DEFAULT if own == "fast" and loaded.board.has_filter else own)
     # A window from --set is for this recording's rate, a window from a design file for that file's rate.
     keep_window = "detector.window_samples" in load_tables([], changes or ()).changed
+    named, channels = _parse_columns(columns or [])
     reading: dict[str, Any] = {
-        "rate_hz": rate_hz, "scale": scale, "columns": _parse_columns(columns or []),
-        "time_scale": _parse_time_scale(time_scale), "keep_window": keep_window,
-    }  # fmt: skip
+        "rate_hz": rate_hz,
+        "scale": scale,
+        "columns": named,
+        "time_scale": _parse_time_scale(time_scale),
+        "keep_window": keep_window,
+        "progress": console.progress,
+    }
     if is_stream:
         _refuse_without_recording({"--plot": plot, "--calibrate": calibrate, "--floors": floors})
-        _follow_standard_input(console, loaded, detector, reading)
+        _follow_standard_input(console, loaded, detector, reading | {"channels": channels})
         return
+    if channels:
+        message = f"names {len(channels)} voltages; give one, or pass the lines to - in place of a file."
+        raise TraceError(Issue("--column", message))
     calibrate_s, adapt_to_file = _parse_interval(calibrate), False if design else None
     found = detect_file(
-        trace, loaded, detector, calibrate_s=calibrate_s, floors=floors, adapt_to_file=adapt_to_file,
-        progress=console.progress, **reading,
+        trace, loaded, detector, calibrate_s=calibrate_s, floors=floors, adapt_to_file=adapt_to_file, **reading,
     )  # fmt: skip
     console.warn(found.warnings)
     if plot is not None:
@@ -96,12 +103,14 @@ def detect(
     console.result(as_data(found.detection, found.noise), as_text(found.detection))
 
 
-def _parse_columns(columns: list[str]) -> dict[str, str]:
+def _parse_columns(columns: list[str]) -> tuple[dict[str, str], list[str]]:
+    """Return the columns by their names in a trace, and the voltages where there are several."""
     pairs = [column.partition("=") for column in columns]
     if invalid := ["".join(pair) for pair in pairs if not (pair[0] and pair[2])]:
         message = "is not of the form COLUMN=NAME; write it as voltage_v=AI0."
         raise TraceError([Issue(f"--column {text}", message) for text in invalid])
-    return {column: name for column, _, name in pairs}
+    voltages = [name for column, _, name in pairs if column == "voltage_v"]
+    return {column: name for column, _, name in pairs}, voltages if len(voltages) > 1 else []
 
 
 def _parse_interval(text: str | None) -> tuple[float, float] | None:
@@ -135,13 +144,13 @@ def _refuse_without_recording(options: Mapping[str, object]) -> None:
 
 def _follow_standard_input(console: Console, design: Design, detector: str, reading: Mapping[str, Any]) -> None:
     """Detect slip in standard input until it ends, is wrong or is interrupted; report the transitions up to then."""
-    from fingertip.detection.live import NAME, detect_stream
+    from fingertip.detection.live import detect_stream
 
     transitions: list[dict[str, Any]] = []
     data: dict[str, Any] = {"detector": detector, "transitions": transitions}
     any_on = False
     try:
-        found = detect_stream(sys.stdin, design, detector, progress=console.progress, **reading)
+        found = detect_stream(sys.stdin.buffer, design, detector, **reading)
         data["signals"] = list(found.signals.columns)
         console.progress(f"detector {detector}, {found.signals.describe()}")
         console.warn(found.warnings)
@@ -149,16 +158,14 @@ def _follow_standard_input(console: Console, design: Design, detector: str, read
             any_on = True
             if console.as_json:
                 force = transition.force.as_data() if transition.force else {}
-                transitions.append({"on": transition.on, "time_s": round(transition.time_s, 7)} | force)
+                channel = {"channel": transition.channel} if transition.channel else {}
+                transitions.append({"on": transition.on, "time_s": round(transition.time_s, 7)} | channel | force)
             else:
                 force_text = f", at {transition.force.describe()}" if transition.force else ""
-                console.write(f"{'ON ' if transition.on else 'OFF'}  {transition.time_s:9.4f} s{force_text}")
+                text = f"{'ON ' if transition.on else 'OFF'}  {transition.time_s:9.4f} s{force_text}"
+                console.write(f"{text}  {transition.channel}".rstrip())
     except FingertipError as error:
         console.print_issues(error, data)
-        raise typer.Exit(BAD_INPUT) from None
-    except UnicodeDecodeError:
-        message = "is not UTF-8 text; save it in a file, which may be UTF-16."
-        console.print_issues(TraceError(Issue(NAME, message)), data)
         raise typer.Exit(BAD_INPUT) from None
     except INTERRUPTIONS as error:
         console.result(data, "" if any_on else "never ON")

@@ -90,6 +90,8 @@ class HelpGroup(TyperGroup):
             if not hasattr(error, "format_message"):
                 raise
             message = error.format_message()
+            if possible := getattr(error, "possibilities", None):  # versions of typer differ in how they say so
+                message = f"{getattr(error, 'message', '')}. Did you mean {' or '.join(sorted(possible))}?"
             if type(error).__name__ == "NoArgsIsHelpError":
                 print(message, file=sys.stderr)
             else:

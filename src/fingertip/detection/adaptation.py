@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.foundation.errors import FingertipError, Issue, TraceError, join_words
+from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.detectors.fast import FastDetector
@@ -191,8 +191,6 @@ class Adaptation:
     """Adaptation of a design to the sampling rate of a recording, for one detector."""
 
     detector: str
-    keep_threshold: bool | None = None
-    """True if the threshold remains; by default if the design states one."""
     keep_window: bool = False
     """True if the number of samples in the window remains."""
     noise_is_measured: bool = False
@@ -215,28 +213,13 @@ class Adaptation:
 
     def to_rate(self, design: Design, rate_hz: float, prefix: str = "") -> Design:
         """Adapt a design to a rate, and report it after a prefix. Raises TraceError or DesignError."""
-        keep_threshold = self.keep_threshold
-        if keep_threshold is None:
-            keep_threshold = "threshold_v" in design.detector.model_fields_set
+        keep_threshold = "threshold_v" in design.detector.model_fields_set
         check_rate(rate_hz)
         kind = find_detector_type(self.detector)
-        remains = keep_threshold or kind.takes_envelope
-        adapted = adapt_rate(design, rate_hz, remains, self.keep_window)
-        threshold_v, samples = adapted.detector.threshold_v, adapted.detector.window_samples
-        uses_threshold = not self.noise_is_measured and kind.has_design_threshold
-
-        window = f"{samples} samples, {1000 * samples / rate_hz:.4g} ms"
-        values = f"the window remains {window}, as set" if self.keep_window else f"the window is {window}"
-        if uses_threshold and remains:
-            reason = "as set" if keep_threshold else "as it applies to the board's output"
-            values += f"; the threshold remains {threshold_v:.9g} V, {reason}"
-        elif uses_threshold:
-            values += f"; the threshold is {threshold_v:.3g} V"
-
-        names = ["filters"]
-        if not self.keep_window:
-            names.append("window")
-        if not (uses_threshold and remains):
-            names.append("threshold")
-        self.report(f"{prefix}{join_words(names)} adapted to {rate_hz:g} Hz; {values}")
+        adapted = adapt_rate(design, rate_hz, keep_threshold or kind.takes_envelope, self.keep_window)
+        samples = adapted.detector.window_samples
+        values = f"the window is {samples} samples, {1000 * samples / rate_hz:.4g} ms"
+        if not self.noise_is_measured and kind.has_design_threshold:
+            values += f"; the threshold is {adapted.detector.threshold_v:.3g} V"
+        self.report(f"{prefix}filters adapted to {rate_hz:g} Hz; {values}")
         return adapted

@@ -11,7 +11,7 @@ from fingertip.design import Design
 from fingertip.design.parameters.electronics import Detector as DetectorParameters
 from fingertip.detection.adaptation import Adaptation
 from fingertip.detection.recordings import find_force_scale
-from fingertip.detection.warnings import StepWatch, settings_warnings
+from fingertip.detection.warnings import StreamWatch, settings_warnings
 from fingertip.foundation.errors import Issue, TraceError, shorten
 from fingertip.slip.detectors import registry
 from fingertip.slip.force import MEAN_S, Force, ForceScale
@@ -36,6 +36,8 @@ class Transition:
     """Time of the first sample in that state [s]."""
     force: Force | None = None
     """Force then, by the curve of the sensor; None where that is not known."""
+    channel: str = ""
+    """Name of its column, where there are several."""
 
 
 NumberedLines = Iterator[tuple[int, str]]
@@ -64,7 +66,7 @@ def detect_stream(
     scale: float = 1.0,
     time_scale: float = 1.0,
     columns: Mapping[str, str] | None = None,
-    keep_threshold: bool | None = None,
+    channels: Sequence[str] = (),
     keep_window: bool = False,
     progress: Callable[[str], None] | None = None,
 ) -> StreamDetection:
@@ -78,7 +80,9 @@ def detect_stream(
         CSV lines, as in a file: texts or bytes, or what has a method `readline`, such as a `serial.Serial`. The
         detector `analog` takes the column `envelope_v` and, if there is none, the output of the design's board,
         simulated for the voltage.
-    design, detector, rate_hz, scale, time_scale, columns, keep_threshold, keep_window, progress
+    channels
+        Columns of several voltages, by name or number. Each is judged alone, without the board's columns.
+    design, detector, rate_hz, scale, time_scale, columns, keep_window, progress
         As for `detect_file`, but the voltage may not be the column of a force.
 
     Raises
@@ -90,63 +94,92 @@ def detect_stream(
     """
     report, design = progress or (lambda message: None), design or Design()
     kind = registry.check_detector(design, detector)
-    adaptation = Adaptation(detector, keep_threshold, keep_window, report=report)
+    adaptation = Adaptation(detector, keep_window, report=report)
     if rate_hz is not None:
         design = adaptation.to_rate(design, rate_hz)
     voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
-    if not voltage.in_volts:
+    selected = [replace(voltage, names={**voltage.names, "voltage_v": name}) for name in channels] or [voltage]
+    if not all(each.in_volts for each in selected):
         problem = "names a force, whose thresholds require --calibrate and the whole recording"
         raise TraceError(Issue("--column", f"{problem}; save the lines in a file."))
-    header, rows = open_stream(lines, voltage, *([_map_envelope(voltage)] if kind.takes_envelope else []))
-    voltage = voltage.with_simulated_names(header.names)
+    envelope = replace(voltage, names={**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")})
+    header, rows = open_stream(lines, selected[0], *([envelope] if kind.takes_envelope else []))
     if rate_hz is None and "sample_rate_hz" not in design.detector.model_fields_set:
         first = list(itertools.islice(rows, _FIRST))
         rows = itertools.chain(first, rows)
         if found_hz := _find_rate(header, first, voltage, design.detector.sample_rate_hz):
             design = adaptation.to_rate(design, found_hz)
-    instance, column_map = _select_stream_detector(header.names, design, detector, voltage, report)
-    second = registry.find_second_column(design, detector)
-    reads_second = second is not None and voltage.name_in_file(second) in header.names
-    watch = None if reads_second else StepWatch(design, detector)
-    forces = find_force_scale(design) if column_map is voltage else None
-    transitions = follow(header, rows, instance, design.detector, column_map, report, watch, second, forces)
-    signals = registry.find_signals(design, detector, reads_second)
+    second = None if channels else registry.find_second_column(design, detector)
+    found = [_Channel.open(header, design, detector, each, second, report, bool(channels)) for each in selected]
+    transitions = _follow(header, rows, found, design.detector, selected[0], report)
+    signals = registry.find_signals(design, detector, len(found[0].places) > 1)
     return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)), signals)
 
 
-def _map_envelope(voltage: ColumnMap) -> ColumnMap:
-    """Map the envelope to where a detector finds its voltage."""
-    return replace(voltage, names={**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")})
+@dataclass
+class _Channel:
+    """One voltage of the lines, while slip is looked for in it."""
 
+    name: str
+    """Name in transitions and warnings; empty for a single one."""
+    places: list[int]
+    """Places in a line of what the detector takes."""
+    detector: registry.Detector
+    watch: StreamWatch | None
+    scale: ForceScale | None
+    is_on: bool = False
+    is_whole: bool = True
+    """True if all values were whole numbers."""
+    mean_v: float = math.nan
 
-def _select_stream_detector(
-    names: Sequence[str], design: Design, detector: str, voltage: ColumnMap, progress: Callable[[str], None]
-) -> tuple[registry.Detector, ColumnMap]:
-    """Create the detector and select its columns; `analog` takes the board's output if the lines contain it."""
-    if not registry.find_detector_type(detector).takes_envelope:
-        return registry.make_detector(detector, design), voltage
-    if voltage.name_in_file("envelope_v") in names:
-        return registry.make_detector(detector, design), _map_envelope(voltage)
-    from fingertip.sim.signal.converter import SimulatedBoardDetector  # noqa: PLC0415
+    @classmethod
+    def open(
+        cls, header: Header, design: Design, detector: str, voltage: ColumnMap, second: str | None,
+        report: Callable[[str], None], is_named: bool,
+    ) -> _Channel:  # fmt: skip
+        """Create the detector and select its columns; `analog` takes the board's output if the lines contain it."""
+        voltage, place = voltage.with_simulated_names(header.names), header.find_place
+        name, envelope = voltage.name_in_file("voltage_v"), voltage.name_in_file("envelope_v")
+        takes_envelope, shown = registry.find_detector_type(detector).takes_envelope, name if is_named else ""
+        if takes_envelope and envelope in header.names and not is_named:
+            return cls(shown, [place(envelope)], registry.make_detector(detector, design), None, None)
+        has_second = second is not None and voltage.name_in_file(second) in header.names
+        places = [place(name), *([place(voltage.name_in_file(second))] if second and has_second else [])]
+        instance: registry.Detector
+        if takes_envelope:
+            from fingertip.sim.signal.converter import SimulatedBoardDetector  # noqa: PLC0415
 
-    progress(f"{NAME} has no column {voltage.name_in_file('envelope_v')}: simulating the design's board")
-    return SimulatedBoardDetector(design), voltage
+            report(f"{NAME} has no column {envelope}: simulating the design's board")
+            instance = SimulatedBoardDetector(design)
+        else:
+            instance = registry.make_detector(detector, design)
+        return cls(shown, places, instance, StreamWatch(design, detector, not has_second), find_force_scale(design))
+
+    def step(self, values: Sequence[float], time_s: float, share: float) -> Transition | None:
+        """Process one sample. `share` is that of a new voltage in the mean of which the force follows."""
+        self.mean_v = values[0] if math.isnan(self.mean_v) else self.mean_v + share * (values[0] - self.mean_v)
+        if self.detector.step(*values) == self.is_on:
+            return None
+        self.is_on = not self.is_on
+        return Transition(self.is_on, time_s, self.scale.read(self.mean_v) if self.scale else None, self.name)
+
+    def warn(self, found: Sequence[str], report: Callable[[str], None]) -> None:
+        for warning in found:
+            report(f"warning: {self.name}{': ' if self.name else ''}{warning}")
 
 
 def _find_rate(header: Header, rows: Sequence[tuple[int, str]], columns: ColumnMap, known_hz: float) -> float | None:
     """Find the rate from the times of the first lines [Hz]; None if it is the known one, or if there are none."""
-    names = [columns.name_in_file("time_s"), *([columns.names[NANOSEC]] if NANOSEC in columns.names else [])]
-    if not set(names) <= set(header.names) or len(rows) < 2:
+    times = _place_times(header, columns)
+    if not times or len(rows) < 2:
         return None
-    seconds = []
-    for cells in (split_cells(line, header.delimiter) for _, line in (rows[0], rows[-1])):
-        parts = [parse_number(cells[place]) for place in map(header.names.index, names) if place < len(cells)]
-        if len(parts) < len(names) or None in parts:
-            return None
-        seconds.append(
-            sum(scale * (part or 0.0) for scale, part in zip((columns.time_scale, 1e-9), parts, strict=False))
+    try:
+        first_s, last_s = (
+            _read_time(times, split_cells(line, header.delimiter), number, line) for number, line in (rows[0], rows[-1])
         )
-    spread, duration_s = sampling.STEP_TOLERANCE / len(rows), seconds[1] - seconds[0]
+    except (IndexError, TraceError):
+        return None  # the line is refused in its turn
+    spread, duration_s = sampling.STEP_TOLERANCE / len(rows), last_s - first_s
     rate_hz = (len(rows) - 1) / duration_s if duration_s > 0.0 else 0.0
     if sampling.rate_bounds_message(rate_hz) or abs(rate_hz / known_hz - 1) <= sampling.RATE_TOLERANCE + spread:
         return None
@@ -165,107 +198,93 @@ def open_stream(
     return header, itertools.chain([first], rows)
 
 
-def follow(
+def _follow(
     header: Header,
     rows: NumberedLines,
-    detector: registry.Detector,
+    channels: Sequence[_Channel],
     parameters: DetectorParameters,
     columns: ColumnMap,
-    report: Callable[[str], None] = lambda message: None,
-    watch: StepWatch | None = None,
-    second_column: str | None = None,
-    scale: ForceScale | None = None,
+    report: Callable[[str], None],
 ) -> Iterator[Transition]:
     """Process one sample per line and yield each transition as soon as it occurs. Raises TraceError."""
-    names, delimiter = header.names, header.delimiter
-    voltage_index = names.index(columns.name_in_file("voltage_v"))
-    time_name = columns.name_in_file("time_s")
-    time_index = names.index(time_name) if time_name in names else None
-    second_name = columns.name_in_file(second_column) if second_column else ""
-    second_index = names.index(second_name) if second_name in names else None
-    nanosec_index = names.index(columns.names[NANOSEC]) if NANOSEC in columns.names else None
-    clock, on, all_whole, width, sample = _SampleClock(parameters), False, True, 0, -1
-    share, mean_v = 1 / max(1.0, MEAN_S * parameters.sample_rate_hz), math.nan
+    times = _place_times(header, columns)
+    clock, width, sample, step_s = _SampleClock(parameters), 0, -1, 1 / parameters.sample_rate_hz
+    share = 1 / max(1.0, MEAN_S * parameters.sample_rate_hz)
+    taken = {place for place, _ in times}.union(*(channel.places for channel in channels))
     for number, line in rows:
         if header.is_repeated(line) or line.startswith("#"):
             continue  # a controller repeats it each second, with its version
         sample += 1
-        cells = split_cells(line, delimiter)
-        width = width or header.count_cells(len(cells), columns)
+        cells = split_cells(line, header.delimiter)
+        width = width or header.count_cells(len(cells), taken)
         if len(cells) != width:
-            message = f"has {len(cells)} cells, but the header has {len(names)}; give one per column."
+            message = f"has {len(cells)} cells, but the header has {len(header.names)}; give one per column."
             raise _line_error(number, f"{message} {_quote(line)}")
-        volts = _parse_number(cells[voltage_index], number, line) * columns.scale
-        all_whole = all_whole and volts % 1 == 0
-        if watch is not None and (warning := watch.add(volts)):
-            report(f"warning: {warning}")
-        if columns.in_volts and not parameters.adc_low_v <= volts <= parameters.adc_range_v:
-            raise _line_error(number, sampling.range_message(volts, "", all_whole, parameters))
-        time_s = sample / parameters.sample_rate_hz
-        if time_index is not None:
-            time_s = _parse_number(cells[time_index], number, line) * columns.time_scale
-            if nanosec_index is not None:
-                time_s += 1e-9 * _parse_number(cells[nanosec_index], number, line)
+        samples = [[_parse_number(cells[place], number, line) * columns.scale for place in channel.places]
+                   for channel in channels]  # fmt: skip
+        for channel, (volts, *_) in zip(channels, samples, strict=True):
+            channel.is_whole = channel.is_whole and volts % 1 == 0
+            channel.warn(channel.watch.add(volts) if channel.watch else (), report)
+            if not parameters.adc_low_v <= volts <= parameters.adc_range_v:
+                raise _line_error(number, sampling.range_message(volts, "", channel.is_whole, parameters))
+        time_s = _read_time(times, cells, number, line) if times else sample * step_s
+        if times:
             clock.check(time_s, number)
-        values = [volts]
-        if second_index is not None:
-            values.append(_parse_number(cells[second_index], number, line) * columns.scale)
-        mean_v = volts if sample == 0 else mean_v + share * (volts - mean_v)
-        if detector.step(*values) != on:
-            on = not on
-            yield Transition(on, time_s, scale.read(mean_v) if scale else None)
-    if watch is not None and (warning := watch.end()):
-        report(f"warning: {warning}")
+        for channel, values in zip(channels, samples, strict=True):
+            if transition := channel.step(values, time_s, share):
+                yield transition
+    for channel in channels:
+        channel.warn(channel.watch.end() if channel.watch else (), report)
     if sample < 0:
         raise TraceError(Issue(NAME, "has no samples below its header; write at least one line of samples."))
     if sample + 1 < parameters.window_samples:
         raise TraceError(Issue(NAME, sampling.length_message(sample + 1, parameters.window_samples)))
 
 
+def _place_times(header: Header, columns: ColumnMap) -> list[tuple[int, float]]:
+    """Find the places of the times, and seconds per unit of each; none where the lines hold no times."""
+    units_s = {columns.name_in_file("time_s"): columns.time_scale, columns.names.get(NANOSEC, ""): 1e-9}
+    return [(header.names.index(name), unit_s) for name, unit_s in units_s.items() if name in header.names]
+
+
+def _read_time(times: Sequence[tuple[int, float]], cells: Sequence[str], number: int, line: str) -> float:
+    return sum(unit_s * _parse_number(cells[place], number, line) for place, unit_s in times)
+
+
 class _SampleClock:
     """Checks the times of samples against the sampling rate: each step, and the mean rate once a window is full."""
 
     def __init__(self, parameters: DetectorParameters) -> None:
-        self._parameters = parameters
-        self._step_s = 1 / parameters.sample_rate_hz
-        self._previous_s = -math.inf
-        self._start_s = 0.0
-        self._steps = 0
-        self._has_valid_step = False
+        self._parameters, self._steps = parameters, 0
+        self._start_s = self._previous_s = math.nan
 
     def check(self, time_s: float, line: int) -> None:
-        previous_s, self._previous_s = self._previous_s, time_s
-        if previous_s == -math.inf:
+        rate_hz, window = self._parameters.sample_rate_hz, self._parameters.window_samples
+        step_s, self._previous_s = time_s - self._previous_s, time_s
+        if math.isnan(step_s):
             self._start_s = time_s
             return
-        step_s = time_s - previous_s
-        if abs(step_s - self._step_s) > sampling.STEP_TOLERANCE * self._step_s:
+        if abs(step_s * rate_hz - 1) > sampling.STEP_TOLERANCE:
             remedy = "use --rate-hz, or record without gaps"
             if step_s == 0.0:
                 remedy = "ignore rounded times with --column time_s=none and --rate-hz"
-            elif self._has_valid_step:
-                rate_hz = self._parameters.sample_rate_hz
+            elif self._steps:
                 remedy = f"if few samples are missing, ignore the times with --rate-hz {rate_hz:g} --column time_s=none"
             elif step_s > 0.0 and sampling.guess_time_unit(1 / step_s):
                 raise _line_error(line, sampling.rate_bounds_message(1 / step_s) or "")
             raise _line_error(
                 line,
                 f"{time_s:.9g} s is {step_s:.4g} s after the previous sample, but the detector requires steps of "
-                f"{self._step_s:.4g} s ({self._parameters.sample_rate_hz:g} Hz); {remedy}.",
+                f"{1 / rate_hz:.4g} s ({rate_hz:g} Hz); {remedy}.",
             )
-        self._has_valid_step = True
         self._steps += 1
-        if self._steps % self._parameters.window_samples == 0:
-            self._check_rate(time_s, line)
-
-    def _check_rate(self, time_s: float, line: int) -> None:
-        rate_hz = self._steps / (time_s - self._start_s)
-        # A single time stamp may be off by STEP_TOLERANCE, which affects the mean of few steps more than that of many.
-        tolerance = sampling.RATE_TOLERANCE + sampling.STEP_TOLERANCE / self._steps
-        if abs(rate_hz / self._parameters.sample_rate_hz - 1) > tolerance:
-            raise _line_error(line, sampling.rate_message(rate_hz, self._parameters))
-        if self._steps >= _RATE_WINDOWS * self._parameters.window_samples:
-            self._start_s, self._steps = time_s, 0
+        if self._steps % window == 0:
+            mean_hz = self._steps / (time_s - self._start_s)
+            # A single time stamp may be off by STEP_TOLERANCE, which affects the mean of few steps most.
+            if abs(mean_hz / rate_hz - 1) > sampling.RATE_TOLERANCE + sampling.STEP_TOLERANCE / self._steps:
+                raise _line_error(line, sampling.rate_message(mean_hz, self._parameters))
+            if self._steps >= _RATE_WINDOWS * window:
+                self._start_s, self._steps = time_s, 0
 
 
 def _parse_number(cell: str, number: int, line: str) -> float:

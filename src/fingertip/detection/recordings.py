@@ -147,7 +147,6 @@ def detect_file(
     time_scale: float = 1.0,
     columns: Mapping[str, str] | None = None,
     adapt_to_file: bool | None = None,
-    keep_threshold: bool | None = None,
     keep_window: bool = False,
     origin: Origin | None = None,
     progress: Progress | None = None,
@@ -180,8 +179,6 @@ def detect_file(
     adapt_to_file
         Whether the design is adapted to the file's sampling rate; another rate is otherwise an error. By default it is
         adapted unless `rate_hz` or the design states a rate.
-    keep_threshold
-        Whether the threshold remains the same when the design is adapted; by default if the design states one.
     keep_window
         Whether the number of samples in the window remains the same when the design is adapted.
     origin
@@ -206,7 +203,7 @@ def detect_file(
         floors, design, detector, rate_hz=rate_hz, scale=scale, time_scale=time_scale, columns=columns,
         adapt_to_file=adapt_to_file,
     )  # fmt: skip
-    adaptation = Adaptation(detector, keep_threshold, keep_window, calibrate_s is not None, report)
+    adaptation = Adaptation(detector, keep_window, calibrate_s is not None, report)
     if rate_hz is not None:
         design = adaptation.to_rate(design, rate_hz)
     elif adapt_to_file is None:
@@ -260,6 +257,7 @@ def _doubt_signals(recording: _Recording) -> Iterator[str]:
         return
     yield from warnings.hum_warnings(volts, design.detector.sample_rate_hz)
     yield from warnings.polarity_warnings(volts, design)
+    yield from warnings.preload_warnings(volts, design)
     if np.ptp(volts) == 0.0 and volts[0] < design.detector.adc_range_v - 1.5 * design.detector.adc_step_v:
         yield f"the voltage is constant at {volts[0]:g} V; is a sensor connected?"
     else:

@@ -7,17 +7,14 @@ beginning of slip to a detector whose threshold was made for finer steps.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from fingertip.design import Design
 from fingertip.design.formulas.filter import signal_ground_ratio
-from fingertip.design.parameters import PARAMETERS
-from fingertip.design.parameters.declaration import find_bounds
-from fingertip.foundation.errors import DesignError, join_words
+from fingertip.foundation.errors import join_words
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.noise import NoiseLevel
 from fingertip.slip.detectors.registry import DEFAULT, DetectorOutput, find_detector_type
@@ -28,14 +25,8 @@ _MAX_RESIDUAL = 0.05
 """Largest deviation of a difference between voltages from a whole number of steps, in steps: rounding of the file."""
 _MAX_STEPS = 1000
 """Number of steps between two neighbouring voltages above which rounding hides whether it is whole."""
-_FIRST_LOOK, _LAST_LOOK = 1000, 2**20
-"""Samples of a stream after which its steps are examined for the first and for the last time."""
 _RECENT = 4000
-"""Samples of a stream that are examined together for a limit of the signal."""
-_MAX_LEVELS = 10_000
-"""Number of different voltages in a stream beyond which its steps are fine."""
-_MARGIN_STEPS = 2
-"""Steps between the largest voltage and the range that is proposed: nearer voltages count as clipped."""
+"""Samples of a stream that are examined together."""
 
 
 def find_step_v(volts: Array) -> float | None:
@@ -57,13 +48,11 @@ def step_warnings(volts: Array, design: Design, detector: str) -> Iterator[str]:
     assumed = settings.adc_step_v
     if step is None or step <= max(COARSE_RATIO * settings.noise_v, (1 + _MAX_RESIDUAL) * assumed):
         return
-    remedy = "Record with more bits or a smaller range."
-    if changes := _propose(volts, step, design, detector):
-        options = " ".join(f"--set {name}={value:.9g}" for name, value in changes.items())
-        remedy += f" Or add {options}: thresholds then exceed such steps, and weak slip is missed."
+    learned = "" if detector == "fast" else ", or use --detector fast, which learns the steps"
     yield (
         f"the voltages come in steps of {1000 * step:.3g} mV, which hide the noise of {1000 * settings.noise_v:.3g} mV "
-        f"that the thresholds assume: single steps can be reported as slip. {remedy}"
+        f"that the thresholds assume: single steps can be reported as slip. Record with more bits or a smaller range"
+        f"{learned}."
     )
 
 
@@ -75,7 +64,7 @@ _BLOCK = 100
 """Samples in a part of which the share of repeated samples is taken; the quietest part tells what steps explain."""
 
 
-def flat_warnings(volts: Array, design: Design) -> Iterator[str]:
+def flat_warnings(volts: Array, design: Design, detector: str = "") -> Iterator[str]:
     """Warn of voltages [V] at the converter's end, and of runs of the largest or smallest that noise does not explain.
 
     A divider rests at 0 V.
@@ -113,55 +102,30 @@ def _count_flat(volts: Array, limit: float) -> int:
     return int(runs[: np.flatnonzero(is_long)[-1] + 1].sum()) if is_long.any() and len(blocks) else 0
 
 
-class StepWatch:
-    """Voltages of a stream, examined for a limit, and for coarse steps ever more rarely, until each is warned of."""
+class StreamWatch:
+    """Voltages of a stream, examined in pieces for what a recording's are: each is warned of once."""
 
-    def __init__(self, design: Design, detector: str) -> None:
+    def __init__(self, design: Design, detector: str, with_steps: bool) -> None:
         self._design, self._detector = design, detector
-        self._levels: set[float] = set()
-        self._count, self._next = 0, _FIRST_LOOK
-        self._recent: list[float] | None = []
+        self._recent: list[float] = []
+        self._checks = [flat_warnings, preload_warnings, *([step_warnings] if with_steps else [])]
 
-    def end(self) -> str | None:
-        """Return a warning of the last samples at the end of the stream, which may be the only ones."""
-        return next(flat_warnings(np.array(self._recent), self._design), None) if self._recent else None
+    def end(self) -> list[str]:
+        """List the warnings of the last samples, at the end of the stream maybe the only ones."""
+        volts, found = np.array(self._recent), list[str]()
+        for check in [*self._checks]:
+            found += (warnings := [*check(volts, self._design, self._detector)][:1])
+            if warnings or check is preload_warnings:  # later there may be a load all the time
+                self._checks.remove(check)
+        return found
 
-    def add(self, volts: float) -> str | None:
-        if self._recent is not None:
-            self._recent.append(volts)
-            if len(self._recent) == _RECENT:
-                if flat := self.end():
-                    self._recent = None
-                    return flat
-                del self._recent[: _RECENT // 2]
-        if not self._next:
-            return None
-        self._levels.add(volts)
-        self._count += 1
-        if self._count < self._next:
-            return None
-        warning = next(step_warnings(np.array(sorted(self._levels)), self._design, self._detector), None)
-        is_over = warning is not None or len(self._levels) > _MAX_LEVELS or self._count >= _LAST_LOOK
-        self._next = 0 if is_over else 2 * self._next
-        return warning
-
-
-def _propose(volts: Array, step: float, design: Design, detector: str) -> dict[str, float]:
-    """Propose parameters with which the design has the recording's step; none if no design has it."""
-    reach = float(np.abs(volts).max()) + _MARGIN_STEPS * step
-    bounds = find_bounds(PARAMETERS["detector.adc_bits"])
-    sign_bits = 1 if design.detector.adc_low_v else 0
-    bits = max(int(bounds.minimum or 1), math.ceil(math.log2(reach / step)) + sign_bits)
-    changes: dict[str, float] = {"detector.adc_bits": bits, "detector.adc_range_v": step * 2.0 ** (bits - sign_bits)}
-    try:
-        changed = Design.without_remedies(**design.with_values(changes).model_dump())
-        kind = find_detector_type(detector)
-        if kind.has_design_threshold and not kind.takes_envelope:
-            changes["detector.threshold_v"] = noise_level(changed).rounded_threshold_v
-            Design.without_remedies(**design.with_values(changes).model_dump())
-    except DesignError:
-        return {}
-    return changes
+    def add(self, volts: float) -> Sequence[str]:
+        self._recent.append(volts)
+        if len(self._recent) < _RECENT:
+            return ()
+        found = self.end()
+        del self._recent[: _RECENT // 2]
+        return found
 
 
 # Warnings of recorded outputs of a board that cannot be: a broken wire, two wires exchanged, or the wrong ground.
@@ -246,8 +210,7 @@ def polarity_warnings(volts: Array, design: Design) -> Iterator[str]:
     from fingertip.sim.signal.converter import compute_bridge_v  # noqa: PLC0415
 
     rest_v, pressed_v = compute_bridge_v(design, np.array([0.0, _HIGH_N])).tolist()
-    width = max(1, round(_REST_S * design.detector.sample_rate_hz))
-    means = volts[: len(volts) // width * width].reshape(-1, width).mean(axis=1)
+    means = _average(volts, design)
     shares = (means - rest_v) / (pressed_v - rest_v)
     if len(shares) and shares[0] > _PRESSED_SHARE and shares.min() < shares[0] - _MOVED_SHARE:
         yield (
@@ -255,6 +218,22 @@ def polarity_warnings(volts: Array, design: Design) -> Iterator[str]:
             "sensor without force: is the signal reversed? On this board it "
             f"{'rises' if pressed_v > rest_v else 'falls'} with the force; give the design of the board that was used."
         )
+
+
+def preload_warnings(volts: Array, design: Design, detector: str = "") -> Iterator[str]:
+    """Warn of a voltage that comes near that of an untouched finger, and not to it."""
+    from fingertip.board.analysis.board_values import find_tactile_response  # noqa: PLC0415
+
+    response, means = find_tactile_response(design), _average(volts, design)
+    if len(means) and (preload := response.describe_preload(means.min() if response.rises else means.max())):
+        yield preload
+
+
+def _average(volts: Array, design: Design) -> Array:
+    """Average over parts that are long enough to tell a rest [V]."""
+    width = max(1, round(_REST_S * design.detector.sample_rate_hz))
+    means: Array = volts[: len(volts) // width * width].reshape(-1, width).mean(axis=1)
+    return means
 
 
 def noise_warnings(learned_v: float | None, design: Design, measured_v: float | None) -> Iterator[str]:
@@ -335,12 +314,7 @@ CLEAR_DEVIATIONS = 4.0
 
 def threshold_warnings(threshold_v: float, level: NoiseLevel, may_be_lower: bool = True) -> Iterator[str]:
     """Warn of a threshold that lies within the noise, or far above it."""
-    if threshold_v < level.mean_v:
-        yield (
-            f"detector.threshold_v of {threshold_v:g} V is below the mean noise level ({level.mean_v:.3g} V); the "
-            f"noise-derived threshold is {level.threshold_v:.3g} V."
-        )
-    elif threshold_v < level.mean_v + CLEAR_DEVIATIONS * level.deviation_v:
+    if threshold_v < level.mean_v + CLEAR_DEVIATIONS * level.deviation_v:
         yield (
             f"detector.threshold_v of {threshold_v:g} V is within the noise, which crosses it repeatedly (mean level "
             f"{level.mean_v:.3g} V, standard deviation {level.deviation_v:.2g} V); the noise-derived threshold is "

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fingertip.board.analysis.limits import IDLE_TOLERANCE_V, PRELOAD
 from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance_s
 from fingertip.design import Design
-from fingertip.documents.template import fill
+from fingertip.documents.template import render_page
 from fingertip.pad.response import Pad
 from fingertip.sim.signal.bridge import Bridge, reads_whole_finger
 
@@ -70,8 +71,6 @@ def expect_change_ratio(design: Design) -> float:
     return abs(open_v - heavy.tactile_v) / abs(open_v - light.tactile_v)
 
 
-IDLE_TOLERANCE_V = 0.1
-"""Largest difference of an untouched finger from its expected voltage [V]. An assumption."""
 _HOLDERS = {"post": "stand", "clevis": "stub"}
 
 
@@ -122,4 +121,4 @@ def acceptance_sheet(design: Design) -> AcceptanceSheet:
 
 
 def render_acceptance(sheet: AcceptanceSheet) -> str:
-    return fill("acceptance.md", sheet)
+    return render_page("acceptance.md", preload=PRELOAD, **vars(sheet))

@@ -176,6 +176,10 @@ def _bridge_amplifier_margin_v(volts: dict[str, float], supply: Supply, supply_v
 
 # Constant voltages of the front end, from the network.
 
+IDLE_TOLERANCE_V, MAX_PRELOAD_V = 0.1, 0.5
+"""Largest difference of an untouched finger from its expected voltage [V], and from which on it is another board's."""
+PRELOAD = "the skin presses on the sensor: pull it on again"
+
 
 @dataclass(frozen=True)
 class TactileResponse:
@@ -197,6 +201,16 @@ class TactileResponse:
     @property
     def rises(self) -> bool:
         return self.transfer_ohm < 0.0
+
+    def describe_preload(self, rest_v: float) -> str | None:
+        """Describe the voltage at the least load [V] if it is that of a sensor that a skin presses on."""
+        excess_v = rest_v - self.open_v
+        if (excess_v > 0.0) != self.rises or not IDLE_TOLERANCE_V < abs(excess_v) <= MAX_PRELOAD_V:
+            return None
+        return (
+            f"at the least load the voltage is {1000 * excess_v:+.0f} mV from the {self.open_v:.3g} V of an untouched "
+            f"finger; if nothing touches it then, {PRELOAD}."
+        )
 
     def tactile_v(self, conductance_s: float) -> float:
         """Tactile voltage [V] for a sensor of this conductance [S], without the limits of the amplifier's output."""

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from fingertip.board.analysis.limits import IDLE_TOLERANCE_V
 from fingertip.board.circuits.board_circuit import divider_circuit
 from fingertip.board.circuits.spice import divider_deck
 from fingertip.board.components.front_end import MAX_CURRENT_A_PER_CM2, MAX_FORCE_N, sensor_conductance_s
@@ -15,7 +16,7 @@ from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.catalogues.output_files import BOM, DECK, NETLIST, README, VALUES, WIRING
 from fingertip.design import Design
 from fingertip.design.formulas.filter import find_preferred_neighbours
-from fingertip.documents.acceptance import IDLE_TOLERANCE_V, WeightReading, expect_open_v, expect_readings
+from fingertip.documents.acceptance import WeightReading, expect_open_v, expect_readings
 from fingertip.documents.template import WIDTH, render, render_page
 from fingertip.foundation.files import format_csv
 

@@ -5,13 +5,9 @@ from __future__ import annotations
 import contextlib
 import csv
 import datetime
-import json
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Generic, TypeVar
-
-T = TypeVar("T")
 
 # Cells of a line of text: splitting, and parsing of numbers and of times as ISO 8601 writes them.
 
@@ -97,9 +93,9 @@ def parse_instant(cell: str) -> datetime.datetime | None:
         return None
 
 
-# Lines that name each value, as plotters, JSON and serial monitors write them.
+# Lines that name each value, as plotters and serial monitors write them.
 
-_NAMED = re.compile(r"\s*(\{.*\}|.* -?> .*|[A-Za-z_][^,;\t:=]*[:=]\s*[-+.\d].*)\s*")
+_NAMED = re.compile(r"\s*(.* -?> .*|[A-Za-z_][^,;\t:=]*[:=]\s*[-+.\d].*)\s*")
 """Line that names each value, or that begins with a monitor's time stamp."""
 _NAME = re.compile(r"(^.* -?> )|[A-Za-z_][A-Za-z_0-9 .]*[:=] *")
 
@@ -123,7 +119,7 @@ def plain_labview(lines: Iterable[str]) -> Iterator[str]:
         delimiter = "\t" if "\t" in line else ","
         cells = line.rstrip("\r\n").split(delimiter)
         width = width or (cells.index("Comment") if "Comment" in cells else len(cells))
-        yield f"{delimiter.join(cells[:width])}\n"
+        yield delimiter.join(cells[:width]) + line[len(line.rstrip("\r\n")) :]
 
 
 def is_named(line: str) -> bool:
@@ -132,31 +128,18 @@ def is_named(line: str) -> bool:
 
 
 def bare_lines(lines: Iterable[str]) -> Iterator[str]:
-    """Leave the values of lines that name them; of a JSON object those within others too, in their order."""
-    for line in lines:
-        plain = _NAME.sub("", line) if is_named(line) else line
-        if line.lstrip().startswith("{"):
-            with contextlib.suppress(ValueError, RecursionError):
-                plain = f"{','.join(_list_values(json.loads(line)))}\n"
-        yield plain
-
-
-def _list_values(value: object) -> Iterator[str]:
-    if isinstance(value, dict | list):
-        for each in value.values() if isinstance(value, dict) else value:
-            yield from _list_values(each)
-    else:
-        yield str(value).replace(",", " ")
+    """Leave the values of lines that name them."""
+    return (_NAME.sub("", line) if is_named(line) else line for line in lines)
 
 
 @dataclass
-class NotedLines(Generic[T]):
+class NotedLines:
     """Lines that are passed over or cannot be used, of which a file may hold millions: their number, and the first."""
 
     count: int = 0
-    first: tuple[int, T] | None = None
+    first: tuple[int, str] | None = None
     """Number of the first line, and what is noted of it."""
 
-    def add(self, line: int, what: T) -> None:
+    def add(self, line: int, what: str) -> None:
         self.count += 1
         self.first = self.first or (line, what)

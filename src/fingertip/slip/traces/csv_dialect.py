@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.slip.traces.columns import DELIMITERS, SPACES, is_value, split_plain
 from fingertip.slip.traces.survey import SURVEYED_LINES, UNIT_WORD, survey_lines
@@ -23,6 +24,7 @@ NOT_TEXT = "is not a text file; a trace is a CSV file with the columns time_s,vo
 
 _SEPARATOR = re.compile(r'"?sep=.?"?', re.IGNORECASE)
 """First line of a spreadsheet's export."""
+_JSON = re.compile(r"\s*(\{.*\}|\[\s*[-\d.\"\[{].*\])\s*")
 
 
 @dataclass(frozen=True)
@@ -47,11 +49,17 @@ class Header:
         first = [cell for cell in cells if cell][:2]
         return all(map(UNIT_WORD.fullmatch, [*cells[:2], *first]))
 
-    def count_cells(self, first: int, columns: ColumnMap) -> int:
-        """Return how many cells each line must have: a program may omit last ones that no column of a trace takes."""
-        taken = {*map(columns.name_in_file, columns.looked_for)} & set(self.names)
-        minimum = 1 + max(map(self.names.index, taken))
-        return first if minimum <= first < len(self.names) else len(self.names)
+    def count_cells(self, first: int, places: Iterable[int]) -> int:
+        """Return how many cells each line must have: a program may omit last ones that are not taken."""
+        return first if max(places) < first < len(self.names) else len(self.names)
+
+    def find_place(self, name: str) -> int:
+        """Find the place of a column by its name, or its number from 1. Raises TraceError."""
+        if name in self.names:
+            return self.names.index(name)
+        if name.isdecimal() and 0 < int(name) <= len(self.names):
+            return int(name) - 1
+        raise TraceError(Issue("--column", f"there is no column {name}; {suggest_name(name, self.names)}"))
 
 
 def read_start(lines: Iterable[str]) -> Iterator[str]:
@@ -163,6 +171,9 @@ def _is_sample(line: str) -> bool:
 
 
 def _header_issues(name: str, lines: Sequence[str], columns: ColumnMap) -> list[Issue]:
+    if _JSON.fullmatch(lines[len(lines) // 2]):
+        command = "jq --unbuffered -r '[.. | numbers] | @csv'"
+        return [Issue(name, f"holds JSON lines; pass them through {command}, which leaves their numbers as CSV.")]
     survey, required = survey_lines(lines), list(map(columns.name_in_file, columns.required))
     number = survey.header or survey.first if survey else next(i for i, line in enumerate(lines, 1) if line.strip())
     line, field = _strip_comment(lines[number - 1]), f"{name}, line {number}"

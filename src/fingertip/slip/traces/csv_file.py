@@ -14,7 +14,6 @@ import itertools
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -24,10 +23,9 @@ from fingertip.foundation.input_files import SAMPLES_LIMIT
 from fingertip.foundation.numerics import Array
 from fingertip.slip.traces import columns as text
 from fingertip.slip.traces.csv_dialect import Header, adapt_labview, find_header, find_numbered_header, read_start
+from fingertip.slip.traces.sampling import count_others
 from fingertip.slip.traces.trace import ColumnMap, RawTrace, bounded_lines, max_lines, max_rows, shape_message
 
-_TAIL_BYTES = 4096
-"""Length of the end of a file that is examined for a line that was cut off [bytes]."""
 _PROBE_BYTES = 2**20
 """Length of the pieces in which the encoding of a file is tested [bytes]."""
 
@@ -56,8 +54,7 @@ def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
     except TraceError as error:
         if change is not text.bare_lines:
             raise
-        what = "JSON lines" if last[0].lstrip().startswith("{") else "labels or time stamps"
-        note = f"the file holds {what}, whose values are taken in their order: "
+        note = "the file holds labels or time stamps, whose values are taken in their order: "
         raise TraceError(replace(issue, message=note + issue.message) for issue in error.issues) from None
     below = "".join(start[header.line : header.line + 1])
     first_line = header.line + (2 if below.strip() and header.is_unit_line(below) else 1)
@@ -95,16 +92,17 @@ class _Source:
     first_line: int
     """Line number of the first sample."""
     columns: ColumnMap
+    cut_off: list[str] = field(default_factory=list)
 
     def read_lines(self) -> Iterator[str]:
-        """Read all lines but one that is cut off."""
-        before = None
+        """Read all lines but one that is cut off: it ends without a line break, and is shorter than the one before."""
+        before = ""
         for line in _read_lines(self.path, self.encoding, self.change, max_lines()):
-            if before is not None:
-                yield before
+            if line.endswith("\n") or len(line) >= len(before.rstrip()):
+                yield line
+            else:
+                self.cut_off.append(line)
             before = line
-        if before is not None and not self.is_cut_off:
-            yield before
 
     @property
     def places(self) -> dict[str, int]:
@@ -116,18 +114,8 @@ class _Source:
         """Yield sentences on samples above the header, and on what follows the last line that was read."""
         if self.header.has_samples_above:
             yield f"{self.path}, lines 1 to {self.header.line - 1}: stand above the header, and are passed over"
-        if self.is_cut_off:
+        if self.cut_off:
             yield f"{self.path}, line {last + 1}: is cut off, and passed over"
-
-    @cached_property
-    def is_cut_off(self) -> bool:
-        """True if the file ends without a line break, and in a shorter line than the one before."""
-        if self.encoding == "utf-16":
-            return False
-        with self.path.open("rb") as file:
-            file.seek(max(0, self.path.stat().st_size - _TAIL_BYTES))
-            *_, before, last = [b"", b"", *file.read().splitlines(keepends=True)]
-        return not last.endswith((b"\n", b"\r")) and len(last) < len(before.rstrip())
 
 
 def _read_valid(source: _Source) -> RawTrace | None:
@@ -142,7 +130,7 @@ def _read_valid(source: _Source) -> RawTrace | None:
             table = np.loadtxt(rows, delimiter=delimiter, comments=None, ndmin=2, max_rows=most)
     except ValueError:
         return None
-    if not len(table) or table.shape[1] != header.count_cells(table.shape[1], columns):
+    if not len(table) or table.shape[1] != header.count_cells(table.shape[1], places.values()):
         return None
     if len(table) == most or not np.isfinite(table[:, list(places.values())]).all():
         return None
@@ -165,11 +153,11 @@ class _Samples:
 
     values: dict[str, array.array[float]]
     lines: array.array[int] = field(default_factory=lambda: array.array("q"))
-    uneven: text.NotedLines[int] = field(default_factory=lambda: text.NotedLines[int]())
+    uneven: text.NotedLines = field(default_factory=text.NotedLines)
     """Line number and number of cells of lines with another number of cells than the others."""
-    wrong: dict[str, text.NotedLines[str]] = field(default_factory=dict)
+    wrong: dict[str, text.NotedLines] = field(default_factory=dict)
     """Line number and text of the cells of each column that cannot be read."""
-    passed_over: text.NotedLines[str] = field(default_factory=lambda: text.NotedLines[str]())
+    passed_over: text.NotedLines = field(default_factory=text.NotedLines)
     """Lines of headers and comments among the samples."""
     width: int = 0
     """Number of cells that each line must have."""
@@ -182,7 +170,7 @@ def _read_by_line(source: _Source) -> RawTrace:
     samples = _collect(source, enumerate(source.read_lines(), 1))
     notes = list(source.list_notes(samples.lines[-1] if samples.lines else 0))
     if samples.passed_over.first:
-        line, others = samples.passed_over.first[0], _count_others(samples.passed_over.count)
+        line, others = samples.passed_over.first[0], count_others(samples.passed_over.count)
         notes.append(f"{name}, line {line}: is a header or a comment among the samples{others}, and passed over")
     if samples.start is not None:
         notes.append(f"{name}, time_s: dates are read as seconds since {samples.start.isoformat()}")
@@ -191,7 +179,7 @@ def _read_by_line(source: _Source) -> RawTrace:
         message = "holds several segments, and no times that join them; keep the lines of one, or export X_Columns One."
         issues.append(Issue(name, message))
     values: dict[str, Array] = {column: np.array(cells) for column, cells in samples.values.items()}
-    has_all_times = not samples.uneven.count and not samples.wrong.get("time_s", text.NotedLines[str]()).count
+    has_all_times = not samples.uneven.count and not samples.wrong.get("time_s", text.NotedLines()).count
     if samples.start is not None:  # dates are in seconds: their scale is an issue, and would make others
         columns = replace(columns, time_scale=1.0)
     trace = columns.make_trace(values)
@@ -202,7 +190,7 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
     """Collect the samples of numbered lines. Cells that cannot be read become 0, so that the others are validated."""
     header, places = source.header, source.places
     samples = _Samples(
-        {column: array.array("d") for column in places}, wrong={column: text.NotedLines[str]() for column in places}
+        {column: array.array("d") for column in places}, wrong={column: text.NotedLines() for column in places}
     )
     after_header, most = False, SAMPLES_LIMIT.value
     below = (entry for entry in lines if entry[0] >= source.first_line and entry[1].strip())
@@ -213,12 +201,12 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
             continue
         after_header = False
         cells = text.split_cells(line, header.delimiter)
-        samples.width = width = samples.width or header.count_cells(len(cells), source.columns)
+        samples.width = width = samples.width or header.count_cells(len(cells), places.values())
         samples.lines.append(number)
         if len(samples.lines) > most:
             raise TraceError(Issue(str(source.path), shape_message([len(samples.lines)]) or ""))
         if len(cells) != width:
-            samples.uneven.add(number, len(cells))
+            samples.uneven.add(number, str(len(cells)))
         for column, place in places.items():
             value = 0.0
             if len(cells) == width:
@@ -249,24 +237,25 @@ def _parse(cell: str, column: str, samples: _Samples) -> float | None:
 def _find_issues(name: str, source: _Source, samples: _Samples) -> Iterator[Issue]:
     if samples.uneven.first:
         number, count = samples.uneven.first
-        others = f" (and {samples.uneven.count - 1} more such lines)" if samples.uneven.count > 1 else ""
-        message = f"has {count} cells, but the header has {len(source.header.names)}{others}"
+        message = (
+            f"has {count} cells, but the header has {len(source.header.names)}{count_others(samples.uneven.count)}"
+        )
         yield Issue(f"{name}, line {number}", f"{message}; each line must have one per column.")
     for column, wrong in samples.wrong.items():
         if not wrong.first:
             continue
         number, cell = wrong.first
         if not text.unquote(cell):
-            message = f"is missing in line {number}{_count_others(wrong.count)}"
+            message = f"is missing in line {number}{count_others(wrong.count)}"
             yield Issue(f"{name}, {column}", f"{message}; fill it in, such as with the value before it.")
         elif text.is_over_range(cell):
-            value = f"{quote_value(text.unquote(cell))} in line {number}{_count_others(wrong.count)}"
+            value = f"{quote_value(text.unquote(cell))} in line {number}{count_others(wrong.count)}"
             message = f"{value} marks that the signal left the instrument's range; record again with a wider one"
             yield Issue(f"{name}, {column}", f"{message}, or cut the recording there.")
         else:
             value = f"{quote_value(cell.strip())} in line {number}"
             form = ", or a date as 2024-05-31T12:00:00.0005" if column == "time_s" else ""
-            message = f"{value} is not a number{_count_others(wrong.count)}; write it with a decimal point{form}."
+            message = f"{value} is not a number{count_others(wrong.count)}; write it with a decimal point{form}."
             yield Issue(f"{name}, {column}", message)
     if samples.start is not None and source.columns.time_scale != 1.0:
         yield Issue("--time-scale", f"does not apply to the dates in {name}; leave it out.")
@@ -274,8 +263,4 @@ def _find_issues(name: str, source: _Source, samples: _Samples) -> Iterator[Issu
     neither = np.flatnonzero((slip != 0) & (slip != 1))
     if neither.size:
         value = f"{slip[neither[0]]:g} in line {samples.lines[neither[0]]}"
-        yield Issue(f"{name}, slip", f"{value} is neither 0 nor 1{_count_others(neither.size)}; write 0 or 1.")
-
-
-def _count_others(count: int) -> str:
-    return f" (and {count - 1} more)" if count > 1 else ""
+        yield Issue(f"{name}, slip", f"{value} is neither 0 nor 1{count_others(neither.size)}; write 0 or 1.")

@@ -101,27 +101,9 @@ def read_trace(
     scale: float = 1.0,
     time_scale: float = 1.0,
 ) -> Trace:
-    """Read a recorded trace from a file of any kind that `read_raw_trace` reads, and validate it for a detector.
+    """Read a recorded trace from a file of any kind that `detect` reads, and validate it for a detector.
 
-    Parameters
-    ----------
-    path
-        The file.
-    design
-        Source of the detector's sampling rate and window, and of the ADC range; by default the default design.
-    columns
-        Name in the file for each column of a trace, such as ``{"voltage_v": "AI0"}``.
-    rate_hz
-        Sampling rate that the trace has, in place of the design's [Hz]. Times in the file must agree with it.
-    scale
-        Volts per unit of the file's voltage.
-    time_scale
-        Seconds per unit of the file's times.
-
-    Returns
-    -------
-    Trace
-        Columns of equal length, evenly sampled, without NaN.
+    The parameters are those of `detect_file`; `rate_hz` replaces the rate of the design.
 
     Raises
     ------

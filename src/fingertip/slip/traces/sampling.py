@@ -130,7 +130,7 @@ def time_issues(
         if places.size:
             is_even = False
             i = int(places[0]) + 1
-            context = f"(previous time {time_s[i - 1]:.9g} s, median step {usual:.4g} s){_count_others(places.size)}"
+            context = f"(previous time {time_s[i - 1]:.9g} s, median step {usual:.4g} s){count_others(places.size)}"
             yield Issue(field, f"{time_s[i]:.9g} s {sample_location(i, lines)} {what} {context}; {remedy}.")
     rate = float(len(steps) / (time_s[-1] - time_s[0])) if is_even else 1 / usual
     if abs(rate / detector.sample_rate_hz - 1) > RATE_TOLERANCE:
@@ -152,7 +152,7 @@ def _rounding_message(
         rate = f"{detector.sample_rate_hz if agrees else rate_hz:.9g}"
     return (
         f"{time_s[at]:.9g} s {sample_location(at, lines)} repeats the time before it"
-        f"{_count_others(rounding.repeats)}: the times are rounded to {rounding.step_s:.4g} s{mean}; "
+        f"{count_others(rounding.repeats)}: the times are rounded to {rounding.step_s:.4g} s{mean}; "
         f"{condition}{_without_times('them', rate, is_array)}."
     )
 
@@ -199,10 +199,8 @@ def guess_time_unit(rate_hz: float) -> str | None:
     return next((unit for unit in _UNIT_NAMES if MIN_RATE_HZ <= rate_hz / TIME_UNITS_S[unit] <= MAX_RATE_HZ), None)
 
 
-def _count_others(count: int) -> str:
-    if count == 1:
-        return ""
-    return ", as does 1 more sample" if count == 2 else f", as do {count - 1} more samples"
+def count_others(count: int) -> str:
+    return f" (and {count - 1} more)" if count > 1 else ""
 
 
 def sample_location(sample: int, lines: Sequence[int] | None) -> str:

@@ -226,9 +226,10 @@ class RawTrace:
         for column, values in self.trace._columns():
             if (wrong := np.flatnonzero(~np.isfinite(values))).size:
                 first = int(wrong[0])
-                others = f" (and {wrong.size - 1} more)" if wrong.size > 1 else ""
-                location = sample_location(first, self.lines)
-                message = f"{values[first]} {location} is not a finite number{others}; record again or remove it."
+                where = (
+                    f"{sample_location(first, self.lines)} is not a finite number{sampling.count_others(wrong.size)}"
+                )
+                message = f"{values[first]} {where}; record again or remove it."
                 yield Issue(f"{self.name}, {column}", message)
         volts = self.trace.voltage_v
         if count >= minimum and np.isfinite(volts).all() and rises_as_time(volts):

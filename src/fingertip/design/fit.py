@@ -51,7 +51,7 @@ _SHARES = (1.0, 0.5, 0.25)
 _NEARER = 0.9
 """Part of a lack that may be left after a step towards a repair."""
 _OF_MOVES = 0.3
-"""Weight of the moves of a design, each relative to its range, beside the number of rules that it breaks."""
+"""Weight of the moves of a design, each relative to its range, beside the number of rules that do not pass."""
 LEAST_LOADS = {"strength.grip_force_n": 1.0, "strength.knock_speed_m_s": 0.01}
 """Loads that may become lower if they are not given, with the least that may be stated."""
 
@@ -204,12 +204,14 @@ class _Search:
         self.count = 0
 
     def check(self, values: Values) -> tuple[float, tuple[BrokenRule, ...]]:
-        """Return a score, the number of broken rules and how far each is from passing, and these rules."""
+        """Return a score, the number of rules that do not pass and how far broken ones are from it, and these."""
         key = tuple(sorted(values.items()))
         if key not in self._checked:
             self.count += _CHECK
-            found = tuple(RuleChecker(self._tables.with_values(values)).find_broken(self._rules))
-            self._checked[key] = sum(1.0 + _measure_lack(broken) for broken in found), found
+            checker = RuleChecker(self._tables.with_values(values))
+            found = tuple(checker.find_broken(self._rules))
+            failing = sum(not checker.passes(rule) for rule in self._rules)  # with those that a broken one leaves out
+            self._checked[key] = failing + sum(map(_measure_lack, found)), found
         return self._checked[key]
 
     def find_passing(self, begin: Values, progress: Progress, checks: int = _CHECKS) -> dict[str, float] | None:

@@ -37,9 +37,9 @@ _WISHES: Ranges = {
 }
 """Wishes of a file that may move in a second round, if the derived parameters alone do not suffice."""
 MOVABLE = (*DERIVED, *_WISHES)
-_CHECKS, _FEW, _CHECK = 1000, 500, 5
-"""Largest number of single rules that are checked in one round, for a refusal a few, and the number that a check of all
-counts for."""
+_CHECKS, _FEW, _CHECK, _SLOWER = 1500, 500, 5, 4
+"""Largest number of single rules that are checked in one round, for a refusal a few, the number that a check of all
+counts for, and the number of prerequisites for which a rule counts once more: those with many take long."""
 _HALVINGS, _BACK_HALVINGS = 6, 5
 """Halvings of the way to the nearest value with which a rule passes, and of the way back to the beginning."""
 _ROUNDS = 3
@@ -102,7 +102,7 @@ def fit_design(
 
     Raises DesignError. Its remedies lead what is given towards the design `before`. Typed in, they pass.
     """
-    fit, weak = _find(tables, given, guessed, holds, progress)
+    fit, weak = find_fit(tables, given, guessed, holds, progress)
     if fit:
         return fit
     named = {broken.rule.field: broken for broken in weak}
@@ -110,7 +110,7 @@ def fit_design(
     def settle(values: Mapping[str, Any]) -> dict[str, Any] | None:
         """Add the loads that a fit holds with the values of a remedy; None if no fit follows. Parts follow loads."""
         for _ in range(_ROUNDS):
-            found, weak = _find(tables.with_values(values), given, guessed, holds, lambda share: None, _FEW)
+            found, weak = find_fit(tables.with_values(values), given, guessed, holds, checks=_FEW)
             if found:
                 return dict(values)
             named.update({broken.rule.field: broken for broken in weak if broken.rule.field not in named})
@@ -131,25 +131,13 @@ def fit_design(
 def find_fit(
     tables: DesignTables,
     given: Collection[str] = (),
-    *,
-    holds: Holds | None = None,
     guessed: Collection[str] = (),
-    checks: int = _CHECKS,
-) -> Fit | None:
-    """Fit a design as `fit_design` does; None if it finds no design that passes."""
-    return _find(tables, given, guessed, holds, lambda share: None, checks, is_early=checks < _CHECKS)[0]
-
-
-def _find(
-    tables: DesignTables,
-    given: Collection[str],
-    guessed: Collection[str],
-    holds: Holds | None,
-    progress: Progress,
+    holds: Holds | None = None,
+    progress: Progress = lambda share: None,
     checks: int = _CHECKS,
     is_early: bool = False,
 ) -> tuple[Fit | None, Sequence[BrokenRule]]:
-    """Find a design that passes; or else what is too weak in one that passes all rules.
+    """Find a design that passes as `fit_design` does; or else what is too weak in one that passes all rules.
 
     A search that gives up early moves no wish in place of what a whole one would have found.
     """
@@ -189,7 +177,7 @@ def _find_bounds(weak: Sequence[BrokenRule]) -> dict[str, float]:
 
 def list_moved(tables: DesignTables, given: Collection[str]) -> tuple[str, ...] | None:
     """Fit a design as `find_fit` does, but give up early, as a refusal does not wait; name what moved."""
-    fit = find_fit(tables, given, checks=_FEW)
+    fit, _ = find_fit(tables, given, checks=_FEW, is_early=True)
     return tuple(move.name for move in fit.moves) if fit else None
 
 
@@ -269,7 +257,7 @@ class _Search:
             yield self._approach(failing, helpful, values, broken.rule)
 
     def _lack_of(self, rule: Rule, values: Values) -> float:
-        self.count += 1
+        self.count += 1 + len(rule.prerequisites) // _SLOWER
         design = self._tables.with_values(values)
         checker = RuleChecker(design)
         if checker.passes(rule):

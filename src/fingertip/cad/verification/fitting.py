@@ -75,7 +75,7 @@ def lower_loads(tables: DesignTables, loads: Collection[str]) -> Fit:
 
 def find_mend(design: Design, given: Collection[str]) -> Sequence[str]:
     """Name what a fit moves of a design that fails checks, if it then passes all; nothing if that takes too long."""
-    fit = find_fit(design, given, holds=_HOLDS, checks=_FEW)
+    fit, _ = find_fit(design, given, holds=_HOLDS, checks=_FEW, is_early=True)
     passes = fit and all(each.passed for each in check(Design.model_construct(None, **dict(fit.tables))).checks)
     return [move.name for move in fit.moves] if fit and passes else []
 

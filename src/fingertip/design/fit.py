@@ -19,7 +19,7 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_follows, find_unit
 from fingertip.design.refusal import find_remedies
-from fingertip.design.rules.ruleset import BrokenRule, Rule, RuleChecker
+from fingertip.design.rules.ruleset import BrokenRule, Rule, RuleChecker, find_violations
 from fingertip.design.search import PART_RULES, cheapest_first, round_digits
 from fingertip.foundation.errors import DesignError, Issue
 
@@ -202,6 +202,10 @@ class _Search:
             self._checked[key] = failing + sum(map(_measure_lack, found)), found
         return self._checked[key]
 
+    def passes(self, values: Values) -> bool:
+        """Tell whether a design passes; one that does not takes less time than its score."""
+        return next(find_violations(self._rules, self._tables.with_values(values)), None) is None
+
     def find_passing(self, begin: Values, progress: Progress, checks: int = _CHECKS) -> dict[str, float] | None:
         """Find values that pass: always repair the most promising design, at its first broken rule."""
         order = itertools.count()
@@ -274,7 +278,7 @@ class _Search:
             if middle in (failing, passing):
                 break
             trial = {**rest, **middle}
-            holds = self._lack_of(rule, trial) == 0.0 if rule else not self.check(trial)[1]
+            holds = self._lack_of(rule, trial) == 0.0 if rule else self.passes(trial)
             failing, passing = (failing, middle) if holds else (middle, passing)
         return dict(passing)
 
@@ -291,7 +295,7 @@ class _Search:
             changed = False
             for name in sorted(values):
                 rest = {other: value for other, value in values.items() if other != name}
-                if not self.check(rest)[1]:
+                if self.passes(rest):
                     values, changed = rest, True
                     continue
                 begin = {name: self._tables.value(name)}
@@ -311,7 +315,7 @@ class _Search:
                 (low, high), present = self._free[name], tables.value(name)
                 end = min(max(present * factor, low), high)
                 trial = {**strong, name: _round(name, present + share * (end - present))}
-                if not self.check(trial)[1]:
+                if self.passes(trial):
                     strong = trial
                     break
         if not self._is_held(strong):
@@ -328,7 +332,7 @@ class _Search:
 
     def _is_held(self, values: Values) -> bool:
         assert self._holds
-        return not self.check(values)[1] and not self._holds.judge(self._tables.with_values(values))
+        return self.passes(values) and not self._holds.judge(self._tables.with_values(values))
 
     def describe(self, values: Values) -> Fit:
         moves = []

@@ -249,9 +249,7 @@ def describe_cause(check: Check, with_remedy: bool = True) -> str:
     return remedy + (f"change {', '.join(check.change)}" if check.change else f"this is a bug in {check.source}")
 
 
-def offer_fit(
-    design: Design, checks: Iterable[Check], changes: Iterable[str], console: Console
-) -> dict[str, list[str]]:
+def offer_fit(design: Design, checks: Iterable[Check], changes: Iterable[str], console: Console) -> dict[str, Any]:
     """Name, as data, what a fit moves for checks that failed, if it mends them all and was not asked for."""
     from fingertip.cad.verification.fitting import find_mend
 

@@ -209,26 +209,18 @@ class _Search:
     def find_passing(self, begin: Values, progress: Progress, checks: int = _CHECKS) -> dict[str, float] | None:
         """Find values that pass: always repair the most promising design, at its first broken rule."""
         order = itertools.count()
-        queue: list[tuple[float, int, dict[str, float]]] = [(self.check(begin)[0], next(order), dict(begin))]
-        if not self.check(begin)[1]:
-            return dict(begin)
-        seen = set[tuple[tuple[str, float], ...]]()
-        while queue and self.count < checks:
+        queue = [(self.check(begin)[0] > 0.0, 0.0, next(order), dict(begin))]
+        while queue and (self.count < checks or not queue[0][0]):
+            *_, values = heapq.heappop(queue)
+            if not (broken := self.check(values)[1]):
+                return values
             progress(self.count / checks)
-            _, _, values = heapq.heappop(queue)
-            passing: list[tuple[float, dict[str, float]]] = []
-            for repair in self._list_repairs(values, self.check(values)[1][0]):
+            for repair in self._list_repairs(values, broken[0]):
                 trial = {**values, **repair}
-                key = tuple(sorted(trial.items()))
-                if key in seen:
+                if tuple(sorted(trial.items())) in self._checked:
                     continue
-                seen.add(key)
-                score, moved = self.check(trial)[0], self._measure_moves(trial)
-                if score == 0.0:
-                    passing.append((moved, trial))
-                heapq.heappush(queue, (score + _OF_MOVES * moved, next(order), trial))
-            if passing:
-                return min(passing, key=lambda found: found[0])[1]
+                score = self.check(trial)[0]
+                heapq.heappush(queue, (score > 0.0, score + _OF_MOVES * self._measure_moves(trial), next(order), trial))
         return None
 
     def _list_repairs(self, values: Values, broken: BrokenRule) -> Iterator[dict[str, float]]:

@@ -48,6 +48,7 @@ def test_a_failed_check_offers_the_fit_that_mends_it() -> None:
     refused = run_fingertip(*words).stdout
     assert "pad.rest_force: change" in refused
     assert refused.endswith("  or add --fit, which moves skin.bump_height_mm\n")
+    assert json.loads(run_fingertip(*words, "--json").stdout)["designs"][0]["fit_moves"] == ["skin.bump_height_mm"]
     assert "all 100 checks passed" in run_fingertip(*words, "--fit").stdout
 
 

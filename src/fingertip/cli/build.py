@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +25,7 @@ from fingertip.cli.options import (
     load_fingers,
     refuse,
 )  # fmt: skip
-from fingertip.foundation.errors import FingertipError, Issue
+from fingertip.foundation.errors import FingertipError, Issue, join_words
 from fingertip.foundation.files import write_zip
 
 if TYPE_CHECKING:
@@ -70,7 +70,8 @@ def build(
     data = json.loads(result.contents[REPORT]) | {"folder": str(result.folder), "removed": list(result.removed)}
     following = f"{result.folder / SHEET} says what to print, and how to cast the skin" if result.casting else ""
     lines = _format_build(result)
-    last = _tell_next(result, following, offer_fit(loaded, result.checks, changes or (), console))
+    data |= (offer := offer_fit(loaded, result.checks, changes or (), console))
+    last = _tell_next(result, following, offer)
     lines += [*_list_remarks(result, _MAX_LINES - len(lines) - len(last)), *last]
     console.result(data, "\n".join(lines), result.passed)
 
@@ -115,12 +116,13 @@ def _list_remarks(result: Build, room: int, rewrite: Callable[[str], str] = str)
     return lines + ([f"and {len(remarks) - len(shown)} more, in {REPORT}"] if len(shown) < len(remarks) else [])
 
 
-def _tell_next(result: Build, following: str, offers: Sequence[str]) -> list[str]:
+def _tell_next(result: Build, following: str, offer: Mapping[str, Sequence[str]]) -> list[str]:
     """Tell what follows; where checks failed, the one command that mends them."""
     if result.passed:
         return [f"next: {following}"] if following else []
     remedies = dict.fromkeys(f"--set {check.remedy}" for check in result.checks if check.remedy)
-    offers = [*([" ".join(remedies)] if remedies else []), *(offer.removeprefix("  or add ") for offer in offers)]
+    offers = [*([" ".join(remedies)] if remedies else []),
+              *(f"--fit, which moves {join_words(moved)}" for moved in offer.values())]  # fmt: skip
     return [f"next: run it again with {', or '.join(offers) or 'a change that mends what failed'}"]
 
 
@@ -178,7 +180,8 @@ def make(
     last = [f"look at: {made.page or made.parts.folder}{' in a browser' if made.page else ''}"]
     lines = _format_build(made.parts)
     following = f"order what the page lists, print the parts{printed}, then follow {SHEET}"
-    last += _tell_next(made.parts, following, offer_fit(loaded, made.parts.checks, changes or (), console))
+    data |= (offer := offer_fit(loaded, made.parts.checks, changes or (), console))
+    last += _tell_next(made.parts, following, offer)
     lines += [*_list_remarks(made.parts, _MAX_LINES - len(lines) - len(last)), *last]
     console.result(data, "\n".join(lines), made.parts.passed)
 

@@ -164,10 +164,11 @@ def _check_designs(
         for label, checks in checks_by_design.items()
     ]  # fmt: skip
     data = {"passed": all(one["passed"] for one in found), "tolerance_mm": tolerance_mm, "designs": found}
-    texts = [
-        "\n".join([_format_table(label, checks, verbose), *offer_fit(designs[label], checks, changes, console)])
-        for label, checks in checks_by_design.items()
-    ]
+    texts = list[str]()
+    for one, (label, checks) in zip(found, checks_by_design.items(), strict=True):
+        one |= (offer := offer_fit(designs[label], checks, changes, console))
+        offered = [f"  or add --fit, which moves {join_words(offer['fit_moves'])}"] if offer else []
+        texts.append("\n".join([_format_table(label, checks, verbose), *offered]))
     if margins:
         for i, (label, design) in enumerate(designs.items()):
             nearest = list_margins(design, checks_by_design[label])[:_NEAREST]
@@ -246,11 +247,11 @@ def describe_cause(check: Check, with_remedy: bool = True) -> str:
     return remedy + (f"change {', '.join(check.change)}" if check.change else f"this is a bug in {check.source}")
 
 
-def offer_fit(design: Design, checks: Iterable[Check], changes: Iterable[str], console: Console) -> list[str]:
-    """Offer the fit for checks that failed, if it mends them all and was not asked for."""
+def offer_fit(design: Design, checks: Iterable[Check], changes: Iterable[str], console: Console) -> dict[str, Any]:
+    """Name, as data, what a fit moves for checks that failed, if it mends them all and was not asked for."""
     from fingertip.cad.verification.fitting import find_mend
 
-    if console.fits or console.as_json or not any(check.change for check in checks if not check.passed):
-        return []
+    if console.fits or not any(check.change for check in checks if not check.passed):
+        return {}
     moved = find_mend(design, [split_finger(change.partition("=")[0].strip())[1] for change in changes])
-    return [f"  or add --fit, which moves {join_words(moved)}"] if moved else []
+    return {"fit_moves": list(moved)} if moved else {}

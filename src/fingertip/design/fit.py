@@ -19,7 +19,7 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_follows, find_unit
 from fingertip.design.refusal import find_remedies
-from fingertip.design.rules.ruleset import BrokenRule, Rule, RuleChecker
+from fingertip.design.rules.ruleset import BrokenRule, Rule, RuleChecker, find_violations
 from fingertip.design.search import PART_RULES, cheapest_first, round_digits
 from fingertip.foundation.errors import DesignError, Issue
 
@@ -37,9 +37,9 @@ _WISHES: Ranges = {
 }
 """Wishes of a file that may move in a second round, if the derived parameters alone do not suffice."""
 MOVABLE = (*DERIVED, *_WISHES)
-_CHECKS, _FEW, _CHECK = 1000, 500, 5
-"""Largest number of single rules that are checked in one round, for a refusal a few, and the number that a check of all
-counts for."""
+_CHECKS, _FEW, _CHECK, _SLOWER = 1500, 500, 5, 4
+"""Largest number of single rules that are checked in one round, for a refusal a few, the number that a check of all
+counts for, and the number of prerequisites for which a rule counts once more: those with many take long."""
 _HALVINGS, _BACK_HALVINGS = 6, 5
 """Halvings of the way to the nearest value with which a rule passes, and of the way back to the beginning."""
 _ROUNDS = 3
@@ -51,7 +51,7 @@ _SHARES = (1.0, 0.5, 0.25)
 _NEARER = 0.9
 """Part of a lack that may be left after a step towards a repair."""
 _OF_MOVES = 0.3
-"""Weight of the moves of a design, each relative to its range, beside the number of rules that it breaks."""
+"""Weight of the moves of a design, each relative to its range, beside the number of rules that do not pass."""
 LEAST_LOADS = {"strength.grip_force_n": 1.0, "strength.knock_speed_m_s": 0.01}
 """Loads that may become lower if they are not given, with the least that may be stated."""
 
@@ -102,7 +102,7 @@ def fit_design(
 
     Raises DesignError. Its remedies lead what is given towards the design `before`. Typed in, they pass.
     """
-    fit, weak = _find(tables, given, guessed, holds, progress)
+    fit, weak = find_fit(tables, given, guessed, holds, progress)
     if fit:
         return fit
     named = {broken.rule.field: broken for broken in weak}
@@ -110,7 +110,7 @@ def fit_design(
     def settle(values: Mapping[str, Any]) -> dict[str, Any] | None:
         """Add the loads that a fit holds with the values of a remedy; None if no fit follows. Parts follow loads."""
         for _ in range(_ROUNDS):
-            found, weak = _find(tables.with_values(values), given, guessed, holds, lambda share: None, _FEW)
+            found, weak = find_fit(tables.with_values(values), given, guessed, holds, checks=_FEW)
             if found:
                 return dict(values)
             named.update({broken.rule.field: broken for broken in weak if broken.rule.field not in named})
@@ -131,25 +131,13 @@ def fit_design(
 def find_fit(
     tables: DesignTables,
     given: Collection[str] = (),
-    *,
-    holds: Holds | None = None,
     guessed: Collection[str] = (),
-    checks: int = _CHECKS,
-) -> Fit | None:
-    """Fit a design as `fit_design` does; None if it finds no design that passes."""
-    return _find(tables, given, guessed, holds, lambda share: None, checks, is_early=checks < _CHECKS)[0]
-
-
-def _find(
-    tables: DesignTables,
-    given: Collection[str],
-    guessed: Collection[str],
-    holds: Holds | None,
-    progress: Progress,
+    holds: Holds | None = None,
+    progress: Progress = lambda share: None,
     checks: int = _CHECKS,
     is_early: bool = False,
 ) -> tuple[Fit | None, Sequence[BrokenRule]]:
-    """Find a design that passes; or else what is too weak in one that passes all rules.
+    """Find a design that passes as `fit_design` does; or else what is too weak in one that passes all rules.
 
     A search that gives up early moves no wish in place of what a whole one would have found.
     """
@@ -189,7 +177,7 @@ def _find_bounds(weak: Sequence[BrokenRule]) -> dict[str, float]:
 
 def list_moved(tables: DesignTables, given: Collection[str]) -> tuple[str, ...] | None:
     """Fit a design as `find_fit` does, but give up early, as a refusal does not wait; name what moved."""
-    fit = find_fit(tables, given, checks=_FEW)
+    fit, _ = find_fit(tables, given, checks=_FEW, is_early=True)
     return tuple(move.name for move in fit.moves) if fit else None
 
 
@@ -204,37 +192,35 @@ class _Search:
         self.count = 0
 
     def check(self, values: Values) -> tuple[float, tuple[BrokenRule, ...]]:
-        """Return a score, the number of broken rules and how far each is from passing, and these rules."""
+        """Return a score, the number of rules that do not pass and how far broken ones are from it, and these."""
         key = tuple(sorted(values.items()))
         if key not in self._checked:
             self.count += _CHECK
-            found = tuple(RuleChecker(self._tables.with_values(values)).find_broken(self._rules))
-            self._checked[key] = sum(1.0 + _measure_lack(broken) for broken in found), found
+            checker = RuleChecker(self._tables.with_values(values))
+            found = tuple(checker.find_broken(self._rules))
+            failing = sum(not checker.passes(rule) for rule in self._rules)  # with those that a broken one leaves out
+            self._checked[key] = failing + sum(map(_measure_lack, found)), found
         return self._checked[key]
+
+    def passes(self, values: Values) -> bool:
+        """Tell whether a design passes; one that does not takes less time than its score."""
+        return next(find_violations(self._rules, self._tables.with_values(values)), None) is None
 
     def find_passing(self, begin: Values, progress: Progress, checks: int = _CHECKS) -> dict[str, float] | None:
         """Find values that pass: always repair the most promising design, at its first broken rule."""
         order = itertools.count()
-        queue: list[tuple[float, int, dict[str, float]]] = [(self.check(begin)[0], next(order), dict(begin))]
-        if not self.check(begin)[1]:
-            return dict(begin)
-        seen = set[tuple[tuple[str, float], ...]]()
-        while queue and self.count < checks:
+        queue = [(self.check(begin)[0] > 0.0, 0.0, next(order), dict(begin))]
+        while queue and (self.count < checks or not queue[0][0]):
+            *_, values = heapq.heappop(queue)
+            if not (broken := self.check(values)[1]):
+                return values
             progress(self.count / checks)
-            _, _, values = heapq.heappop(queue)
-            passing: list[tuple[float, dict[str, float]]] = []
-            for repair in self._list_repairs(values, self.check(values)[1][0]):
+            for repair in self._list_repairs(values, broken[0]):
                 trial = {**values, **repair}
-                key = tuple(sorted(trial.items()))
-                if key in seen:
+                if tuple(sorted(trial.items())) in self._checked:
                     continue
-                seen.add(key)
-                score, moved = self.check(trial)[0], self._measure_moves(trial)
-                if score == 0.0:
-                    passing.append((moved, trial))
-                heapq.heappush(queue, (score + _OF_MOVES * moved, next(order), trial))
-            if passing:
-                return min(passing, key=lambda found: found[0])[1]
+                score = self.check(trial)[0]
+                heapq.heappush(queue, (score > 0.0, score + _OF_MOVES * self._measure_moves(trial), next(order), trial))
         return None
 
     def _list_repairs(self, values: Values, broken: BrokenRule) -> Iterator[dict[str, float]]:
@@ -267,7 +253,7 @@ class _Search:
             yield self._approach(failing, helpful, values, broken.rule)
 
     def _lack_of(self, rule: Rule, values: Values) -> float:
-        self.count += 1
+        self.count += 1 + len(rule.prerequisites) // _SLOWER
         design = self._tables.with_values(values)
         checker = RuleChecker(design)
         if checker.passes(rule):
@@ -284,7 +270,7 @@ class _Search:
             if middle in (failing, passing):
                 break
             trial = {**rest, **middle}
-            holds = self._lack_of(rule, trial) == 0.0 if rule else not self.check(trial)[1]
+            holds = self._lack_of(rule, trial) == 0.0 if rule else self.passes(trial)
             failing, passing = (failing, middle) if holds else (middle, passing)
         return dict(passing)
 
@@ -301,7 +287,7 @@ class _Search:
             changed = False
             for name in sorted(values):
                 rest = {other: value for other, value in values.items() if other != name}
-                if not self.check(rest)[1]:
+                if self.passes(rest):
                     values, changed = rest, True
                     continue
                 begin = {name: self._tables.value(name)}
@@ -321,7 +307,7 @@ class _Search:
                 (low, high), present = self._free[name], tables.value(name)
                 end = min(max(present * factor, low), high)
                 trial = {**strong, name: _round(name, present + share * (end - present))}
-                if not self.check(trial)[1]:
+                if self.passes(trial):
                     strong = trial
                     break
         if not self._is_held(strong):
@@ -338,7 +324,7 @@ class _Search:
 
     def _is_held(self, values: Values) -> bool:
         assert self._holds
-        return not self.check(values)[1] and not self._holds.judge(self._tables.with_values(values))
+        return self.passes(values) and not self._holds.judge(self._tables.with_values(values))
 
     def describe(self, values: Values) -> Fit:
         moves = []

@@ -8,6 +8,7 @@ from collections.abc import Callable, Collection, Sequence
 from typing import cast
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.printing.overhang import MAX_LEDGE_MM, OVERHANG_DEG
 from fingertip.cad.verification.mold import palmar_error_mm, palmar_error_share
 from fingertip.cad.verification.skin import MAX_REST_N
 from fingertip.cad.verification.strength import BoneStrength, assess_strength, list_load_points
@@ -75,7 +76,7 @@ def lower_loads(tables: DesignTables, loads: Collection[str]) -> Fit:
 
 def find_mend(design: Design, given: Collection[str]) -> Sequence[str]:
     """Name what a fit moves of a design that fails checks, if it then passes all; nothing if that takes too long."""
-    fit = find_fit(design, given, holds=_HOLDS, checks=_FEW)
+    fit, _ = find_fit(design, given, holds=_HOLDS, checks=_FEW, is_early=True)
     passes = fit and all(each.passed for each in check(Design.model_construct(None, **dict(fit.tables))).checks)
     return [move.name for move in fit.moves] if fit and passes else []
 
@@ -110,6 +111,14 @@ def bump_rests_lightly(design: DesignTables) -> Limit | None:
     return Limit(
         design.skin.bump_height_mm * MAX_REST_N / max(rest_n, MAX_REST_N), "presses too hard on the sensor at rest"
     )
+
+
+@_SKIN.at_most("bone.platform_mm", when=lambda design: design.prints_without_supports)
+def platform_prints_as_a_ledge(design: DesignTables) -> Limit | None:
+    """A wide head stands out beside the ramp, where it prints over air."""
+    dims, steep = design.dimensions, math.sin(math.radians(OVERHANG_DEG))
+    is_wide = dims.platform_radius * steep - dims.neck_half_width > MAX_LEDGE_MM
+    return Limit(MAX_LEDGE_MM, "overhangs beside its ramp") if is_wide else None
 
 
 @_SKIN.at_least("skin.thickness_palmar_mm")

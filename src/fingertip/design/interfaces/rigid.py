@@ -172,7 +172,7 @@ def post_within_base(design: DesignTables) -> Violation | None:
         return None
     highest = 2 * design.dimensions.bone_outline.section.half_width
     return Violation(
-        f"{design.bone.post_width_mm:g} mm is wider than the base", at_most(bisect(holds, 0.0, highest, halvings=30)[0])
+        f"{design.bone.post_width_mm:g} mm is wider than the base", at_most(bisect(holds, 0.0, highest, halvings=18)[0])
     )
 
 

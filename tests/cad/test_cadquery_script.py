@@ -28,7 +28,7 @@ from fingertip.design.parameters import PARAMETERS
 from tests.conftest import ROOT, run_python
 
 NAMES = ("bone", "skin", "mold_palmar", "mold_dorsal", "core", "stand")
-MODULES = ("cq_letters.py", "cq_numbers.py", "cq_solids.py")
+MODULES = ("cq_letters.py", "cq_numbers.py", "cq_outlines.py", "cq_parameters.py", "cq_solids.py")
 ALONE = """
 import runpy, sys
 sys.modules["fingertip"] = None  # importing it would fail
@@ -100,7 +100,8 @@ def functions() -> Mapping[str, Any]:
     for text in write_functions(Design()).values():
         exec(re.sub(r"(?m)^(from OCP|from cq_|import cadquery).*", "", text.decode()), names)
     made = {name: lambda *a, make=make: Part(make(*map(to_tuple, a))) for name, make in PRIMITIVES.items()}
-    names.update(made | {"superconic": superconic, "scaled": lambda part, by: Part(solids.Scaled(part.solid, by))})
+    names |= made | {"Box": made["box"], "Cone": made["cone"], "Prism": made["prism"], "superconic": superconic}
+    names["scaled"] = lambda part, by: Part(solids.Scaled(part.solid, by))
     names |= {"stack": lambda *parts: Part(*(part.solid for part in parts)), "in_plane": float}
     return names
 

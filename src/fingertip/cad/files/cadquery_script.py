@@ -2,27 +2,46 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 import textwrap
-from collections.abc import Callable, Iterable, Iterator
-from functools import cache
-from itertools import chain
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import cast
 
-from fingertip.cad.files import carried_functions as carried
-from fingertip.cad.files.script_text import FUNCTIONS, WIDTH, Text, wrap_code
-from fingertip.cad.files.trace import NUMBERS, SOLIDS, Trace, name_letters
+from fingertip.cad.files import script_parameters
+from fingertip.cad.files.script_text import WIDTH, Text, wrap_code
+from fingertip.cad.files.trace import Trace, name_letters
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines
 from fingertip.cad.shapes.finger import sensor_body
 from fingertip.cad.shapes.mold import LABEL
-from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name
+from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, shapes_of_parameters
 from fingertip.design import Design
+from fingertip.design.geometry import outlines, profile
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters import PARAMETERS
+from fingertip.design.parameters.declaration import Bounds, find_bounds
 from fingertip.design.rules.ruleset import record_reads
+from fingertip.foundation.numerics import bisect
 
-FINGER, _NUMBERS, _SOLIDS, _LETTERS = "finger.cq.py", "cq_numbers", "cq_solids", "cq_letters"
-"""Script of the whole finger with its mold, and the modules of the functions of all scripts."""
+FINGER = "finger.cq.py"
+"""Script of the whole finger with its mold."""
+_CARRIED = {
+    "cq_numbers": Path(profile.__file__), "cq_outlines": Path(outlines.__file__),
+    "cq_parameters": Path(script_parameters.__file__),
+    "cq_solids": Path(__file__).parents[1] / "kernel" / "cadquery_primitives.py",
+}  # fmt: skip
+"""Files of the modules that scripts carry. That of the primitives is not imported: it would load cadquery."""
+_REPLACED = {
+    r"from fingertip\.foundation\.numerics import bisect": f"import itertools\n\n\n{inspect.getsource(bisect)}",
+    r"from fingertip\.design\.geometry\.solids .*": (
+        "from cq_solids import box as Box\nfrom cq_solids import cone as Cone\n"
+        "from cq_solids import prism as Prism\nfrom cq_solids import union"
+    ),
+    r"if TYPE_CHECKING:\n(    .*\n)+\n": "",
+    r"  # (fmt|noqa): .*": "",
+}
+"""Text of modules that reads otherwise where they stand beside a script."""
 _SCRIPT = (
     '"""{title} of the fingertip {design}, in CadQuery: run it with Python, or open it in CQ-editor."""'
     + """
@@ -45,8 +64,7 @@ import cadquery as cq
 
 {fixed}
 
-# Lower bound, value in the design, and upper bound of each parameter
-{bounds}
+require = settle(globals())  # takes CHANGES, and refuses what is out of bounds
 
 # {title}
 
@@ -62,10 +80,7 @@ elif __name__ == "__main__":
     cq.exporters.export({part}, "{part}.step")
 """
 )
-_HEADS = {
-    _NUMBERS: '"""Numbers that follow from others, for the CadQuery scripts beside this file [mm]."""',
-    _LETTERS: '"""Outlines of engraved letters, for the CadQuery scripts beside this file [units of their grid]."""',
-}
+_LETTERS = '"""Outlines of engraved letters, for the CadQuery scripts beside this file [units of their grid]."""'
 _FINGER = (
     '"""The whole finger {design} with its mold, without tools (stand, hand_stub), of the scripts beside this one."""'
     + """
@@ -81,14 +96,9 @@ CHANGES = {{}}
 COLOURS = {{
 {colours}
 }}
-paths = {{name: Path(__file__).with_name(f"{{name}}.cq.py") for name in COLOURS}}
-given = {{name: {{key: value for key, value in CHANGES.items() if f"{{key}} = " in path.read_text("utf-8")}}
-    for name, path in paths.items()}}
 REFUSAL = SystemExit if __name__ == "__main__" else ValueError
-if unknown := set(CHANGES).difference(*given.values()):
-    raise REFUSAL(f"CHANGES: these are no parameters: {{', '.join(sorted(unknown))}}")
-parts = {{name: run_path(str(path), {{"CHANGES": given[name], "REFUSAL": REFUSAL}})[name]
-    for name, path in paths.items()}}
+paths = {{name: Path(__file__).with_name(f"{{name}}.cq.py") for name in COLOURS}}
+parts = {{name: run_path(str(path), {{"CHANGES": CHANGES, "REFUSAL": REFUSAL}})[name] for name, path in paths.items()}}
 finger = cq.Assembly(name="{design}")
 for name, part in parts.items():
     finger.add(part, name=name, color=cq.Color(*COLOURS[name]))
@@ -105,52 +115,42 @@ elif __name__ == "__main__":
 
 def write_script(design: Design, part: str) -> bytes:
     """Write a part, or the sensor, as a script: parameters, derived lengths, and a statement for each solid."""
-    trace = Trace(design, _maker(part))
-    text = Text(trace, part)
-    made = "\n".join(text.write_statements())
-    called, fixed = {*re.findall(r"(?<![.\w])(\w+)\(", made), "volume", "settle"} & FUNCTIONS, trace.atoms.items()
-    imports: list[str] = []
-    for module, each in _carry().items():
-        read = {name for name, atom in fixed if name in text.used and each.constants.get(name) == repr(atom.value)}
-        text.used -= read
-        own = each.functions.keys() if module == _NUMBERS else FUNCTIONS - _carry()[_NUMBERS].functions.keys()
-        if names := sorted(read | (called & own)):
-            imports += wrap_code(f"from {module} import ({', '.join(names)})", "")
-    if letters := [name for name, atom in fixed if atom.kind == "letters" and name in text.used]:
-        imports.insert(0, f"from {_LETTERS} import {', '.join(letters)}")
+    trace, modules = Trace(design, _maker(part)), write_functions(design)
+    held = {name[:-3]: {*re.findall(r"(?m)^(?:def )?(\w+)(?:\(| = )", text.decode())} for name, text in modules.items()}
+    text = Text(trace, part, set().union(*held.values()))
+    made, imports = "\n".join(text.write_statements()), []
+    called = {*re.findall(r"(?<![.\w])\w+", made), "settle", "volume"}
+    for module, names in held.items():
+        text.used -= names
+        if names & called:
+            listed = ", ".join(sorted(names & called))
+            imports += wrap_code(f"from {module} import {f'({listed})' if len(listed) > WIDTH // 2 else listed}", "")
     return _SCRIPT.format(
         title=part.replace("_", " ").capitalize(), design=design.name, part=part, statements=made.lstrip(),
         imports="\n".join(imports), parameters="\n".join(text.write_atoms("parameter", "bought")),
         fixed="\n".join([*_describe_choices(design, part), *text.write_atoms("fixed")]),
-        bounds="\n".join(text.write_bounds()),
     ).encode()  # fmt: skip
 
 
 def write_functions(design: Design) -> dict[str, bytes]:
-    """Write the modules of the functions of all scripts, and of the letters in the mold of a design."""
-    solids = carried.PRIMITIVES.read_text(encoding="utf-8").splitlines()
-    first = solids.index("from __future__ import annotations") + 2
+    """Write the modules that the scripts of a design carry: functions, bounds of parameters, outlines of letters."""
     letters = (f"{name_letters(each)} = {letter_outlines(each, STROKE_WIDTH)}" for each in (LABEL, design.name))
-    made = _carry()
-    texts = {
-        _NUMBERS: [_HEADS[_NUMBERS], "", *sorted(made[_NUMBERS].imports), "", *made[_NUMBERS].write()],
-        _SOLIDS: [*solids[:first], *sorted(made[_SOLIDS].imports), *solids[first:], "", "", *made[_SOLIDS].write()],
-        _LETTERS: [_HEADS[_LETTERS], *chain(*(("", each) for each in letters))],
-    }
-    return {f"{name}.py": ("\n".join(_break(lines)) + "\n").encode() for name, lines in texts.items()}
+    texts = {"cq_letters": "\n\n".join((_LETTERS, *("\n".join(wrap_code(each, "")) for each in letters))) + "\n"}
+    for name, path in _CARRIED.items():
+        texts[name] = path.read_text(encoding="utf-8")
+        for pattern, replacement in _REPLACED.items():
+            texts[name] = re.sub(pattern, replacement, texts[name])
+    rows = (f'    "{path}": ({b.minimum:g}, {value!r}, {b.maximum:g}),\n' for path, value, b in _list_bounds(design))
+    texts["cq_parameters"] = texts["cq_parameters"].replace("= {}", f"= {{\n{''.join(rows)}}}", 1)
+    return {f"{name}.py": text.encode() for name, text in texts.items()}
 
 
-def _break(lines: Iterable[str]) -> Iterator[str]:
-    for line in lines:
-        code = line.lstrip(" ")
-        yield from wrap_code(code, " " * (len(line) - len(code))) if len(line) > WIDTH else (line,)
-
-
-@cache
-def _carry() -> dict[str, carried.Carried]:
-    numbers = carried.Carried(NUMBERS)
-    solids = carried.Carried((carried.settle, *SOLIDS), numbers, _NUMBERS)
-    return {_NUMBERS: numbers, _SOLIDS: solids}
+def _list_bounds(design: Design) -> Iterator[tuple[str, float, Bounds]]:
+    """List the numbers that shape parts, by the name in the design file, with their bounds."""
+    sensor = {f"custom_sensor.{key}": value for key, value in vars(design.dimensions.sensor).items()}
+    for path in shapes_of_parameters(design.with_values({"sensor.model": "custom"})):
+        if isinstance(value := sensor.get(path, design.value(path)), float):
+            yield path, value, find_bounds(PARAMETERS[path])
 
 
 def write_finger(design: Design) -> dict[str, bytes]:

@@ -7,23 +7,17 @@ import keyword
 import math
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from itertools import accumulate, chain, count
 
 from fingertip.cad.files.named_numbers import Term, term_of
-from fingertip.cad.files.trace import NUMBERS, SOLIDS, Trace
+from fingertip.cad.files.trace import Trace, name_parameter
 from fingertip.cad.shapes.parts import PARTS, tagged_faces
 from fingertip.design.files import format_bounds
 from fingertip.design.parameters import PARAMETERS
-from fingertip.design.parameters.declaration import find_bounds
 
 WIDTH = 118
-FUNCTIONS = {
-    "box", "cylinder", "cone", "prism", "stack", "union", "superconic", "elbow_tube", "scaled", "in_plane", "volume",
-    "settle", *(each.__name__ for each in (*NUMBERS, *SOLIDS)),
-}  # fmt: skip
-"""Functions that scripts import."""
-_PATHS = {path.replace(".", "_").removeprefix("custom_"): path for path in PARAMETERS}
+_PATHS = {name_parameter(path): path for path in PARAMETERS}
 _LONG, _AGAIN_LONG, _NAMELESS = 72, 16, 40
 """Length above which an expression has a name of its own: used once, used again, and used again but held by nothing."""
 _NEVER_NAMED = {"name", "constant", "item", "negative"}
@@ -38,12 +32,12 @@ _PLACES = {"box": "low_x low_y low_z high_x high_y high_z", "superconic": "secti
 class Text:
     """Text of a part: lines of lengths and of solids, each after what it needs."""
 
-    def __init__(self, trace: Trace, part: str) -> None:
+    def __init__(self, trace: Trace, part: str, taken: Collection[str] = ()) -> None:
         self._trace, self._part = trace, part
         self._uses: dict[Term, int] = {}
         self._names: dict[Term, str] = {}
         self._done: dict[Term, tuple[str, int]] = {}
-        self._taken = {*PARTS, *dir(builtins), *keyword.kwlist, *trace.atoms, *FUNCTIONS, "require", "cq", "math"}
+        self._taken = {*PARTS, *dir(builtins), *keyword.kwlist, *trace.atoms, *taken, "require", "cq", "math"}
         self._made: list[tuple[str, list[str]]] = [("", [])]
         self._places: dict[Term, str] = {}
         self._solid = part
@@ -77,13 +71,6 @@ class Text:
                 if any(each in self._trace.conditions for each in compared):
                     meaning, bounds = meaning.partition("; 0: ")[0], bounds.replace(">= 0,", "> 0,")
                 yield from _comment(f"{name} = {_literal(atom.value)}", meaning, f" [{bounds}]" * bool(bounds))
-
-    def write_bounds(self) -> list[str]:
-        """Write the bounds of parameters, around their values in the design."""
-        used = {_PATHS[each]: atom for each, atom in self._trace.atoms.items() if each in self.used & _PATHS.keys()}
-        bounds = ((path, atom, find_bounds(PARAMETERS[path])) for path, atom in used.items())
-        rows = (f'"{path}": ({b.minimum:g}, {_literal(atom.value)}, {b.maximum:g})' for path, atom, b in bounds)
-        return wrap_code(f"require = settle(globals(), {{{', '.join(rows)}}})", "")
 
     def write(self, term: Term, names: bool = True) -> tuple[str, int]:
         """Write a term, and return its text and rank."""

@@ -2,8 +2,8 @@
 
 A part is built once more with such numbers in place of plain ones. It is the same, bit by bit, and becomes a term that
 can be written: of solids, and of numbers made of parameters, constants of the program, arithmetic, and calls of the
-math module or of `NUMBERS` and `SOLIDS`, which scripts hold as they stand. A comparison of such numbers decides which
-solid is made: it is noted, and the script asks again.
+math module or of `FUNCTIONS`, which scripts hold as they stand. A comparison of such numbers decides which solid is
+made: it is noted, and the script asks again.
 """
 
 from __future__ import annotations
@@ -11,40 +11,32 @@ from __future__ import annotations
 import contextlib
 import inspect
 import math
+import re
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from dataclasses import is_dataclass, replace
+from dataclasses import is_dataclass
 from functools import cached_property, reduce
-from itertools import pairwise
 from types import FrameType, ModuleType, SimpleNamespace
 from typing import Any, NamedTuple
 
 from fingertip.cad.files.named_numbers import NOTED, Named, Term, is_named, plain, term_of, wrap
-from fingertip.cad.shapes import finger, mold
 from fingertip.cad.shapes.engraving import letter_outlines
-from fingertip.catalogues.electronics import SENSORS, ForceSensor
 from fingertip.design import Design
-from fingertip.design.geometry import conic, foot, joint, profile, skin_dimensions
+from fingertip.design.geometry import conic, outlines, profile
 from fingertip.design.geometry.solids import Difference, Intersection, Scaled, Solid, Union, call_of
-from fingertip.design.interfaces import clevis_solids
 from fingertip.design.parameters import PARAMETERS
 
-NUMBERS = (
-    conic.arc_abscissa, conic.weight_of_fullness, conic.farthest_corner, conic.farthest_side, conic.half_width_at,
-    conic.dorsal_height_at, conic.depth_with_width, conic.depth_with_step, conic.height_with_width, conic.scale_at,
-    conic.lay_groove, profile.lay_spans, profile.lay_crown, profile.palmar_scale, profile.tip_control,
-    skin_dimensions.largest_drop, skin_dimensions.ramp_depth, joint.ramp_angle_deg, joint.eye_corners,
-    clevis_solids.horn_corners, foot.foot_line, foot.foot_length,
-)  # fmt: skip
-"""Functions of plain numbers that scripts carry."""
-SOLIDS = (foot.round_foot, foot.flat_foot, mold.extrude, mold.belt_seat, mold.engrave_letters, finger.ramp_slab)
-"""Functions that make a solid of plain numbers, which scripts carry too."""
-_CARRIED = {each.__name__ for each in (*NUMBERS, *SOLIDS)}
-_UNSAID = {*_CARRIED, "spans"}
-"""Functions whose name says too little of what they return."""
+CARRIED = {"cq_numbers": profile, "cq_outlines": outlines}
+"""Modules that scripts carry as they stand, by their names there: functions of plain numbers."""
+FUNCTIONS = {
+    name: each for module in CARRIED.values() for name, each in vars(module).items()
+    if inspect.isfunction(each) and each.__module__ == module.__name__
+}  # fmt: skip
 _MODULES = ("fingertip.cad.shapes.", "fingertip.design.interfaces.", "fingertip.design.geometry")
 """Modules that make solids of parameters."""
+_UNSAID = {"spans", *FUNCTIONS}
+"""Functions whose name says too little of what they return."""
 _SHORT = 7
 """Length up to which the name of a variable says too little without that of its function."""
 _LOCK = threading.Lock()
@@ -69,12 +61,14 @@ class Trace:
         """Number or solid -> the variable that held it, or the function that returned it."""
         self._calls: dict[int, tuple[Solid, Term]] = {}
         self._found: list[tuple[Solid, str]] = []
-        self._model = design.sensor.model
-        values = {
-            path: self._atom(path.replace(".", "_"), value, declared.description or "", "parameter")
-            for path, declared in PARAMETERS.items()
-            if isinstance(value := design.value(path), float)
-        }
+        sensor = vars(design.dimensions.sensor)
+        values: dict[str, Any] = {"sensor.model": "custom"}  # a bought one as well, to name its sizes
+        for path, declared in PARAMETERS.items():
+            kind, value = "parameter", design.value(path)
+            if path.startswith("custom_sensor."):
+                kind, value = "bought", sensor[path.partition(".")[2]]
+            if isinstance(value, float):
+                values[path] = self._atom(name_parameter(path), value, declared.description or "", kind)
         with _LOCK, self._replaced(), self._watched():
             NOTED.clear()
             self.design = design.with_values(values)
@@ -104,50 +98,40 @@ class Trace:
             name += "_"
         return wrap(value, Term("name", name))
 
-    def _name_sensor(self, sensor: ForceSensor) -> ForceSensor:
-        """Name the sizes of the sensor, which is bought."""
-        named = {
-            key: self._atom(f"sensor_{key}", value, f"{key[:-3].replace('_', ' ')} of the {sensor.label}", "bought")
-            for key, value in vars(sensor).items() if isinstance(value, float)
-        }  # fmt: skip
-        return replace(sensor, **named)
-
     @contextlib.contextmanager
     def _replaced(self) -> Iterator[None]:
-        """Replace functions and constants in the modules that make solids by those that name."""
+        """Replace functions and constants in the modules that make solids by those that name.
+
+        Another thread that meets them computes the same numbers.
+        """
         functions = {name: self._traced(each, f"math.{name}") for name, each in vars(math).items() if callable(each)}
         new: dict[int, Any] = {id(math): SimpleNamespace(**vars(math) | functions)}
-        new |= {id(each): self._traced(each, each.__name__) for each in (*NUMBERS, *SOLIDS)}
+        new |= {id(each): self._traced(each, name) for name, each in FUNCTIONS.items()}
         new[id(letter_outlines)] = self._outline_letters
-        new[id(SENSORS)] = {key: self._name_sensor(each) for key, each in SENSORS.items() if key == self._model}
-        before: list[tuple[ModuleType, str, Any]] = []
         modules = [each for name, each in sorted(sys.modules.items()) if name.startswith(_MODULES)]
-        meanings = {key: text for module in modules for key, text in read_meanings(module).items()}
-        for module in modules:
-            for name, value in list(vars(module).items()):
+        before = {module: dict(vars(module)) for module in modules}
+        meanings = {key: text for module in before for key, text in read_meanings(module).items()}
+        for module, names in before.items():
+            for name, value in names.items():
                 first = value[0] if isinstance(value, tuple) and value else value
-                if id(value) in new or (name.isupper() and isinstance(first, float)):
-                    before.append((module, name, value))
-                    meaning = meanings.get((name, value), "") if id(value) not in new else ""
-                    setattr(module, name, new.get(id(value)) or self._atom(name.strip("_"), value, meaning, "fixed"))
-            for function in (min, max):
-                before.append((module, function.__name__, None))
-                setattr(module, function.__name__, self._extreme(function))
+                if id(value) in new:
+                    setattr(module, name, new[id(value)])
+                elif name.isupper() and isinstance(first, float):
+                    setattr(module, name, self._atom(name.strip("_"), value, meanings.get((name, value), ""), "fixed"))
+            vars(module).update(min=self._extreme(min), max=self._extreme(max))
         try:
             yield
         finally:
-            for module, name, value in before:
-                if value is None:
-                    delattr(module, name)
-                else:
-                    setattr(module, name, value)
+            for module, names in before.items():
+                del module.min, module.max
+                vars(module).update(names)
 
     def _traced(self, function: Callable[..., Any], name: str) -> Any:
         def call(*given: Any, **by_name: Any) -> Any:
             if not any(map(is_named, (*given, *by_name.values()))):
                 return function(*given, **by_name)
             arguments = given
-            if name in _CARRIED:
+            if name in FUNCTIONS:
                 signature = inspect.signature(function)
                 arguments = signature.bind(*given, **by_name).args
                 defaults = [each.default for each in signature.parameters.values()]
@@ -218,6 +202,10 @@ class Trace:
             self._found += reversed(returned)
 
 
+def name_parameter(path: str) -> str:
+    return path.replace(".", "_").removeprefix("custom_")
+
+
 def name_letters(text: str) -> str:
     return f"letters_{text.lower().replace('-', '_')}"
 
@@ -233,11 +221,5 @@ def _list_named(name: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 def read_meanings(module: ModuleType) -> dict[tuple[str, Any], str]:
     """Read the texts below the constants of a module, by name and value."""
-    import ast  # noqa: PLC0415
-
-    found: dict[tuple[str, Any], str] = {}
-    for statement, after in pairwise(ast.parse(inspect.getsource(module)).body):
-        match statement, after:
-            case ast.Assign([ast.Name(name)]), ast.Expr(ast.Constant(str(text))) if name.isupper():
-                found[name, vars(module)[name]] = text
-    return found
+    texts = re.findall(r'(?m)^([A-Z0-9_]+) = .*\n"""([^"]+)"""', inspect.getsource(module))
+    return {(name, vars(module)[name]): text for name, text in texts}

@@ -8,14 +8,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 from fingertip.design import Design
-from fingertip.design.geometry.conic import ConicBody, add_groove, farthest_corner, inset_body
-from fingertip.design.geometry.foot import LEDGE_MM
-from fingertip.design.geometry.skin_dimensions import ramp_depth
+from fingertip.design.geometry.conic import ConicBody, add_groove, inset_body
+from fingertip.design.geometry.outlines import LEDGE_MM, ramp_slab
+from fingertip.design.geometry.profile import farthest_corner
 from fingertip.design.geometry.solids import (
     Box,
     Cone,
     ElbowTube,
-    Prism,
     Solid,
     SuperconicSolid,
     cylinder,
@@ -124,20 +123,6 @@ def flat_slab(design: Design, low_mm: float, high_mm: float, half_width: float, 
     """Build what lies between two distances from the bone's palmar side, positive into the bone, from z to z [mm]."""
     dims = design.dimensions
     return ramp_slab((low_mm, high_mm), half_width, (begin, end), (dims.flat_depth, dims.platform_depth), dims.ramp)
-
-
-def ramp_slab(
-    y: tuple[float, float], half_width: float, z: tuple[float, float], depths: tuple[float, float],
-    ramp: tuple[float, float],
-) -> Solid:  # fmt: skip
-    """Build a slab between two distances y from a flat and from the platform to which a ramp leads [mm]."""
-    (low, high), (begin, end), (flat, platform) = y, z, depths
-    knots = [each for each in ramp if platform > flat and begin < each < end]
-    line = [(-ramp_depth(each, flat, platform, ramp[1]), each) for each in (begin, *knots, end)]
-    if not knots:
-        return Box((-half_width, line[0][0] + low, begin), (half_width, line[0][0] + high, end))
-    corners = [(at + high, each) for at, each in line] + [(at + low, each) for at, each in reversed(line)]
-    return Prism("x", tuple(corners), -half_width, half_width)
 
 
 def collar(design: Design) -> Solid:

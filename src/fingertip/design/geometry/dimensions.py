@@ -9,19 +9,18 @@ from __future__ import annotations
 import math
 from functools import cached_property
 
-from fingertip.design.geometry.conic import (
-    ConicBody,
-    CrossSection,
+from fingertip.design.geometry.conic import ConicBody, CrossSection
+from fingertip.design.geometry.joint import BESIDE_LINE_MM, HORN_RADIUS_MM, MIN_HORN_RADIUS_MM, Joint, TendonAnchor
+from fingertip.design.geometry.outlines import LEDGE_MM, RAMP_SLOPE
+from fingertip.design.geometry.profile import (
+    Tip,
     depth_with_step,
     depth_with_width,
     farthest_side,
     height_with_width,
     weight_of_fullness,
 )
-from fingertip.design.geometry.foot import LEDGE_MM
-from fingertip.design.geometry.joint import BESIDE_LINE_MM, HORN_RADIUS_MM, MIN_HORN_RADIUS_MM, Joint, TendonAnchor
-from fingertip.design.geometry.profile import Tip
-from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE, SkinDimensions
+from fingertip.design.geometry.skin_dimensions import SkinDimensions
 
 KNOT_WIRES = 3.0
 """Least thickness of a knot in both wires, in diameters of one of them. An assumption."""

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import cast
 
 from fingertip.cad.files import script_parameters
-from fingertip.cad.files.script_text import WIDTH, Text, wrap_code
+from fingertip.cad.files.script_text import WIDTH, Text, find_words, wrap_code
 from fingertip.cad.files.trace import Trace, name_letters
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines
 from fingertip.cad.shapes.finger import sensor_body
@@ -119,23 +119,22 @@ def write_script(design: Design, part: str) -> bytes:
     held = {name[:-3]: {*re.findall(r"(?m)^(?:def )?(\w+)(?:\(| = )", text.decode())} for name, text in modules.items()}
     text = Text(trace, part, set().union(*held.values()))
     made, imports = "\n".join(text.write_statements()), []
-    called = {*re.findall(r"(?<![.\w])\w+", made), "settle", "volume"}
+    words = find_words(made) | {"settle", "volume"}
     for module, names in held.items():
-        text.used -= names
-        if names & called:
-            listed = ", ".join(sorted(names & called))
-            imports += wrap_code(f"from {module} import {f'({listed})' if len(listed) > WIDTH // 2 else listed}", "")
+        if listed := ", ".join(sorted(names & words)):
+            imports += wrap_code(f"from {module} import {f'({listed})' if len(listed) > WIDTH // 2 else listed}")
+        words -= names
     return _SCRIPT.format(
         title=part.replace("_", " ").capitalize(), design=design.name, part=part, statements=made.lstrip(),
-        imports="\n".join(imports), parameters="\n".join(text.write_atoms("parameter", "bought")),
-        fixed="\n".join([*_describe_choices(design, part), *text.write_atoms("fixed")]),
+        imports="\n".join(imports), parameters="\n".join(text.write_atoms(words, "parameter", "bought")),
+        fixed="\n".join([*_describe_choices(design, part), *text.write_atoms(words, "fixed")]),
     ).encode()  # fmt: skip
 
 
 def write_functions(design: Design) -> dict[str, bytes]:
     """Write the modules that the scripts of a design carry: functions, bounds of parameters, outlines of letters."""
     letters = (f"{name_letters(each)} = {letter_outlines(each, STROKE_WIDTH)}" for each in (LABEL, design.name))
-    texts = {"cq_letters": "\n\n".join((_LETTERS, *("\n".join(wrap_code(each, "")) for each in letters))) + "\n"}
+    texts = {"cq_letters": "\n\n".join((_LETTERS, *("\n".join(wrap_code(each)) for each in letters))) + "\n"}
     for name, path in _CARRIED.items():
         texts[name] = path.read_text(encoding="utf-8")
         for pattern, replacement in _REPLACED.items():

@@ -8,6 +8,7 @@ import math
 import re
 import textwrap
 from collections.abc import Collection, Iterator
+from collections.abc import Set as AbstractSet
 from itertools import accumulate, chain, count
 
 from fingertip.cad.files.named_numbers import Term, term_of
@@ -41,7 +42,6 @@ class Text:
         self._made: list[tuple[str, list[str]]] = [("", [])]
         self._places: dict[Term, str] = {}
         self._solid = part
-        self.used: set[str] = set()
         for each in (*trace.conditions, trace.part):
             self._count(each)
 
@@ -53,17 +53,18 @@ class Text:
             texts = (f'"{s}"' if isinstance(s, str) else f"in_plane({self.write(term_of(s))[0]})" for s in selectors)
             self._made.append(("", [f'{self._part}.faces({").faces(".join(texts)}).tag("{tag}")']))
         places = {name: i for i, (name, _) in enumerate(self._made) if name}
-        conditions = dict.fromkeys(map(self._write_condition, self._trace.conditions))
+        used = find_words("\n".join(line for _, lines in self._made for line in lines))
+        conditions = dict.fromkeys(self._write_condition(each, used) for each in self._trace.conditions)
         for condition in conditions:
             if condition and condition.replace(" >= ", " > ") not in conditions.keys() - {condition}:
-                last = max(places.get(word, 0) for word in re.findall(r"\w+", condition))
-                self._made[last][1].extend(wrap_code(f"require({condition}, {_literal(condition)})", ""))
+                last = max(places.get(word, 0) for word in find_words(condition))
+                self._made[last][1].extend(wrap_code(f"require({condition}, {_literal(condition)})"))
         return [line for _, lines in self._made for line in lines]
 
-    def write_atoms(self, *kinds: str) -> Iterator[str]:
+    def write_atoms(self, used: AbstractSet[str], *kinds: str) -> Iterator[str]:
         heading = ""
         for name, atom in self._trace.atoms.items():
-            if atom.kind in kinds and name in self.used:
+            if atom.kind in kinds and name in used:
                 before, heading = heading, name.partition("_")[0] if atom.kind == "parameter" else atom.kind
                 yield from [f"# {heading.capitalize()}"] if heading not in (before, "fixed") else ()
                 meaning, bounds = atom.meaning, format_bounds(PARAMETERS[_PATHS[name]]) if name in _PATHS else ""
@@ -79,8 +80,6 @@ class Text:
         if term in self._done:
             return self._done[term]
         text, rank = self._compose(term, names)
-        if term.operation == "name":
-            self.used.add(text)
         is_named = names and term.operation not in _NEVER_NAMED | _MADE
         is_again = self._uses.get(term, 0) > 1 and len(text) > _AGAIN_LONG
         if is_named and (is_again or len(text) > _LONG):
@@ -103,7 +102,7 @@ class Text:
         text = self._compose(term, True)[0]
         if self._made[begin:]:
             self._made.insert(begin, ("", ["", f"# {name.replace('_', ' ').capitalize()}"]))
-        self._made.append((name, wrap_code(f"{name} = {text}", "")))
+        self._made.append((name, wrap_code(f"{name} = {text}")))
         self._names[term] = name
 
     def _list_named(self, term: Term) -> Iterator[Term]:
@@ -164,19 +163,23 @@ class Text:
                 return f"{inner(left, rank)} {sign} {inner(right, rank + 1)}", rank
         raise AssertionError(term)
 
-    def _write_condition(self, term: Term) -> str:
+    def _write_condition(self, term: Term, used: AbstractSet[str]) -> str:
         terms, seen = [term], set[Term]()
         for each in terms:  # it grows
             terms += [inner for inner in each.operands if isinstance(inner, Term) and inner not in seen]
             seen.add(each)
         atoms = {each.operands[0] for each in terms if each.operation == "name"}
         kinds = {self._trace.atoms[each].kind for each in atoms}
-        if not atoms <= self.used or not kinds & {"parameter", "bought"}:
+        if not atoms <= used or not kinds & {"parameter", "bought"}:
             return ""
         left, right = term.operands
         if left == right or (term.operation == "!=" and left.operation != "name" and right.operation == "constant"):
             return ""  # it holds always, or keeps a division from failing
         return self.write(term, names=False)[0]
+
+
+def find_words(code: str) -> set[str]:
+    return set(re.findall(r"(?<![.\w])\w+", code))
 
 
 def _literal(value: object) -> str:
@@ -194,10 +197,10 @@ def _comment(line: str, meaning: str, bounds: str = "") -> list[str]:
     words = " ".join(meaning.replace(" [mm]", "").partition(". ")[0].split()).rstrip(".")
     while words and len(line) + len(words) + len(bounds) + 4 > WIDTH:
         words = next(filter(None, (words.rpartition(sign)[0] for sign in ("; ", " (", ": ", ", ", " within "))), "")
-    return wrap_code(line, "") if not words + bounds else [f"{line}  # {words}{bounds}".replace("#  ", "# ")]
+    return wrap_code(line) if not words + bounds else [f"{line}  # {words}{bounds}".replace("#  ", "# ")]
 
 
-def wrap_code(text: str, indent: str) -> list[str]:
+def wrap_code(text: str) -> list[str]:
     """Break a statement where it is too long: after commas within brackets, outer ones first, or else at any space."""
     text = re.sub('"[^"]*"', lambda quoted: quoted[0].replace(" ", "\xa0"), text)
     depths = list(accumulate((sign in "([{") - (sign in ")]}") for sign in text))
@@ -206,10 +209,7 @@ def wrap_code(text: str, indent: str) -> list[str]:
         can_break = ((0 < depth <= deepest and before == ",") or (depth and not deepest)
                      for before, depth in zip(f" {text}", depths, strict=False))  # fmt: skip
         fixed = "".join("\xa0" if sign == " " and not can else sign for sign, can in zip(text, can_break, strict=True))
-        lines = textwrap.wrap(
-            fixed, WIDTH, initial_indent=indent, subsequent_indent=f"{indent}    ", break_long_words=False,
-            break_on_hyphens=False,
-        )  # fmt: skip
+        lines = textwrap.wrap(fixed, WIDTH, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
         if max(map(len, lines), default=0) <= WIDTH:
             break
     return [line.replace("\xa0", " ") for line in lines] or [""]

@@ -55,7 +55,7 @@ def sensor_recess(design: Design) -> Solid:
     return union(pocket, flat_slab(design, outside, dims.pocket_depth, dims.tail_half_width, dims.trough_end_z, top))
 
 
-def cable_channel(design: Design) -> Solid:
+def cable_channel(design: Design) -> ElbowTube:
     """Build the cable channel: from the floor of the trough by one bend to the dorsal side of the base."""
     dims, bone = design.dimensions, design.bone
     assert bone.channel_bend_radius_mm > bone.channel_diameter_mm / 2, "the channel folds into itself"

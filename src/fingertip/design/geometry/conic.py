@@ -54,10 +54,7 @@ class CrossSection(NamedTuple):
     dorsal_weight: float
 
     def half_width_at(self, y: float, scale: float = 1.0, palmar_scale: float | None = None) -> float:
-        """Return the half width [mm] of the section, scaled by `scale`, at height y [mm]; 0 outside it.
-
-        The palmar height is scaled by `palmar_scale` if given.
-        """
+        """Return the half width [mm] at height y [mm]; 0 outside the section, whose palmar half may be scaled apart."""
         return half_width_at(self, y, scale, palmar_scale)
 
     def dorsal_height_at(self, x: float, scale: float = 1.0) -> float:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fingertip.design.geometry.outlines import eye_corners, ramp_angle_deg
+from fingertip.design.geometry.outlines import ramp_angle_deg
 
 PIN_PLAY_MM = 0.1
 """Play of a printed pin in the bone's bore [mm]."""
@@ -59,10 +59,6 @@ class Joint:
     def ramp_deg(self) -> float:
         """Angle about the pin along which the eye rises to a stop: a step there would be a notch."""
         return ramp_angle_deg(self.radius, self.eye_radius, self.travel_deg)
-
-    def stopped_profile(self, reach_mm: float) -> tuple[tuple[float, float], ...]:
-        """Return the corners (y, z) of the eye between its stops [mm], as `eye_corners`."""
-        return eye_corners((self.axis_y, self.axis_z), self.radius, self.eye_radius, self.travel_deg, reach_mm)
 
 
 HORN_RADIUS_MM = 4.0

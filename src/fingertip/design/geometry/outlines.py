@@ -70,9 +70,8 @@ def flat_foot(
 ) -> Solid:
     """Build the foot of flats along an axis across the finger, between two sides [mm]; it ends at z = `end`."""
     outline = [*foot, (end, foot[-1][1])]
-    ring = [(low_side - out, z) for z, out in outline] + [(high_side + out, z) for z, out in reversed(outline)]
-    corners = ring if axis == "x" else [(z, x) for x, z in ring]
-    return Prism(axis, tuple(corners if signed_area(corners) > 0.0 else corners[::-1]), -reach, reach)
+    ring = [(z, low_side - out) for z, out in outline] + [(z, high_side + out) for z, out in reversed(outline)]
+    return extrude(axis, ring, -reach, reach)
 
 
 def ramp_depth(z: float, flat: float, platform: float, end: float) -> float:

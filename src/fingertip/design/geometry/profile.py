@@ -184,16 +184,12 @@ class Crown(NamedTuple):
     """Slope at which the arc ends towards the tip [mm per mm]."""
 
 
-def straight_span(low: tuple[float, float], high: tuple[float, float]) -> Span:
-    """Return the straight piece between two heights z and scales."""
-    (z0, s0), (z1, s1) = low, high
-    scale = (s0, 0.5 * (s0 + s1), s1)
-    return Span((z0, 0.5 * (z0 + z1), z1), scale, scale, 1.0)
-
-
 def lay_spans(stations: Sequence[tuple[float, float]], tip: Tip | None = None) -> tuple[Span, ...]:
     """Lay straight spans between stations (z, scale), and from the last one the conic of a tip."""
-    spans = tuple(straight_span(low, high) for low, high in pairwise(stations))
+    spans = tuple(
+        Span((z0, 0.5 * (z0 + z1), z1), (s0, 0.5 * (s0 + s1), s1), (s0, 0.5 * (s0 + s1), s1), 1.0)
+        for (z0, s0), (z1, s1) in pairwise(stations)
+    )
     if not tip:
         return spans
     (z, scale), (apex, weight), control = stations[-1], tip, tip_control(stations, tip)
@@ -229,7 +225,8 @@ def lay_crown(
     """
     (apex, radius, drop, slope_at_end), (taper, tip) = crown, lay_spans(stations, tip_at)
     begin, _, join = taper.z
-    sine = crown_sine(drop * height, radius)
+    cosine = 1.0 - drop * height / (2.0 * radius)
+    sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))  # of the steepest slope between the crown and its base
     flank = slope_at_end / math.hypot(1.0, slope_at_end)
     # Knots on the taper: position, and sine of the profile's slope there (rising towards the apex is positive).
     end = apex + radius * flank
@@ -254,12 +251,6 @@ def lay_crown(
         low = high
     spans.append(tip._replace(palmar=(low, low + slope * (tip.z[1] - tip.z[0]), 0.0)))
     return tuple(spans)
-
-
-def crown_sine(drop: float, radius: float) -> float:
-    """Return the sine of the steepest slope between a crown and its base, of two arcs that drop by `drop` [mm]."""
-    cosine = 1.0 - drop / (2.0 * radius)
-    return math.sqrt(max(0.0, 1.0 - cosine * cosine))
 
 
 def _taper_span(taper: Span, z0: float, z1: float, palmar: float, sine0: float, sine1: float, height: float) -> Span:

@@ -11,7 +11,14 @@ import math
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import ConicBody
 from fingertip.design.geometry.joint import Joint, TendonAnchor
-from fingertip.design.geometry.outlines import LEDGE_MM, TANGENT_STEP_MM, flat_foot, foot_line, horn_corners
+from fingertip.design.geometry.outlines import (
+    LEDGE_MM,
+    TANGENT_STEP_MM,
+    eye_corners,
+    flat_foot,
+    foot_line,
+    horn_corners,
+)
 from fingertip.design.geometry.solids import (
     Box,
     Prism,
@@ -87,7 +94,8 @@ def eye_profile(joint: Joint, reach: float) -> Solid:
     y, z = joint.axis_y, joint.axis_z
     round_eye = cylinder("x", (y, z), -reach, reach, joint.eye_radius)
     if joint.travel_deg:
-        return union(Prism("x", joint.stopped_profile(reach), -reach, reach), round_eye)
+        stopped_profile = eye_corners((y, z), joint.radius, joint.eye_radius, joint.travel_deg, reach)
+        return union(Prism("x", stopped_profile, -reach, reach), round_eye)
     half = joint.eye_radius - TANGENT_STEP_MM
     return union(Box((-reach, y - half, z), (reach, y + half, z + reach)), round_eye)
 

@@ -100,9 +100,9 @@ def functions() -> Mapping[str, Any]:
     for text in write_functions(Design()).values():
         exec(re.sub(r"(?m)^(from OCP|from cq_|import cadquery).*", "", text.decode()), names)
     made = {name: lambda *a, make=make: Part(make(*map(to_tuple, a))) for name, make in PRIMITIVES.items()}
-    names |= made | {"Box": made["box"], "Cone": made["cone"], "Prism": made["prism"], "superconic": superconic}
-    names["scaled"] = lambda part, by: Part(solids.Scaled(part.solid, by))
+    names |= made | {name.capitalize(): each for name, each in made.items()} | {"superconic": superconic}
     names |= {"stack": lambda *parts: Part(*(part.solid for part in parts)), "in_plane": float}
+    names["scaled"] = lambda part, by: Part(solids.Scaled(part.solid, by))
     return names
 
 
@@ -263,7 +263,7 @@ def test_scripts_name_what_they_make(scripts: Path) -> None:
     for line in (
         "bone_channel_diameter_mm = 2.8  # Diameter of the hole for both wires",
         "tail_half_width = sensor_tail_width_mm / 2 + sensor_clearance_mm  # Half the width of the tail's slot",
-        "cable_channel = elbow_tube(-flat_depth + pocket_depth, channel_exit_z + bone_channel_bend_radius_mm",
+        "# Cable channel: from the floor of the trough by one bend to the dorsal side of the base\ncable_channel = elbow",
     ):
         assert f"\n{line}" in text
     texts = {path.name: path.read_text() for path in scripts.glob("*.py")}
@@ -274,7 +274,7 @@ def test_scripts_name_what_they_make(scripts: Path) -> None:
         assert "import fingertip" not in each
         assert "from fingertip" not in each
     assert write_script(Design(), "bone") == text.encode()
-    assert text.index("\nbody = ") < text.index("\n# Below base\nbelow_base_low_x = ") < text.index("\nbelow_base = ")
+    assert text.index("\nbody = ") < text.index("\n# Below base\nbelow_base_size = ") < text.index("\nbelow_base = ")
 
 
 def test_refused_number_ends_with_its_condition_and_remedy() -> None:

@@ -35,8 +35,7 @@ _CARRIED = {
 _REPLACED = {
     r"from fingertip\.foundation\.numerics import bisect": f"import itertools\n\n\n{inspect.getsource(bisect)}",
     r"from fingertip\.design\.geometry\.solids .*": (
-        "from cq_solids import box as Box\nfrom cq_solids import cone as Cone\n"
-        "from cq_solids import prism as Prism\nfrom cq_solids import union"
+        "from cq_solids import box as Box, cone as Cone, prism as Prism, union"
     ),
     r"if TYPE_CHECKING:\n(    .*\n)+\n": "",
     r"  # (fmt|noqa): .*": "",
@@ -46,14 +45,12 @@ _SCRIPT = (
     '"""{title} of the fingertip {design}, in CadQuery: run it with Python, or open it in CQ-editor."""'
     + """
 
-# Lengths are in mm; x is the width, y points to the back, z to the tip. All that follows from a parameter follows when
-# it is changed here, within its bounds. No other rule checks it; what needs other statements ends with a sentence.
-# Sizes that bone, skin, molds and core share are changed in CHANGES of finger.cq.py, else the parts no longer fit.
-# With all checks, and for choices: fingertip build design.toml --formats cq --set NAME=VALUE
+# Lengths are in mm; x is the width, y points to the back, z to the tip. Change a number under "Parameters", and all
+# statements follow. Bone, skin, mold and core share sizes: change those in CHANGES of finger.cq.py, or they do not fit.
+# A number beyond its bounds, and one for which the part is made otherwise, is refused with a sentence. Walls, strength
+# and fit are not checked here, but by: fingertip build design.toml --formats cq --set NAME=VALUE
 
-import math
-
-import cadquery as cq
+{math}import cadquery as cq
 {imports}
 
 # Parameters
@@ -64,13 +61,14 @@ import cadquery as cq
 
 {fixed}
 
-require = settle(globals())  # takes CHANGES, and refuses what is out of bounds
+require = settle(globals())  # checks bounds; require(...) below refuses a number for which the part is made otherwise
 
 # {title}
 
 {statements}
 
-# Add your own features here. Faces are those of the STEP file: before own fillets, {part} = {part}.clean()
+# Add your own features here. Booleans above are not cleaned, to keep the faces of the STEP file: before own fillets,
+# {part} = {part}.clean()
 
 if "show_object" in globals():  # in CQ-editor, or imported from ocp_vscode
     show_object({part}, name="{part}")
@@ -82,7 +80,7 @@ elif __name__ == "__main__":
 )
 _LETTERS = '"""Outlines of engraved letters, for the CadQuery scripts beside this file [units of their grid]."""'
 _FINGER = (
-    '"""The whole finger {design} with its mold, without tools (stand, hand_stub), of the scripts beside this one."""'
+    '"""The finger {design} in its closed mold, of the scripts beside this one: the core lies where the bone will."""'
     + """
 
 from pathlib import Path
@@ -90,7 +88,7 @@ from runpy import run_path
 
 import cadquery as cq
 
-# Parameters of the scripts that shall have other values, in all of them, such as {{"skin_width_mm": 18.0}}
+# Other values for parameters of the scripts, in all of them at once, such as {{"bone_wall_mm": 1.0}}
 CHANGES = {{}}
 
 COLOURS = {{
@@ -108,7 +106,8 @@ if "show_object" in globals():  # in CQ-editor, or imported from ocp_vscode
         show_object(part, name=name)
     show_object(finger, name="finger")
 elif __name__ == "__main__":
-    print(f"{design}: {{', '.join(parts)}}")
+    finger.export("{design}.step")
+    print(f"{design}.step: {{', '.join(parts)}}")
 """
 )
 
@@ -126,6 +125,7 @@ def write_script(design: Design, part: str) -> bytes:
         words -= names
     return _SCRIPT.format(
         title=part.replace("_", " ").capitalize(), design=design.name, part=part, statements=made.lstrip(),
+        math="import math\n\n" * ("math" in words),
         imports="\n".join(imports), parameters="\n".join(text.write_atoms(words, "parameter", "bought")),
         fixed="\n".join([*_describe_choices(design, part), *text.write_atoms(words, "fixed")]),
     ).encode()  # fmt: skip

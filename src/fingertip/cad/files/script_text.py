@@ -26,8 +26,6 @@ _RANKS = {"+": 1, "-": 1, "*": 2, "/": 2, "negative": 2, "**": 3}
 """Ranks of operations: the higher one binds more tightly; comparisons have 0, all others 4."""
 _MADE = {"union", "cut", "intersect", "solid", "solids", "member"}
 """Operations that make solids."""
-_PLACES = {"box": "low_x low_y low_z high_x high_y high_z", "superconic": "section spans", "prism": "axis corners"}
-"""Meaning of what a primitive takes."""
 
 
 class Text:
@@ -38,9 +36,8 @@ class Text:
         self._uses: dict[Term, int] = {}
         self._names: dict[Term, str] = {}
         self._done: dict[Term, tuple[str, int]] = {}
-        self._taken = {*PARTS, *dir(builtins), *keyword.kwlist, *trace.atoms, *taken, "require", "cq", "math"}
+        self._taken = {*PARTS, *dir(builtins), *keyword.kwlist, *trace.atoms, *taken, "require", "cq", "math", ""}
         self._made: list[tuple[str, list[str]]] = [("", [])]
-        self._places: dict[Term, str] = {}
         self._solid = part
         for each in (*trace.conditions, trace.part):
             self._count(each)
@@ -48,7 +45,7 @@ class Text:
     def write_statements(self) -> list[str]:
         """Write the part, with tags of faces."""
         self._write_solid(self._part, self._trace.part)
-        self._made.append(("", [f"{self._part} = {self._part}.solids()"]))
+        self._made.append(("", [f"{self._part} = {self._part}.solids()  # out of the compound that a boolean returns"]))
         for tag, selectors in tagged_faces(self._trace.design, self._part).items():
             texts = (f'"{s}"' if isinstance(s, str) else f"in_plane({self.write(term_of(s))[0]})" for s in selectors)
             self._made.append(("", [f'{self._part}.faces({").faces(".join(texts)}).tag("{tag}")']))
@@ -84,8 +81,8 @@ class Text:
         is_again = self._uses.get(term, 0) > 1 and len(text) > _AGAIN_LONG
         if is_named and (is_again or len(text) > _LONG):
             found, meaning = self._trace.derived.get(term) or (self._trace.variables.get(term), "")
-            if found or (is_again and len(text) > _NAMELESS) or term in self._places:
-                name = self._name(found or f"{self._solid}_{self._places.get(term, 'length')}")
+            if found or (is_again and len(text) > _NAMELESS):
+                name = self._name(found or f"{self._solid}_{'corner' if term.operation == 'tuple' else 'size'}")
                 self._names[term] = name
                 self._made.append((name, _comment(f"{name} = {text}", meaning)))
                 return name, 4
@@ -100,8 +97,13 @@ class Text:
                 self._write_solid(self._name(self._trace.variables.get(known, "body")), inner)
         self._solid, begin = name, len(self._made)
         text = self._compose(term, True)[0]
-        if self._made[begin:]:
-            self._made.insert(begin, ("", ["", f"# {name.replace('_', ' ').capitalize()}"]))
+        meaning = self._trace.derived.get(term, ("", ""))[1].partition(". ")[0].partition("\n")[0].rstrip(".")
+        title, is_new = name.replace("_", " "), meaning not in self._taken
+        if self._made[begin:] or is_new:
+            about = meaning.removeprefix("Build ").removeprefix(f"the {title}: ")
+            heading = f"# {title.capitalize()}" + f": {about}" * is_new
+            self._made.insert(begin, ("", ["", *textwrap.wrap(heading, WIDTH, subsequent_indent="# ")]))
+            self._taken.add(meaning)
         self._made.append((name, wrap_code(f"{name} = {text}")))
         self._names[term] = name
 
@@ -143,8 +145,6 @@ class Text:
             case "member", (whole, _):
                 return f"*{self._names[whole]}", 4
             case "solid" | "solids", (name, *terms):
-                items = chain(*(each.operands for each in terms)) if name == "box" else terms
-                self._places |= dict(zip(items, _PLACES.get(name, "").split(), strict=False))
                 return f"{name}({', '.join(map(inner, terms))})", 4
             case ("union" | "cut" | "intersect") as name, (first, *others):
                 texts = list(dict.fromkeys(map(inner, others)))

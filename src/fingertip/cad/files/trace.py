@@ -20,7 +20,7 @@ from functools import cached_property, reduce
 from types import FrameType, ModuleType, SimpleNamespace
 from typing import Any, NamedTuple
 
-from fingertip.cad.files.named_numbers import NOTED, Named, Term, is_named, plain, term_of, wrap
+from fingertip.cad.files.named_numbers import NOTED, Term, is_named, plain, term_of, wrap
 from fingertip.cad.shapes.engraving import letter_outlines
 from fingertip.design import Design
 from fingertip.design.geometry import conic, outlines, profile
@@ -56,11 +56,11 @@ class Trace:
     def __init__(self, design: Design, maker: Callable[[Design], Solid]) -> None:
         self.atoms: dict[str, Atom] = {}
         self.derived: dict[Term, tuple[str, str]] = {}
-        """Derived length -> its name and meaning."""
+        """Derived length, or solid -> its name and meaning."""
         self.variables: dict[Term, str] = {}
         """Number or solid -> the variable that held it, or the function that returned it."""
         self._calls: dict[int, tuple[Solid, Term]] = {}
-        self._found: list[tuple[Solid, str]] = []
+        self._found: list[tuple[Solid, str, str]] = []
         sensor = vars(design.dimensions.sensor)
         values: dict[str, Any] = {"sensor.model": "custom"}  # a bought one as well, to name its sizes
         for path, declared in PARAMETERS.items():
@@ -74,8 +74,10 @@ class Trace:
             self.design = design.with_values(values)
             solid, self.conditions = maker(self.design), list(NOTED)
             self.part = self.term(solid)
-        for solid, name in self._found:
+        for solid, name, meaning in self._found:
             self.variables.setdefault(self.term(solid), name)
+            if meaning.startswith("Build "):
+                self.derived.setdefault(self.term(solid), (name, meaning))
 
     def term(self, solid: Solid) -> Term:
         """Return the term of a solid."""
@@ -118,7 +120,7 @@ class Trace:
                     setattr(module, name, new[id(value)])
                 elif name.isupper() and isinstance(first, float):
                     setattr(module, name, self._atom(name.strip("_"), value, meanings.get((name, value), ""), "fixed"))
-            vars(module).update(min=self._extreme(min), max=self._extreme(max))
+            vars(module).update(min=self._traced(min, "min"), max=self._traced(max, "max"))
         try:
             yield
         finally:
@@ -149,29 +151,20 @@ class Trace:
 
         return call
 
-    def _extreme(self, function: Any) -> Any:
-        def choose(*given: Any, **how: Any) -> Any:
-            values = tuple(given[0]) if len(given) == 1 else given
-            if how or not any(isinstance(each, Named) for each in values):
-                return function(values, **how)
-            return wrap(function(map(float, values)), Term("call", function.__name__, *map(term_of, values)))
-
-        return choose
-
     def _outline_letters(self, text: str, stroke_width: float) -> Any:
         return self._atom(name_letters(text), letter_outlines(text, float(stroke_width)), "", "letters")
 
     @contextlib.contextmanager
     def _watched(self) -> Iterator[None]:
         """Note the variables that hold solids and numbers, and the functions that return them."""
-        returned: list[tuple[Solid, str]] = []
+        returned: list[tuple[Solid, str, str]] = []
 
         def watch(frame: FrameType, event: str, result: Any) -> None:
             module, name = frame.f_globals.get("__name__", ""), frame.f_code.co_name
             is_ours = module.startswith(_MODULES) and not module.endswith(".solids")
             if event != "return" or not is_ours or name[0] == "<" or name[:2] == "__" or name in _UNSAID:
                 return
-            owner = frame.f_locals.get("self")
+            owner, meaning = frame.f_locals.get("self"), getattr(frame.f_globals.get(name), "__doc__", "") or ""
             declared = getattr(type(owner), name, None)
             if isinstance(declared, cached_property | property) and not is_dataclass(owner):
                 if isinstance(result, conic.ConicBody):
@@ -181,7 +174,7 @@ class Trace:
             name = getattr(owner, "name", name) if name == "shapes" else name.strip("_").removeprefix("add_")
             for variable, value in frame.f_locals.items():
                 if isinstance(value, Solid) and variable != "self":
-                    self._found.append((value, variable))
+                    self._found.append((value, variable, ""))
                 elif variable != "self":
                     long = variable if len(variable) > _SHORT else f"{name}_{variable}"
                     for key, each in _list_named(long, value):
@@ -190,8 +183,8 @@ class Trace:
                 self.variables.setdefault(term_of(result), name)
             results = result if isinstance(result, tuple) else (result,)
             if isinstance(result, tuple):
-                name = name[:-2] if name.endswith("ches") else name.removesuffix("s")
-            returned.extend((each, name) for each in results if isinstance(each, Solid))
+                name = name[:-2] if name.endswith("ches") else re.sub("(?<!s)s$", "", name)
+            returned.extend((each, name, meaning) for each in results if isinstance(each, Solid))
 
         before = sys.getprofile()
         sys.setprofile(watch)

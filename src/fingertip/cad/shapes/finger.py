@@ -85,7 +85,7 @@ def genus(design: Design) -> int:
 
 
 def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
-    """Build the bone without hollows; its surfaces but the collar's lie `inset_mm` inside the bone's."""
+    """Build the bone without hollows; all its surfaces but the collar's may lie deeper by an inset."""
     body = add_groove(design.bone, inset_body(design.dimensions.bone_outline, inset_mm))
     return union(_cut_flat(design, body, inset_mm), *_platform(design, body, inset_mm), collar(design))
 

@@ -11,8 +11,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fingertip.design.geometry.outlines import ramp_angle_deg
-
 PIN_PLAY_MM = 0.1
 """Play of a printed pin in the bone's bore [mm]."""
 
@@ -54,11 +52,6 @@ class Joint:
     @property
     def low_z(self) -> float:
         return self.axis_z - self.radius
-
-    @property
-    def ramp_deg(self) -> float:
-        """Angle about the pin along which the eye rises to a stop: a step there would be a notch."""
-        return ramp_angle_deg(self.radius, self.eye_radius, self.travel_deg)
 
 
 HORN_RADIUS_MM = 4.0

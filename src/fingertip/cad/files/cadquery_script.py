@@ -6,12 +6,13 @@ import inspect
 import re
 import textwrap
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import cast
 
 from fingertip.cad.files import script_parameters
 from fingertip.cad.files.script_text import WIDTH, Text, find_words, wrap_code
-from fingertip.cad.files.trace import Trace, name_letters
+from fingertip.cad.files.trace import Trace, name_letters, name_sensor
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines
 from fingertip.cad.shapes.finger import sensor_body
 from fingertip.cad.shapes.mold import LABEL
@@ -20,8 +21,9 @@ from fingertip.design import Design
 from fingertip.design.geometry import outlines, profile
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters import PARAMETERS
-from fingertip.design.parameters.declaration import Bounds, find_bounds
-from fingertip.design.rules.ruleset import record_reads
+from fingertip.design.parameters.declaration import find_bounds
+from fingertip.design.rules.ruleset import find_violations, record_reads
+from fingertip.design.search import RULES
 from fingertip.foundation.numerics import bisect
 
 FINGER = "finger.cq.py"
@@ -47,8 +49,9 @@ _SCRIPT = (
 
 # Lengths are in mm; x is the width, y points to the back, z to the tip. Change a number under "Parameters", and all
 # statements follow. Bone, skin, mold and core share sizes: change those in CHANGES of finger.cq.py, or they do not fit.
-# A number beyond its bounds, and one for which the part is made otherwise, is refused with a sentence. Walls, strength
-# and fit are not checked here, but by: fingertip build design.toml --formats cq --set NAME=VALUE
+# A number beyond its bounds, and one for which the part is made otherwise, is refused with a sentence. "rules" is where
+# walls, fit and all else of the program's rules allow a number while the others stay; the script does not check them.
+# With all checks, strength too, and for choices: fingertip build design.toml --formats cq --set NAME=VALUE
 
 {math}import cadquery as cq
 {imports}
@@ -116,7 +119,7 @@ def write_script(design: Design, part: str) -> bytes:
     """Write a part, or the sensor, as a script: parameters, derived lengths, and a statement for each solid."""
     trace, modules = Trace(design, _maker(part)), write_functions(design)
     held = {name[:-3]: {*re.findall(r"(?m)^(?:def )?(\w+)(?:\(| = )", text.decode())} for name, text in modules.items()}
-    text = Text(trace, part, set().union(*held.values()))
+    text, ranges = Text(trace, part, set().union(*held.values())), find_ranges(design)
     made, imports = "\n".join(text.write_statements()), []
     words = find_words(made) | {"settle", "volume"}
     for module, names in held.items():
@@ -126,8 +129,8 @@ def write_script(design: Design, part: str) -> bytes:
     return _SCRIPT.format(
         title=part.replace("_", " ").capitalize(), design=design.name, part=part, statements=made.lstrip(),
         math="import math\n\n" * ("math" in words),
-        imports="\n".join(imports), parameters="\n".join(text.write_atoms(words, "parameter", "bought")),
-        fixed="\n".join([*_describe_choices(design, part), *text.write_atoms(words, "fixed")]),
+        imports="\n".join(imports), parameters="\n".join(text.write_atoms(words, ranges, "parameter", "bought")),
+        fixed="\n".join([*_describe_choices(design, part), *text.write_atoms(words, ranges, "fixed")]),
     ).encode()  # fmt: skip
 
 
@@ -139,17 +142,35 @@ def write_functions(design: Design) -> dict[str, bytes]:
         texts[name] = path.read_text(encoding="utf-8")
         for pattern, replacement in _REPLACED.items():
             texts[name] = re.sub(pattern, replacement, texts[name])
-    rows = (f'    "{path}": ({b.minimum:g}, {value!r}, {b.maximum:g}),\n' for path, value, b in _list_bounds(design))
+    ranges = find_ranges(design).items()
+    rows = (f'    "{path}": ({low:g}, {value!r}, {high:g}),\n' for path, (value, low, high, *_) in ranges)
     texts["cq_parameters"] = texts["cq_parameters"].replace("= {}", f"= {{\n{''.join(rows)}}}", 1)
     return {f"{name}.py": text.encode() for name, text in texts.items()}
 
 
-def _list_bounds(design: Design) -> Iterator[tuple[str, float, Bounds]]:
-    """List the numbers that shape parts, by the name in the design file, with their bounds."""
-    sensor = {f"custom_sensor.{key}": value for key, value in vars(design.dimensions.sensor).items()}
-    for path in shapes_of_parameters(design.with_values({"sensor.model": "custom"})):
-        if isinstance(value := sensor.get(path, design.value(path)), float):
-            yield path, value, find_bounds(PARAMETERS[path])
+@lru_cache(8)
+def find_ranges(design: Design) -> dict[str, tuple[float, ...]]:
+    """Find value and bounds of each number that shapes parts, and from where to where it may change alone."""
+    named, found = name_sensor(design), {}
+    for path in shapes_of_parameters(named):
+        if isinstance(value := named.value(path), float):
+            bounds = find_bounds(PARAMETERS[path])
+            ends = bounds.minimum or 0.0, bounds.maximum or 0.0
+            found[path] = (value, *ends, *(_find_last(named, path, end) for end in ends))
+    return found
+
+
+def _find_last(design: Design, path: str, end: float) -> float:
+    """Find the last number on the way to an end of its bounds with which a design passes all rules, to 0.001."""
+    value = design.value(path)
+
+    def at(share: float) -> float:
+        return float(round(value + share * (end - value), 3))
+
+    def passes(share: float) -> bool:
+        return not any(find_violations(RULES, design.with_values({path: at(share)})))
+
+    return end if passes(0.999) else at(bisect(passes, 0.0, 1.0, halvings=17)[0])  # 0 itself may be another shape
 
 
 def write_finger(design: Design) -> dict[str, bytes]:

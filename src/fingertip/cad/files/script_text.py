@@ -7,7 +7,7 @@ import keyword
 import math
 import re
 import textwrap
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from itertools import accumulate, chain, count
 
@@ -58,7 +58,7 @@ class Text:
                 self._made[last][1].extend(wrap_code(f"require({condition}, {_literal(condition)})"))
         return [line for _, lines in self._made for line in lines]
 
-    def write_atoms(self, used: AbstractSet[str], *kinds: str) -> Iterator[str]:
+    def write_atoms(self, used: AbstractSet[str], ranges: Mapping[str, Sequence[float]], *kinds: str) -> Iterator[str]:
         heading = ""
         for name, atom in self._trace.atoms.items():
             if atom.kind in kinds and name in used:
@@ -68,6 +68,8 @@ class Text:
                 compared = (Term(sign, Term("name", name), term_of(0.0)) for sign in ("!=", ">"))
                 if any(each in self._trace.conditions for each in compared):
                     meaning, bounds = meaning.partition("; 0: ")[0], bounds.replace(">= 0,", "> 0,")
+                if name in _PATHS and (allowed := ranges[_PATHS[name]])[1:3] != allowed[3:]:
+                    bounds += f"; rules: {allowed[3]:g} to {allowed[4]:g}"
                 yield from _comment(f"{name} = {_literal(atom.value)}", meaning, f" [{bounds}]" * bool(bounds))
 
     def write(self, term: Term, names: bool = True) -> tuple[str, int]:

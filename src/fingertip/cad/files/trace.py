@@ -61,14 +61,12 @@ class Trace:
         """Number or solid -> the variable that held it, or the function that returned it."""
         self._calls: dict[int, tuple[Solid, Term]] = {}
         self._found: list[tuple[Solid, str, str]] = []
-        sensor = vars(design.dimensions.sensor)
-        values: dict[str, Any] = {"sensor.model": "custom"}  # a bought one as well, to name its sizes
-        for path, declared in PARAMETERS.items():
-            kind, value = "parameter", design.value(path)
-            if path.startswith("custom_sensor."):
-                kind, value = "bought", sensor[path.partition(".")[2]]
-            if isinstance(value, float):
-                values[path] = self._atom(name_parameter(path), value, declared.description or "", kind)
+        design = name_sensor(design)
+        values = {
+            path: self._atom(name_parameter(path), value, declared.description or "",
+                             "bought" if path.startswith("custom_") else "parameter")
+            for path, declared in PARAMETERS.items() if isinstance(value := design.value(path), float)
+        }  # fmt: skip
         with _LOCK, self._replaced(), self._watched():
             NOTED.clear()
             self.design = design.with_values(values)
@@ -193,6 +191,13 @@ class Trace:
         finally:
             sys.setprofile(before)
             self._found += reversed(returned)
+
+
+def name_sensor(design: Design) -> Design:
+    """Give a design its sensor as a custom one, whose sizes are parameters."""
+    sizes = {f"custom_sensor.{key}": value for key, value in vars(design.dimensions.sensor).items()}
+    own = {path: value for path, value in sizes.items() if path in PARAMETERS}
+    return design.with_values({"sensor.model": "custom", **own})
 
 
 def name_parameter(path: str) -> str:

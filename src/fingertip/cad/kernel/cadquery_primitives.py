@@ -49,9 +49,7 @@ def bezier_face(quadrant: Any, span: Any) -> Any:
 
 
 def bezier_edge(row: Sequence[tuple[float, float, float]], z: float) -> Any:
-    """Make an edge in the plane at height z from control points (x, y, weight); two are a straight line."""
-    if len(row) == 2:
-        return BRepBuilderAPI_MakeEdge(*(gp_Pnt(x, y, z) for x, y, _ in row)).Edge()
+    """Make an edge in the plane at height z from control points (x, y, weight)."""
     poles, weights = TColgp_Array1OfPnt(1, len(row)), TColStd_Array1OfReal(1, len(row))
     for i, (x, y, w) in enumerate(row, 1):
         poles.SetValue(i, gp_Pnt(x, y, z))

@@ -5,10 +5,9 @@ from __future__ import annotations
 import inspect
 import re
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
-from typing import cast
 
 from fingertip.cad.files import script_parameters
 from fingertip.cad.files.script_text import WIDTH, Text, find_words, wrap_code
@@ -19,10 +18,9 @@ from fingertip.cad.shapes.mold import LABEL
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, shapes_of_parameters
 from fingertip.design import Design
 from fingertip.design.geometry import outlines, profile
-from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.design.rules.ruleset import find_violations, record_reads
+from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import RULES
 from fingertip.foundation.numerics import bisect
 
@@ -49,8 +47,8 @@ _SCRIPT = (
 
 # Lengths are in mm; x is the width, y points to the back, z to the tip. Change a number under "Parameters", and all
 # statements follow. Bone, skin, mold and core share sizes: change those in CHANGES of finger.cq.py, or they do not fit.
-# A number beyond its bounds, and one for which the part is made otherwise, is refused with a sentence. "rules" is where
-# walls, fit and all else of the program's rules allow a number while the others stay; the script does not check them.
+# In brackets stands where the program's rules (walls, fit) allow a number while all others stay. The script does not
+# check them: it refuses, with a sentence, what is beyond the number's own bounds, or gives a part of other statements.
 # With all checks, strength too, and for choices: fingertip build design.toml --formats cq --set NAME=VALUE
 
 {math}import cadquery as cq
@@ -81,7 +79,6 @@ elif __name__ == "__main__":
     cq.exporters.export({part}, "{part}.step")
 """
 )
-_LETTERS = '"""Outlines of engraved letters, for the CadQuery scripts beside this file [units of their grid]."""'
 _FINGER = (
     '"""The finger {design} in its closed mold, of the scripts beside this one: the core lies where the bone will."""'
     + """
@@ -117,7 +114,7 @@ elif __name__ == "__main__":
 
 def write_script(design: Design, part: str) -> bytes:
     """Write a part, or the sensor, as a script: parameters, derived lengths, and a statement for each solid."""
-    trace, modules = Trace(design, _maker(part)), write_functions(design)
+    trace, modules = Trace(design, PARTS[part].solid if part in PARTS else sensor_body), write_functions(design)
     held = {name[:-3]: {*re.findall(r"(?m)^(?:def )?(\w+)(?:\(| = )", text.decode())} for name, text in modules.items()}
     text, ranges = Text(trace, part, set().union(*held.values())), find_ranges(design)
     made, imports = "\n".join(text.write_statements()), []
@@ -129,19 +126,21 @@ def write_script(design: Design, part: str) -> bytes:
     return _SCRIPT.format(
         title=part.replace("_", " ").capitalize(), design=design.name, part=part, statements=made.lstrip(),
         math="import math\n\n" * ("math" in words),
-        imports="\n".join(imports), parameters="\n".join(text.write_atoms(words, ranges, "parameter", "bought")),
-        fixed="\n".join([*_describe_choices(design, part), *text.write_atoms(words, ranges, "fixed")]),
+        imports="\n".join(imports), parameters="\n".join(text.write_atoms(words, ranges)),
+        fixed="\n".join([*_describe_choices(design, part), *text.write_atoms(words)]),
     ).encode()  # fmt: skip
 
 
 def write_functions(design: Design) -> dict[str, bytes]:
     """Write the modules that the scripts of a design carry: functions, bounds of parameters, outlines of letters."""
-    letters = (f"{name_letters(each)} = {letter_outlines(each, STROKE_WIDTH)}" for each in (LABEL, design.name))
-    texts = {"cq_letters": "\n\n".join((_LETTERS, *("\n".join(wrap_code(each)) for each in letters))) + "\n"}
+    texts: dict[str, str] = {}
     for name, path in _CARRIED.items():
         texts[name] = path.read_text(encoding="utf-8")
         for pattern, replacement in _REPLACED.items():
             texts[name] = re.sub(pattern, replacement, texts[name])
+    for word in (LABEL, design.name):
+        letters = wrap_code(f"{name_letters(word)} = {letter_outlines(word, STROKE_WIDTH)}")
+        texts["cq_outlines"] += "\n".join(("", *letters, ""))
     ranges = find_ranges(design).items()
     rows = (f'    "{path}": ({low:g}, {value!r}, {high:g}),\n' for path, (value, low, high, *_) in ranges)
     texts["cq_parameters"] = texts["cq_parameters"].replace("= {}", f"= {{\n{''.join(rows)}}}", 1)
@@ -182,15 +181,9 @@ def write_finger(design: Design) -> dict[str, bytes]:
     return {FINGER: text.encode(), "sensor.cq.py": write_script(design, "sensor")}
 
 
-def _maker(part: str) -> Callable[[Design], Solid]:
-    return PARTS[part].solid if part in PARTS else sensor_body
-
-
 def _describe_choices(design: Design, part: str) -> Iterator[str]:
     """Describe the choices, of which other ones give other statements."""
-    tables, reads = record_reads(design)
-    _maker(part)(cast(Design, tables))
-    chosen = [f"{path} = {value}" for path in PARAMETERS
-              if path in reads and not isinstance(value := design.value(path), float)]  # fmt: skip
+    read = (path for path, names in shapes_of_parameters(design).items() if part in names)
+    chosen = [f"{path} = {value}" for path in read if not isinstance(value := design.value(path), float)]
     text = f"# What follows holds for {', '.join(chosen)}" * bool(chosen)
     yield from textwrap.wrap(text, WIDTH, subsequent_indent="# ")

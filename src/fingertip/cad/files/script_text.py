@@ -14,7 +14,6 @@ from itertools import accumulate, chain, count
 from fingertip.cad.files.named_numbers import Term, term_of
 from fingertip.cad.files.trace import Trace, name_parameter
 from fingertip.cad.shapes.parts import PARTS, tagged_faces
-from fingertip.design.files import format_bounds
 from fingertip.design.parameters import PARAMETERS
 
 WIDTH = 118
@@ -58,19 +57,15 @@ class Text:
                 self._made[last][1].extend(wrap_code(f"require({condition}, {_literal(condition)})"))
         return [line for _, lines in self._made for line in lines]
 
-    def write_atoms(self, used: AbstractSet[str], ranges: Mapping[str, Sequence[float]], *kinds: str) -> Iterator[str]:
+    def write_atoms(self, used: AbstractSet[str], ranges: Mapping[str, Sequence[float]] | None = None) -> Iterator[str]:
+        """Write the parameters, with the ends of their ranges, or else what is fixed."""
         heading = ""
         for name, atom in self._trace.atoms.items():
-            if atom.kind in kinds and name in used:
-                before, heading = heading, name.partition("_")[0] if atom.kind == "parameter" else atom.kind
-                yield from [f"# {heading.capitalize()}"] if heading not in (before, "fixed") else ()
-                meaning, bounds = atom.meaning, format_bounds(PARAMETERS[_PATHS[name]]) if name in _PATHS else ""
-                compared = (Term(sign, Term("name", name), term_of(0.0)) for sign in ("!=", ">"))
-                if any(each in self._trace.conditions for each in compared):
-                    meaning, bounds = meaning.partition("; 0: ")[0], bounds.replace(">= 0,", "> 0,")
-                if name in _PATHS and (allowed := ranges[_PATHS[name]])[1:3] != allowed[3:]:
-                    bounds += f"; rules: {allowed[3]:g} to {allowed[4]:g}"
-                yield from _comment(f"{name} = {_literal(atom.value)}", meaning, f" [{bounds}]" * bool(bounds))
+            if name in used and atom.is_parameter == bool(ranges):
+                before, heading = heading, f"# {name.partition('_')[0].capitalize()}" * bool(ranges)
+                yield from [heading] if heading != before else ()
+                ends = " [{:g} to {:g}]".format(*ranges[_PATHS[name]][-2:]) if ranges else ""
+                yield from _comment(f"{name} = {_literal(atom.value)}", atom.meaning, ends)
 
     def write(self, term: Term, names: bool = True) -> tuple[str, int]:
         """Write a term, and return its text and rank."""
@@ -166,13 +161,7 @@ class Text:
         raise AssertionError(term)
 
     def _write_condition(self, term: Term, used: AbstractSet[str]) -> str:
-        terms, seen = [term], set[Term]()
-        for each in terms:  # it grows
-            terms += [inner for inner in each.operands if isinstance(inner, Term) and inner not in seen]
-            seen.add(each)
-        atoms = {each.operands[0] for each in terms if each.operation == "name"}
-        kinds = {self._trace.atoms[each].kind for each in atoms}
-        if not atoms <= used or not kinds & {"parameter", "bought"}:
+        if not term.atoms <= used or not any(self._trace.atoms[each].is_parameter for each in term.atoms):
             return ""
         left, right = term.operands
         if left == right or (term.operation == "!=" and left.operation != "name" and right.operation == "constant"):

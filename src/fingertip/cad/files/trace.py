@@ -43,11 +43,11 @@ _LOCK = threading.Lock()
 
 
 class Atom(NamedTuple):
-    """Number in a script as it is: its value, what it means, and "parameter", "bought", "fixed" or "letters"."""
+    """Number in a script as it is."""
 
     value: Any
     meaning: str
-    kind: str
+    is_parameter: bool
 
 
 class Trace:
@@ -63,8 +63,7 @@ class Trace:
         self._found: list[tuple[Solid, str, str]] = []
         design = name_sensor(design)
         values = {
-            path: self._atom(name_parameter(path), value, declared.description or "",
-                             "bought" if path.startswith("custom_") else "parameter")
+            path: self._atom(name_parameter(path), value, declared.description or "", True)
             for path, declared in PARAMETERS.items() if isinstance(value := design.value(path), float)
         }  # fmt: skip
         with _LOCK, self._replaced(), self._watched():
@@ -93,8 +92,8 @@ class Trace:
         name, arguments = call_of(solid)
         return Term("solid", name, *map(term_of, arguments))
 
-    def _atom(self, name: str, value: Any, meaning: str, kind: str) -> Any:
-        while self.atoms.setdefault(name, Atom(value, meaning, kind)).value != value:
+    def _atom(self, name: str, value: Any, meaning: str, is_parameter: bool = False) -> Any:
+        while self.atoms.setdefault(name, Atom(value, meaning, is_parameter)).value != value:
             name += "_"
         return wrap(value, Term("name", name))
 
@@ -117,7 +116,7 @@ class Trace:
                 if id(value) in new:
                     setattr(module, name, new[id(value)])
                 elif name.isupper() and isinstance(first, float):
-                    setattr(module, name, self._atom(name.strip("_"), value, meanings.get((name, value), ""), "fixed"))
+                    setattr(module, name, self._atom(name.strip("_"), value, meanings.get((name, value), "")))
             vars(module).update(min=self._traced(min, "min"), max=self._traced(max, "max"))
         try:
             yield
@@ -150,7 +149,7 @@ class Trace:
         return call
 
     def _outline_letters(self, text: str, stroke_width: float) -> Any:
-        return self._atom(name_letters(text), letter_outlines(text, float(stroke_width)), "", "letters")
+        return self._atom(name_letters(text), letter_outlines(text, float(stroke_width)), "")
 
     @contextlib.contextmanager
     def _watched(self) -> Iterator[None]:

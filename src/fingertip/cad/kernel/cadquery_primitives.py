@@ -126,10 +126,7 @@ def elbow_tube(
     turn_y, turn_z, down = start_y + bend_radius, exit_z + bend_radius, cq.Vector(0, 0, -1)
     first = cq.Solid.makeCylinder(radius, start_z - turn_z, cq.Vector(0, start_y, start_z), down)
     circle = cq.Wire.makeCircle(radius, cq.Vector(0, start_y, turn_z), down)
-    ends = cq.Vector(-1, turn_y, turn_z), cq.Vector(1, turn_y, turn_z)
-    bend = cq.Solid.revolve(circle, [], 90, *ends)
-    if bend.Center().z > turn_z:  # it turned to the wrong side
-        bend = cq.Solid.revolve(circle, [], 90, *ends[::-1])
+    bend = cq.Solid.revolve(circle, [], 90, cq.Vector(-1, turn_y, turn_z), cq.Vector(1, turn_y, turn_z))
     last = cq.Solid.makeCylinder(radius, end_y - turn_y, cq.Vector(0, turn_y, exit_z), cq.Vector(0, 1, 0))
     return cq.Workplane(first.fuse(bend, last))
 

@@ -131,11 +131,6 @@ class SkinDimensions:
         low = high - self._design.bone.platform_mm / RAMP_SLOPE
         return low, high
 
-    @cached_property
-    def ramp_excess(self) -> float:
-        """Length by which the film along the ramp is longer than the ramp along z."""
-        return self._design.bone.platform_mm * (math.hypot(1.0, RAMP_SLOPE) - 1.0) / RAMP_SLOPE
-
     def flat_depth_at(self, z: float) -> float:
         """Return the depth of the flat, of the ramp, or of the platform at a height z [mm], in the middle plane."""
         return ramp_depth(z, self.flat_depth, self.platform_depth, self.ramp[1])

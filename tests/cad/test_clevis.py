@@ -14,7 +14,7 @@ from fingertip.cad.verification.check import Solids
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
 from fingertip.design.formulas.stress_and_knock import pin_peak
-from fingertip.design.geometry.joint import Joint
+from fingertip.design.geometry.outlines import eye_corners
 from fingertip.design.geometry.solids import cylinder, union
 from fingertip.design.interfaces import clevis, clevis_solids, interface_of
 from fingertip.design.new_design import PRESETS
@@ -46,8 +46,7 @@ def test_preset_passes_all_mesh_checks_and_holds_its_loads_in_every_material(nam
 @pytest.mark.parametrize("travel_deg", [20.0, 60.0, 90.0, 110.0])
 def test_profile_between_the_stops_never_meets_the_shoulder(travel_deg: float) -> None:
     """Every corner stays on the near side of the shoulder, in the frame of the bone, at all angles of the travel."""
-    joint = Joint(0.0, 0.0, 1.0, 4.0, 0.3, True, 3.0, travel_deg, 0.0)
-    corners = [point for point in joint.stopped_profile(20.0) if math.hypot(*point) > 0.0]
+    corners = [point for point in eye_corners((0.0, 0.0), 4.0, 3.7, travel_deg, 20.0) if math.hypot(*point) > 0.0]
     for i in range(101):
         angle = math.radians(travel_deg * i / 100)
         assert max(-y * math.sin(angle) - z * math.cos(angle) for y, z in corners) <= 4.0 + 1e-9

@@ -16,7 +16,7 @@ from fingertip.cad.shapes.finger import bone, filled_bone, sensor_body, sensor_r
 from fingertip.design import Design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import ConicBody
-from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE
+from fingertip.design.geometry.outlines import RAMP_SLOPE
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.solids import Box, SuperconicSolid, difference
 from fingertip.design.new_design import PRESETS

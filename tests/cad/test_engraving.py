@@ -11,6 +11,7 @@ import pytest
 from fingertip.cad.shapes import engraving
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines, stroke_rectangles
 from fingertip.design.files import list_parameters
+from fingertip.design.geometry.outlines import HEIGHT
 
 ALLOWED = string.ascii_letters + string.digits + "-_"
 LETTERS = string.ascii_uppercase + string.digits + "-_"
@@ -61,5 +62,5 @@ def test_all_letters_differ_and_follow_each_other_at_a_constant_distance() -> No
 
 def test_min_height_in_the_parameters_corresponds_to_the_min_stroke() -> None:
     (bounds,) = (p.bounds for p in list_parameters() if p.path == "mold.engraving_height_mm")
-    minimum = engraving.MIN_STROKE_MM / STROKE_WIDTH * engraving.HEIGHT
+    minimum = engraving.MIN_STROKE_MM / STROKE_WIDTH * HEIGHT
     assert bounds.startswith(f">= {minimum:g},")

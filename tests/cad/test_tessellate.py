@@ -18,8 +18,8 @@ from fingertip.cad.verification.deviation import _nearby_distance, max_facet_dev
 from fingertip.cad.verification.printing import count_open_edges
 from fingertip.cad.verification.skin import min_thickness
 from fingertip.design import Design
-from fingertip.design.geometry.conic import ConicBody, CrossSection, arc_point
-from fingertip.design.geometry.profile import Tip
+from fingertip.design.geometry.conic import ConicBody, CrossSection
+from fingertip.design.geometry.profile import Tip, arc_point
 from fingertip.design.geometry.solids import Box, Cone, ElbowTube, Primitive, SuperconicSolid, cylinder, difference
 from fingertip.foundation.numerics import Array
 from tests.oracles.conic_area import section_area

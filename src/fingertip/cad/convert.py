@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, join_equal, to_canonical_mesh, to_manifold
+from fingertip.cad.shapes.finger import cable_channel
 from fingertip.cad.shapes.parts import find_frames, hardware, parts_by_name, tagged_faces
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
@@ -96,29 +97,21 @@ def _tag_faces(solid: Solid, design: Design, name: str) -> dict[str, list[int]]:
 
     made = cadquery.Solid(_evaluate(solid))
     form = PadForm.of_design(design)
-    over_sensor = cadquery.Vertex.makeVertex(0.0, -form.platform_mm - form.over_sensor_mm, form.sensor_z_mm)
-    faces = dict(enumerate(made.Faces()))
-    tagged = {"pad": [i for i, face in faces.items() if face.distance(over_sensor) < _NEAR_MM]}
-    if name == "bone":
-        tagged["channel"] = [i for i, face in faces.items() if _is_wire_way(face, design.bone.channel_diameter_mm / 2)]
+    places = {"pad": [(0.0, -form.platform_mm - form.over_sensor_mm, form.sensor_z_mm)]}
+    if name == "bone":  # where the bend of the channel meets its straight pieces
+        tube = cable_channel(design)
+        y, z = tube.start_y + tube.bend_radius, tube.exit_z + tube.bend_radius
+        places["channel"] = [(0.0, tube.start_y + tube.radius, z), (tube.radius, y, tube.exit_z)]
+    faces, tagged = dict(enumerate(made.Faces())), {}
+    for tag, points in places.items():
+        near = [cadquery.Vertex.makeVertex(*point) for point in points]
+        tagged[tag] = [i for i, face in faces.items() if min(map(face.distance, near)) < _NEAR_MM]
     for tag, selectors in tagged_faces(design, name).items():
         found = cadquery.Workplane(made)
         for each in selectors:
             found = found.faces(each if isinstance(each, str) else in_plane(each))
         tagged[tag] = [i for i, face in faces.items() if any(map(face.isSame, found.vals()))]
     return {tag: found for tag, found in tagged.items() if found}
-
-
-def _is_wire_way(face: Any, radius: float) -> bool:
-    """Return whether a face is a pipe of this radius in the middle plane: no other round face bends along it."""
-    kind, surface = face.geomType(), face._geomAdaptor()
-    if kind == "TORUS":
-        return bool(abs(surface.Torus().MinorRadius() - radius) < _NEAR_MM)
-    if kind != "CYLINDER":
-        return False
-    along = surface.Cylinder().Axis()
-    is_middle = abs(along.Location().X()) < _NEAR_MM and abs(along.Direction().X()) < _NEAR_MM
-    return bool(is_middle and abs(surface.Cylinder().Radius() - radius) < _NEAR_MM)
 
 
 def frames(design: Design) -> dict[str, cadquery.Location]:

@@ -2,39 +2,56 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 import textwrap
-from collections.abc import Callable, Iterable, Iterator
-from functools import cache
-from itertools import chain
-from typing import cast
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
 
-from fingertip.cad.files import carried_functions as carried
-from fingertip.cad.files.script_text import FUNCTIONS, WIDTH, Text, wrap_code
-from fingertip.cad.files.trace import NUMBERS, SOLIDS, Trace, name_letters
+from fingertip.cad.files import script_parameters
+from fingertip.cad.files.script_text import WIDTH, Text, find_words, wrap_code
+from fingertip.cad.files.trace import Trace, name_letters, name_sensor
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines
 from fingertip.cad.shapes.finger import sensor_body
 from fingertip.cad.shapes.mold import LABEL
-from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name
+from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, shapes_of_parameters
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Solid
+from fingertip.design.geometry import outlines, profile
 from fingertip.design.parameters import PARAMETERS
-from fingertip.design.rules.ruleset import record_reads
+from fingertip.design.parameters.declaration import find_bounds
+from fingertip.design.rules.ruleset import find_violations
+from fingertip.design.search import RULES
+from fingertip.foundation.numerics import bisect
 
-FINGER, _NUMBERS, _SOLIDS, _LETTERS = "finger.cq.py", "cq_numbers", "cq_solids", "cq_letters"
-"""Script of the whole finger with its mold, and the modules of the functions of all scripts."""
+FINGER = "finger.cq.py"
+"""Script of the whole finger with its mold."""
+_CARRIED = {
+    "cq_numbers": Path(profile.__file__), "cq_outlines": Path(outlines.__file__),
+    "cq_parameters": Path(script_parameters.__file__),
+    "cq_solids": Path(__file__).parents[1] / "kernel" / "cadquery_primitives.py",
+}  # fmt: skip
+"""Files of the modules that scripts carry. That of the primitives is not imported: it would load cadquery."""
+_REPLACED = {
+    r"from fingertip\.foundation\.numerics import bisect": f"import itertools\n\n\n{inspect.getsource(bisect)}",
+    r"from fingertip\.design\.geometry\.solids .*": (
+        "from cq_solids import box as Box, cone as Cone, prism as Prism, union"
+    ),
+    r"if TYPE_CHECKING:\n(    .*\n)+\n": "",
+    r"  # (fmt|noqa): .*": "",
+}
+"""Text of modules that reads otherwise where they stand beside a script."""
 _SCRIPT = (
     '"""{title} of the fingertip {design}, in CadQuery: run it with Python, or open it in CQ-editor."""'
     + """
 
-# Lengths are in mm; x is the width, y points to the back, z to the tip. All that follows from a parameter follows when
-# it is changed here, within its bounds. No other rule checks it; what needs other statements ends with a sentence.
-# Sizes that bone, skin, molds and core share are changed in CHANGES of finger.cq.py, else the parts no longer fit.
-# With all checks, and for choices: fingertip build design.toml --formats cq --set NAME=VALUE
+# Lengths are in mm; x is the width, y points to the back, z to the tip. Change a number under "Parameters", and all
+# statements follow. Bone, skin, mold and core share sizes: change those in CHANGES of finger.cq.py, or they do not fit.
+# In brackets stands where the program's rules (walls, fit) allow a number while all others stay. The script does not
+# check them: it refuses, with a sentence, what is beyond the number's own bounds, or gives a part of other statements.
+# With all checks, strength too, and for choices: fingertip build design.toml --formats cq --set NAME=VALUE
 
-import math
-
-import cadquery as cq
+{math}import cadquery as cq
 {imports}
 
 # Parameters
@@ -45,14 +62,14 @@ import cadquery as cq
 
 {fixed}
 
-# Lower bound, value in the design, and upper bound of each parameter
-{bounds}
+require = settle(globals())  # checks bounds; require(...) below refuses a number for which the part is made otherwise
 
 # {title}
 
 {statements}
 
-# Add your own features here. Faces are those of the STEP file: before own fillets, {part} = {part}.clean()
+# Add your own features here. Booleans above are not cleaned, to keep the faces of the STEP file: before own fillets,
+# {part} = {part}.clean()
 
 if "show_object" in globals():  # in CQ-editor, or imported from ocp_vscode
     show_object({part}, name="{part}")
@@ -62,12 +79,8 @@ elif __name__ == "__main__":
     cq.exporters.export({part}, "{part}.step")
 """
 )
-_HEADS = {
-    _NUMBERS: '"""Numbers that follow from others, for the CadQuery scripts beside this file [mm]."""',
-    _LETTERS: '"""Outlines of engraved letters, for the CadQuery scripts beside this file [units of their grid]."""',
-}
 _FINGER = (
-    '"""The whole finger {design} with its mold, without tools (stand, hand_stub), of the scripts beside this one."""'
+    '"""The finger {design} in its closed mold, of the scripts beside this one: the core lies where the bone will."""'
     + """
 
 from pathlib import Path
@@ -75,20 +88,15 @@ from runpy import run_path
 
 import cadquery as cq
 
-# Parameters of the scripts that shall have other values, in all of them, such as {{"skin_width_mm": 18.0}}
+# Other values for parameters of the scripts, in all of them at once, such as {{"bone_wall_mm": 1.0}}
 CHANGES = {{}}
 
 COLOURS = {{
 {colours}
 }}
-paths = {{name: Path(__file__).with_name(f"{{name}}.cq.py") for name in COLOURS}}
-given = {{name: {{key: value for key, value in CHANGES.items() if f"{{key}} = " in path.read_text("utf-8")}}
-    for name, path in paths.items()}}
 REFUSAL = SystemExit if __name__ == "__main__" else ValueError
-if unknown := set(CHANGES).difference(*given.values()):
-    raise REFUSAL(f"CHANGES: these are no parameters: {{', '.join(sorted(unknown))}}")
-parts = {{name: run_path(str(path), {{"CHANGES": given[name], "REFUSAL": REFUSAL}})[name]
-    for name, path in paths.items()}}
+paths = {{name: Path(__file__).with_name(f"{{name}}.cq.py") for name in COLOURS}}
+parts = {{name: run_path(str(path), {{"CHANGES": CHANGES, "REFUSAL": REFUSAL}})[name] for name, path in paths.items()}}
 finger = cq.Assembly(name="{design}")
 for name, part in parts.items():
     finger.add(part, name=name, color=cq.Color(*COLOURS[name]))
@@ -98,59 +106,70 @@ if "show_object" in globals():  # in CQ-editor, or imported from ocp_vscode
         show_object(part, name=name)
     show_object(finger, name="finger")
 elif __name__ == "__main__":
-    print(f"{design}: {{', '.join(parts)}}")
+    finger.export("{design}.step")
+    print(f"{design}.step: {{', '.join(parts)}}")
 """
 )
 
 
 def write_script(design: Design, part: str) -> bytes:
     """Write a part, or the sensor, as a script: parameters, derived lengths, and a statement for each solid."""
-    trace = Trace(design, _maker(part))
-    text = Text(trace, part)
-    made = "\n".join(text.write_statements())
-    called, fixed = {*re.findall(r"(?<![.\w])(\w+)\(", made), "volume", "settle"} & FUNCTIONS, trace.atoms.items()
-    imports: list[str] = []
-    for module, each in _carry().items():
-        read = {name for name, atom in fixed if name in text.used and each.constants.get(name) == repr(atom.value)}
-        text.used -= read
-        own = each.functions.keys() if module == _NUMBERS else FUNCTIONS - _carry()[_NUMBERS].functions.keys()
-        if names := sorted(read | (called & own)):
-            imports += wrap_code(f"from {module} import ({', '.join(names)})", "")
-    if letters := [name for name, atom in fixed if atom.kind == "letters" and name in text.used]:
-        imports.insert(0, f"from {_LETTERS} import {', '.join(letters)}")
+    trace, modules = Trace(design, PARTS[part].solid if part in PARTS else sensor_body), write_functions(design)
+    held = {name[:-3]: {*re.findall(r"(?m)^(?:def )?(\w+)(?:\(| = )", text.decode())} for name, text in modules.items()}
+    text, ranges = Text(trace, part, set().union(*held.values())), find_ranges(design)
+    made, imports = "\n".join(text.write_statements()), []
+    words = find_words(made) | {"settle", "volume"}
+    for module, names in held.items():
+        if listed := ", ".join(sorted(names & words)):
+            imports += wrap_code(f"from {module} import {f'({listed})' if len(listed) > WIDTH // 2 else listed}")
+        words -= names
     return _SCRIPT.format(
         title=part.replace("_", " ").capitalize(), design=design.name, part=part, statements=made.lstrip(),
-        imports="\n".join(imports), parameters="\n".join(text.write_atoms("parameter", "bought")),
-        fixed="\n".join([*_describe_choices(design, part), *text.write_atoms("fixed")]),
-        bounds="\n".join(text.write_bounds()),
+        math="import math\n\n" * ("math" in words),
+        imports="\n".join(imports), parameters="\n".join(text.write_atoms(words, ranges)),
+        fixed="\n".join([*_describe_choices(design, part), *text.write_atoms(words)]),
     ).encode()  # fmt: skip
 
 
 def write_functions(design: Design) -> dict[str, bytes]:
-    """Write the modules of the functions of all scripts, and of the letters in the mold of a design."""
-    solids = carried.PRIMITIVES.read_text(encoding="utf-8").splitlines()
-    first = solids.index("from __future__ import annotations") + 2
-    letters = (f"{name_letters(each)} = {letter_outlines(each, STROKE_WIDTH)}" for each in (LABEL, design.name))
-    made = _carry()
-    texts = {
-        _NUMBERS: [_HEADS[_NUMBERS], "", *sorted(made[_NUMBERS].imports), "", *made[_NUMBERS].write()],
-        _SOLIDS: [*solids[:first], *sorted(made[_SOLIDS].imports), *solids[first:], "", "", *made[_SOLIDS].write()],
-        _LETTERS: [_HEADS[_LETTERS], *chain(*(("", each) for each in letters))],
-    }
-    return {f"{name}.py": ("\n".join(_break(lines)) + "\n").encode() for name, lines in texts.items()}
+    """Write the modules that the scripts of a design carry: functions, bounds of parameters, outlines of letters."""
+    texts: dict[str, str] = {}
+    for name, path in _CARRIED.items():
+        texts[name] = path.read_text(encoding="utf-8")
+        for pattern, replacement in _REPLACED.items():
+            texts[name] = re.sub(pattern, replacement, texts[name])
+    for word in (LABEL, design.name):
+        letters = wrap_code(f"{name_letters(word)} = {letter_outlines(word, STROKE_WIDTH)}")
+        texts["cq_outlines"] += "\n".join(("", *letters, ""))
+    ranges = find_ranges(design).items()
+    rows = (f'    "{path}": ({low:g}, {value!r}, {high:g}),\n' for path, (value, low, high, *_) in ranges)
+    texts["cq_parameters"] = texts["cq_parameters"].replace("= {}", f"= {{\n{''.join(rows)}}}", 1)
+    return {f"{name}.py": text.encode() for name, text in texts.items()}
 
 
-def _break(lines: Iterable[str]) -> Iterator[str]:
-    for line in lines:
-        code = line.lstrip(" ")
-        yield from wrap_code(code, " " * (len(line) - len(code))) if len(line) > WIDTH else (line,)
+@lru_cache(8)
+def find_ranges(design: Design) -> dict[str, tuple[float, ...]]:
+    """Find value and bounds of each number that shapes parts, and from where to where it may change alone."""
+    named, found = name_sensor(design), {}
+    for path in shapes_of_parameters(named):
+        if isinstance(value := named.value(path), float):
+            bounds = find_bounds(PARAMETERS[path])
+            ends = bounds.minimum or 0.0, bounds.maximum or 0.0
+            found[path] = (value, *ends, *(_find_last(named, path, end) for end in ends))
+    return found
 
 
-@cache
-def _carry() -> dict[str, carried.Carried]:
-    numbers = carried.Carried(NUMBERS)
-    solids = carried.Carried((carried.settle, *SOLIDS), numbers, _NUMBERS)
-    return {_NUMBERS: numbers, _SOLIDS: solids}
+def _find_last(design: Design, path: str, end: float) -> float:
+    """Find the last number on the way to an end of its bounds with which a design passes all rules, to 0.001."""
+    value = design.value(path)
+
+    def at(share: float) -> float:
+        return float(round(value + share * (end - value), 3))
+
+    def passes(share: float) -> bool:
+        return not any(find_violations(RULES, design.with_values({path: at(share)})))
+
+    return end if passes(0.999) else at(bisect(passes, 0.0, 1.0, halvings=17)[0])  # 0 itself may be another shape
 
 
 def write_finger(design: Design) -> dict[str, bytes]:
@@ -162,15 +181,9 @@ def write_finger(design: Design) -> dict[str, bytes]:
     return {FINGER: text.encode(), "sensor.cq.py": write_script(design, "sensor")}
 
 
-def _maker(part: str) -> Callable[[Design], Solid]:
-    return PARTS[part].solid if part in PARTS else sensor_body
-
-
 def _describe_choices(design: Design, part: str) -> Iterator[str]:
     """Describe the choices, of which other ones give other statements."""
-    tables, reads = record_reads(design)
-    _maker(part)(cast(Design, tables))
-    chosen = [f"{path} = {value}" for path in PARAMETERS
-              if path in reads and not isinstance(value := design.value(path), float)]  # fmt: skip
+    read = (path for path, names in shapes_of_parameters(design).items() if part in names)
+    chosen = [f"{path} = {value}" for path in read if not isinstance(value := design.value(path), float)]
     text = f"# What follows holds for {', '.join(chosen)}" * bool(chosen)
     yield from textwrap.wrap(text, WIDTH, subsequent_indent="# ")

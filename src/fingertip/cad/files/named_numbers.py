@@ -15,6 +15,8 @@ class Term:
 
     def __init__(self, operation: str, *operands: Any, length: int = 0) -> None:
         self.operation, self.operands, self.length = operation, operands, length
+        inner = (each.atoms for each in operands if isinstance(each, Term))
+        self.atoms: set[str] = {operands[0]} if operation == "name" else set().union(*inner)
         self._key = hash((operation, *(each if isinstance(each, Term) else repr(each) for each in operands)))
 
     def __hash__(self) -> int:

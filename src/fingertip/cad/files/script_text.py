@@ -7,23 +7,17 @@ import keyword
 import math
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from itertools import accumulate, chain, count
 
 from fingertip.cad.files.named_numbers import Term, term_of
-from fingertip.cad.files.trace import NUMBERS, SOLIDS, Trace
+from fingertip.cad.files.trace import Trace, name_parameter
 from fingertip.cad.shapes.parts import PARTS, tagged_faces
-from fingertip.design.files import format_bounds
 from fingertip.design.parameters import PARAMETERS
-from fingertip.design.parameters.declaration import find_bounds
 
 WIDTH = 118
-FUNCTIONS = {
-    "box", "cylinder", "cone", "prism", "stack", "union", "superconic", "elbow_tube", "scaled", "in_plane", "volume",
-    "settle", *(each.__name__ for each in (*NUMBERS, *SOLIDS)),
-}  # fmt: skip
-"""Functions that scripts import."""
-_PATHS = {path.replace(".", "_").removeprefix("custom_"): path for path in PARAMETERS}
+_PATHS = {name_parameter(path): path for path in PARAMETERS}
 _LONG, _AGAIN_LONG, _NAMELESS = 72, 16, 40
 """Length above which an expression has a name of its own: used once, used again, and used again but held by nothing."""
 _NEVER_NAMED = {"name", "constant", "item", "negative"}
@@ -31,59 +25,47 @@ _RANKS = {"+": 1, "-": 1, "*": 2, "/": 2, "negative": 2, "**": 3}
 """Ranks of operations: the higher one binds more tightly; comparisons have 0, all others 4."""
 _MADE = {"union", "cut", "intersect", "solid", "solids", "member"}
 """Operations that make solids."""
-_PLACES = {"box": "low_x low_y low_z high_x high_y high_z", "superconic": "section spans", "prism": "axis corners"}
-"""Meaning of what a primitive takes."""
 
 
 class Text:
     """Text of a part: lines of lengths and of solids, each after what it needs."""
 
-    def __init__(self, trace: Trace, part: str) -> None:
+    def __init__(self, trace: Trace, part: str, taken: Collection[str] = ()) -> None:
         self._trace, self._part = trace, part
         self._uses: dict[Term, int] = {}
         self._names: dict[Term, str] = {}
         self._done: dict[Term, tuple[str, int]] = {}
-        self._taken = {*PARTS, *dir(builtins), *keyword.kwlist, *trace.atoms, *FUNCTIONS, "require", "cq", "math"}
+        self._taken = {*PARTS, *dir(builtins), *keyword.kwlist, *trace.atoms, *taken, "require", "cq", "math", ""}
         self._made: list[tuple[str, list[str]]] = [("", [])]
-        self._places: dict[Term, str] = {}
         self._solid = part
-        self.used: set[str] = set()
         for each in (*trace.conditions, trace.part):
             self._count(each)
 
     def write_statements(self) -> list[str]:
         """Write the part, with tags of faces."""
         self._write_solid(self._part, self._trace.part)
-        self._made.append(("", [f"{self._part} = {self._part}.solids()"]))
+        self._made.append(("", [f"{self._part} = {self._part}.solids()  # out of the compound that a boolean returns"]))
         for tag, selectors in tagged_faces(self._trace.design, self._part).items():
             texts = (f'"{s}"' if isinstance(s, str) else f"in_plane({self.write(term_of(s))[0]})" for s in selectors)
             self._made.append(("", [f'{self._part}.faces({").faces(".join(texts)}).tag("{tag}")']))
         places = {name: i for i, (name, _) in enumerate(self._made) if name}
-        conditions = dict.fromkeys(map(self._write_condition, self._trace.conditions))
+        used = find_words("\n".join(line for _, lines in self._made for line in lines))
+        conditions = dict.fromkeys(self._write_condition(each, used) for each in self._trace.conditions)
         for condition in conditions:
             if condition and condition.replace(" >= ", " > ") not in conditions.keys() - {condition}:
-                last = max(places.get(word, 0) for word in re.findall(r"\w+", condition))
-                self._made[last][1].extend(wrap_code(f"require({condition}, {_literal(condition)})", ""))
+                last = max(places.get(word, 0) for word in find_words(condition))
+                self._made[last][1].extend(wrap_code(f"require({condition}, {_literal(condition)})"))
         return [line for _, lines in self._made for line in lines]
 
-    def write_atoms(self, *kinds: str) -> Iterator[str]:
+    def write_atoms(self, used: AbstractSet[str], ranges: Mapping[str, Sequence[float]] | None = None) -> Iterator[str]:
+        """Write the parameters, with the ends of their ranges, or else what is fixed."""
         heading = ""
         for name, atom in self._trace.atoms.items():
-            if atom.kind in kinds and name in self.used:
-                before, heading = heading, name.partition("_")[0] if atom.kind == "parameter" else atom.kind
-                yield from [f"# {heading.capitalize()}"] if heading not in (before, "fixed") else ()
-                meaning, bounds = atom.meaning, format_bounds(PARAMETERS[_PATHS[name]]) if name in _PATHS else ""
-                compared = (Term(sign, Term("name", name), term_of(0.0)) for sign in ("!=", ">"))
-                if any(each in self._trace.conditions for each in compared):
-                    meaning, bounds = meaning.partition("; 0: ")[0], bounds.replace(">= 0,", "> 0,")
-                yield from _comment(f"{name} = {_literal(atom.value)}", meaning, f" [{bounds}]" * bool(bounds))
-
-    def write_bounds(self) -> list[str]:
-        """Write the bounds of parameters, around their values in the design."""
-        used = {_PATHS[each]: atom for each, atom in self._trace.atoms.items() if each in self.used & _PATHS.keys()}
-        bounds = ((path, atom, find_bounds(PARAMETERS[path])) for path, atom in used.items())
-        rows = (f'"{path}": ({b.minimum:g}, {_literal(atom.value)}, {b.maximum:g})' for path, atom, b in bounds)
-        return wrap_code(f"require = settle(globals(), {{{', '.join(rows)}}})", "")
+            if name in used and atom.is_parameter == bool(ranges):
+                before, heading = heading, f"# {name.partition('_')[0].capitalize()}" * bool(ranges)
+                yield from [heading] if heading != before else ()
+                ends = " [{:g} to {:g}]".format(*ranges[_PATHS[name]][-2:]) if ranges else ""
+                yield from _comment(f"{name} = {_literal(atom.value)}", atom.meaning, ends)
 
     def write(self, term: Term, names: bool = True) -> tuple[str, int]:
         """Write a term, and return its text and rank."""
@@ -92,14 +74,12 @@ class Text:
         if term in self._done:
             return self._done[term]
         text, rank = self._compose(term, names)
-        if term.operation == "name":
-            self.used.add(text)
         is_named = names and term.operation not in _NEVER_NAMED | _MADE
         is_again = self._uses.get(term, 0) > 1 and len(text) > _AGAIN_LONG
         if is_named and (is_again or len(text) > _LONG):
             found, meaning = self._trace.derived.get(term) or (self._trace.variables.get(term), "")
-            if found or (is_again and len(text) > _NAMELESS) or term in self._places:
-                name = self._name(found or f"{self._solid}_{self._places.get(term, 'length')}")
+            if found or (is_again and len(text) > _NAMELESS):
+                name = self._name(found or f"{self._solid}_{'corner' if term.operation == 'tuple' else 'size'}")
                 self._names[term] = name
                 self._made.append((name, _comment(f"{name} = {text}", meaning)))
                 return name, 4
@@ -114,9 +94,14 @@ class Text:
                 self._write_solid(self._name(self._trace.variables.get(known, "body")), inner)
         self._solid, begin = name, len(self._made)
         text = self._compose(term, True)[0]
-        if self._made[begin:]:
-            self._made.insert(begin, ("", ["", f"# {name.replace('_', ' ').capitalize()}"]))
-        self._made.append((name, wrap_code(f"{name} = {text}", "")))
+        meaning = self._trace.derived.get(term, ("", ""))[1].partition(". ")[0].partition("\n")[0].rstrip(".")
+        title, is_new = name.replace("_", " "), meaning not in self._taken
+        if self._made[begin:] or is_new:
+            about = meaning.removeprefix("Build ").removeprefix(f"the {title}: ")
+            heading = f"# {title.capitalize()}" + f": {about}" * is_new
+            self._made.insert(begin, ("", ["", *textwrap.wrap(heading, WIDTH, subsequent_indent="# ")]))
+            self._taken.add(meaning)
+        self._made.append((name, wrap_code(f"{name} = {text}")))
         self._names[term] = name
 
     def _list_named(self, term: Term) -> Iterator[Term]:
@@ -157,8 +142,6 @@ class Text:
             case "member", (whole, _):
                 return f"*{self._names[whole]}", 4
             case "solid" | "solids", (name, *terms):
-                items = chain(*(each.operands for each in terms)) if name == "box" else terms
-                self._places |= dict(zip(items, _PLACES.get(name, "").split(), strict=False))
                 return f"{name}({', '.join(map(inner, terms))})", 4
             case ("union" | "cut" | "intersect") as name, (first, *others):
                 texts = list(dict.fromkeys(map(inner, others)))
@@ -177,19 +160,17 @@ class Text:
                 return f"{inner(left, rank)} {sign} {inner(right, rank + 1)}", rank
         raise AssertionError(term)
 
-    def _write_condition(self, term: Term) -> str:
-        terms, seen = [term], set[Term]()
-        for each in terms:  # it grows
-            terms += [inner for inner in each.operands if isinstance(inner, Term) and inner not in seen]
-            seen.add(each)
-        atoms = {each.operands[0] for each in terms if each.operation == "name"}
-        kinds = {self._trace.atoms[each].kind for each in atoms}
-        if not atoms <= self.used or not kinds & {"parameter", "bought"}:
+    def _write_condition(self, term: Term, used: AbstractSet[str]) -> str:
+        if not term.atoms <= used or not any(self._trace.atoms[each].is_parameter for each in term.atoms):
             return ""
         left, right = term.operands
         if left == right or (term.operation == "!=" and left.operation != "name" and right.operation == "constant"):
             return ""  # it holds always, or keeps a division from failing
         return self.write(term, names=False)[0]
+
+
+def find_words(code: str) -> set[str]:
+    return set(re.findall(r"(?<![.\w])\w+", code))
 
 
 def _literal(value: object) -> str:
@@ -207,10 +188,10 @@ def _comment(line: str, meaning: str, bounds: str = "") -> list[str]:
     words = " ".join(meaning.replace(" [mm]", "").partition(". ")[0].split()).rstrip(".")
     while words and len(line) + len(words) + len(bounds) + 4 > WIDTH:
         words = next(filter(None, (words.rpartition(sign)[0] for sign in ("; ", " (", ": ", ", ", " within "))), "")
-    return wrap_code(line, "") if not words + bounds else [f"{line}  # {words}{bounds}".replace("#  ", "# ")]
+    return wrap_code(line) if not words + bounds else [f"{line}  # {words}{bounds}".replace("#  ", "# ")]
 
 
-def wrap_code(text: str, indent: str) -> list[str]:
+def wrap_code(text: str) -> list[str]:
     """Break a statement where it is too long: after commas within brackets, outer ones first, or else at any space."""
     text = re.sub('"[^"]*"', lambda quoted: quoted[0].replace(" ", "\xa0"), text)
     depths = list(accumulate((sign in "([{") - (sign in ")]}") for sign in text))
@@ -219,10 +200,7 @@ def wrap_code(text: str, indent: str) -> list[str]:
         can_break = ((0 < depth <= deepest and before == ",") or (depth and not deepest)
                      for before, depth in zip(f" {text}", depths, strict=False))  # fmt: skip
         fixed = "".join("\xa0" if sign == " " and not can else sign for sign, can in zip(text, can_break, strict=True))
-        lines = textwrap.wrap(
-            fixed, WIDTH, initial_indent=indent, subsequent_indent=f"{indent}    ", break_long_words=False,
-            break_on_hyphens=False,
-        )  # fmt: skip
+        lines = textwrap.wrap(fixed, WIDTH, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
         if max(map(len, lines), default=0) <= WIDTH:
             break
     return [line.replace("\xa0", " ") for line in lines] or [""]

@@ -2,8 +2,8 @@
 
 A part is built once more with such numbers in place of plain ones. It is the same, bit by bit, and becomes a term that
 can be written: of solids, and of numbers made of parameters, constants of the program, arithmetic, and calls of the
-math module or of `NUMBERS` and `SOLIDS`, which scripts hold as they stand. A comparison of such numbers decides which
-solid is made: it is noted, and the script asks again.
+math module or of `FUNCTIONS`, which scripts hold as they stand. A comparison of such numbers decides which solid is
+made: it is noted, and the script asks again.
 """
 
 from __future__ import annotations
@@ -11,51 +11,43 @@ from __future__ import annotations
 import contextlib
 import inspect
 import math
+import re
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from dataclasses import is_dataclass, replace
+from dataclasses import is_dataclass
 from functools import cached_property, reduce
-from itertools import pairwise
 from types import FrameType, ModuleType, SimpleNamespace
 from typing import Any, NamedTuple
 
-from fingertip.cad.files.named_numbers import NOTED, Named, Term, is_named, plain, term_of, wrap
-from fingertip.cad.shapes import finger, mold
+from fingertip.cad.files.named_numbers import NOTED, Term, is_named, plain, term_of, wrap
 from fingertip.cad.shapes.engraving import letter_outlines
-from fingertip.catalogues.electronics import SENSORS, ForceSensor
 from fingertip.design import Design
-from fingertip.design.geometry import conic, foot, joint, profile, skin_dimensions
+from fingertip.design.geometry import conic, outlines, profile
 from fingertip.design.geometry.solids import Difference, Intersection, Scaled, Solid, Union, call_of
-from fingertip.design.interfaces import clevis_solids
 from fingertip.design.parameters import PARAMETERS
 
-NUMBERS = (
-    conic.arc_abscissa, conic.weight_of_fullness, conic.farthest_corner, conic.farthest_side, conic.half_width_at,
-    conic.dorsal_height_at, conic.depth_with_width, conic.depth_with_step, conic.height_with_width, conic.scale_at,
-    conic.lay_groove, profile.lay_spans, profile.lay_crown, profile.palmar_scale, profile.tip_control,
-    skin_dimensions.largest_drop, skin_dimensions.ramp_depth, joint.ramp_angle_deg, joint.eye_corners,
-    clevis_solids.horn_corners, foot.foot_line, foot.foot_length,
-)  # fmt: skip
-"""Functions of plain numbers that scripts carry."""
-SOLIDS = (foot.round_foot, foot.flat_foot, mold.extrude, mold.belt_seat, mold.engrave_letters, finger.ramp_slab)
-"""Functions that make a solid of plain numbers, which scripts carry too."""
-_CARRIED = {each.__name__ for each in (*NUMBERS, *SOLIDS)}
-_UNSAID = {*_CARRIED, "spans"}
-"""Functions whose name says too little of what they return."""
+CARRIED = {"cq_numbers": profile, "cq_outlines": outlines}
+"""Modules that scripts carry as they stand, by their names there: functions of plain numbers."""
+FUNCTIONS = {
+    name: each for module in CARRIED.values() for name, each in vars(module).items()
+    if inspect.isfunction(each) and each.__module__ == module.__name__
+}  # fmt: skip
 _MODULES = ("fingertip.cad.shapes.", "fingertip.design.interfaces.", "fingertip.design.geometry")
 """Modules that make solids of parameters."""
+_UNSAID = {"spans", *FUNCTIONS}
+"""Functions whose name says too little of what they return."""
 _SHORT = 7
 """Length up to which the name of a variable says too little without that of its function."""
 _LOCK = threading.Lock()
 
 
 class Atom(NamedTuple):
-    """Number in a script as it is: its value, what it means, and "parameter", "bought", "fixed" or "letters"."""
+    """Number in a script as it is."""
 
     value: Any
     meaning: str
-    kind: str
+    is_parameter: bool
 
 
 class Trace:
@@ -64,24 +56,25 @@ class Trace:
     def __init__(self, design: Design, maker: Callable[[Design], Solid]) -> None:
         self.atoms: dict[str, Atom] = {}
         self.derived: dict[Term, tuple[str, str]] = {}
-        """Derived length -> its name and meaning."""
+        """Derived length, or solid -> its name and meaning."""
         self.variables: dict[Term, str] = {}
         """Number or solid -> the variable that held it, or the function that returned it."""
         self._calls: dict[int, tuple[Solid, Term]] = {}
-        self._found: list[tuple[Solid, str]] = []
-        self._model = design.sensor.model
+        self._found: list[tuple[Solid, str, str]] = []
+        design = name_sensor(design)
         values = {
-            path: self._atom(path.replace(".", "_"), value, declared.description or "", "parameter")
-            for path, declared in PARAMETERS.items()
-            if isinstance(value := design.value(path), float)
-        }
+            path: self._atom(name_parameter(path), value, declared.description or "", True)
+            for path, declared in PARAMETERS.items() if isinstance(value := design.value(path), float)
+        }  # fmt: skip
         with _LOCK, self._replaced(), self._watched():
             NOTED.clear()
             self.design = design.with_values(values)
             solid, self.conditions = maker(self.design), list(NOTED)
             self.part = self.term(solid)
-        for solid, name in self._found:
+        for solid, name, meaning in self._found:
             self.variables.setdefault(self.term(solid), name)
+            if meaning.startswith("Build "):
+                self.derived.setdefault(self.term(solid), (name, meaning))
 
     def term(self, solid: Solid) -> Term:
         """Return the term of a solid."""
@@ -99,55 +92,45 @@ class Trace:
         name, arguments = call_of(solid)
         return Term("solid", name, *map(term_of, arguments))
 
-    def _atom(self, name: str, value: Any, meaning: str, kind: str) -> Any:
-        while self.atoms.setdefault(name, Atom(value, meaning, kind)).value != value:
+    def _atom(self, name: str, value: Any, meaning: str, is_parameter: bool = False) -> Any:
+        while self.atoms.setdefault(name, Atom(value, meaning, is_parameter)).value != value:
             name += "_"
         return wrap(value, Term("name", name))
 
-    def _name_sensor(self, sensor: ForceSensor) -> ForceSensor:
-        """Name the sizes of the sensor, which is bought."""
-        named = {
-            key: self._atom(f"sensor_{key}", value, f"{key[:-3].replace('_', ' ')} of the {sensor.label}", "bought")
-            for key, value in vars(sensor).items() if isinstance(value, float)
-        }  # fmt: skip
-        return replace(sensor, **named)
-
     @contextlib.contextmanager
     def _replaced(self) -> Iterator[None]:
-        """Replace functions and constants in the modules that make solids by those that name."""
+        """Replace functions and constants in the modules that make solids by those that name.
+
+        Another thread that meets them computes the same numbers.
+        """
         functions = {name: self._traced(each, f"math.{name}") for name, each in vars(math).items() if callable(each)}
         new: dict[int, Any] = {id(math): SimpleNamespace(**vars(math) | functions)}
-        new |= {id(each): self._traced(each, each.__name__) for each in (*NUMBERS, *SOLIDS)}
+        new |= {id(each): self._traced(each, name) for name, each in FUNCTIONS.items()}
         new[id(letter_outlines)] = self._outline_letters
-        new[id(SENSORS)] = {key: self._name_sensor(each) for key, each in SENSORS.items() if key == self._model}
-        before: list[tuple[ModuleType, str, Any]] = []
         modules = [each for name, each in sorted(sys.modules.items()) if name.startswith(_MODULES)]
-        meanings = {key: text for module in modules for key, text in read_meanings(module).items()}
-        for module in modules:
-            for name, value in list(vars(module).items()):
+        before = {module: dict(vars(module)) for module in modules}
+        meanings = {key: text for module in before for key, text in read_meanings(module).items()}
+        for module, names in before.items():
+            for name, value in names.items():
                 first = value[0] if isinstance(value, tuple) and value else value
-                if id(value) in new or (name.isupper() and isinstance(first, float)):
-                    before.append((module, name, value))
-                    meaning = meanings.get((name, value), "") if id(value) not in new else ""
-                    setattr(module, name, new.get(id(value)) or self._atom(name.strip("_"), value, meaning, "fixed"))
-            for function in (min, max):
-                before.append((module, function.__name__, None))
-                setattr(module, function.__name__, self._extreme(function))
+                if id(value) in new:
+                    setattr(module, name, new[id(value)])
+                elif name.isupper() and isinstance(first, float):
+                    setattr(module, name, self._atom(name.strip("_"), value, meanings.get((name, value), "")))
+            vars(module).update(min=self._traced(min, "min"), max=self._traced(max, "max"))
         try:
             yield
         finally:
-            for module, name, value in before:
-                if value is None:
-                    delattr(module, name)
-                else:
-                    setattr(module, name, value)
+            for module, names in before.items():
+                del module.min, module.max
+                vars(module).update(names)
 
     def _traced(self, function: Callable[..., Any], name: str) -> Any:
         def call(*given: Any, **by_name: Any) -> Any:
             if not any(map(is_named, (*given, *by_name.values()))):
                 return function(*given, **by_name)
             arguments = given
-            if name in _CARRIED:
+            if name in FUNCTIONS:
                 signature = inspect.signature(function)
                 arguments = signature.bind(*given, **by_name).args
                 defaults = [each.default for each in signature.parameters.values()]
@@ -165,29 +148,20 @@ class Trace:
 
         return call
 
-    def _extreme(self, function: Any) -> Any:
-        def choose(*given: Any, **how: Any) -> Any:
-            values = tuple(given[0]) if len(given) == 1 else given
-            if how or not any(isinstance(each, Named) for each in values):
-                return function(values, **how)
-            return wrap(function(map(float, values)), Term("call", function.__name__, *map(term_of, values)))
-
-        return choose
-
     def _outline_letters(self, text: str, stroke_width: float) -> Any:
-        return self._atom(name_letters(text), letter_outlines(text, float(stroke_width)), "", "letters")
+        return self._atom(name_letters(text), letter_outlines(text, float(stroke_width)), "")
 
     @contextlib.contextmanager
     def _watched(self) -> Iterator[None]:
         """Note the variables that hold solids and numbers, and the functions that return them."""
-        returned: list[tuple[Solid, str]] = []
+        returned: list[tuple[Solid, str, str]] = []
 
         def watch(frame: FrameType, event: str, result: Any) -> None:
             module, name = frame.f_globals.get("__name__", ""), frame.f_code.co_name
             is_ours = module.startswith(_MODULES) and not module.endswith(".solids")
             if event != "return" or not is_ours or name[0] == "<" or name[:2] == "__" or name in _UNSAID:
                 return
-            owner = frame.f_locals.get("self")
+            owner, meaning = frame.f_locals.get("self"), getattr(frame.f_globals.get(name), "__doc__", "") or ""
             declared = getattr(type(owner), name, None)
             if isinstance(declared, cached_property | property) and not is_dataclass(owner):
                 if isinstance(result, conic.ConicBody):
@@ -197,7 +171,7 @@ class Trace:
             name = getattr(owner, "name", name) if name == "shapes" else name.strip("_").removeprefix("add_")
             for variable, value in frame.f_locals.items():
                 if isinstance(value, Solid) and variable != "self":
-                    self._found.append((value, variable))
+                    self._found.append((value, variable, ""))
                 elif variable != "self":
                     long = variable if len(variable) > _SHORT else f"{name}_{variable}"
                     for key, each in _list_named(long, value):
@@ -206,8 +180,8 @@ class Trace:
                 self.variables.setdefault(term_of(result), name)
             results = result if isinstance(result, tuple) else (result,)
             if isinstance(result, tuple):
-                name = name[:-2] if name.endswith("ches") else name.removesuffix("s")
-            returned.extend((each, name) for each in results if isinstance(each, Solid))
+                name = name[:-2] if name.endswith("ches") else re.sub("(?<!s)s$", "", name)
+            returned.extend((each, name, meaning) for each in results if isinstance(each, Solid))
 
         before = sys.getprofile()
         sys.setprofile(watch)
@@ -216,6 +190,17 @@ class Trace:
         finally:
             sys.setprofile(before)
             self._found += reversed(returned)
+
+
+def name_sensor(design: Design) -> Design:
+    """Give a design its sensor as a custom one, whose sizes are parameters."""
+    sizes = {f"custom_sensor.{key}": value for key, value in vars(design.dimensions.sensor).items()}
+    own = {path: value for path, value in sizes.items() if path in PARAMETERS}
+    return design.with_values({"sensor.model": "custom", **own})
+
+
+def name_parameter(path: str) -> str:
+    return path.replace(".", "_").removeprefix("custom_")
 
 
 def name_letters(text: str) -> str:
@@ -233,11 +218,5 @@ def _list_named(name: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 def read_meanings(module: ModuleType) -> dict[tuple[str, Any], str]:
     """Read the texts below the constants of a module, by name and value."""
-    import ast  # noqa: PLC0415
-
-    found: dict[tuple[str, Any], str] = {}
-    for statement, after in pairwise(ast.parse(inspect.getsource(module)).body):
-        match statement, after:
-            case ast.Assign([ast.Name(name)]), ast.Expr(ast.Constant(str(text))) if name.isupper():
-                found[name, vars(module)[name]] = text
-    return found
+    texts = re.findall(r'(?m)^([A-Z0-9_]+) = .*\n"""([^"]+)"""', inspect.getsource(module))
+    return {(name, vars(module)[name]): text for name, text in texts}

@@ -7,9 +7,8 @@ them without an error.
 
 The primitives are cadquery's, made by `kernel.cadquery_primitives`, and stand there once: scripts of
 `fingertip build --formats cq` hold the same functions. Booleans are Open CASCADE's own (`kernel.occ`), with several
-operands at once and in one thread. This module, these two, `kernel.bezier`, `cad.files.step_writer` and
-`drawing.hidden_lines` import cadquery or its bindings (OCP) at the top. Import them only where exact solids are needed,
-and this module first.
+operands at once and in one thread. This module, these two, `cad.files.step_writer` and `drawing.hidden_lines` import
+cadquery or its bindings (OCP) at the top. Import them only where exact solids are needed, and this module first.
 """
 
 from __future__ import annotations

@@ -49,9 +49,7 @@ def bezier_face(quadrant: Any, span: Any) -> Any:
 
 
 def bezier_edge(row: Sequence[tuple[float, float, float]], z: float) -> Any:
-    """Make an edge in the plane at height z from control points (x, y, weight); two are a straight line."""
-    if len(row) == 2:
-        return BRepBuilderAPI_MakeEdge(*(gp_Pnt(x, y, z) for x, y, _ in row)).Edge()
+    """Make an edge in the plane at height z from control points (x, y, weight)."""
     poles, weights = TColgp_Array1OfPnt(1, len(row)), TColStd_Array1OfReal(1, len(row))
     for i, (x, y, w) in enumerate(row, 1):
         poles.SetValue(i, gp_Pnt(x, y, z))
@@ -128,10 +126,7 @@ def elbow_tube(
     turn_y, turn_z, down = start_y + bend_radius, exit_z + bend_radius, cq.Vector(0, 0, -1)
     first = cq.Solid.makeCylinder(radius, start_z - turn_z, cq.Vector(0, start_y, start_z), down)
     circle = cq.Wire.makeCircle(radius, cq.Vector(0, start_y, turn_z), down)
-    ends = cq.Vector(-1, turn_y, turn_z), cq.Vector(1, turn_y, turn_z)
-    bend = cq.Solid.revolve(circle, [], 90, *ends)
-    if bend.Center().z > turn_z:  # it turned to the wrong side
-        bend = cq.Solid.revolve(circle, [], 90, *ends[::-1])
+    bend = cq.Solid.revolve(circle, [], 90, cq.Vector(-1, turn_y, turn_z), cq.Vector(1, turn_y, turn_z))
     last = cq.Solid.makeCylinder(radius, end_y - turn_y, cq.Vector(0, turn_y, exit_z), cq.Vector(0, 1, 0))
     return cq.Workplane(first.fuse(bend, last))
 

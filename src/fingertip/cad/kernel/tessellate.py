@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design.geometry import solids
-from fingertip.design.geometry.conic import ELLIPSE, ConicBody, CrossSection, arc_point
-from fingertip.design.geometry.profile import Control, Span, conic_point
+from fingertip.design.geometry.conic import ELLIPSE, ConicBody, CrossSection
+from fingertip.design.geometry.profile import Control, Span, arc_point, conic_point
 from fingertip.foundation.numerics import Array
 
 Triangles: TypeAlias = NDArray[np.int64]

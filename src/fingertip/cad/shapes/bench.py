@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from fingertip.design import Design
-from fingertip.design.geometry.conic import TANGENT_STEP_MM
 from fingertip.design.geometry.joint import Joint
+from fingertip.design.geometry.outlines import TANGENT_STEP_MM
 from fingertip.design.geometry.solids import Box, Cone, Prism, Solid, cylinder, difference, intersection, union
 from fingertip.design.interfaces.clevis_solids import knuckle, stop_top_y
 from fingertip.design.interfaces.interface import MATING_PLAY_MM, middle_y

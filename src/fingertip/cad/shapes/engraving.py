@@ -7,19 +7,17 @@ needed. Lower-case letters are engraved as capitals.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 
+from fingertip.design.geometry.outlines import Rings, signed_area
+
 Point = tuple[float, float]
-Rings = tuple[tuple[Point, ...], ...]
 
 ADVANCE = 6.0
 """Distance from one letter to the next [grid units]."""
-HEIGHT = 6.0
-"""Height of a letter, measured between the centre lines of its strokes [grid units]."""
 STROKE_WIDTH = 0.8
 MIN_STROKE_MM = 0.4
 """Minimum stroke width [mm]. Narrower strokes close up in printing. The minimum letter height follows from it. An
@@ -72,11 +70,6 @@ def _rotate_to_minimum(ring: list[Point]) -> tuple[Point, ...]:
     """Start a ring at its smallest corner; which corner manifold3d starts at is not specified."""
     first = ring.index(min(ring))
     return (*ring[first:], *ring[:first])
-
-
-def signed_area(ring: Sequence[Point]) -> float:
-    """Compute the signed area of a ring by the shoelace formula; positive if it runs counter-clockwise."""
-    return sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise([*ring, ring[0]])) / 2
 
 
 def _rectangle(a: Point, b: Point, half: float) -> tuple[Point, ...]:

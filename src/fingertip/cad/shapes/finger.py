@@ -8,14 +8,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 from fingertip.design import Design
-from fingertip.design.geometry.conic import ConicBody, add_groove, farthest_corner, inset_body
-from fingertip.design.geometry.foot import LEDGE_MM
-from fingertip.design.geometry.skin_dimensions import ramp_depth
+from fingertip.design.geometry.conic import ConicBody, add_groove, inset_body
+from fingertip.design.geometry.outlines import LEDGE_MM, ramp_slab
+from fingertip.design.geometry.profile import farthest_corner
 from fingertip.design.geometry.solids import (
     Box,
     Cone,
     ElbowTube,
-    Prism,
     Solid,
     SuperconicSolid,
     cylinder,
@@ -56,7 +55,7 @@ def sensor_recess(design: Design) -> Solid:
     return union(pocket, flat_slab(design, outside, dims.pocket_depth, dims.tail_half_width, dims.trough_end_z, top))
 
 
-def cable_channel(design: Design) -> Solid:
+def cable_channel(design: Design) -> ElbowTube:
     """Build the cable channel: from the floor of the trough by one bend to the dorsal side of the base."""
     dims, bone = design.dimensions, design.bone
     assert bone.channel_bend_radius_mm > bone.channel_diameter_mm / 2, "the channel folds into itself"
@@ -86,7 +85,7 @@ def genus(design: Design) -> int:
 
 
 def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
-    """Build the bone without hollows; its surfaces but the collar's lie `inset_mm` inside the bone's."""
+    """Build the bone without hollows; all its surfaces but the collar's may lie deeper by an inset."""
     body = add_groove(design.bone, inset_body(design.dimensions.bone_outline, inset_mm))
     return union(_cut_flat(design, body, inset_mm), *_platform(design, body, inset_mm), collar(design))
 
@@ -124,20 +123,6 @@ def flat_slab(design: Design, low_mm: float, high_mm: float, half_width: float, 
     """Build what lies between two distances from the bone's palmar side, positive into the bone, from z to z [mm]."""
     dims = design.dimensions
     return ramp_slab((low_mm, high_mm), half_width, (begin, end), (dims.flat_depth, dims.platform_depth), dims.ramp)
-
-
-def ramp_slab(
-    y: tuple[float, float], half_width: float, z: tuple[float, float], depths: tuple[float, float],
-    ramp: tuple[float, float],
-) -> Solid:  # fmt: skip
-    """Build a slab between two distances y from a flat and from the platform to which a ramp leads [mm]."""
-    (low, high), (begin, end), (flat, platform) = y, z, depths
-    knots = [each for each in ramp if platform > flat and begin < each < end]
-    line = [(-ramp_depth(each, flat, platform, ramp[1]), each) for each in (begin, *knots, end)]
-    if not knots:
-        return Box((-half_width, line[0][0] + low, begin), (half_width, line[0][0] + high, end))
-    corners = [(at + high, each) for at, each in line] + [(at + low, each) for at, each in reversed(line)]
-    return Prism("x", tuple(corners), -half_width, half_width)
 
 
 def collar(design: Design) -> Solid:

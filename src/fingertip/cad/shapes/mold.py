@@ -2,18 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-
-from fingertip.cad.shapes.engraving import (
-    HEIGHT,
-    MIN_STROKE_MM,
-    STROKE_WIDTH,
-    Rings,
-    letter_outlines,
-    signed_area,
-    text_width,
-)
+from fingertip.cad.shapes.engraving import MIN_STROKE_MM, STROKE_WIDTH, letter_outlines, text_width
 from fingertip.cad.shapes.finger import cavity, core_within_skin
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, offset_section
@@ -35,10 +24,9 @@ from fingertip.design.geometry.mold_layout import (
     RIDGE_LENGTH_MM,
     STRAP_Y_MM,
 )
+from fingertip.design.geometry.outlines import HEIGHT, PAST_MM, belt_seat, engrave_letters, extrude
 from fingertip.design.geometry.solids import Axis, Box, Cone, Prism, Solid, SuperconicSolid, difference, union
 
-_PAST_MM = 1.0
-"""Length by which cuts reach past the face in which they open, and solids into those on which they stand [mm]."""
 _ROOT_MM = RIDGE_HEIGHT_MM + RIDGE_HALF_CREST_MM
 """Half the width of a ridge at the plate [mm]."""
 _INTO_HALF_MM = 0.2
@@ -64,18 +52,18 @@ def _above_rim(design: Design) -> Solid:
     """Build what the rim lies deeper than the lip around the cavity."""
     m, section = design.mold_layout, offset_section(design.dimensions.outer.section, LIP_WIDTH_MM)
     far = 2 * (m.half_width + m.dorsal_height)
-    lip = SuperconicSolid(ConicBody(section, ((-2 * _PAST_MM, 1.0), (_PAST_MM, 1.0))))
-    return difference(Box((-far, -far, -_PAST_MM), (far, far, GAP_MM)), lip)
+    lip = SuperconicSolid(ConicBody(section, ((-2 * PAST_MM, 1.0), (PAST_MM, 1.0))))
+    return difference(Box((-far, -far, -PAST_MM), (far, far, GAP_MM)), lip)
 
 
 def seam_cuts(design: Design) -> tuple[Solid, ...]:
     """Build the chamfer of the seam at the foot, and at its corners the slots in which a blade parts the halves."""
     m, (height, depth, half) = design.mold_layout, PRY_MM
-    far, low, past = 2 * m.half_width, m.foot_z - FOOT_CHAMFER_MM, m.foot_z + _PAST_MM
-    wide, face = FOOT_CHAMFER_MM + _PAST_MM, m.half_width
+    far, low, past = 2 * m.half_width, m.foot_z - FOOT_CHAMFER_MM, m.foot_z + PAST_MM
+    wide, face = FOOT_CHAMFER_MM + PAST_MM, m.half_width
     slot = (
-        (past, face + _PAST_MM), (past, face - depth), (m.foot_z - height + depth, face - depth),
-        (m.foot_z - height - _PAST_MM, face + _PAST_MM),
+        (past, face + PAST_MM), (past, face - depth), (m.foot_z - height + depth, face - depth),
+        (m.foot_z - height - PAST_MM, face + PAST_MM),
     )  # fmt: skip
     chamfer = extrude("x", ((low, 0.0), (past, -wide), (past, wide)), -far, far)
     left_slot, right_slot = (extrude("y", [(z, way * x) for z, x in slot], -half, half) for way in (-1.0, 1.0))
@@ -85,12 +73,12 @@ def seam_cuts(design: Design) -> tuple[Solid, ...]:
 def grooves(design: Design) -> tuple[Solid, ...]:
     """Build the grooves of the rim, open at the outside. Their flanks lie in the planes of the ridges' flanks."""
     floor = RIDGE_HEIGHT_MM + GAP_MM
-    profile = ((-_PAST_MM, _ROOT_MM + _PAST_MM), (floor, _ROOT_MM - floor))
-    return _along_spokes(design, profile, 0.0, RIDGE_LENGTH_MM + _PAST_MM)
+    profile = ((-PAST_MM, _ROOT_MM + PAST_MM), (floor, _ROOT_MM - floor))
+    return _along_spokes(design, profile, 0.0, RIDGE_LENGTH_MM + PAST_MM)
 
 
 def ridges(design: Design) -> tuple[Solid, ...]:
-    profile = ((-_PAST_MM, _ROOT_MM), (0.0, _ROOT_MM), (RIDGE_HEIGHT_MM, RIDGE_HALF_CREST_MM))
+    profile = ((-PAST_MM, _ROOT_MM), (0.0, _ROOT_MM), (RIDGE_HEIGHT_MM, RIDGE_HALF_CREST_MM))
     return _along_spokes(design, profile, RIDGE_END_MM, RIDGE_LENGTH_MM - RIDGE_END_MM)
 
 
@@ -106,17 +94,11 @@ def _along_spokes(
     )  # fmt: skip
 
 
-def extrude(axis: Axis, outline: Sequence[tuple[float, float]], low: float, high: float) -> Prism:
-    """Extrude an outline, given by heights z and distances across in either direction, along x or y."""
-    ring = tuple(outline) if axis == "y" else tuple((across, z) for z, across in outline)
-    return Prism(axis, ring if signed_area(ring) > 0.0 else ring[::-1], low, high)
-
-
 def notches(design: Design) -> tuple[Solid, ...]:
     """Build the overflow notches: two cuts across the rim, which open in all four quarters of it."""
     m, half = design.mold_layout, NOTCH_MM[0] / 2
     far, floor = 2 * (m.palmar_height + m.dorsal_height), GAP_MM + NOTCH_MM[1]
-    return tuple(Box((x - half, -far, GAP_MM - _PAST_MM), (x + half, far, floor)) for x in (-m.notch_x, m.notch_x))
+    return tuple(Box((x - half, -far, GAP_MM - PAST_MM), (x + half, far, floor)) for x in (-m.notch_x, m.notch_x))
 
 
 def belts(design: Design) -> tuple[Solid, ...]:
@@ -129,19 +111,12 @@ def belts(design: Design) -> tuple[Solid, ...]:
     return tuple(belt_seat(axis, face, z, (height, depth), far) for z in m.belts_z for axis, face in faces)
 
 
-def belt_seat(axis: Axis, face: float, z: float, size: tuple[float, float], far: float) -> Prism:
-    """Build the seat of a band in a face of the cup, by its height and depth."""
-    inner, outer = face - math.copysign(size[1], face), face + math.copysign(_PAST_MM, face)
-    low, high = size[0] / 2, size[0] / 2 + size[1] + _PAST_MM
-    return extrude(axis, ((z - high, outer), (z - low, inner), (z + low, inner), (z + high, outer)), -far, far)
-
-
 def strap_seats(design: Design) -> tuple[Solid, ...]:
     """Build the seats of the band that holds the core down: across the foot, and in both lips of the plate."""
     m, (width, depth) = design.mold_layout, BELT_MM
     low, high, far = STRAP_Y_MM - width / 2, STRAP_Y_MM + width / 2, 2 * m.half_width
     lip = m.half_width + PLATE_LEDGE_MM - depth
-    foot = Box((-far, low, m.foot_z - depth), (far, high, m.foot_z + _PAST_MM))
+    foot = Box((-far, low, m.foot_z - depth), (far, high, m.foot_z + PAST_MM))
     return foot, *(Box((min(x, y), low, -far), (max(x, y), high, far)) for x, y in ((-far, -lip), (lip, far)))
 
 
@@ -187,24 +162,10 @@ def _engrave(
     )  # fmt: skip
     if not design.mold.engraving_depth_mm or STROKE_WIDTH * unit < MIN_STROKE_MM:
         return ()
-    low, high = face - _PAST_MM, face + design.mold.engraving_depth_mm
+    low, high = face - PAST_MM, face + design.mold.engraving_depth_mm
     up = 1.0 if axis == "z" else -1.0  # on the plate y is up, on the standing cup -z
     at = text_width(text) / 2, centre, unit, up * unit
     return engrave_letters(axis, letter_outlines(text, STROKE_WIDTH), at, low, high)
-
-
-def engrave_letters(
-    axis: Axis, letters: tuple[Rings, ...], at: tuple[float, float, float, float], low: float, high: float
-) -> tuple[Prism, ...]:
-    """Build letters; `at` holds the middle of their line, where that comes to lie, and its units across and up."""
-    (middle, centre, unit, up), made = at, []
-    for letter in letters:
-        rings = [[(unit * (middle - u), centre + up * (v - HEIGHT / 2)) for u, v in ring] for ring in letter]
-        if axis == "y":
-            rings = [[(z, x) for x, z in ring] for ring in rings]
-        outline, *holes = rings if signed_area(rings[0]) > 0.0 else [ring[::-1] for ring in rings]
-        made.append(Prism(axis, tuple(outline), low, high, tuple(map(tuple, holes))))
-    return tuple(made)
 
 
 def mold_palmar(design: Design) -> Solid:

@@ -25,7 +25,7 @@ from fingertip.cad.verification.walls import NEGLIGIBLE_MM2, SPACING_MM, measure
 from fingertip.catalogues.hardware import select_thread
 from fingertip.design import Design
 from fingertip.design.geometry.dimensions import HEAD_MM, LONGER_MM, TAIL_MM
-from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE
+from fingertip.design.geometry.outlines import RAMP_SLOPE
 from fingertip.design.geometry.solids import Box, cylinder, union
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.interface import MATING_PLAY_MM, middle_y

@@ -9,19 +9,18 @@ from __future__ import annotations
 import math
 from functools import cached_property
 
-from fingertip.design.geometry.conic import (
-    ConicBody,
-    CrossSection,
+from fingertip.design.geometry.conic import ConicBody, CrossSection
+from fingertip.design.geometry.joint import BESIDE_LINE_MM, HORN_RADIUS_MM, MIN_HORN_RADIUS_MM, Joint, TendonAnchor
+from fingertip.design.geometry.outlines import LEDGE_MM, RAMP_SLOPE
+from fingertip.design.geometry.profile import (
+    Tip,
     depth_with_step,
     depth_with_width,
     farthest_side,
     height_with_width,
     weight_of_fullness,
 )
-from fingertip.design.geometry.foot import LEDGE_MM
-from fingertip.design.geometry.joint import BESIDE_LINE_MM, HORN_RADIUS_MM, MIN_HORN_RADIUS_MM, Joint, TendonAnchor
-from fingertip.design.geometry.profile import Tip
-from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE, SkinDimensions
+from fingertip.design.geometry.skin_dimensions import SkinDimensions
 
 KNOT_WIRES = 3.0
 """Least thickness of a knot in both wires, in diameters of one of them. An assumption."""
@@ -189,13 +188,14 @@ class Dimensions(SkinDimensions):
 
     @cached_property
     def tail_end_z(self) -> float:
-        """End of the tail's film, from which its solder tabs stick out."""
-        return self.sensor_z + self.sensor.head_diameter_mm / 2 - self.sensor.length_mm + self.ramp_excess
+        """End of the tail's film, from which its solder tabs stick out. Along a ramp the film is longer."""
+        along_ramp = self._design.bone.platform_mm * (math.hypot(1.0, RAMP_SLOPE) - 1.0) / RAMP_SLOPE
+        return self.sensor_z + self.sensor.head_diameter_mm / 2 - self.sensor.length_mm + along_ramp
 
     @cached_property
     def trough_end_z(self) -> float:
         """Proximal end of the trough of the tail, behind the hole of the wires: a knot in both lies on its mouth."""
-        return self.wires_end_z - _PAST_HOLE_MM
+        return self.channel_exit_z - self._design.bone.channel_diameter_mm / 2 - _PAST_HOLE_MM
 
     @cached_property
     def channel_exit_z(self) -> float:
@@ -208,11 +208,6 @@ class Dimensions(SkinDimensions):
         tabs_end = self.tail_end_z - self._design.sensor.tab_length_mm - LONGER_MM
         behind = self.anchor.low_z if self.anchor else -bone.collar_length_mm
         return min(tabs_end + channel_radius, behind - channel_radius - bone.wall_mm)
-
-    @cached_property
-    def wires_end_z(self) -> float:
-        """Height past which the wires lie on the surface of the base: proximal to their channel."""
-        return self.channel_exit_z - self._design.bone.channel_diameter_mm / 2
 
     def blunt_up_to_y(self, half_width: float, z: float, outline: ConicBody | None = None) -> float | None:
         """Find where bone beside a slot with a width is as thick as a wall, if its edge above is sharp; else None.

@@ -9,10 +9,7 @@ narrower.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-
-from fingertip.design.geometry.conic import TANGENT_STEP_MM
 
 PIN_PLAY_MM = 0.1
 """Play of a printed pin in the bone's bore [mm]."""
@@ -55,40 +52,6 @@ class Joint:
     @property
     def low_z(self) -> float:
         return self.axis_z - self.radius
-
-    @property
-    def ramp_deg(self) -> float:
-        """Angle about the pin along which the eye rises to a stop: a step there would be a notch."""
-        return ramp_angle_deg(self.radius, self.eye_radius, self.travel_deg)
-
-    def stopped_profile(self, reach_mm: float) -> tuple[tuple[float, float], ...]:
-        """Return the corners (y, z) of the eye between its stops [mm], as `eye_corners`."""
-        return eye_corners((self.axis_y, self.axis_z), self.radius, self.eye_radius, self.travel_deg, reach_mm)
-
-
-def ramp_angle_deg(radius: float, eye_radius: float, travel_deg: float) -> float:
-    """Return the angle about the pin along which an eye rises from its own radius to that of a stop."""
-    return min(math.degrees(math.acos(eye_radius / radius)), travel_deg) / 2
-
-
-def eye_corners(
-    axis: tuple[float, float], radius: float, eye_radius: float, travel_deg: float, reach: float
-) -> tuple[tuple[float, float], ...]:
-    """Return the corners (y, z) of an eye between its stops, counter-clockwise, without the arc about the pin [mm].
-
-    In the frame of the bone the hand's shoulder turns about the pin towards the palmar side while the finger bends. The
-    dorsal edge is the shoulder of the straight finger, the palmar one that at the end of the travel. What lies between
-    them never meets the shoulder on the way: the outline is convex at the stops, and nearer to the pin on the ramps.
-    """
-    angle, ramp = math.radians(travel_deg), math.radians(ramp_angle_deg(radius, eye_radius, travel_deg))
-    foot = (-radius * math.sin(angle), -radius * math.cos(angle))
-    along = min(reach, reach / math.sin(angle))
-    far = (foot[0] - along * math.cos(angle), foot[1] + along * math.sin(angle))
-    inside = eye_radius - TANGENT_STEP_MM
-    ramps = [(-inside * math.sin(at), -inside * math.cos(at)) for at in (angle - ramp, ramp)]
-    dorsal = ((0.0, -radius), (reach, -radius), (reach, reach))
-    corners = (*dorsal, (far[0], reach), far, foot, ramps[0], (0.0, 0.0), ramps[1])
-    return tuple((axis[0] + y, axis[1] + z) for y, z in corners)
 
 
 HORN_RADIUS_MM = 4.0

@@ -6,7 +6,8 @@ import math
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from fingertip.design.geometry.conic import arc_point, quarter_outline
+from fingertip.design.geometry.conic import quarter_outline
+from fingertip.design.geometry.profile import arc_point
 from fingertip.design.geometry.skin_thickness import chord_between, nearest_chord
 
 if TYPE_CHECKING:

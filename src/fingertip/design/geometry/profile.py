@@ -1,7 +1,7 @@
-"""Profiles along z: pieces of rational quadratic curves, and the crown of a pad laid over a taper and a tip.
+"""Arcs of sections and profiles along z, the curves of superconic bodies, by plain numbers.
 
 All quantities of a body along z, its scale and the scale of its palmar height, share the parameter and the weight of a
-piece. That is why NURBS represent the surface exactly.
+piece. That is why NURBS represent the surface exactly. Scripts of `build --formats cq` carry this module.
 
 Reference: L. Piegl and W. Tiller, The NURBS Book, 2nd ed., section 7.3 (the quadratic rational Bezier arc).
 """
@@ -13,6 +13,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
+from fingertip.foundation.numerics import bisect
+
 if TYPE_CHECKING:
     from fingertip.foundation.numerics import Array
 
@@ -21,6 +23,108 @@ Parameter = TypeVar("Parameter", float, "Array")
 
 Control = tuple[float, float, float]
 """One coordinate of the three control points of a curve."""
+
+Section = tuple[float, float, float, float, float]
+"""Half width, palmar and dorsal height [mm] of a section, and the weights of its palmar and dorsal arcs."""
+
+
+def arc_point(t: Parameter, w: float) -> tuple[Parameter, Parameter]:
+    """Return the point at t in [0, 1] of the unit arc from (1, 0) to (0, 1) with control point (1, 1) of weight `w`."""
+    u = 1.0 - t
+    side, middle, top = u * u, 2.0 * w * u * t, t * t
+    d = side + middle + top
+    return (side + middle) / d, (top + middle) / d
+
+
+def arc_abscissa(y: float, w: float) -> float:
+    """Return the x of the unit arc at height y in [0, 1], whose X = 1 - x satisfies (y - X)^2 = 4 w^2 X (1 - y)."""
+    if y >= 1.0:
+        return 0.0
+    b = 2.0 * y + 4.0 * w * w * (1.0 - y)
+    return 1.0 - 2.0 * y * y / (b + math.sqrt(b * b - 4.0 * y * y))  # the form of the root that does not cancel
+
+
+def weight_of_fullness(fullness: float) -> float:
+    """Return the weight of the arc with a width at y = 1/2, from (x + y - 1)^2 = 4 w^2 (1 - x) (1 - y)."""
+    return (fullness - 0.5) / math.sqrt(2.0 * (1.0 - fullness))
+
+
+def half_width_at(section: Section, y: float, scale: float = 1.0, palmar_scale: float | None = None) -> float:
+    """Return the half width of a scaled section at height y [mm]; 0 outside it."""
+    half_width, palmar, dorsal, palmar_weight, dorsal_weight = section
+    below = scale if palmar_scale is None else palmar_scale
+    height, weight = (dorsal * scale, dorsal_weight) if y >= 0 else (palmar * below, palmar_weight)
+    if scale <= 0.0 or abs(y) >= height:
+        return 0.0
+    return scale * half_width * arc_abscissa(abs(y) / height, weight)
+
+
+def dorsal_height_at(section: Section, x: float, scale: float = 1.0) -> float:
+    """Return the height y of the dorsal side of a scaled section at x [mm]; 0 outside it."""
+    half_width, _, dorsal, _, weight = section
+    if scale <= 0.0 or abs(x) >= half_width * scale:
+        return 0.0
+    return scale * dorsal * arc_abscissa(abs(x) / (half_width * scale), weight)
+
+
+def depth_with_width(section: Section, half_width: float) -> float:
+    """Return the depth below y = 0 down to which a section has this half width [mm]."""
+    return bisect(lambda y: half_width_at(section, -y) >= half_width, 0.0, section[1], halvings=40)[0]
+
+
+def height_with_width(section: Section, half_width: float, scale: float) -> float:
+    """Return the height above y = 0 up to which a scaled section has this half width [mm]."""
+    return bisect(lambda y: half_width_at(section, y, scale) >= half_width, 0.0, section[2], halvings=40)[0]
+
+
+def depth_with_step(outer: Section, inner: Section, step: float, deepest: float) -> float:
+    """Return the depth, `deepest` at most, down to which a section stands out of another by a step [mm]."""
+    return bisect(lambda y: half_width_at(outer, -y) - half_width_at(inner, -y) >= step, 0.0, deepest, halvings=40)[0]
+
+
+def farthest_corner(half_width: float, height: float, weight: float, count: int, middle: float = 0.0) -> float:
+    """Return the largest distance [mm] of a quarter of an outline, at `count` + 1 points, from (0, `middle`)."""
+    points = (arc_point(i / count, weight) for i in range(count + 1))
+    return max(math.hypot(half_width * x, height * y - middle) for x, y in points)
+
+
+def farthest_side(half_width: float, height: float, weight: float, count: int) -> float:
+    """Return the largest distance [mm] from the axis of a quarter of an outline, at `count` + 1 heights."""
+    heights = (height * i / count for i in range(count + 1))
+    return max(math.hypot(half_width * arc_abscissa(y / height, weight), y) for y in heights)
+
+
+def scale_at(stations: Sequence[tuple[float, float]], tip: Tip | None, z: float) -> float:
+    """Return the scale at height z [mm] between stations, or on a tip after the last one; 0 outside."""
+    for (z0, s0), (z1, s1) in pairwise(stations):
+        if z0 <= z <= z1 and z0 < z1:
+            return s0 + (s1 - s0) * (z - z0) / (z1 - z0)
+    z1, s1 = stations[-1]
+    if tip is None or not z1 < z < tip[0]:
+        return 0.0
+    # Barycentric coordinates of the conic satisfy l1^2 = 4 w^2 l0 l2. Here l2 = zeta - l1 and l0 = 1 - zeta.
+    zeta = (z - z1) / (tip[0] - z1)
+    b = 4.0 * tip[1] ** 2 * (1.0 - zeta)
+    l1 = 2.0 * b * zeta / (b + math.sqrt(b * b + 4.0 * b * zeta))
+    return (1.0 - zeta) * s1 + l1 * tip_control(stations, tip)
+
+
+def lay_groove(
+    stations: Sequence[tuple[float, float]], tip: Tip | None, radius: float, groove: tuple[float, float, float]
+) -> tuple[tuple[float, float], ...]:
+    """Lay a groove, by its distance, depth and width, into the taper of a body; its flanks rise at 45 degrees [mm]."""
+    (base, (z_a, s_a), (z_b, s_b)), (distance, depth, width) = stations, groove
+    taper = (s_a - s_b) / (z_b - z_a)
+    rise = 1.0 / radius  # slope of a flank: scale per mm
+    z0 = distance + depth
+    z1 = z0 + width
+    floor = 1.0 - depth * rise
+    s0, s1 = (scale_at(stations, tip, z) * floor for z in (z0, z1))
+    # Heights at which the lines of the flanks meet the taper s = s_a - taper (z - z_a).
+    low = (s0 + rise * z0 - s_a - taper * z_a) / (rise - taper)
+    high = (s_a + taper * z_a - s1 + rise * z1) / (rise + taper)
+    edges = ((low, s_a - taper * (low - z_a)), (z0, s0), (z1, s1), (high, s_a - taper * (high - z_a)))
+    return base, (z_a, s_a), *edges, (z_b, s_b)
 
 
 def conic_point(t: Parameter, weight: float, *coordinates: Control) -> tuple[Parameter, ...]:
@@ -80,16 +184,12 @@ class Crown(NamedTuple):
     """Slope at which the arc ends towards the tip [mm per mm]."""
 
 
-def straight_span(low: tuple[float, float], high: tuple[float, float]) -> Span:
-    """Return the straight piece between two heights z and scales."""
-    (z0, s0), (z1, s1) = low, high
-    scale = (s0, 0.5 * (s0 + s1), s1)
-    return Span((z0, 0.5 * (z0 + z1), z1), scale, scale, 1.0)
-
-
 def lay_spans(stations: Sequence[tuple[float, float]], tip: Tip | None = None) -> tuple[Span, ...]:
     """Lay straight spans between stations (z, scale), and from the last one the conic of a tip."""
-    spans = tuple(straight_span(low, high) for low, high in pairwise(stations))
+    spans = tuple(
+        Span((z0, 0.5 * (z0 + z1), z1), (s0, 0.5 * (s0 + s1), s1), (s0, 0.5 * (s0 + s1), s1), 1.0)
+        for (z0, s0), (z1, s1) in pairwise(stations)
+    )
     if not tip:
         return spans
     (z, scale), (apex, weight), control = stations[-1], tip, tip_control(stations, tip)
@@ -125,7 +225,8 @@ def lay_crown(
     """
     (apex, radius, drop, slope_at_end), (taper, tip) = crown, lay_spans(stations, tip_at)
     begin, _, join = taper.z
-    sine = crown_sine(drop * height, radius)
+    cosine = 1.0 - drop * height / (2.0 * radius)
+    sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))  # of the steepest slope between the crown and its base
     flank = slope_at_end / math.hypot(1.0, slope_at_end)
     # Knots on the taper: position, and sine of the profile's slope there (rising towards the apex is positive).
     end = apex + radius * flank
@@ -150,12 +251,6 @@ def lay_crown(
         low = high
     spans.append(tip._replace(palmar=(low, low + slope * (tip.z[1] - tip.z[0]), 0.0)))
     return tuple(spans)
-
-
-def crown_sine(drop: float, radius: float) -> float:
-    """Return the sine of the steepest slope between a crown and its base, of two arcs that drop by `drop` [mm]."""
-    cosine = 1.0 - drop / (2.0 * radius)
-    return math.sqrt(max(0.0, 1.0 - cosine * cosine))
 
 
 def _taper_span(taper: Span, z0: float, z1: float, palmar: float, sine0: float, sine1: float, height: float) -> Span:
@@ -193,3 +288,16 @@ def _cut(span: Span, t: float) -> tuple[Span, Span]:
     return (
         Span(pieces[0][0], pieces[0][1], none, first / root), Span(pieces[1][0], pieces[1][1], none, last / root),
     )  # fmt: skip
+
+
+_MAX_CROWN_SINE = 0.7
+"""Sine of the steepest slope between a crown and its base."""
+_MIN_BASE_HEIGHT_MM = 1.0
+"""Minimum palmar height of the pad at its base, below a crown [mm]."""
+
+
+def largest_drop(radius: float, apex_z: float, height: float) -> float:
+    """Return the largest drop of a crown, by its radius, the height z of its apex, and that of the pad [mm]."""
+    reach = 2.0 * radius
+    sine = min(_MAX_CROWN_SINE, max(0.0, apex_z / reach)) if reach else 0.0
+    return min(reach * (1.0 - math.sqrt(1.0 - sine * sine)), height - _MIN_BASE_HEIGHT_MM)

@@ -10,23 +10,18 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from fingertip.catalogues.electronics import SENSORS, ForceSensor
-from fingertip.design.geometry.conic import ConicBody, CrossSection, weight_of_fullness
-from fingertip.design.geometry.profile import Crown, Tip
+from fingertip.design.geometry.conic import ConicBody, CrossSection
+from fingertip.design.geometry.outlines import RAMP_SLOPE, ramp_depth
+from fingertip.design.geometry.profile import Crown, Tip, largest_drop, weight_of_fullness
 
 if TYPE_CHECKING:
     from fingertip.design.parameters import Tables
 
 CROWN_FLANK = math.tan(math.radians(25.0))
 """Slope at which a crown's arc ends towards the tip [mm per mm]: beyond the largest tilt at which a finger presses."""
-_MAX_CROWN_SINE = 0.7
-"""Sine of the steepest slope between a crown and its base."""
-_MIN_BASE_HEIGHT_MM = 1.0
-"""Minimum palmar height of the pad at its base, below a crown [mm]."""
 _CROWN_SLACK_MM = 1e-6
 _MIN_BEYOND_CROWN_MM = 1.0
 """Length of the tip that is left beyond a crown's arc [mm]."""
-RAMP_SLOPE = 0.4
-"""Slope of the ramp from the platform down to the flat [mm per mm], which the sensor's film follows. An assumption."""
 
 
 class SkinDimensions:
@@ -136,11 +131,6 @@ class SkinDimensions:
         low = high - self._design.bone.platform_mm / RAMP_SLOPE
         return low, high
 
-    @cached_property
-    def ramp_excess(self) -> float:
-        """Length by which the film along the ramp is longer than the ramp along z."""
-        return self._design.bone.platform_mm * (math.hypot(1.0, RAMP_SLOPE) - 1.0) / RAMP_SLOPE
-
     def flat_depth_at(self, z: float) -> float:
         """Return the depth of the flat, of the ramp, or of the platform at a height z [mm], in the middle plane."""
         return ramp_depth(z, self.flat_depth, self.platform_depth, self.ramp[1])
@@ -151,15 +141,3 @@ class SkinDimensions:
             return 0.0
         squared = self.platform_radius**2 - (z - self.sensor_z) ** 2
         return max(math.sqrt(max(0.0, squared)), self.neck_half_width if z < self.sensor_z else 0.0)
-
-
-def largest_drop(radius: float, apex_z: float, height: float) -> float:
-    """Return the largest drop of a crown, by its radius, the height z of its apex, and that of the pad [mm]."""
-    reach = 2.0 * radius
-    sine = min(_MAX_CROWN_SINE, max(0.0, apex_z / reach)) if reach else 0.0
-    return min(reach * (1.0 - math.sqrt(1.0 - sine * sine)), height - _MIN_BASE_HEIGHT_MM)
-
-
-def ramp_depth(z: float, flat: float, platform: float, end: float) -> float:
-    """Return the depth at z of a flat, of the ramp that rises from it up to a height `end`, or of a platform [mm]."""
-    return max(flat, platform - RAMP_SLOPE * max(0.0, end - z))

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from fingertip.design.geometry.conic import arc_point, quarter_outline
+from fingertip.design.geometry.conic import quarter_outline
+from fingertip.design.geometry.profile import arc_point
 
 if TYPE_CHECKING:
     from fingertip.design.geometry.dimensions import Dimensions

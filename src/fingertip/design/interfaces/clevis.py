@@ -25,6 +25,7 @@ from fingertip.design.formulas.stress_and_knock import (
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.dimensions import Dimensions
 from fingertip.design.geometry.joint import BESIDE_LINE_MM, Joint, TendonAnchor
+from fingertip.design.geometry.outlines import ramp_angle_deg
 from fingertip.design.geometry.sizes import (
     ARROW_DEG,
     BEFORE_FACE,
@@ -219,7 +220,7 @@ def _beside_stops_deg(joint: Joint) -> tuple[tuple[float, float], ...]:
     """Directions in the front view in which the eyes are not round: all but those between the stops."""
     if not joint.travel_deg:
         return ((-90.0, 90.0),)
-    beside = ARROW_DEG - joint.ramp_deg
+    beside = ARROW_DEG - ramp_angle_deg(joint.radius, joint.eye_radius, joint.travel_deg)
     return ((180.0 + joint.travel_deg - beside, 540.0 + beside),)
 
 

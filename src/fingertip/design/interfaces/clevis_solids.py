@@ -9,9 +9,16 @@ from __future__ import annotations
 import math
 
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody
-from fingertip.design.geometry.foot import LEDGE_MM, flat_foot, foot_line
+from fingertip.design.geometry.conic import ConicBody
 from fingertip.design.geometry.joint import Joint, TendonAnchor
+from fingertip.design.geometry.outlines import (
+    LEDGE_MM,
+    TANGENT_STEP_MM,
+    eye_corners,
+    flat_foot,
+    foot_line,
+    horn_corners,
+)
 from fingertip.design.geometry.solids import (
     Box,
     Prism,
@@ -23,8 +30,6 @@ from fingertip.design.geometry.solids import (
     union,
 )
 
-_HORN_CHORDS = 12
-"""Chords of a horn's quarter circle."""
 _BACK_WAY_MM = 3.0
 """Half the width of the way of wires and rubber band on the back [mm]."""
 
@@ -89,7 +94,8 @@ def eye_profile(joint: Joint, reach: float) -> Solid:
     y, z = joint.axis_y, joint.axis_z
     round_eye = cylinder("x", (y, z), -reach, reach, joint.eye_radius)
     if joint.travel_deg:
-        return union(Prism("x", joint.stopped_profile(reach), -reach, reach), round_eye)
+        stopped_profile = eye_corners((y, z), joint.radius, joint.eye_radius, joint.travel_deg, reach)
+        return union(Prism("x", stopped_profile, -reach, reach), round_eye)
     half = joint.eye_radius - TANGENT_STEP_MM
     return union(Box((-reach, y - half, z), (reach, y + half, z + reach)), round_eye)
 
@@ -120,15 +126,6 @@ def tendon_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> tupl
     )
     right_horn, left_horn = (Prism("x", corners, *side) for side in sides)
     return _back_way(design, anchor, joint), right_groove, right_horn, left_groove, left_horn
-
-
-def horn_corners(
-    begin: tuple[float, float], radius: float, z: tuple[float, float], reach: float
-) -> tuple[tuple[float, float], ...]:
-    """List corners (y, z) below a horn, the quarter of a circle on which the tendon turns from `begin` on [mm]."""
-    y, angles = begin[0] + radius, [math.pi / 2 * i / _HORN_CHORDS for i in range(_HORN_CHORDS + 1)]
-    arc = [(y - radius * math.cos(a), begin[1] + radius * math.sin(a)) for a in angles]
-    return (-reach, z[0]), (begin[0], z[0]), *arc, (y, z[1]), (-reach, z[1])
 
 
 def _back_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> Solid:

@@ -8,9 +8,10 @@ from collections.abc import Iterator
 from fingertip.catalogues.hardware import select_thread, standard_length_mm
 from fingertip.design.formulas.stress_and_knock import LocalStress, StressFactors, at_foot
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.foot import conic_foot, flat_foot, foot_line
+from fingertip.design.geometry.conic import ConicBody, CrossSection
+from fingertip.design.geometry.outlines import flat_foot, foot_line
 from fingertip.design.geometry.sizes import BEFORE_FACE, INNER, OUTER, STEP, Circle, Length, Size
-from fingertip.design.geometry.solids import Box, cylinder, intersection
+from fingertip.design.geometry.solids import Box, Solid, SuperconicSolid, cylinder, intersection
 from fingertip.design.interfaces import interface
 from fingertip.design.interfaces.interface import JointInterface, Shapes
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_least
@@ -46,7 +47,7 @@ class Flange(JointInterface):
         line, reach = foot_line(bone.foot_radius_mm, top, -1.0), 2 * x
         sides = flat_foot("x", -flat, reach, line, into - radius, reach)
         above = Box((-x, y - half, end), (x, y + half, top + reach))
-        return (plate, intersection(conic_foot(section, line, into), sides, above)), holes
+        return (plate, intersection(_conic_foot(section, line, into), sides, above)), holes
 
     def genus(self, design: DesignTables) -> int:
         return 4 if design.bone.flange_spacing_y_mm else 2
@@ -108,6 +109,12 @@ class Flange(JointInterface):
         thread, across_mm = select_thread(design.bone.flange_hole_diameter_mm), design.bone.flange_thickness_mm
         length_mm = standard_length_mm(across_mm + interface.MATING_WALL_MM + thread.nut_height_mm)
         return interface.Bolt(thread.diameter_mm, length_mm, across_mm, self.genus(design))
+
+
+def _conic_foot(section: CrossSection, foot: list[tuple[float, float]], end: float) -> Solid:
+    """Build the foot of a superconic section; it ends at z = `end` [mm]."""
+    stations = [(z, 1.0 + out / section.half_width) for z, out in (*foot, (end, foot[-1][1]))]
+    return SuperconicSolid(ConicBody(section, tuple(stations[::-1])))
 
 
 @RULES.at_least("bone.flange_spacing_x_mm")

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 
 from fingertip.design.formulas.stress_and_knock import StressFactors, at_foot
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody, farthest_corner, offset_section
-from fingertip.design.geometry.foot import LEDGE_MM, flat_foot, foot_length, foot_line, round_foot
+from fingertip.design.geometry.conic import ConicBody, offset_section
+from fingertip.design.geometry.outlines import LEDGE_MM, TANGENT_STEP_MM, flat_foot, foot_length, foot_line, round_foot
+from fingertip.design.geometry.profile import farthest_corner
 from fingertip.design.geometry.sizes import ARROW_DEG, BEFORE_FACE, INNER, OUTER, STEP, Circle, Length, Size
 from fingertip.design.geometry.solids import (
     Box,

@@ -375,8 +375,8 @@ def test_no_floor_learns_what_may_be_slip_whatever_came_before_it(rise_s: float)
 
 @pytest.mark.parametrize(("kind", "lasts"), [("noise", True), ("tone", False), ("knock", False)])
 def test_vibration_that_lasts_keeps_what_the_trees_began(kind: str, lasts: bool) -> None:
-    """The tree says incipient for the first 20 ms alone: noise then becomes ON and stays, also in 0.2 s of silence, with
-    all floors as they were, also for 0.5 s after it; a tone and what fades do not.
+    """The tree says incipient for the first 20 ms alone: noise then becomes ON and stays, with all floors as they were,
+    also in 0.2 s of silence and for 0.5 s after it; a tone and what fades do not.
     """
     model = replace(ask_one_question(), threshold=20.0, incipient_threshold=1.0)
     model = replace(model, thresholds=np.full(NODES, 100.0), leaves=np.where(model.leaves > 0, 2.0, -1.9))

@@ -31,7 +31,6 @@ from fingertip.slip.traces.truth import Interval
 from tools.detector_training import rows
 
 NOISE_V = 4e-4
-
 SETTINGS = FastSettings(2000.0, NOISE_V)
 
 NO_TREES = FastModel(np.zeros(0), np.zeros(0), np.zeros(0), -50.0, 1.0, 0.0, 0.0)

@@ -195,11 +195,11 @@ def test_a_late_rise_finds_no_slip_and_each_window_of_rest_may() -> None:
     flags = np.arange(8000) % 2000 < 200
 
     def run(design: Design, recording: Recording, factors: object) -> list[np.ndarray]:
-        return [flags]
+        return [flags & (factors == (0.9,))]
 
     known = Competitor("known", "", (1.0,), run, lambda _: 0.05, "1")  # type: ignore[arg-type]
     slides = [Judged("full", "a", RATE_HZ, np.zeros(8000), at_s, at_s, 4.0) for at_s in (2.9, 2.7)]
-    found = judge(Design(), known, [*slides, Judged("rest", "b", RATE_HZ, np.zeros(8000))])
+    found = judge(Design(), known, [*slides, Judged("rest", "b", RATE_HZ, np.zeros(8000))], 0.9)
     assert [delay_s for delay_s, _ in found["full"]] == pytest.approx([0.1, np.inf])
     assert np.mean(found["null"]) == pytest.approx(0.2, abs=0.05)
 

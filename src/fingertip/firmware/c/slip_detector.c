@@ -256,7 +256,9 @@ static void tick(slip_state *state, slip_real slope) {
         state->settling--;
         state->incipient = false;
     } else if (state->incipient) {
-        state->smooth_score += SLIP_SCORE_SMOOTHING * (score - state->smooth_score);
+        if (state->unheard == 0) { /* silence says nothing, and a strong slip no more than a weak one */
+            state->smooth_score += SLIP_SCORE_SMOOTHING * (lesser(score, SLIP_STAY_SCORE) - state->smooth_score);
+        }
         state->incipient = score > SLIP_STAY_SCORE || (is_strong && state->smooth_score > SLIP_STAY_SCORE)
             || (vibration != NONE && state->smooth_score > SLIP_HOLD_SCORE);
     } else {
@@ -288,8 +290,6 @@ static void tick(slip_state *state, slip_real slope) {
         }
     } else {
         state->on_ticks = R(0.0);
-        state->mean = R(0.0);
-        state->mean_square = R(0.0);
     }
 
     if (is_held || !(may_learn || is_moving)) {

@@ -18,8 +18,7 @@ vibration above 4 times a floor, unless it is a tone or the force has stood stil
 the noise of a converter halfway between two codes.
 
 Slip is incipient from a first score on, and ON from a higher one. Both last while the energy of 20 ms is above the
-floors and the trees agree on average, however long the slip lasts. Only a tone, whose energy hardly varies, is
-unlearned.
+floors, short silences apart, and the trees agree on average. Only a tone, whose energy hardly varies, is unlearned.
 """
 
 from __future__ import annotations

@@ -31,12 +31,11 @@ LOWEST_SCORE = -4.0
 STAY_SCORE = -1.0
 """Score above which slip stays incipient or ON, and the floors stand still."""
 STAY_RATIO = 2.0
-"""Ratio of an energy of 20 ms to its floor above which slip stays ON, while its smoothed score exceeds `STAY_SCORE`.
-Without the score, vibration that begins with the grasp would keep the detector ON."""
+"""Ratio of an energy of 20 ms to its floor above which vibration is heard, and slip stays ON if the trees allow it."""
 HEARD_SCORE = -1.4
 """Score from which heard vibration speaks for slip; what it exceeds it by is summed up (`fast_state.EVIDENCE`)."""
 SCORE_S = 0.1
-"""Time constant with which the score is smoothed while ON [s]."""
+"""Time constant with which the score is smoothed while ON and vibration is heard [s]."""
 MIN_NOISE_SHARE = 0.5
 """Smallest noise that is learned, as a share of the stated noise: half of it was trained on."""
 MIN_NOISE_V_RTHZ = 1.26e-5

@@ -46,14 +46,14 @@ STEADY_TICKS, STEADY_RATIO = 20.0, 0.15
 that of 50 Hz has 0.03, noise in 100 Hz 0.8."""
 STEADY_ON_TICKS = 200.0
 """Ticks for which a tone must last before it ends ON: a slide is steady for shorter times."""
-UNHEARD_TICKS = 35.0
+UNHEARD_TICKS = 80.0
 """Ticks without vibration that ON outlasts: a weak slide falls below `stay_ratio` at times."""
 SURE_TICKS = 30.0
 """Ticks after which incipient slip is ON if its vibration lasts."""
 EVIDENCE = 40.0
 """Sum of what scores exceed `FastCoefficients.heard_score` by at which slip is incipient: 15 to 40 ticks on slides."""
-HOLD_SCORE = -2.25
-"""Smoothed score above which vibration that lasts stays slip: without it, a hand's tremor keeps an alarm for ever."""
+HOLD_SCORE = -2.0
+"""Smoothed score above which vibration that lasts stays slip: of weak slides it is -1.6, of a hand's tremor -2.4."""
 AFTER_TICKS = 250.0
 """Ticks after ON for which floors stand: a slide falters."""
 JUMP_MOVES = 8.0
@@ -216,7 +216,8 @@ def decide(
         state[SETTLING] -= 1.0
         state[INCIPIENT] = 0.0
     elif state[INCIPIENT] > 0.0:
-        state[SMOOTH_SCORE] += c.score_smoothing * (score - state[SMOOTH_SCORE])
+        if state[UNHEARD] == 0.0:  # silence says nothing, and a strong slip no more than a weak one
+            state[SMOOTH_SCORE] += c.score_smoothing * (min(score, c.stay_threshold) - state[SMOOTH_SCORE])
         smooth = state[SMOOTH_SCORE]
         stays = score > c.stay_threshold or (is_strong and smooth > c.stay_threshold)
         stays = stays or (vibration > 0 and smooth > HOLD_SCORE)
@@ -233,7 +234,7 @@ def decide(
 def unlearn_tone(c: FastCoefficients, wide_long: float, upper_long: float, state: MutableFloats) -> None:
     """Let the floors follow a tone that is taken for slip: its energy is constant, and that of slip is not."""
     if state[INCIPIENT] == 0.0:
-        state[ON_TICKS] = state[MEAN] = state[MEAN_SQUARE] = 0.0
+        state[ON_TICKS] = 0.0
         return
     state[ON_TICKS] += 1.0
     share = 1.0 / min(state[ON_TICKS], c.tone_ticks)

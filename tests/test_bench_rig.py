@@ -32,7 +32,6 @@ def test_rig_passes_its_checks_and_writes_closed_parts(design: str, tmp_path: Pa
         mesh = stl.from_bytes((tmp_path / f"rig_{name}.stl").read_bytes())
         assert len(to_manifold(mesh.vertices, mesh.triangles).decompose()) == 1
         assert (tmp_path / f"rig_{name}.step").read_bytes().startswith(b"ISO-10303-21")
-    assert (tmp_path / "rig_exploded.png").stat().st_size < 200_000
 
 
 @pytest.mark.full

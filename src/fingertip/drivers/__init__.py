@@ -122,7 +122,7 @@ class SampleReader:
         self.firmware, self._lines = "", lines
 
     def __iter__(self) -> Iterator[tuple[float, ...]]:
-        header, rows = open_stream(self._note_version(), ColumnMap())
+        header, rows = open_stream(self._note_version(), ColumnMap(), name=str(getattr(self._lines, "name", "stream")))
         names = list(header.names)
         for _, line in rows:
             cells = split_cells(line, header.delimiter)

@@ -131,7 +131,7 @@ class Rig:
     def sled(self):
         """Block with a peg for the hook in a recess, and a pocket for the knot of the string at the bottom."""
         block = box((0, -HALF, 0), (LENGTH, HALF, SLED))
-        recess = box((LENGTH - 17, -15.5, 3), (LENGTH + 1, 7, SLED + 1))
+        recess = box((LENGTH - 17, -17, 3), (LENGTH + 1, 7, SLED + 1))
         peg = box((LENGTH - 9.5, -2.5, 0), (LENGTH - 4.5, 2.5, SLED))
         knot, string = rod("z", (8, 0), -1, 6, 3.0), rod("x", (0, 3), -1, 8, 1.2)
         return cut(union(cut(block, recess), peg), knot, string)

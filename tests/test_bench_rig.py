@@ -32,7 +32,6 @@ def test_rig_passes_its_checks_and_writes_closed_parts(design: str, tmp_path: Pa
         mesh = stl.from_bytes((tmp_path / f"rig_{name}.stl").read_bytes())
         assert len(to_manifold(mesh.vertices, mesh.triangles).decompose()) == 1
         assert (tmp_path / f"rig_{name}.step").read_bytes().startswith(b"ISO-10303-21")
-    assert (tmp_path / "rig_exploded.png").stat().st_size < 200_000
 
 
 @pytest.mark.full
@@ -42,7 +41,7 @@ def test_rig_passes_its_checks_and_writes_closed_parts(design: str, tmp_path: Pa
     [
         ("DRIVER = 6.0", "driver of the screw along x"),
         ("OPEN = 0.08", "error_s <= MAX_ERROR_S"),
-        ("PIVOT_Y = -9.0", "overlap"),
+        ("SCREW = 16", "hook and contact: screw M3 x 16|2 overlap"),
     ],
 )
 def test_checks_of_the_rig_find_a_defect(change: str, message: str) -> None:

@@ -38,8 +38,11 @@ THREAD, FREE, CHEEK, BEAM, EYE, EAR = 1.35, 1.65, 6.0, 5.0, 6.0, 4.5
 """Radii of a hole in which M3 cuts its thread and of one that it passes, thickness of cheeks and beam, half the width
 of the hinge's eye, and its height above the axis."""
 HOOK_Z, HOOK, PIVOT_Y, CUP = PLATE + 4.0, 4.0, -6.5, 15.0
-HEAD, DRIVER, REACH, THREADED = 3.0, 3.5, 60.0, 5.0
-"""Radius of a screw's head, radius and length of its driver, and least length of a thread in plastic."""
+POST_X, PIN_X, BAND, STRETCH = 20.0, -4.0, 80.0, 1.5
+"""Post and pin of the rubber band, from the hook's screw, its length all around, and its least stretch in two turns."""
+SCREW, HEAD, DRIVER, REACH, THREADED = 12, 3.0, 3.5, 60.0, 5.0
+"""Length of all screws but the hinge's, height of a head, radius and length of a driver, and least length of a thread
+in plastic."""
 MASS_KG, SLIDING, EDGE, FRICTION, LEAST_M_S2 = 0.05, 0.3, 1.6, 1.0, 1.5
 """Sled with strip; friction coefficient below it; ratio of tensions over the edge, exp(0.3 pi / 2); largest friction
 coefficient of the skin; least acceleration."""
@@ -109,11 +112,11 @@ class Rig:
         parts += [box((at, y, 0), (at + WALL, end, TOP)) for at, y, end in walls]
         block = self.half - PLAY
         parts += [box((-EYE, y, 0), (EYE, end, SURFACE + EAR)) for y, end in ((3.0, block), (-block, -3.0))]
-        parts += [box((self.rest + 10, y, 0), (self.rest + 40, y + 20, PLATE)) for y in (side - 1, -side - 19)]
-        parts += [rod("z", (x, PIVOT_Y), 0, HOOK_Z, 6.0), rod("z", (x + 20, 5.0), 0, 18.0, 3.0)]
+        # Ears for clamps, whose jaws reach some 30 mm beyond the table's edge.
+        parts += [box((4, y, 0), (34, y + 20, PLATE)) for y in (side - 1, -side - 19)]
+        parts += [rod("z", (x, PIVOT_Y), 0, HOOK_Z, 6.0), rod("z", (x + POST_X, 5.0), 0, 18.0, 3.0)]
         holes = [rod("x", (y, CONTACT_Z), at - 1, at + WALL + 1, THREAD)
                  for y in (CONTACT_Y, -CONTACT_Y) for at in (front - WALL, rear)]  # fmt: skip
-        holes += [rod("z", (self.rest + 25, y), -1, PLATE + 1, 2.25) for y in (side + 11, -side - 11)]
         holes += [rod("z", (x, PIVOT_Y), -1, HOOK_Z + 1, THREAD), rod("y", (SURFACE, 0), -side, side, FREE)]
         return cut(union(*parts), *holes)
 
@@ -128,7 +131,7 @@ class Rig:
     def sled(self):
         """Block with a peg for the hook in a recess, and a pocket for the knot of the string at the bottom."""
         block = box((0, -HALF, 0), (LENGTH, HALF, SLED))
-        recess = box((LENGTH - 17, -15.5, 3), (LENGTH + 1, 7, SLED + 1))
+        recess = box((LENGTH - 17, -17, 3), (LENGTH + 1, 7, SLED + 1))
         peg = box((LENGTH - 9.5, -2.5, 0), (LENGTH - 4.5, 2.5, SLED))
         knot, string = rod("z", (8, 0), -1, 6, 3.0), rod("x", (0, 3), -1, 8, 1.2)
         return cut(union(cut(block, recess), peg), knot, string)
@@ -139,9 +142,10 @@ class Rig:
         flat = union(
             box((-36.5, -2.5, 0), (9, 3, HOOK)), box((-36.5, -2.5, 0), (-31.55, y + 2, HOOK)),
             box((-9, -6.5, 0), (9, y + 9, HOOK)), box((-5, -46, 0), (5, 0, HOOK)),
-            rod("z", (-4, y + 5), 0, HOOK + 6, 2.5),
+            rod("z", (PIN_X, y + 5), 0, HOOK + 6, 2.5),
         )  # fmt: skip
-        return cut(flat, cq.Workplane("XY").slot2D(9, 2 * FREE).extrude(HOOK))
+        # It goes 3 mm forward, to be hooked, and 1 mm back, so that it knocks little when it is free.
+        return cut(flat, cq.Workplane("XY").center(1, 0).slot2D(4 + 2 * FREE, 2 * FREE).extrude(HOOK))
 
     def arm(self):
         """Beam with the channel for the bar, whose cheeks reach down to the hinge, and a disc for the weights."""
@@ -194,16 +198,16 @@ class Rig:
     def screw_list(self):
         """List axis, the two other coordinates, end of the head, direction to the driver, threaded and whole length."""
         front, rear = self.sled_to - TIP - WALL, self.end + TIP + WALL
-        out = 16 - WALL - TIP + 3.0
-        found = [("x", (y, CONTACT_Z), front - out, -1, WALL, 16) for y in (CONTACT_Y, -CONTACT_Y)]
-        found += [("x", (y, CONTACT_Z), rear + out, 1, WALL, 16) for y in (CONTACT_Y, -CONTACT_Y)]
-        found += [("z", (self.pivot_x, PIVOT_Y), HOOK_Z + HOOK + 3.2, 1, HOOK_Z, 12)]
+        out = SCREW - WALL - TIP + HEAD
+        found = [("x", (y, CONTACT_Z), front - out, -1, WALL, SCREW) for y in (-CONTACT_Y, CONTACT_Y)]
+        found += [("x", (y, CONTACT_Z), rear + out, 1, WALL, SCREW) for y in (-CONTACT_Y, CONTACT_Y)]
+        found += [("z", (self.pivot_x, PIVOT_Y), HOOK_Z + HOOK + HEAD + 0.2, 1, HOOK_Z, SCREW)]
         outer = self.half + PLAY + CHEEK
-        found += [("y", (SURFACE, 0.0), outer + 3.2, 1, THREADED, 40)]  # its nut is held by hand
+        found += [("y", (SURFACE, 0.0), outer + HEAD + 0.2, 1, THREADED, 40)]  # its nut is held by hand
         c, s, lift = math.cos(self.tilt), math.sin(self.tilt), SURFACE + self.depth
         for u in self.screws:
             at = (-u * s + self.screw_w * c + lift, u * c + self.screw_w * s)
-            found += [("y", at, side * (outer + 12 - CHEEK - PLAY + 3.0), side, CHEEK, 12) for side in (1, -1)]
+            found += [("y", at, side * (self.half + SCREW + HEAD), side, CHEEK, SCREW) for side in (-1, 1)]
         return found
 
     def on_bed(self):
@@ -222,7 +226,7 @@ class Rig:
             size = np.ptp(mesh.vertices, axis=0)
             assert (size <= (bed.bed_x_mm, bed.bed_y_mm, bed.bed_z_mm)).all(), f"{name}: {size} is larger than the bed"
         for moved, is_armed in ((0.0, True), (0.0, False), (STROKE / 2, False), (STROKE, False)):
-            bodies = self.assemble(moved, is_armed)
+            bodies = self.assemble(moved, is_armed) | {n: each for n, each in self.bought().items() if "|" in n}
             names, inside = list(bodies), {"bone", "skin", self.holder}
             for i, a in enumerate(names):
                 for b in names[i + 1 :]:
@@ -232,6 +236,8 @@ class Rig:
             assert all(meet.volume() <= 1e-6 for meet in beside), "the sled has no play between the guides"
         held = self.assemble(0.2)
         assert (held["sled"] ^ held["hook"]).volume() > 1.0, "the hook does not hold the sled"
+        stretch = 2 * (2 * (POST_X - PIN_X) + math.pi * (2.5 + 3.0)) / BAND
+        assert stretch >= STRETCH, f"two turns of a rubber band are {stretch:.2f} times as long as it"
         bodies = self.assemble()
         for axis, at, begin, way, threaded, _ in self.screw_list():
             assert threaded >= THREADED
@@ -267,12 +273,17 @@ class Rig:
         x, y, z = self.pivot_x, 5.0, HOOK_Z + HOOK + 3
         found = {"string to the weight": union(rod("x", (0, PLATE + 3), -14, self.rest, 0.6),
                                                rod("z", (-14, 0), -45, PLATE + 3, 0.6)),
-                 "rubber band": union(*(rod("x", (y + w, z), x - 4, x + 20, 0.8) for w in (2.6, -2.6)))}  # fmt: skip
-        uses = {16: "contact: ", 40: "hinge: "}
+                 "rubber band": union(*(rod("x", (y + w, z), x + PIN_X, x + POST_X, 0.8)
+                                        for w in (3.8, -3.8)))}  # fmt: skip
+        strips = [box((self.rest, y - 3, TOP), (self.end, y + 3, TOP + 0.1)) for y in (-CONTACT_Y, CONTACT_Y)]
+        strips.append(box((self.rest, -CONTACT_Y, TOP), (self.rest + 6, CONTACT_Y, TOP + 0.1)))
+        found["copper foil"] = union(*strips)
+        uses = {"x": "contact: ", "z": "hook: ", "y": "clamp: "}
         for number, (axis, at, begin, way, _, length) in enumerate(self.screw_list()):
-            use = uses.get(length, "hook: " if axis == "z" else "clamp: ")
-            head, end = begin - 3.0 * way, begin - (3.0 + length) * way
-            shank, top = rod(axis, at, *sorted((head, end)), 1.5), rod(axis, at, *sorted((head, begin)), 2.8)
+            use = uses[axis] if length == SCREW else "hinge: "
+            head, end = begin - HEAD * way, begin - (HEAD + length - 0.01) * way
+            # The thread, which cuts into the plastic, is left out, and 0.01 mm of the tip, which touches.
+            shank, top = rod(axis, at, *sorted((head, end)), 1.3), rod(axis, at, *sorted((head, begin)), 2.8)
             found[f"{use}screw M3 x {length}|{number}"] = union(shank, top)
         return {name: solid_of(part) for name, part in found.items()}
 

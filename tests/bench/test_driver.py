@@ -82,6 +82,7 @@ SLOW = ["time_s,voltage_v", *(f"{number / 1000},1" for number in range(30))]
     ("lines", "said"),
     [(SLOW, "sends 1000 samples a second, not 2000"), ("/dev/no_such", "plug the controller in"),
      (["time_s,voltage_v,filtered_v", "0,1,1"], "first_finger has no filter board; name the finger's design"),
+     (["0,1", "0.0005,1"], "stream, line 1: '0,1' is not the header"),
      (["force_n:1.23 volts:0.81 slip:0"], "set STREAM = true in slip_lamp.ino")],
 )  # fmt: skip
 def test_another_stream_is_refused_with_a_remedy(lines: list[str] | str, said: str) -> None:

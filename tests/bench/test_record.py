@@ -188,7 +188,7 @@ def test_fifty_interruptions_leave_no_damaged_file(tmp_path: Path) -> None:
 @pytest.mark.long
 def test_thirty_minutes_lose_nothing(tmp_path: Path) -> None:
     with playing(tmp_path) as port:
-        words = ("--pace", "4.8", "--trials", "45")
+        words = ("--pace", "4.9", "--trials", "45")
         said, errors = start(port, tmp_path / "out", *words).communicate(timeout=2400)
     assert " 0 lost, 0 trials repeated" in said, errors
     assert sum(len(trial.trace.time_s) for trial in read_recordings(tmp_path / "out")) >= 30 * 60 * 2000

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import io
 import json
 import re
@@ -337,16 +336,17 @@ def test_detect_file_in_python_returns_warnings(tmp_path):
 
 
 class _Port(io.RawIOBase):
-    """Serial port as pyserial gives it: bytes, line by line; a pseudo terminal that closes ends with EIO."""
+    """Serial port as pyserial gives it: bytes as they come; once it is unplugged, an error without a number."""
+
+    in_waiting = 1000
 
     def __init__(self, text: str) -> None:
-        self._lines = iter(text.encode().splitlines(keepends=True))
+        self._file = io.BytesIO(text.encode())
 
-    def readline(self, size: int | None = -1) -> bytes:
-        try:
-            return next(self._lines)
-        except StopIteration:
-            raise OSError(errno.EIO, "Input/output error") from None
+    def read(self, size: int = -1) -> bytes:
+        if block := self._file.read(size):
+            return block
+        raise OSError("device disconnected")
 
 
 @pytest.mark.parametrize("rate_hz", [1250.0, 2000.0])

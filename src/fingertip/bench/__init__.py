@@ -1,6 +1,6 @@
 """Bench: a built finger beside its simulation.
 
-Lines of the firmware's stream and the keys of a person come in; a folder of labelled trials goes out
+Lines of the firmware's stream come in; a folder of labelled trials goes out
 (`fingertip record`), and figures measured beside simulated (`fingertip validate --recordings`).
 
 >>> from fingertip.bench.trials import kind_of

@@ -24,9 +24,6 @@ from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.fast_settings import GAP_S
 from fingertip.slip.traces.trace import Trace
 
-SHOWN_S = 0.1
-"""Time from one shown line to the next [s]."""
-
 
 @dataclass(frozen=True)
 class Plan:
@@ -131,7 +128,7 @@ class Recorder:
                 taken += [taken[-1]] * (steps - 1)
                 self._lost += steps - 1
             taken.append(sample)
-            if len(taken) - shown >= SHOWN_S * self._rate_hz:
+            if len(taken) - shown >= 0.1 * self._rate_hz:  # a line each 0.1 s
                 self._report(np.array(taken[shown:]), number, len(taken) / self._rate_hz)
                 shown = len(taken)
         _, volts, filtered, moving = np.array(taken[:total]).T

@@ -187,11 +187,11 @@ def _find_rate(header: Header, rows: Sequence[tuple[int, str]], columns: ColumnM
 
 
 def open_stream(
-    lines: Iterable[str | bytes], columns: ColumnMap, *alternatives: ColumnMap
+    lines: Iterable[str | bytes], columns: ColumnMap, *alternatives: ColumnMap, name: str = NAME
 ) -> tuple[Header, NumberedLines]:
     """Read the header and the line of units; return it and all lines below that are not empty. Raises TraceError."""
-    remaining = bare_lines(bounded_lines(lines, NAME))
-    header = find_header(NAME, remaining, columns, *alternatives)
+    remaining = bare_lines(bounded_lines(lines, name))
+    header = find_header(name, remaining, columns, *alternatives)
     rows = ((n, line) for n, line in enumerate(remaining, start=header.line + 1) if line.strip())
     if (first := next(rows, None)) is None or header.is_unit_line(first[1]):
         return header, rows

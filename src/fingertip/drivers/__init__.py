@@ -14,6 +14,7 @@ import termios
 import threading
 import time
 from collections.abc import Iterable, Iterator
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from pathlib import Path
@@ -50,14 +51,13 @@ class Port:
         is_open, self._silent_s = hasattr(port, "fileno"), silent_s
         self.name = str(port.name if is_open else port)
         self._number = os.dup(port.fileno()) if is_open else _open(self.name)
-        os.set_blocking(self._number, False)
         self._begin_s = time.monotonic() + stale_s * os.isatty(self._number)
         self._blocks, self._lines, self._closed = queue.SimpleQueue[bytes](), list[bytes](), threading.Event()
         self._thread = threading.Thread(target=self._read, daemon=True)
         self._thread.start()
 
     @property
-    def in_waiting(self) -> int:
+    def waiting(self) -> int:
         """Lines and blocks of lines that wait."""
         return len(self._lines) + self._blocks.qsize()
 
@@ -78,23 +78,19 @@ class Port:
                     yield self._lines.pop()
 
     def close(self) -> None:
-        if not self._closed.is_set():
-            self._closed.set()
-            self._thread.join()
-            os.close(self._number)
+        self._closed.set()
+        self._thread.join()
 
     def _read(self) -> None:
         block = b"."
-        while block and not self._closed.is_set():
-            if self._blocks.qsize() > _MOST_BLOCKS:  # nobody takes them: the oldest are lost, and counted
-                self._blocks.get()
-            try:
-                block = os.read(self._number, _BLOCK)
-                self._blocks.put(block)
-            except BlockingIOError:
-                select.select([self._number], [], [], _POLL_S)
-            except OSError:  # the other end of a pseudo terminal was closed, or the controller unplugged
-                break
+        with suppress(OSError):  # the other end of a pseudo terminal was closed, or the controller unplugged
+            while block and not self._closed.is_set():
+                if select.select([self._number], [], [], _POLL_S)[0]:
+                    block = os.read(self._number, _BLOCK)
+                    self._blocks.put(block)
+                if self._blocks.qsize() > _MOST_BLOCKS:  # nobody takes them: the oldest are lost, and counted
+                    self._blocks.get()
+        os.close(self._number)
         self._blocks.put(b"")
 
 
@@ -126,7 +122,7 @@ class SampleReader:
         self.firmware, self._lines = "", lines
 
     def __iter__(self) -> Iterator[tuple[float, ...]]:
-        header, rows = open_stream(self._note_version(), ColumnMap())
+        header, rows = open_stream(self._note_version(), ColumnMap(), name=str(getattr(self._lines, "name", "stream")))
         names = list(header.names)
         for _, line in rows:
             cells = split_cells(line, header.delimiter)
@@ -170,21 +166,19 @@ class Reading:
 
 
 @checked
-class Finger:
+class Finger(AbstractContextManager["Finger"]):
     """A built finger whose controller streams: `read` gives the newest reading, iteration one for each sample.
 
-    `port` is a name or a `serial.Serial`, or gives lines, as a file or a list does. `design` is the one whose
-    firmware streams, or its name. Raises TraceError.
+    `port` is a name, such as /dev/ttyACM0, or a `serial.Serial`, or gives lines, as a file or a list does. `design` is
+    the one whose firmware streams, or its name. A thread reads the port: samples wait until they are read, the first
+    for a second. Read a finger from one thread. Raises TraceError.
     """
 
     def __init__(self, port: str | Path | Iterable[str | bytes], design: Design | str = "first_finger") -> None:
         self.design = design if isinstance(design, Design) else Design.load(design)
-        is_port = isinstance(port, str | Path) or (hasattr(port, "fileno") and hasattr(port, "in_waiting"))
+        is_port = isinstance(port, str | Path) or hasattr(port, "in_waiting")
         self._lines: Any = Port(port) if is_port else port
         self._name, self._readings = str(getattr(self._lines, "name", "stream")), self._judge()
-
-    def __enter__(self) -> Finger:
-        return self
 
     def close(self, *of_an_error: object) -> None:
         if isinstance(self._lines, Port):
@@ -200,7 +194,7 @@ class Finger:
         slip, end_s = Slip.NONE, time.monotonic() + SILENT_S  # a computer that is too slow would take samples for ever
         for reading in self._readings:
             slip = max(slip, reading.slip)
-            if not getattr(self._lines, "in_waiting", 0) or time.monotonic() > end_s:
+            if not getattr(self._lines, "waiting", 0) or time.monotonic() > end_s:
                 return replace(reading, slip=slip)
         raise TraceError(Issue(self._name, "has ended; plug the controller in, and make another Finger."))
 

@@ -289,14 +289,15 @@ def max_lines() -> int:
 def bounded_lines(lines: Iterable[str | bytes], name: str, most: int | None = None) -> Iterator[str]:
     """Yield lines of a text file or stream, none of which is longer than `MAX_LINE`. Raises TraceError.
 
-    Bytes, as of a serial port, are UTF-8. An empty read is the end, and so is that of a pseudo terminal that closes.
+    Bytes, as of a serial port, are UTF-8. An empty read is the end, and so is that of a port that is unplugged.
     """
+    lines = _read_port(lines) if hasattr(lines, "in_waiting") else lines
     readline, rest = getattr(lines, "readline", None), iter(() if hasattr(lines, "readline") else lines)
     for number in itertools.count(1):
         try:
             line: str | bytes = readline(MAX_LINE + 1) if readline else next(rest, "")
         except OSError as error:
-            if error.errno != errno.EIO:
+            if error.errno not in (errno.EIO, None):  # pyserial states none
                 raise
             return
         if line in ("", b""):
@@ -312,6 +313,14 @@ def bounded_lines(lines: Iterable[str | bytes], name: str, most: int | None = No
             message = f"has more than {most} lines; {_REMEDY}, or raise {SAMPLES_LIMIT.variable}."
             raise TraceError(Issue(name, message))
         yield line.lstrip("\ufeff") if number == 1 else line
+
+
+def _read_port(port: Any) -> Iterator[bytes]:
+    """Yield lines of a `serial.Serial`, whose `readline` asks the system for each byte."""
+    rest = b""
+    while block := port.read(port.in_waiting or 1):
+        *lines, rest = (rest + block)[-MAX_LINE:].split(b"\n")
+        yield from (line + b"\n" for line in lines)
 
 
 def shape_message(shape: Sequence[int], item_bytes: int = 8, others: int = 0) -> str | None:

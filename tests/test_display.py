@@ -66,7 +66,6 @@ def parse(text: str) -> list[ElementTree.Element]:
     return list(ElementTree.fromstring(f"<div>{text}</div>").iter("table"))
 
 
-@pytest.mark.full
 def test_tables_are_well_formed_and_escaped(trace: Trace, detection: Detection, built: Build) -> None:
     (changes,) = parse(Design.load("fsr402")._repr_html_())
     assert len(list(changes.iter("tr"))) == len(Design.load("fsr402").changes()) + 1
@@ -82,7 +81,6 @@ def test_tables_are_well_formed_and_escaped(trace: Trace, detection: Detection, 
     assert "".join(table.itertext()) == "<script><b>&<script>"
 
 
-@pytest.mark.full
 def test_results_are_drawn(built: Build, trace: Trace, detection: Detection, tmp_path: Path) -> None:
     picture = built.design.plot(500)
     assert picture.size_px[0] == 500
@@ -95,7 +93,6 @@ def test_results_are_drawn(built: Build, trace: Trace, detection: Detection, tmp
         assert repr(picture).startswith(f"Picture({picture.size_px[0]} x ")
 
 
-@pytest.mark.full
 def test_data_frames(trace: Trace, detection: Detection, built: Build, tmp_path: Path) -> None:
     require_module("pandas")
     frame = trace.to_dataframe()

@@ -99,7 +99,6 @@ def test_patch_solves_the_complementarity_problem() -> None:
     assert (more - depth) / 1e-6 == pytest.approx(slope, rel=1e-4)
 
 
-@pytest.mark.full
 def test_share_by_the_adjoint_solution_is_the_integral_of_the_traction() -> None:
     """Betti's theorem: displacements by a step of the disc weigh loads as the traction's integral over it does."""
     form = pad()
@@ -132,7 +131,6 @@ def test_whole_pad_agrees_with_its_half_and_mirrors_with_roll() -> None:
     assert left.share < 0.7 * half.share
 
 
-@pytest.mark.full
 def test_force_and_bond_grow_with_the_modulus_at_the_same_depth() -> None:
     """From 0.02 to 10 MPa. Also Poisson's ratio of 0.4999 changes little: no locking."""
     base = coarse(Pose(3.0))
@@ -146,7 +144,6 @@ def test_force_and_bond_grow_with_the_modulus_at_the_same_depth() -> None:
     assert tight.depth_mm == pytest.approx(base.depth_mm, rel=0.04)
 
 
-@pytest.mark.full
 def test_stiffness_is_the_slope_of_the_force() -> None:
     less, more = solve(pad(), [Pose(5.0)], [2.0, 2.02], COARSE)
     slope = 0.02 / (more.depth_mm - less.depth_mm)

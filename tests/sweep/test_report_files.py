@@ -131,7 +131,9 @@ def test_axes_of_a_scatter_matrix_have_few_ticks_but_counts_have_theirs() -> Non
     columns = {name: np.random.default_rng(seed).uniform(0.0, 100.0, 500) for seed, name in enumerate("ab")}
     with keep_figures() as figures:
         draw_scatter_matrix(columns, np.ones(500, dtype=bool))
+        draw_scatter_matrix({"a": columns["a"]}, np.ones(500, dtype=bool))
     counts_a, _, scatter, counts_b = figures[0].axes
+    assert len(figures[1].axes) == 1
     for axis in (counts_a.xaxis, counts_b.xaxis, scatter.xaxis, scatter.yaxis):
         assert len(list_ticks(axis)) <= 4
     for axis in (counts_a.yaxis, counts_b.yaxis):

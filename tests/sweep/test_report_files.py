@@ -99,9 +99,7 @@ CASES: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.full] if name == "complete" else []) for name in CASES]
-)
+@pytest.mark.parametrize("name", CASES)
 def test_reports_are_the_approved_ones(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Text, and figures of some: what matplotlib is asked to draw stands for its pixels; of a matrix, its words."""
     pytest.importorskip("matplotlib")
@@ -133,7 +131,6 @@ def test_axes_of_a_scatter_matrix_have_few_ticks_but_counts_have_theirs() -> Non
         draw_scatter_matrix(columns, np.ones(500, dtype=bool))
         draw_scatter_matrix({"a": columns["a"]}, np.ones(500, dtype=bool))
     counts_a, _, scatter, counts_b = figures[0].axes
-    assert len(figures[1].axes) == 1
     for axis in (counts_a.xaxis, counts_b.xaxis, scatter.xaxis, scatter.yaxis):
         assert len(list_ticks(axis)) <= 4
     for axis in (counts_a.yaxis, counts_b.yaxis):

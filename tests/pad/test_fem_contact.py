@@ -109,7 +109,10 @@ def test_share_by_the_adjoint_solution_is_the_integral_of_the_traction() -> None
     sensed = model.sense(tractions)
     load = np.zeros((*model.mesh.nodes.shape, 1))
     load[model._upper, :, 0] = model.top.trace @ tractions
-    held = model.bond.project(model.body.support(model.body.move(load)[:, :, 0])[model._lower])[:, PALM]
+    moved = model.body.move(load)[:, :, 0]
+    for axis in (0, 1):  # plane of symmetry, and step of the bone
+        assert not moved[model.mesh.nodes[:, axis] <= 0.0, axis].any()
+    held = model.bond.project(model.body.support(moved)[model._lower])[:, PALM]
     arm = np.hypot(model.bond.points[:, 0], model.bond.points[:, 1] - form.sensor_z_mm)
     disc = (arm[model._triangles] < form.active_radius_mm + 1e-9).all(axis=1)
     mass = type(model.bond).of_nodes(model.bond.points, model._triangles[disc]).mass

@@ -45,7 +45,6 @@ def test_short_forms_of_designs_name_what_differs() -> None:
     design = Design.load("adult_finger")
     texts = [f"{name}={value}" for name, value in design.changes().items()]
     assert Design.load(changes=[*texts, "name=adult_finger"]) == design
-    assert Design().changes() == {}
 
 
 def test_short_forms_of_traces_and_detections(trace: Trace, detection: Detection) -> None:

@@ -134,8 +134,7 @@ def test_every_step_has_a_picture_that_names_what_the_step_names_by_a_word_of_it
             assert number in page, (step.picture, number)
         boxes = [(item.mesh.vertices.min(axis=0) - 0.15, item.mesh.vertices.max(axis=0) + 0.15) for item in scene.shown]
         for label in scene.labels:
-            point = np.array(label.point_mm)
-            assert any(np.all((low <= point) & (point <= high)) for low, high in boxes), (step.picture, label)
+            assert any(np.all((low <= label.point_mm) & (label.point_mm <= high)) for low, high in boxes), label
     drawn = draw_steps(design, sheet, ["print"])
     assert len(Image.open(io.BytesIO(drawn["01-print.png"])).convert("RGB").getcolors(1 << 20) or ()) > 20
 

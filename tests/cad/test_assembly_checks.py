@@ -85,6 +85,9 @@ def test_ledge_in_the_cavity_prevents_demolding(evaluator: MeshEvaluator) -> Non
     found = assembly_failures(FINGER, evaluator, mold_palmar=lower, skin=notched, mold_dorsal=upper)
     assert "demolding_overlap.mold_palmar" in found
     assert not any(name.startswith("overlap") for name in found)
+    into_core = union(PARTS["mold_palmar"].solid(FINGER), Box((-1.0, -1.0, -3.0), (1.0, 1.0, -2.0)))
+    found = assembly_failures(FINGER, evaluator, mold_palmar=into_core)
+    assert {name for name in found if name.startswith("overlap")} == {"overlap.core.mold_palmar"}
 
 
 @pytest.mark.full

@@ -79,6 +79,8 @@ def test_sizes_that_are_left_out_are_those_of_the_bundled_design(tmp_path: Path)
     base, design = Design.load(renewed.made.base), renewed.made.design
     assert (design.skin.crown_radius_mm, design.skin.width_mm) == (base.skin.crown_radius_mm, 18.0)
     assert design.board.variant == "article"
+    twice = run_fingertip("new", "other", "--from", "old.toml", "--sensor", "fsr402", PWD=str(tmp_path))
+    assert "--sensor: says otherwise what --from takes" in twice.stderr
 
 
 @pytest.mark.full
@@ -87,5 +89,3 @@ def test_the_written_design_passes_its_checks(name: str, tmp_path: Path) -> None
     done = run_fingertip("new", "mine", "--from", write(name, tmp_path), PWD=str(tmp_path))
     assert done.returncode == 0, done.stderr
     assert run_fingertip("check", "mine.toml", PWD=str(tmp_path)).returncode == 0
-    twice = run_fingertip("new", "other", "--from", "old.toml", "--sensor", "fsr402", PWD=str(tmp_path))
-    assert "--sensor: says otherwise what --from takes" in twice.stderr

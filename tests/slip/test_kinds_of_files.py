@@ -442,7 +442,6 @@ def test_daqmx_data_of_a_tdms_file_is_read(tmp_path):
     assert json.loads(done.stdout)["intervals"][0]["onset_s"] == pytest.approx(ONSET, abs=0.002)
 
 
-@pytest.mark.full
 def test_columns_of_text_of_a_parquet_file_are_not_read(tmp_path, monkeypatch):
     parquet = pytest.importorskip("pyarrow.parquet")
     save_parquet(tmp_path / "t.parquet", time_s=T, voltage_v=["2.3 V"] * len(T))

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from fingertip import Design, Trace, detect
-from fingertip.detection.warnings import calibration_warnings, noise_warnings
+from fingertip.detection.warnings import calibration_warnings, hum_warnings, noise_warnings
 from fingertip.slip.detectors.analog_and_digital import ChainSettings, SlipChain
 from fingertip.slip.report import as_data, as_text, draw_trace
 from fingertip.slip.traces.truth import Interval, Origin
@@ -107,3 +107,11 @@ def test_figures_of_warnings_of_noise_are_rounded_at_their_edges(beside: float, 
     ):
         (said,) = warnings
         assert re.findall(r"[\d.]+ mV", said) == [noise, stated]
+    assert bool([*noise_warnings(5 * 0.645e-3, design, None)]) == (beside < 0), "the training draws up to 5 times"
+
+
+def test_hum_is_told_above_1_mv_rms_where_it_stands_out() -> None:
+    """Hann's window leaves half of a tone 2 Hz beside it: 3/4 is the median at 6 and 8 Hz from the hum, 4 the ratio."""
+    tones = np.sin(2 * np.pi * np.outer([44, 50, 56], np.arange(4000) / 2000))
+    for hum_v, beside, is_told in ((1.42e-3, 0, 1), (1.41e-3, 0, 0), (0.01, 0.33, 1), (0.01, 0.34, 0)):
+        assert len([*hum_warnings(hum_v * np.array([beside, 1, beside]) @ tones, 2000.0)]) == is_told

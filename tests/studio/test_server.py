@@ -60,7 +60,6 @@ def test_parts_are_those_of_the_changed_design(server: StudioServer, tables: dic
     assert strip_elements(answer["boxes"]).startswith("boneskinmold palmarmold dorsalcoresensor")
 
 
-@pytest.mark.full
 def test_checks_are_those_of_the_design(server: StudioServer, tables: dict[str, Any]) -> None:
     answer = post(server, "checks", tables).content
     assert answer["passed"]

@@ -12,7 +12,7 @@ import pytest
 from fingertip.foundation.errors import OutputError, SweepError
 from fingertip.sweep import database
 from fingertip.sweep.database import SweepDatabase
-from fingertip.sweep.database_file import FILE
+from fingertip.sweep.database_file import FILE, connect
 from tests.sweep.examples import make_plan
 from tools.fuzz import originals
 
@@ -93,6 +93,8 @@ def test_folder_that_cannot_be_created_is_refused(tmp_path: Path, below: str) ->
     with pytest.raises(OutputError, match=r"cannot be written.*with out"):
         SweepDatabase.create(tmp_path / below, make_plan())
     assert (tmp_path / "file").read_text() == "not a folder"
+    with pytest.raises(OutputError, match="unable to open"):
+        connect(tmp_path / "absent", "rw")
 
 
 def test_a_sweep_that_cannot_begin_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

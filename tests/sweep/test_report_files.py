@@ -99,9 +99,7 @@ CASES: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.full] if name == "complete" else []) for name in CASES]
-)
+@pytest.mark.parametrize("name", CASES)
 def test_reports_are_the_approved_ones(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Text, and figures of some: what matplotlib is asked to draw stands for its pixels; of a matrix, its words."""
     pytest.importorskip("matplotlib")
@@ -131,6 +129,7 @@ def test_axes_of_a_scatter_matrix_have_few_ticks_but_counts_have_theirs() -> Non
     columns = {name: np.random.default_rng(seed).uniform(0.0, 100.0, 500) for seed, name in enumerate("ab")}
     with keep_figures() as figures:
         draw_scatter_matrix(columns, np.ones(500, dtype=bool))
+        draw_scatter_matrix({"a": columns["a"]}, np.ones(500, dtype=bool))
     counts_a, _, scatter, counts_b = figures[0].axes
     for axis in (counts_a.xaxis, counts_b.xaxis, scatter.xaxis, scatter.yaxis):
         assert len(list_ticks(axis)) <= 4

@@ -46,7 +46,7 @@ def main() -> None:
     )
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="number of mutants at once")
     options = parser.parse_args()
-    os.environ["FINGERTIP_FULL"] = "1"
+    os.environ.setdefault("FINGERTIP_FULL", "1")  # empty: the first set alone judges
     mutants = draw_mutants(options.cosmic_ray, options.count, options.seed, options.packages)
     file = RESULTS / f"{options.seed}.json"
     known: dict[str, list[str]] = json.loads(file.read_text("utf-8")) if file.exists() else {}

@@ -64,7 +64,7 @@ for _subject, _commands in COMMANDS.items():
 @command
 def _version(version: bool = flag("Print the version and exit.")) -> None:
     if version:
-        Console(False, False).write(__version__)
+        Console().write(__version__)
         raise typer.Exit()
 
 

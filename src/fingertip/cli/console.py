@@ -136,7 +136,7 @@ class Console:
     has_bar: ClassVar[bool] = False
     """True while the terminal, of which there is one, shows a bar: whoever prints next removes it."""
 
-    def __init__(self, as_json: bool, quiet: bool, fits: bool = False) -> None:
+    def __init__(self, as_json: bool = False, quiet: bool = False, fits: bool = False) -> None:
         self.as_json, self.quiet, self.fits = as_json, quiet, fits
         self._moves: list[dict[str, Any]] = []
         self._tables: list[str] = []

@@ -56,7 +56,7 @@ def schema(
     quiet: bool = options.QUIET,
 ) -> None:
     """Print the JSON schema of a kind of TOML file, for editors. Bundled files name theirs in their first line."""
-    Console(False, quiet).write(json.dumps(make_schema(kind), indent=2))
+    Console(quiet=quiet).write(json.dumps(make_schema(kind), indent=2))
 
 
 def make_schema(kind: str) -> dict[str, Any]:
@@ -100,4 +100,4 @@ def completion(
 
     if shell not in SHELLS:
         raise DesignError(Issue("SHELL", f"{shell!r} has no completion; {suggest_name(shell, SHELLS)}"))
-    Console(False, quiet).write(read_script(shell))
+    Console(quiet=quiet).write(read_script(shell))

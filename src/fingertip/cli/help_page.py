@@ -84,7 +84,7 @@ class HelpGroup(TyperGroup):
         try:
             raise SystemExit(super().main(*args, **extra | {"standalone_mode": False}))
         except FingertipError as error:
-            Console(False, False).print_issues(error)
+            Console().print_issues(error)
             raise SystemExit(BAD_INPUT) from None
         except Exception as error:
             if not hasattr(error, "format_message"):
@@ -98,7 +98,7 @@ class HelpGroup(TyperGroup):
                 path = getattr(getattr(error, "ctx", None), "command_path", "fingertip")
                 problem = f"{message[:1].lower()}{message[1:]}".rstrip(".") + ("" if message.endswith("?") else ";")
                 text = f"{problem} `{path} --help` lists what it takes."
-                Console(False, False).print_issues(FingertipError(Issue(path, text)))
+                Console().print_issues(FingertipError(Issue(path, text)))
             raise SystemExit(BAD_INPUT) from None
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:

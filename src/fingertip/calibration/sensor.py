@@ -244,7 +244,7 @@ class SensorCalibration:
     offset_v: float
     """Voltage that the board showed without load, less the design's [V]; 0 without such readings."""
     preload: str | None
-    """What such an offset means that a skin makes."""
+    """Sentence about an offset that a skin makes; None without one."""
     ratio_to_typical: float
     """Conductance under the middle weight over that of the typical sensor."""
 

@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from fingertip.design.geometry.conic import arc_point, quarter_outline
+from fingertip.foundation.numerics import bisect
 
 if TYPE_CHECKING:
     from fingertip.design.geometry.dimensions import Dimensions
@@ -19,7 +20,7 @@ _OUTLINE_POINTS, _OUTLINE_CHORDS = 24, 48
 
 _POINTS, _SURFACE_CHORDS = 5, 20
 """The same, where the slope of the surface counts too."""
-_TIP_SECTIONS = 2
+_TIP_SECTIONS, _FLAT_SHARES = 2, (0.97, 0.99)
 _STEP_MM = 1e-3
 """Step over which this slope is taken."""
 
@@ -42,16 +43,20 @@ def min_skin_thickness(design: Tables, dims: Dimensions) -> float:
 
     Both outlines change linearly between the section where the skin begins and the one where its tip begins, but for
     the arcs of a crown and the ramp of a platform, which bend the palmar side alone and bring sections of their own.
-    What lies between the sections of the tip is left to the check of the solids, which covers all three dimensions.
+    On the tip the skin is thinnest beside the end of the flat, which narrows there like a circle.
     """
-    assert dims.bone_outline.tip is not None
-    inset, join, apex = design.mold.core_inset_mm, dims.bone_outline.stations[-1][0], dims.bone_outline.tip.z
+    inner, inset = dims.bone_outline, design.mold.core_inset_mm
+    assert inner.tip is not None
+    join, apex = inner.stations[-1][0], inner.tip.z
+    flat_end, _ = bisect(lambda z: inner.section.palmar * inner.scale_at(z) > dims.flat_depth, join, apex, halvings=16)
     bends = _bends(dims)
     straight: dict[float, Sequence[bool]] = dict.fromkeys((z for z in bends if z < dims.taper_end_z), (False,))
-    straight |= {z: (True, False) for z, _ in dims.bone_outline.stations if z >= 0.0}
+    straight |= {z: (True, False) for z, _ in inner.stations if z >= 0.0}
     found = [sample.thickness_mm for z, s in straight.items() for sample in skin_thicknesses(dims, z, inset, sides=s)]
     tip = (join + (apex - join) * (i + 1) / (_TIP_SECTIONS + 1) for i in range(_TIP_SECTIONS))
-    sections: dict[float, Sequence[bool]] = dict.fromkeys(bends, (False,))
+    sections: dict[float, Sequence[bool]] = dict.fromkeys(
+        (*bends, *(join + (flat_end - join) * share for share in _FLAT_SHARES)), (False,)
+    )
     sections |= dict.fromkeys((0.0, join, *tip), (True, False))
     for z, sides in sections.items():
         if dims.outer.palmar_scale_at(z) == 0.0:
@@ -75,7 +80,7 @@ def _bends(dims: Dimensions) -> list[float]:
     knots = [span.z[0] for span in dims.outer.spans if dims.crown]
     if dims.platform_half_width_at(dims.sensor_z):
         # Behind the sensor a ramp leads on; ahead of it the platform ends in a half circle, steepest at its end.
-        along_radius = (-0.7, 0.0, 0.4, 0.7, 0.9, 0.99)
+        along_radius = (-0.7, 0.0, 0.4, 0.7, 0.9, 0.999)
         knots += [*dims.ramp, *(dims.sensor_z + share * dims.platform_radius for share in along_radius)]
     return sorted({z for z in knots if 0.0 < z < dims.outer.spans[-1].z[2]})
 

@@ -317,10 +317,11 @@ class _Search:
         for _ in range(_STRONG_HALVINGS):
             middle = {name: _round(name, (failing[name] + value) / 2) for name, value in moved.items()}
             failing, moved = (failing, middle) if self._is_held({**values, **middle}) else (middle, moved)
+        moved = {**values, **moved}
         for name in sorted(moved):
             fewer = {other: value for other, value in moved.items() if other != name}
-            moved = fewer if self._is_held({**values, **fewer}) else moved
-        return {**values, **moved}
+            moved = fewer if self._is_held(fewer) else moved
+        return moved
 
     def _is_held(self, values: Values) -> bool:
         assert self._holds

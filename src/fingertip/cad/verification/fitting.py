@@ -39,8 +39,6 @@ _STRONGER = {
 _TILT, _CLEAR_MM, _BESIDE_SENSOR = math.radians(5.0), 0.15, 1.25
 """Tilt tip up at which a pad must feel a touch, height by which it stands out past the collar there, and distance of
 the touch from the sensor over the radius of its active area. Pads with these turn on below 1 N."""
-_ROOM_MM = 0.02
-"""Distance that the platform keeps from the mold: twice the tolerance of both."""
 _JOINT, _BONE = Ruleset(lambda design: design.dimensions.joint), Ruleset()
 _CROWN, _SKIN = Ruleset(lambda design: design.dimensions.crown), Ruleset()
 
@@ -105,8 +103,8 @@ def platform_enters_the_mold(design: DesignTables) -> Limit:
     """The platform of the core is lowered past the base of the pad."""
     dims, outer = design.dimensions, design.dimensions.outer
     sections = (span.z[0] for span in outer.spans if span.z[0] < dims.sensor_z)
-    room = max(_ROOM_MM, min(outer.palmar_height_at(dims.platform_radius, z) for z in sections))
-    needed = (dims.platform_depth - design.mold.core_inset_mm + _ROOM_MM) / room * dims.base_palmar_height
+    room = max(_TOLERANCE_MM, min(outer.palmar_height_at(dims.platform_radius, z) for z in sections))
+    needed = (dims.platform_depth - design.mold.core_inset_mm + 2 * _TOLERANCE_MM) / room * dims.base_palmar_height
     return Limit(design.skin.semi_axis_palmar_mm - needed, "lets the core touch the mold as it is lowered")
 
 

@@ -20,7 +20,7 @@ _OUTLINE_POINTS, _OUTLINE_CHORDS = 24, 48
 
 _POINTS, _SURFACE_CHORDS = 5, 20
 """The same, where the slope of the surface counts too."""
-_TIP_SECTIONS, _FLAT_SHARES = 2, (0.97, 0.99)
+_FLAT_SHARES = (0.7, 0.97, 0.99)
 _STEP_MM = 1e-3
 """Step over which this slope is taken."""
 
@@ -43,21 +43,18 @@ def min_skin_thickness(design: Tables, dims: Dimensions) -> float:
 
     Both outlines change linearly between the section where the skin begins and the one where its tip begins, but for
     the arcs of a crown and the ramp of a platform, which bend the palmar side alone and bring sections of their own.
-    On the tip the skin is thinnest beside the end of the flat, which narrows there like a circle.
+    On the tip the skin is thinnest beside the rounded end of the flat.
     """
     inner, inset = dims.bone_outline, design.mold.core_inset_mm
     assert inner.tip is not None
     join, apex = inner.stations[-1][0], inner.tip.z
     flat_end, _ = bisect(lambda z: inner.section.palmar * inner.scale_at(z) > dims.flat_depth, join, apex, halvings=16)
-    bends = _bends(dims)
+    bends = (*_bends(dims), *(join + share * (flat_end - join) for share in _FLAT_SHARES))
     straight: dict[float, Sequence[bool]] = dict.fromkeys((z for z in bends if z < dims.taper_end_z), (False,))
     straight |= {z: (True, False) for z, _ in inner.stations if z >= 0.0}
     found = [sample.thickness_mm for z, s in straight.items() for sample in skin_thicknesses(dims, z, inset, sides=s)]
-    tip = (join + (apex - join) * (i + 1) / (_TIP_SECTIONS + 1) for i in range(_TIP_SECTIONS))
-    sections: dict[float, Sequence[bool]] = dict.fromkeys(
-        (*bends, *(join + (flat_end - join) * share for share in _FLAT_SHARES)), (False,)
-    )
-    sections |= dict.fromkeys((0.0, join, *tip), (True, False))
+    sections: dict[float, Sequence[bool]] = dict.fromkeys(bends, (False,))
+    sections |= dict.fromkeys((0.0, join, (join + apex) / 2), (True, False))
     for z, sides in sections.items():
         if dims.outer.palmar_scale_at(z) == 0.0:
             continue  # a crown or a platform of a design that rules refuse may bend past the tip

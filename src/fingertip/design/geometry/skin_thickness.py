@@ -21,6 +21,7 @@ _OUTLINE_POINTS, _OUTLINE_CHORDS = 24, 48
 _POINTS, _SURFACE_CHORDS = 5, 20
 """The same, where the slope of the surface counts too."""
 _FLAT_SHARES = (0.7, 0.97, 0.99)
+"""Sections of the tip, as shares of the way to the end of the flat."""
 _STEP_MM = 1e-3
 """Step over which this slope is taken."""
 
@@ -39,15 +40,13 @@ class ThicknessSample:
 
 
 def min_skin_thickness(design: Tables, dims: Dimensions) -> float:
-    """Compute the minimum skin thickness [mm] in sections, along the tip and over the sensor.
+    """Compute the minimum skin thickness [mm] in sections.
 
-    Both outlines change linearly between the section where the skin begins and the one where its tip begins, but for
-    the arcs of a crown and the ramp of a platform, which bend the palmar side alone and bring sections of their own.
+    Up to the tip, only a crown and a platform bend the outlines, on the palmar side; they bring sections of their own.
     On the tip the skin is thinnest beside the rounded end of the flat.
     """
     inner, inset = dims.bone_outline, design.mold.core_inset_mm
-    assert inner.tip is not None
-    join, apex = inner.stations[-1][0], inner.tip.z
+    join, _, apex = inner.spans[-1].z
     flat_end, _ = bisect(lambda z: inner.section.palmar * inner.scale_at(z) > dims.flat_depth, join, apex, halvings=16)
     bends = (*_bends(dims), *(join + share * (flat_end - join) for share in _FLAT_SHARES))
     straight: dict[float, Sequence[bool]] = dict.fromkeys((z for z in bends if z < dims.taper_end_z), (False,))
@@ -66,9 +65,6 @@ def min_skin_thickness(design: Tables, dims: Dimensions) -> float:
         for sample in skin_thicknesses(dims, z, inset, _POINTS, _SURFACE_CHORDS, sides):
             slope = sample.support_mm * (palmar if sample.is_palmar else dorsal)
             found.append(sample.thickness_mm / math.hypot(1.0, slope))
-    head = dims.sensor.active_diameter_mm / 2
-    for x, z in ((0.0, 0.0), (head, 0.0), (0.0, head), (0.0, -head)):
-        found.append(dims.outer.palmar_height_at(x, dims.sensor_z + z) - dims.platform_depth + inset)
     return min(*found, design.skin.thickness_tip_mm)
 
 

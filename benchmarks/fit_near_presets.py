@@ -1,6 +1,6 @@
 """Share of the designs near bundled ones that a fit makes valid, with the loads that they state.
 
-    python benchmarks/fit_near_presets.py [designs] [seed]
+    python benchmarks/fit_near_presets.py [designs] [seed] [way]
 
 Sizes of finger, hand and loads are drawn within 15 % of each bundled design in turn. Three ways to draw are compared:
 
@@ -8,7 +8,7 @@ Sizes of finger, hand and loads are drawn within 15 % of each bundled design in 
 - few: three of them are drawn, and the fit leaves these alone.
 - begun: all are drawn; those that follow from others are where the fit begins.
 
-A refusal is tried again with its remedy.
+A fitted design is valid if the checks of its build pass, but for B-rep. A refusal is tried again with its remedy.
 """
 
 from __future__ import annotations
@@ -21,7 +21,9 @@ import warnings
 from collections import Counter
 
 from fingertip.cad.verification.fitting import fit_finger
+from fingertip.cad.verification.verify import check
 from fingertip.catalogues.file_kinds import DESIGN, find_file
+from fingertip.design import Design
 from fingertip.design.files import flatten, load_tables
 from fingertip.design.fit import DERIVED
 from fingertip.design.geometry import DesignTables
@@ -51,12 +53,12 @@ def draw(number: int, way: str, seed: int) -> tuple[DesignTables, tuple[str, ...
     return base.with_values(values), given, base
 
 
-def judge(number: int, way: str, seed: int) -> tuple[str, float]:
-    """Fit a drawn design; return what became of it, and the CPU time [s]."""
+def judge(number: int, way: str, seed: int) -> tuple[str, float, float]:
+    """Fit a drawn design; return what became of it, and the CPU time [s] of its fit and of its checks."""
     tables, given, before = draw(number, way, seed)
     start = time.process_time()
     try:
-        fit_finger(tables, given, before)
+        fitted = fit_finger(tables, given, before).tables
     except DesignError as error:
         seconds = time.process_time() - start
         kind = "loads refused" if str(error).startswith("strength.") else "sizes refused"
@@ -65,9 +67,11 @@ def judge(number: int, way: str, seed: int) -> tuple[str, float]:
         try:
             fit_finger(typed, given, before)
         except DesignError:
-            return "remedy fails", seconds
-        return kind, seconds
-    return "fitted", time.process_time() - start
+            return "remedy fails", seconds, 0.0
+        return kind, seconds, 0.0
+    end = time.process_time()
+    failed = [each.name for each in check(Design.model_construct(None, **dict(fitted))).checks if not each.passed]
+    return ", ".join(["fitted", *failed]), end - start, time.process_time() - end
 
 
 def main() -> None:
@@ -76,13 +80,12 @@ def main() -> None:
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 500
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else SEED
     judge(0, "few", 0)  # imports
-    for way in WAYS:
+    for way in sys.argv[3:] or WAYS:
         found = [judge(number, way, seed) for number in range(count)]
-        seconds = sorted(taken for _, taken in found)
-        p99 = statistics.quantiles(seconds, n=100)[-1]
-        print(
-            way, dict(Counter(kind for kind, _ in found)), f"median {statistics.median(seconds):.2f} s, p99 {p99:.2f} s"
-        )
+        print(way, dict(Counter(kind for kind, _, _ in found)))
+        for name, seconds in zip(("fit", "checks"), list(zip(*found, strict=True))[1:], strict=True):
+            p99 = statistics.quantiles(seconds, n=100)[-1]
+            print(f"  {name}: median {statistics.median(seconds):.2f} s, p99 {p99:.2f} s, most {max(seconds):.2f} s")
 
 
 if __name__ == "__main__":

@@ -142,13 +142,13 @@ def test_closed_air_vent_fails(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_min_skin_thickness_agrees_with_the_design_rule(fullness: float | None) -> None:
     """The squarer edges of the bone are closer to the surface than its sides; meshes and sections agree.
 
-    The last skin is thinnest in the middle of the dorsal side, where its thickness is stated.
+    The first skin is thinnest beside the end of the bone's flat, the last one in the middle of the dorsal side.
     """
     changes = [
         "skin.thickness_side_mm=1.2", "skin.min_thickness_mm=0.3", "mold.core_inset_mm=0",
         "bone.post_width_mm=10",
         f"bone.palmar_fullness={fullness}",
-    ] if fullness else [] if fullness is None else ["skin.thickness_dorsal_mm=1"]  # fmt: skip
+    ] if fullness else ["skin.crown_radius_mm=9"] if fullness is None else ["skin.thickness_dorsal_mm=1"]  # fmt: skip
     design = Design.load(changes=changes)
     expected = 1.0 if fullness == 0.0 else min_skin_thickness(design, design.dimensions)
     assert run_checks(*changes)["skin.min_thickness"].value == pytest.approx(expected, abs=0.01)

@@ -40,12 +40,10 @@ MOVABLE = (*DERIVED, *_WISHES)
 _CHECKS, _FEW, _CHECK, _SLOWER = 1500, 500, 5, 4
 """Largest number of single rules that are checked in one round, for a refusal a few, the number that a check of all
 counts for, and the number of prerequisites for which a rule counts once more: those with many take long."""
-_HALVINGS, _BACK_HALVINGS = 6, 5
-"""Halvings of the way to the nearest value with which a rule passes, and of the way back to the beginning."""
+_HALVINGS, _BACK_HALVINGS, _STRONG_HALVINGS = 6, 5, 2
+"""Halvings of the way to the nearest value with which a rule passes, back to the beginning, and to a stronger bone."""
 _ROUNDS = 3
 """Largest number of times that the loads of a remedy become what its design holds."""
-_STRONG_HALVINGS = 2
-"""Halvings of the way to what makes the bone stronger: each cuts its mesh."""
 _SHARES = (1.0, 0.5, 0.25)
 """Shares of the way to the end of a parameter's range at which a rule is tried."""
 _NEARER = 0.9
@@ -317,10 +315,11 @@ class _Search:
         for _ in range(_STRONG_HALVINGS):
             middle = {name: _round(name, (failing[name] + value) / 2) for name, value in moved.items()}
             failing, moved = (failing, middle) if self._is_held({**values, **middle}) else (middle, moved)
+        moved = {**values, **moved}
         for name in sorted(moved):
             fewer = {other: value for other, value in moved.items() if other != name}
-            moved = fewer if self._is_held({**values, **fewer}) else moved
-        return {**values, **moved}
+            moved = fewer if self._is_held(fewer) else moved
+        return moved
 
     def _is_held(self, values: Values) -> bool:
         assert self._holds

@@ -71,7 +71,7 @@ _ON_BED_MM = 0.005
 """Height up to which a facet lies on the bed [mm]."""
 _THREAD_MM = 0.1
 """Distance of the threads at which a ceiling is measured [mm]."""
-_DIRECTIONS = 12
+_DIRECTIONS = 36  # steps of 5 degrees, in which PrusaSlicer turns bridges
 
 
 @dataclass(frozen=True)

@@ -98,6 +98,16 @@ def pad_touches_before_the_collar(design: DesignTables) -> Limit:
     )
 
 
+@_CROWN.at_most("skin.crown_drop_mm", when=lambda design: design.bone.platform_mm)
+def platform_enters_the_mold(design: DesignTables) -> Limit:
+    """The platform of the core is lowered past the base of the pad."""
+    dims, outer = design.dimensions, design.dimensions.outer
+    sections = (span.z[0] for span in outer.spans if span.z[0] < dims.sensor_z)
+    room = max(_TOLERANCE_MM, min(outer.palmar_height_at(dims.platform_radius, z) for z in sections))
+    needed = (dims.platform_depth - design.mold.core_inset_mm + 2 * _TOLERANCE_MM) / room * dims.base_palmar_height
+    return Limit(design.skin.semi_axis_palmar_mm - needed, "lets the core touch the mold as it is lowered")
+
+
 @_CROWN.at_most("skin.crown_offset_mm")
 def pad_touches_near_the_sensor(design: DesignTables) -> Limit:
     reach = _BESIDE_SENSOR * design.dimensions.sensor.active_diameter_mm / 2

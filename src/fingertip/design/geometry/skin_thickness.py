@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from fingertip.design.geometry.conic import quarter_outline
 from fingertip.design.geometry.profile import arc_point
+from fingertip.foundation.numerics import bisect
 
 if TYPE_CHECKING:
     from fingertip.design.geometry.dimensions import Dimensions
@@ -20,7 +21,8 @@ _OUTLINE_POINTS, _OUTLINE_CHORDS = 24, 48
 
 _POINTS, _SURFACE_CHORDS = 5, 20
 """The same, where the slope of the surface counts too."""
-_TIP_SECTIONS = 2
+_FLAT_SHARES = (0.7, 0.97, 0.99)
+"""Sections of the tip, as shares of the way to the end of the flat."""
 _STEP_MM = 1e-3
 """Step over which this slope is taken."""
 
@@ -39,21 +41,20 @@ class ThicknessSample:
 
 
 def min_skin_thickness(design: Tables, dims: Dimensions) -> float:
-    """Compute the minimum skin thickness [mm] in sections, along the tip and over the sensor.
+    """Compute the minimum skin thickness [mm] in sections.
 
-    Both outlines change linearly between the section where the skin begins and the one where its tip begins, but for
-    the arcs of a crown and the ramp of a platform, which bend the palmar side alone and bring sections of their own.
-    What lies between the sections of the tip is left to the check of the solids, which covers all three dimensions.
+    Up to the tip, only a crown and a platform bend the outlines, on the palmar side; they bring sections of their own.
+    On the tip the skin is thinnest beside the rounded end of the flat.
     """
-    assert dims.bone_outline.tip is not None
-    inset, join, apex = design.mold.core_inset_mm, dims.bone_outline.stations[-1][0], dims.bone_outline.tip.z
-    bends = _bends(dims)
+    inner, inset = dims.bone_outline, design.mold.core_inset_mm
+    join, _, apex = inner.spans[-1].z
+    flat_end, _ = bisect(lambda z: inner.section.palmar * inner.scale_at(z) > dims.flat_depth, join, apex, halvings=16)
+    bends = (*_bends(dims), *(join + share * (flat_end - join) for share in _FLAT_SHARES))
     straight: dict[float, Sequence[bool]] = dict.fromkeys((z for z in bends if z < dims.taper_end_z), (False,))
-    straight |= {z: (True, False) for z, _ in dims.bone_outline.stations if z >= 0.0}
+    straight |= {z: (True, False) for z, _ in inner.stations if z >= 0.0}
     found = [sample.thickness_mm for z, s in straight.items() for sample in skin_thicknesses(dims, z, inset, sides=s)]
-    tip = (join + (apex - join) * (i + 1) / (_TIP_SECTIONS + 1) for i in range(_TIP_SECTIONS))
     sections: dict[float, Sequence[bool]] = dict.fromkeys(bends, (False,))
-    sections |= dict.fromkeys((0.0, join, *tip), (True, False))
+    sections |= dict.fromkeys((0.0, join, (join + apex) / 2), (True, False))
     for z, sides in sections.items():
         if dims.outer.palmar_scale_at(z) == 0.0:
             continue  # a crown or a platform of a design that rules refuse may bend past the tip
@@ -65,9 +66,6 @@ def min_skin_thickness(design: Tables, dims: Dimensions) -> float:
         for sample in skin_thicknesses(dims, z, inset, _POINTS, _SURFACE_CHORDS, sides):
             slope = sample.support_mm * (palmar if sample.is_palmar else dorsal)
             found.append(sample.thickness_mm / math.hypot(1.0, slope))
-    head = dims.sensor.active_diameter_mm / 2
-    for x, z in ((0.0, 0.0), (head, 0.0), (0.0, head), (0.0, -head)):
-        found.append(dims.outer.palmar_height_at(x, dims.sensor_z + z) - dims.platform_depth + inset)
     return min(*found, design.skin.thickness_tip_mm)
 
 
@@ -76,7 +74,7 @@ def _bends(dims: Dimensions) -> list[float]:
     knots = [span.z[0] for span in dims.outer.spans if dims.crown]
     if dims.platform_half_width_at(dims.sensor_z):
         # Behind the sensor a ramp leads on; ahead of it the platform ends in a half circle, steepest at its end.
-        along_radius = (-0.7, 0.0, 0.4, 0.7, 0.9, 0.99)
+        along_radius = (-0.7, 0.0, 0.4, 0.7, 0.9, 0.999)
         knots += [*dims.ramp, *(dims.sensor_z + share * dims.platform_radius for share in along_radius)]
     return sorted({z for z in knots if 0.0 < z < dims.outer.spans[-1].z[2]})
 

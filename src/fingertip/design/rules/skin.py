@@ -176,7 +176,7 @@ SOUND_SECTIONS = (
 """Prerequisites of every rule that measures the silicone between bone and surface."""
 
 
-@RULES.at_most("skin.min_thickness_mm", *SOUND_SECTIONS, active_area_within_head, slack=_THICKNESS_SLACK)
+@RULES.at_most("skin.min_thickness_mm", *SOUND_SECTIONS, slack=_THICKNESS_SLACK)
 def skin_is_thick_enough(design: DesignTables) -> Limit | None:
     thinnest = min_skin_thickness(design, design.dimensions)
     return Limit(thinnest, f"is more than the {thinnest:.2f} mm at the skin's thinnest place")

@@ -17,6 +17,12 @@ def rod(axis, at, low, high, radius):
     return cq.Workplane(plane, origin=origin).circle(radius).extrude(high - low)
 
 
+def headed(at, height, radius):
+    """Pin along z from 0 to `height`, below a head whose underside is a cone that prints without supports."""
+    cone = cq.Workplane("XY", origin=(*at, height)).circle(radius).workplane(offset=2.5).circle(radius + 2.0).loft()
+    return union(rod("z", at, 0, height, radius), cone, rod("z", at, height + 2.5, height + 3.5, radius + 2.0))
+
+
 def solid_of(part):
     mesh = mesh_of(part)
     return to_manifold(mesh.vertices, mesh.triangles)

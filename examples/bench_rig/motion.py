@@ -28,3 +28,11 @@ def pulling_kg(force_n):
     resisting_n = FRICTION * force_n + SLIDING * (force_n + 9.81 * MASS_KG)
     kg = EDGE * (resisting_n + MASS_KG * LEAST_M_S2) / (9.81 - LEAST_M_S2)
     return kg, 9.81 * kg
+
+
+def check(rate_hz):
+    """Assert that the onset is known well enough; return the figures."""
+    lag_s, error_s = onset_s(LONGEST_S, rate_hz)
+    assert error_s <= MAX_ERROR_S
+    assert math.sqrt(2e-3 * STROKE / LEAST_M_S2) <= LONGEST_S + 1e-9, "the weights of pulling_kg travel too long"
+    return {"lag_s": lag_s, "error_s": error_s, "shear_of_1_mm_s": reach_s(1.0, LONGEST_S)}

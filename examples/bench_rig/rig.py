@@ -14,11 +14,14 @@ from functools import cached_property
 from pathlib import Path
 
 import cadquery as cq
+import hook
 import motion
 import numpy as np
+from hook import PIVOT_Y, POST_X
+from manifold3d import Manifold
 from motion import STROKE
 from picture import draw
-from shapes import box, cut, headed, rod, solid_of, union
+from shapes import FREE, THREAD, box, cut, headed, rod, solid_of, union
 
 from fingertip import Design, mesh_of, part_mesh
 from fingertip.cad.files import stl
@@ -32,17 +35,12 @@ SURFACE = TOP + STRIP - POCKET
 HALF, CONTACT_Y, CONTACT_Z, TIP = 25.0, 21.0, PLATE + SLED / 2, 1.5
 """Half the width of the sled, places of the contacts' screws, and length of their tips inside the walls."""
 BEFORE, LENGTH, PAD_X, MARGIN = 14.5, 69.0, 66.0, 6.0
-"""Sled before the pad's first contact, its length, distance from the hinge to the pad at a tilt of 0, and least way from
-the pad's contact to the surface's ends."""
-THREAD, FREE, CHEEK, BEAM, EYE, EAR = 1.35, 1.65, 6.0, 5.0, 6.0, 4.5
-"""Radii of a hole in which M3 cuts its thread and of one that it passes, thickness of cheeks and beam, half the width
-of the hinge's eye, and its height above the axis."""
-HOOK_Z, HOOK, PIVOT, PIVOT_Y, CUP = PLATE + 4.0, 4.0, 20.5, -6.5, 15.0
-FORWARD, BACK, STOP_Y = 1.5, 2.5, -12.6
-"""Ways of the hook along its slot, to be hooked and for tolerances, and wall that ends its turn."""
-POST_X, PIN_X, BAND, BANDS, STRETCH = 18.0, -4.0, 80.0, 10.0, 1.5
-"""Post and pin of the rubber bands, from the hook's screw, length of a band all around, height for all of them, and
-their least stretch in two turns."""
+"""Sled before the pad's first contact, its length, distance from the hinge to the pad at a tilt of 0, and least
+distance from the pad's contact to the surface's ends."""
+CHEEK, BEAM, EYE, EAR = 6.0, 5.0, 6.0, 4.5
+"""Thickness of cheeks and beam, half the width of the hinge's eye, and its height above the axis."""
+HOOK_Z, HOOK_TOP, CUP = PLATE + 4.0, PLATE + 4.0 + hook.HEIGHT, 15.0
+"""Lower and upper side of the hook, and centre of the weights above the disc."""
 SCREW, HEAD, DRIVER, REACH, THREADED = 12, 3.0, 3.5, 60.0, 5.0
 """Length of all screws but the hinge's, height of a head, radius and length of a driver, and least length of a thread
 in plastic."""
@@ -91,13 +89,14 @@ class Rig:
         parts = [box((-EYE - 1, -side, 0), (x + POST_X + 4, side, PLATE))]
         parts += [box((front - WALL, min(y, y + w), 0), (rear + WALL, max(y, y + w), TOP - 2))
                   for y, w in ((inner, GUIDE), (-inner, -GUIDE))]  # fmt: skip
-        walls = (front - WALL, 3.0, side), (front - WALL, -side, -3.0), (rear, 8.0, side), (rear, -side, STOP_Y)
+        walls = (front - WALL, 3.0, side), (front - WALL, -side, -3.0), (rear, 8.0, side), (rear, -side, hook.STOP_Y)
         parts += [box((at, y, 0), (at + WALL, end, TOP)) for at, y, end in walls]
         block = self.half - PLAY
-        parts += [box((-EYE, y, 0), (EYE, end, SURFACE + EAR)) for y, end in ((3.0, block), (-block, -3.0))]
+        for y, end in ((3.0, block), (-block, -3.0)):
+            parts += [box((-EYE, y, 0), (EYE, end, SURFACE)), rod("y", (SURFACE, 0), y, end, EAR)]
         # Ears for clamps, whose jaws reach some 30 mm beyond the table's edge.
         parts += [box((4, y, 0), (34, y + 20, PLATE)) for y in (side - 1, -side - 19)]
-        parts += [rod("z", (x, PIVOT_Y), 0, HOOK_Z, 6.0), headed((x + POST_X, 5.0), HOOK_Z + HOOK + BANDS, 3.5)]
+        parts += [rod("z", (x, PIVOT_Y), 0, HOOK_Z, 6.0), headed((x + POST_X, 5.0), HOOK_TOP + hook.BANDS, hook.POST)]
         holes = [rod("x", (y, CONTACT_Z), at - 1, at + WALL + 1, THREAD)
                  for y in (CONTACT_Y, -CONTACT_Y) for at in (front - WALL, rear)]  # fmt: skip
         holes += [rod("z", (x, PIVOT_Y), -1, HOOK_Z + 1, THREAD), rod("y", (SURFACE, 0), -side, side, FREE),
@@ -110,7 +109,11 @@ class Rig:
 
     @property
     def pivot_x(self):
-        return self.end + PIVOT
+        return self.end + hook.PIVOT
+
+    @property
+    def pivot(self):
+        return self.pivot_x, PIVOT_Y, HOOK_Z + 0.1
 
     def sled(self):
         """Block with a peg for the hook in a recess, and a pocket for the knot of the string at the bottom."""
@@ -120,19 +123,8 @@ class Rig:
         surface = box((6.75, -15.25, SLED - POCKET), (LENGTH - 16.75, 15.25, SLED + 1))
         knot, string = rod("z", (8, 0), -1, 6, 3.0), rod("x", (0, 3), -1, 8, 1.2)
         # Screwed down, the control screw holds the sled where the rear contacts belong.
-        control = union(rod("z", (LENGTH - 8, 10), -1, SLED + 1, FREE), rod("z", (LENGTH - 8, 10), SLED - 2, SLED + 1, 3.2))
-        return cut(union(cut(block, recess), peg), surface, knot, string, control)
-
-    def hook(self):
-        """Flat hook around its screw at the origin, with a slot, a nose, a pin for the rubber bands and a handle."""
-        y = -PIVOT_Y
-        flat = union(
-            box((-34, -2.5, 0), (9, 3, HOOK)), box((-34, -2.5, 0), (-29.05, y + 1, HOOK)),
-            box((-7.5, -6.5, 0), (9, y + 8, HOOK)), box((-3, -46, 0), (6, 0, HOOK)),
-            headed((PIN_X, y + 5), HOOK + BANDS, 3.0),
-        )  # fmt: skip
-        slot = cq.Workplane("XY").center((FORWARD - BACK) / 2, 0).slot2D(FORWARD + BACK + 2 * FREE, 2 * FREE)
-        return cut(flat, slot.extrude(HOOK))
+        control = [rod("z", (LENGTH - 8, 10), low, SLED + 1, radius) for low, radius in ((-1, FREE), (SLED - 2, 3.2))]
+        return cut(union(cut(block, recess), peg), surface, knot, string, *control)
 
     def arm(self):
         """Beam with the channel for the bar, whose cheeks reach down to the hinge, and a disc for the weights."""
@@ -168,22 +160,18 @@ class Rig:
         """Turn what has the arm's coordinates about the hinge, to where the pad touches."""
         return solid.transform(np.hstack([self.turn(self.tilt), [[0.0], [0.0], [SURFACE + self.depth]]]))
 
-    def place(self, hook, angle_deg, slid):
-        """Turn the hook about its screw, `slid` back along its slot."""
-        return hook.translate((slid, 0, 0)).rotate((0, 0, angle_deg)).translate((self.pivot_x, PIVOT_Y, HOOK_Z + 0.1))
-
     def assemble(self, moved=0.0, is_armed=True):
         """Place all bodies with the sled `moved` from its rest."""
-        base, sled, hook, arm = map(solid_of, self.parts.values())
+        base, sled, lever, arm = map(solid_of, self.parts.values())
         strip = solid_of(box((7, -15, SLED - POCKET), (LENGTH - 17, 15, SLED - POCKET + STRIP)))
-        bodies = {"base": base, "hook": self.place(hook, 0.0 if is_armed else 10.0, 0.0), "arm": self.hang(arm)}
+        bodies = {"base": base, "hook": hook.place(lever, self.pivot, 0.0 if is_armed else 10.0), "arm": self.hang(arm)}
         for name, each in (("sled", sled), ("strip", strip)):
             bodies[name] = each.translate((self.rest - moved, 0, PLATE))
         return bodies | {name: self.hang(solid) for name, solid in self.finger.items()}
 
     @cached_property
     def parts(self):
-        return {"base": self.base(), "sled": self.sled(), "hook": self.hook(), "arm": self.arm()}
+        return {"base": self.base(), "sled": self.sled(), "hook": hook.hook(), "arm": self.arm()}
 
     def screw_list(self):
         """List axis, the two other coordinates, end of the head, direction to the driver, threaded and whole length."""
@@ -191,7 +179,7 @@ class Rig:
         out = SCREW - WALL - TIP + HEAD
         found = [("x", (y, CONTACT_Z), front - out, -1, WALL, SCREW) for y in (-CONTACT_Y, CONTACT_Y)]
         found += [("x", (y, CONTACT_Z), rear + out, 1, WALL, SCREW) for y in (-CONTACT_Y, CONTACT_Y)]
-        found += [("z", (self.pivot_x, PIVOT_Y), HOOK_Z + HOOK + HEAD + 0.2, 1, HOOK_Z, SCREW)]
+        found += [("z", (self.pivot_x, PIVOT_Y), HOOK_TOP + HEAD + 0.2, 1, HOOK_Z, SCREW)]
         outer = self.half + PLAY + CHEEK
         found += [("y", (SURFACE, 0.0), outer + HEAD + 0.2, 1, THREADED, 40)]  # its nut is held by hand
         c, s, lift = math.cos(self.tilt), math.sin(self.tilt), SURFACE + self.depth
@@ -225,10 +213,15 @@ class Rig:
                     assert meet <= 1e-6, f"{a} and {b} overlap by {meet:.3g} mm3, {moved:g} mm from the rest"
             beside = (bodies["sled"].translate((0, y, 0)) ^ bodies["base"] for y in (0.3, -0.3))
             assert all(meet.volume() <= 1e-6 for meet in beside), "the sled has no play between the guides"
+        moving = [self.assemble()[name] for name in ("arm", *inside)]
+        for lift in (10, 20, 30):
+            turn = self.turn(-math.radians(lift))
+            about = np.hstack([turn, (np.eye(3) - turn) @ [[0.0], [0.0], [SURFACE]]])
+            met = any((each.transform(about) ^ self.standing).volume() > 1e-6 for each in moving)
+            assert not met, f"the arm strikes when it is lifted by {lift} degrees"
         held = self.assemble(0.2)
         assert (held["sled"] ^ held["hook"]).volume() > 1.0, "the hook does not hold the sled"
-        stretch = 2 * (2 * (POST_X - PIN_X) + math.pi * (3.0 + 3.5)) / BAND
-        assert stretch >= STRETCH, f"two turns of a rubber band are {stretch:.2f} times as long as it"
+        hook.check_stretch()
         bodies = self.assemble()
         for axis, at, begin, way, threaded, _ in self.screw_list():
             assert threaded >= THREADED
@@ -237,64 +230,42 @@ class Rig:
             later = {"hook"} if axis == "x" else set()  # the sheet mounts it after the contacts
             met = [name for name in bodies if name not in later and (tool ^ bodies[name]).volume() > 1e-6]
             assert not met, f"the driver of the screw along {axis} at {at} meets {met}"
-        corners = bodies["skin"].to_mesh().vert_properties
-        height = float(corners[:, 2].min()) - SURFACE
-        assert abs(height) < 0.01, "the pad does not touch the surface"
+        corners = bodies["skin"].to_mesh().vert_properties[:, :3]
+        touch_x, _, touch_z = map(float, corners[np.argmin(corners[:, 2])])
+        assert abs(touch_z - SURFACE) < 0.01, "the pad does not touch the surface"
         dims = self.design.dimensions
         sensor = self.x_of(dims.sensor_z - self.bar.low[2] + self.rear, -dims.platform_depth)
-        assert abs(self.contact_x - sensor) <= 1.5, "the pad does not touch below its sensor"
-        lag_s, error_s = motion.onset_s(motion.LONGEST_S, self.design.detector.sample_rate_hz)
-        assert error_s <= motion.MAX_ERROR_S
-        assert math.sqrt(2e-3 * STROKE / motion.LEAST_M_S2) <= motion.LONGEST_S + 1e-9, "the weights of pulling_kg travel too long"
+        assert abs(touch_x - sensor) <= 1.5, "the pad does not touch below its sensor"
         strip = bodies["strip"].bounding_box()
-        beyond = min(self.contact_x - strip[0], strip[3] - self.contact_x - STROKE)
+        beyond = min(touch_x - strip[0], strip[3] - touch_x - STROKE)
         assert beyond >= MARGIN, f"the pad comes within {beyond:.1f} mm of the surface's end"
-        arm = self.parts["arm"].val()
-        share = arm.Volume() * 1.27e-6 * 0.6 * 9.81 * (arm.Center().x - self.hinge[0]) / self.contact_x
-        free_deg, stop_deg = self.check_release()
+        free_deg, stop_deg = self.check_turn()
         return {
             "tilt_deg": math.degrees(self.tilt),
-            "contact_to_sensor_mm": self.contact_x - sensor,
-            "lag_s": lag_s,
-            "error_s": error_s,
-            "shear_1_mm_s": motion.reach_s(1.0, motion.LONGEST_S),
+            "contact_to_sensor_mm": touch_x - sensor,
             "margin_mm": beyond,
             "hook_free_deg": free_deg,
             "hook_stop_deg": stop_deg,
-            "arm_share_n": share,
-        }
+        } | motion.check(self.design.detector.sample_rate_hz)
 
-    def check_release(self):
-        """Sweep the hook through its turn; return at which angles it frees the sled and stops [deg]."""
-        sled, hook = solid_of(self.parts["sled"]), solid_of(self.parts["hook"])
-        bought = self.bought()
-        fixed = sum((each for name, each in bought.items() if "contact" in name), solid_of(self.parts["base"]))
+    @cached_property
+    def standing(self):
+        """Base with the contacts' screws."""
+        return sum((each for name, each in self.bought().items() if "contact" in name), solid_of(self.parts["base"]))
 
-        def at(moved):
-            return sum((sled.translate((self.rest - moved, y, PLATE)) for y in (-0.3, 0.3)), type(sled)())
-
-        def meets(other, angle_deg, slid=0.0):
-            return (self.place(hook, angle_deg, slid) ^ other).volume() > 1e-6
-
-        angles, ways = np.arange(0.0, 20.0, 0.25), [at(moved) for moved in (0.5, *np.arange(2.0, STROKE + 1, 2.0))]
-        slides = (-FORWARD, 0.0, BACK)
-        stop = next(angle for angle in angles if meets(fixed, angle))
-        free = next(angle for angle in angles if not any(meets(way, angle, slid) for way in ways for slid in slides))
-        assert free + 1.0 <= stop <= 11.0, f"the hook frees the sled at {free:g} degrees, and stops at {stop:g}"
-        for slid in slides:
-            for angle in angles[angles < stop]:
-                others = [fixed] + [at(0.0)] * (slid < 0.0) + ways * bool(angle >= free)
-                met = any(meets(other, angle, slid) for other in others)
-                assert not met, f"the hook, {slid:g} mm along its slot, strikes at {angle:g} degrees"
-        assert meets(at(0.0), -3.0), "the recess does not keep the hook from turning in"
-        return free, stop
+    def check_turn(self):
+        """Check the hook's turn beside the sled, to both sides of the guides; return its angles [deg]."""
+        sled, ways = solid_of(self.parts["sled"]), (0.0, 0.5, *np.arange(2.0, STROKE + 1, 2.0))
+        hooked, *free = (sum((sled.translate((self.rest - moved, y, PLATE)) for y in (-0.3, 0.3)), Manifold())
+                         for moved in ways)  # fmt: skip
+        return hook.check_turn(solid_of(self.parts["hook"]), self.pivot, self.standing, hooked, free)
 
     def bought(self):
         """Build what is bought, by its name; "clamp" is in those of the arm."""
-        x, y, z = self.pivot_x, 5.0, HOOK_Z + HOOK + 3
+        x, y, z = self.pivot_x, 5.0, HOOK_TOP + 3
         found = {"string to the weight": union(rod("x", (0, PLATE + 3), -14, self.rest, 0.6),
                                                rod("z", (-14, 0), -45, PLATE + 3, 0.6)),
-                 "rubber band": union(*(rod("x", (y + w, z), x + PIN_X, x + POST_X, 0.8)
+                 "rubber band": union(*(rod("x", (y + w, z), x + hook.PIN_X, x + POST_X, 0.8)
                                         for w in (4.3, -4.3)))}  # fmt: skip
         strips = [box((self.rest, y - 3, TOP), (self.end, y + 3, TOP + 0.1)) for y in (-CONTACT_Y, CONTACT_Y)]
         strips.append(box((self.rest, -CONTACT_Y, TOP), (self.rest + 6, CONTACT_Y, TOP + 0.1)))

@@ -5,6 +5,9 @@ import cadquery as cq
 from fingertip import mesh_of
 from fingertip.cad.kernel.mesh import to_manifold
 
+THREAD, FREE = 1.35, 1.65
+"""Radii of a hole in which M3 cuts its thread, and of one that it passes."""
+
 
 def box(low, high):
     size = [b - a for a, b in zip(low, high, strict=True)]

@@ -214,7 +214,7 @@ class Rig:
             beside = (bodies["sled"].translate((0, y, 0)) ^ bodies["base"] for y in (0.3, -0.3))
             assert all(meet.volume() <= 1e-6 for meet in beside), "the sled has no play between the guides"
         moving = [self.assemble()[name] for name in ("arm", *inside)]
-        for lift in (10, 20, 30):
+        for lift in (20, 40, 60):
             turn = self.turn(-math.radians(lift))
             about = np.hstack([turn, (np.eye(3) - turn) @ [[0.0], [0.0], [SURFACE]]])
             met = any((each.transform(about) ^ self.standing).volume() > 1e-6 for each in moving)

@@ -14,9 +14,14 @@ from functools import cached_property
 from pathlib import Path
 
 import cadquery as cq
+import hook
+import motion
 import numpy as np
+from hook import PIVOT_Y, POST_X
+from manifold3d import Manifold
+from motion import STROKE
 from picture import draw
-from shapes import box, cut, rod, solid_of, union
+from shapes import FREE, THREAD, box, cut, headed, rod, solid_of, union
 
 from fingertip import Design, mesh_of, part_mesh
 from fingertip.cad.files import stl
@@ -24,45 +29,21 @@ from fingertip.cad.kernel.mesh import to_manifold
 from fingertip.cad.printing.overhang import MAX_UNSUPPORTED_MM2, find_ceilings
 from fingertip.cad.shapes import bench
 
-STROKE, OPEN, LONGEST_S, MAX_ERROR_S = 30.0, 0.05, 0.2, 0.005
-"""Way of the sled, way by which both contacts are open (assumption), its longest travel and the largest error [s]."""
-PLATE, SLED, STRIP, PLAY, GUIDE, WALL = 4.0, 10.0, 1.0, 0.4, 6.0, 8.0
+PLATE, SLED, STRIP, POCKET, PLAY, GUIDE, WALL, BRIM = 4.0, 10.0, 1.0, 0.5, 0.4, 6.0, 8.0, 4.0
 TOP = PLATE + SLED
-SURFACE = TOP + STRIP
+SURFACE = TOP + STRIP - POCKET
 HALF, CONTACT_Y, CONTACT_Z, TIP = 25.0, 21.0, PLATE + SLED / 2, 1.5
 """Half the width of the sled, places of the contacts' screws, and length of their tips inside the walls."""
-BEFORE, BEHIND, PAD_X = 14.0, 26.0, 66.0
-"""Surface before and behind the way of the pad, and distance from the hinge to the pad at a tilt of 0."""
-LENGTH = BEFORE + STROKE + BEHIND
-THREAD, FREE, CHEEK, BEAM, EYE, EAR = 1.35, 1.65, 6.0, 5.0, 6.0, 4.5
-"""Radii of a hole in which M3 cuts its thread and of one that it passes, thickness of cheeks and beam, half the width
-of the hinge's eye, and its height above the axis."""
-HOOK_Z, HOOK, PIVOT_Y, CUP = PLATE + 4.0, 4.0, -6.5, 15.0
-POST_X, PIN_X, BAND, STRETCH = 20.0, -4.0, 80.0, 1.5
-"""Post and pin of the rubber band, from the hook's screw, its length all around, and its least stretch in two turns."""
+BEFORE, LENGTH, PAD_X, MARGIN = 14.5, 69.0, 66.0, 6.0
+"""Sled before the pad's first contact, its length, distance from the hinge to the pad at a tilt of 0, and least
+distance from the pad's contact to the surface's ends."""
+CHEEK, BEAM, EYE, EAR = 6.0, 5.0, 6.0, 4.5
+"""Thickness of cheeks and beam, half the width of the hinge's eye, and its height above the axis."""
+HOOK_Z, HOOK_TOP, CUP = PLATE + 4.0, PLATE + 4.0 + hook.HEIGHT, 15.0
+"""Lower and upper side of the hook, and centre of the weights above the disc."""
 SCREW, HEAD, DRIVER, REACH, THREADED = 12, 3.0, 3.5, 60.0, 5.0
 """Length of all screws but the hinge's, height of a head, radius and length of a driver, and least length of a thread
 in plastic."""
-MASS_KG, SLIDING, EDGE, FRICTION, LEAST_M_S2 = 0.05, 0.3, 1.6, 1.0, 1.5
-"""Sled with strip; friction coefficient below it; ratio of tensions over the edge, exp(0.3 pi / 2); largest friction
-coefficient of the skin; least acceleration."""
-
-
-def onset_s(travel_s, rate_hz):
-    """Return by how much the open contact lags the first motion [s], and the error of that [s].
-
-    At a constant acceleration a, s = a t^2 / 2: the first OPEN of the way take travel sqrt(OPEN / STROKE). The lag lies
-    between 0 and that; take its half. The clock adds one sample.
-    """
-    longest_s = travel_s * math.sqrt(OPEN / STROKE)
-    return longest_s / 2, longest_s / 2 + 1 / rate_hz
-
-
-def pulling_kg(force_n):
-    """Return the mass on the string that gives LEAST_M_S2 against all friction, and the tension of the string [N]."""
-    resisting_n = FRICTION * force_n + SLIDING * (force_n + 9.81 * MASS_KG)
-    kg = EDGE * (resisting_n + MASS_KG * LEAST_M_S2) / (9.81 - LEAST_M_S2)
-    return kg, 9.81 * kg
 
 
 class Rig:
@@ -105,19 +86,21 @@ class Rig:
         side, inner = HALF + PLAY + GUIDE, HALF + PLAY
         front, rear = self.sled_to - TIP, self.end + TIP
         x = self.pivot_x
-        parts = [box((-EYE - 2, -side, 0), (x + 26, side, PLATE))]
+        parts = [box((-EYE - 1, -side, 0), (x + POST_X + 4, side, PLATE))]
         parts += [box((front - WALL, min(y, y + w), 0), (rear + WALL, max(y, y + w), TOP - 2))
                   for y, w in ((inner, GUIDE), (-inner, -GUIDE))]  # fmt: skip
-        walls = (front - WALL, 3.0, side), (front - WALL, -side, -3.0), (rear, 8.0, side), (rear, -side, -16.0)
+        walls = (front - WALL, 3.0, side), (front - WALL, -side, -3.0), (rear, 8.0, side), (rear, -side, hook.STOP_Y)
         parts += [box((at, y, 0), (at + WALL, end, TOP)) for at, y, end in walls]
         block = self.half - PLAY
-        parts += [box((-EYE, y, 0), (EYE, end, SURFACE + EAR)) for y, end in ((3.0, block), (-block, -3.0))]
+        for y, end in ((3.0, block), (-block, -3.0)):
+            parts += [box((-EYE, y, 0), (EYE, end, SURFACE)), rod("y", (SURFACE, 0), y, end, EAR)]
         # Ears for clamps, whose jaws reach some 30 mm beyond the table's edge.
         parts += [box((4, y, 0), (34, y + 20, PLATE)) for y in (side - 1, -side - 19)]
-        parts += [rod("z", (x, PIVOT_Y), 0, HOOK_Z, 6.0), rod("z", (x + POST_X, 5.0), 0, 18.0, 3.0)]
+        parts += [rod("z", (x, PIVOT_Y), 0, HOOK_Z, 6.0), headed((x + POST_X, 5.0), HOOK_TOP + hook.BANDS, hook.POST)]
         holes = [rod("x", (y, CONTACT_Z), at - 1, at + WALL + 1, THREAD)
                  for y in (CONTACT_Y, -CONTACT_Y) for at in (front - WALL, rear)]  # fmt: skip
-        holes += [rod("z", (x, PIVOT_Y), -1, HOOK_Z + 1, THREAD), rod("y", (SURFACE, 0), -side, side, FREE)]
+        holes += [rod("z", (x, PIVOT_Y), -1, HOOK_Z + 1, THREAD), rod("y", (SURFACE, 0), -side, side, FREE),
+                  rod("z", (self.end - 8, 10.0), -1, PLATE + 1, THREAD)]  # fmt: skip
         return cut(union(*parts), *holes)
 
     def x_of(self, u, w):
@@ -126,26 +109,22 @@ class Rig:
 
     @property
     def pivot_x(self):
-        return self.end + 22.0
+        return self.end + hook.PIVOT
+
+    @property
+    def pivot(self):
+        return self.pivot_x, PIVOT_Y, HOOK_Z + 0.1
 
     def sled(self):
         """Block with a peg for the hook in a recess, and a pocket for the knot of the string at the bottom."""
         block = box((0, -HALF, 0), (LENGTH, HALF, SLED))
-        recess = box((LENGTH - 17, -17, 3), (LENGTH + 1, 7, SLED + 1))
-        peg = box((LENGTH - 9.5, -2.5, 0), (LENGTH - 4.5, 2.5, SLED))
+        recess = box((LENGTH - 16, -17, 3), (LENGTH + 1, 2, SLED + 1))
+        peg = box((LENGTH - 8.5, -2.5, 0), (LENGTH - 3.5, 2.5, SLED))
+        surface = box((6.75, -15.25, SLED - POCKET), (LENGTH - 16.75, 15.25, SLED + 1))
         knot, string = rod("z", (8, 0), -1, 6, 3.0), rod("x", (0, 3), -1, 8, 1.2)
-        return cut(union(cut(block, recess), peg), knot, string)
-
-    def hook(self):
-        """Flat hook around its screw at the origin, with a slot, a nose, a pin for the rubber band and a handle."""
-        y = -PIVOT_Y
-        flat = union(
-            box((-36.5, -2.5, 0), (9, 3, HOOK)), box((-36.5, -2.5, 0), (-31.55, y + 2, HOOK)),
-            box((-9, -6.5, 0), (9, y + 9, HOOK)), box((-5, -46, 0), (5, 0, HOOK)),
-            rod("z", (PIN_X, y + 5), 0, HOOK + 6, 2.5),
-        )  # fmt: skip
-        # It goes 3 mm forward, to be hooked, and 1 mm back, so that it knocks little when it is free.
-        return cut(flat, cq.Workplane("XY").center(1, 0).slot2D(4 + 2 * FREE, 2 * FREE).extrude(HOOK))
+        # Screwed down, the control screw holds the sled where the rear contacts belong.
+        control = [rod("z", (LENGTH - 8, 10), low, SLED + 1, radius) for low, radius in ((-1, FREE), (SLED - 2, 3.2))]
+        return cut(union(cut(block, recess), peg), surface, knot, string, *control)
 
     def arm(self):
         """Beam with the channel for the bar, whose cheeks reach down to the hinge, and a disc for the weights."""
@@ -160,7 +139,7 @@ class Rig:
                  rod("z", (middle, 0), beam, beam + BEAM, 22.0)]  # fmt: skip
         for y in (inner, -outer):
             parts.append(box((rear, y, self.bar.low[1] + 2), (ends, y + CHEEK, beam)))
-            parts.append(box((u - EYE, y, w - EYE), (u + EYE, y + CHEEK, beam)))
+            parts += [box((u - EYE, y, w), (u + EYE, y + CHEEK, beam)), rod("y", (w, u), y, y + CHEEK, EYE)]
         holes = [rod("y", (w, u), -outer - 1, outer + 1, FREE)]
         holes += [rod("y", (self.screw_w, at), -outer - 1, outer + 1, THREAD) for at in self.screws]
         if not self.is_post:  # room for the rubber band around the stub
@@ -183,17 +162,16 @@ class Rig:
 
     def assemble(self, moved=0.0, is_armed=True):
         """Place all bodies with the sled `moved` from its rest."""
-        base, sled, hook, arm = map(solid_of, self.parts.values())
-        hook = hook if is_armed else hook.rotate((0, 0, 9.5))
-        strip = solid_of(box((7, -15, SLED), (LENGTH - 18, 15, SLED + STRIP)))
-        bodies = {"base": base, "hook": hook.translate((self.pivot_x, PIVOT_Y, HOOK_Z + 0.1)), "arm": self.hang(arm)}
+        base, sled, lever, arm = map(solid_of, self.parts.values())
+        strip = solid_of(box((7, -15, SLED - POCKET), (LENGTH - 17, 15, SLED - POCKET + STRIP)))
+        bodies = {"base": base, "hook": hook.place(lever, self.pivot, 0.0 if is_armed else 10.0), "arm": self.hang(arm)}
         for name, each in (("sled", sled), ("strip", strip)):
             bodies[name] = each.translate((self.rest - moved, 0, PLATE))
         return bodies | {name: self.hang(solid) for name, solid in self.finger.items()}
 
     @cached_property
     def parts(self):
-        return {"base": self.base(), "sled": self.sled(), "hook": self.hook(), "arm": self.arm()}
+        return {"base": self.base(), "sled": self.sled(), "hook": hook.hook(), "arm": self.arm()}
 
     def screw_list(self):
         """List axis, the two other coordinates, end of the head, direction to the driver, threaded and whole length."""
@@ -201,7 +179,7 @@ class Rig:
         out = SCREW - WALL - TIP + HEAD
         found = [("x", (y, CONTACT_Z), front - out, -1, WALL, SCREW) for y in (-CONTACT_Y, CONTACT_Y)]
         found += [("x", (y, CONTACT_Z), rear + out, 1, WALL, SCREW) for y in (-CONTACT_Y, CONTACT_Y)]
-        found += [("z", (self.pivot_x, PIVOT_Y), HOOK_Z + HOOK + HEAD + 0.2, 1, HOOK_Z, SCREW)]
+        found += [("z", (self.pivot_x, PIVOT_Y), HOOK_TOP + HEAD + 0.2, 1, HOOK_Z, SCREW)]
         outer = self.half + PLAY + CHEEK
         found += [("y", (SURFACE, 0.0), outer + HEAD + 0.2, 1, THREADED, 40)]  # its nut is held by hand
         c, s, lift = math.cos(self.tilt), math.sin(self.tilt), SURFACE + self.depth
@@ -224,7 +202,8 @@ class Rig:
             worst = max((each.unsupported_mm2() for each in find_ceilings(mesh)), default=0.0)
             assert worst <= MAX_UNSUPPORTED_MM2, f"{name}: {worst:.1f} mm2 would need supports"
             size = np.ptp(mesh.vertices, axis=0)
-            assert (size <= (bed.bed_x_mm, bed.bed_y_mm, bed.bed_z_mm)).all(), f"{name}: {size} is larger than the bed"
+            room = np.array([bed.bed_x_mm - 2 * BRIM, bed.bed_y_mm - 2 * BRIM, bed.bed_z_mm])
+            assert (size <= room).all(), f"{name}: {size} is larger than the bed inside a brim"
         for moved, is_armed in ((0.0, True), (0.0, False), (STROKE / 2, False), (STROKE, False)):
             bodies = self.assemble(moved, is_armed) | {n: each for n, each in self.bought().items() if "|" in n}
             names, inside = list(bodies), {"bone", "skin", self.holder}
@@ -234,10 +213,15 @@ class Rig:
                     assert meet <= 1e-6, f"{a} and {b} overlap by {meet:.3g} mm3, {moved:g} mm from the rest"
             beside = (bodies["sled"].translate((0, y, 0)) ^ bodies["base"] for y in (0.3, -0.3))
             assert all(meet.volume() <= 1e-6 for meet in beside), "the sled has no play between the guides"
+        moving = [self.assemble()[name] for name in ("arm", *inside)]
+        for lift in (20, 40, 60):
+            turn = self.turn(-math.radians(lift))
+            about = np.hstack([turn, (np.eye(3) - turn) @ [[0.0], [0.0], [SURFACE]]])
+            met = any((each.transform(about) ^ self.standing).volume() > 1e-6 for each in moving)
+            assert not met, f"the arm strikes when it is lifted by {lift} degrees"
         held = self.assemble(0.2)
         assert (held["sled"] ^ held["hook"]).volume() > 1.0, "the hook does not hold the sled"
-        stretch = 2 * (2 * (POST_X - PIN_X) + math.pi * (2.5 + 3.0)) / BAND
-        assert stretch >= STRETCH, f"two turns of a rubber band are {stretch:.2f} times as long as it"
+        hook.check_stretch()
         bodies = self.assemble()
         for axis, at, begin, way, threaded, _ in self.screw_list():
             assert threaded >= THREADED
@@ -246,35 +230,43 @@ class Rig:
             later = {"hook"} if axis == "x" else set()  # the sheet mounts it after the contacts
             met = [name for name in bodies if name not in later and (tool ^ bodies[name]).volume() > 1e-6]
             assert not met, f"the driver of the screw along {axis} at {at} meets {met}"
-        corners = bodies["skin"].to_mesh().vert_properties
-        height = float(corners[:, 2].min()) - SURFACE
-        assert abs(height) < 0.01, "the pad does not touch the surface"
+        corners = bodies["skin"].to_mesh().vert_properties[:, :3]
+        touch_x, _, touch_z = map(float, corners[np.argmin(corners[:, 2])])
+        assert abs(touch_z - SURFACE) < 0.01, "the pad does not touch the surface"
         dims = self.design.dimensions
         sensor = self.x_of(dims.sensor_z - self.bar.low[2] + self.rear, -dims.platform_depth)
-        assert abs(self.contact_x - sensor) <= 1.5, "the pad does not touch below its sensor"
-        lag_s, error_s = onset_s(LONGEST_S, self.design.detector.sample_rate_hz)
-        assert error_s <= MAX_ERROR_S
-        assert math.sqrt(2e-3 * STROKE / LEAST_M_S2) <= LONGEST_S + 1e-9, "the weights of pulling_kg travel too long"
+        assert abs(touch_x - sensor) <= 1.5, "the pad does not touch below its sensor"
         strip = bodies["strip"].bounding_box()
-        beyond = min(self.contact_x - strip[0], strip[3] - self.contact_x - STROKE)
-        assert beyond >= 7.0, f"the pad comes within {beyond:.1f} mm of the surface's end"
-        arm = self.parts["arm"].val()
-        share = arm.Volume() * 1.27e-6 * 0.6 * 9.81 * (arm.Center().x - self.hinge[0]) / self.contact_x
+        beyond = min(touch_x - strip[0], strip[3] - touch_x - STROKE)
+        assert beyond >= MARGIN, f"the pad comes within {beyond:.1f} mm of the surface's end"
+        free_deg, stop_deg = self.check_turn()
         return {
             "tilt_deg": math.degrees(self.tilt),
-            "contact_to_sensor_mm": self.contact_x - sensor,
-            "lag_s": lag_s,
-            "error_s": error_s,
-            "arm_share_n": share,
-        }
+            "contact_to_sensor_mm": touch_x - sensor,
+            "margin_mm": beyond,
+            "hook_free_deg": free_deg,
+            "hook_stop_deg": stop_deg,
+        } | motion.check(self.design.detector.sample_rate_hz)
+
+    @cached_property
+    def standing(self):
+        """Base with the contacts' screws."""
+        return sum((each for name, each in self.bought().items() if "contact" in name), solid_of(self.parts["base"]))
+
+    def check_turn(self):
+        """Check the hook's turn beside the sled, to both sides of the guides; return its angles [deg]."""
+        sled, ways = solid_of(self.parts["sled"]), (0.0, 0.5, *np.arange(2.0, STROKE + 1, 2.0))
+        hooked, *free = (sum((sled.translate((self.rest - moved, y, PLATE)) for y in (-0.3, 0.3)), Manifold())
+                         for moved in ways)  # fmt: skip
+        return hook.check_turn(solid_of(self.parts["hook"]), self.pivot, self.standing, hooked, free)
 
     def bought(self):
         """Build what is bought, by its name; "clamp" is in those of the arm."""
-        x, y, z = self.pivot_x, 5.0, HOOK_Z + HOOK + 3
+        x, y, z = self.pivot_x, 5.0, HOOK_TOP + 3
         found = {"string to the weight": union(rod("x", (0, PLATE + 3), -14, self.rest, 0.6),
                                                rod("z", (-14, 0), -45, PLATE + 3, 0.6)),
-                 "rubber band": union(*(rod("x", (y + w, z), x + PIN_X, x + POST_X, 0.8)
-                                        for w in (3.8, -3.8)))}  # fmt: skip
+                 "rubber band": union(*(rod("x", (y + w, z), x + hook.PIN_X, x + POST_X, 0.8)
+                                        for w in (4.3, -4.3)))}  # fmt: skip
         strips = [box((self.rest, y - 3, TOP), (self.end, y + 3, TOP + 0.1)) for y in (-CONTACT_Y, CONTACT_Y)]
         strips.append(box((self.rest, -CONTACT_Y, TOP), (self.rest + 6, CONTACT_Y, TOP + 0.1)))
         found["copper foil"] = union(*strips)
@@ -300,7 +292,7 @@ def main(design_file, folder):
     for name, value in figures.items():
         print(f"{name}: {value:.4f}")
     for force_n in (0.5, 0.8, 1.5, 2.5):
-        kg, tension_n = pulling_kg(force_n)
+        kg, tension_n = motion.pulling_kg(force_n)
         print(f"force {force_n:g} N: {1000 * kg:.0f} g on the string, rubber band above {tension_n:.1f} N")
 
 

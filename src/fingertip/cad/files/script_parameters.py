@@ -1,4 +1,4 @@
-"""Parameters of the CadQuery scripts beside this file: their bounds, and what is refused.
+"""Parameters of the CadQuery scripts beside this file: their bounds, and what is refused, by the kernel too.
 
 Scripts of `fingertip build --formats cq` carry this module with the bounds of a design.
 """
@@ -20,19 +20,42 @@ def settle(names: dict[str, Any]) -> Callable[[bool, str], None]:
     wrong = [f"CHANGES: there is no parameter {name}" for name in changes if name not in paths]
     names |= {name: value for name, value in changes.items() if name in names}
     values = {name: names[name] for name in paths if name in names}
-    wrong += [f"{name} = {value} is not within {low} to {high}" for name, value in values.items()
-              if not (low := BOUNDS[paths[name]][0]) <= value <= (high := BOUNDS[paths[name]][2])]  # fmt: skip
+    for name, value in values.items():
+        low, _, high = BOUNDS[paths[name]]
+        if not isinstance(value, float | int):
+            wrong.append(f"{name} = {value!r} is not a number")
+        elif not low <= value <= high:
+            wrong.append(f"{name} = {value} is not within {low} to {high}")
     if wrong:
         raise refusal("\n".join(wrong))
+    changed = {name: value for name, value in values.items() if value != BOUNDS[paths[name]][1]}
+    is_bought = any(paths[name].startswith("custom_") for name in changed)
+
+    def refuse(problem: str) -> BaseException:
+        sets = [f"--set {paths[name]}={value}" for name, value in values.items()
+                if name in changed or (is_bought and paths[name].startswith("custom_"))]  # fmt: skip
+        remedy = " ".join(["design.toml --formats cq", *["--set sensor.model=custom"] * is_bought, *sets])
+        said = ", ".join(f"{name} = {value}" for name, value in changed.items())
+        return refusal(f"{said}: {problem}: fingertip build {remedy}")
+
+    def guard(function: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*given: Any) -> Any:
+            try:
+                return function(*given)
+            except Exception as error:
+                raise refuse(f"{function.__name__} has no result; a build says which rule this breaks") from error
+
+        return call
 
     def require(holds: bool, condition: str) -> None:
+        name, _, rest = condition.partition(" ")
+        if not holds and name in changed and rest in ("!= 0.0", "> 0.0"):
+            raise refuse(f"this script is for a part with a {name}; write it anew")
         if not holds:
-            changed = [name for name, value in values.items() if value != BOUNDS[paths[name]][1]]
-            is_bought = any(paths[name].startswith("custom_") for name in changed)
-            sets = [f"--set {paths[name]}={value}" for name, value in values.items()
-                    if name in changed or (is_bought and paths[name].startswith("custom_"))]  # fmt: skip
-            remedy = " ".join(["design.toml --formats cq", *["--set sensor.model=custom"] * is_bought, *sets])
-            said = f"{', '.join(changed)}: {condition} does not hold; write a new script"
-            raise refusal(f"{said}: fingertip build {remedy}")
+            said = condition.replace(" != ", " is not ").replace(" == ", " is ")
+            raise refuse(f"these statements hold while {said}; write the script anew")
 
+    if changed:
+        ours = {name: each for name, each in names.items() if str(getattr(each, "__module__", "")).startswith("cq_")}
+        names |= {name: guard(each) for name, each in ours.items()}
     return require

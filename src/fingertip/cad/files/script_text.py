@@ -59,12 +59,15 @@ class Text:
 
     def write_atoms(self, used: AbstractSet[str], ranges: Mapping[str, Sequence[float]] | None = None) -> Iterator[str]:
         """Write the parameters, with the ends of their ranges, or else what is fixed."""
-        heading = ""
+        heading, zero = "", Term("constant", 0.0)
+        switches = {c.operands[0].operands[0] for c in self._trace.conditions
+                    if c.operation in ("!=", ">") and c.operands[1] == zero}  # fmt: skip
         for name, atom in self._trace.atoms.items():
             if name in used and atom.is_parameter == bool(ranges):
                 before, heading = heading, f"# {name.partition('_')[0].capitalize()}" * bool(ranges)
                 yield from [heading] if heading != before else ()
                 ends = " [{:g} to {:g}]".format(*ranges[_PATHS[name]][-2:]) if ranges else ""
+                ends = ends.replace("[0 ", "[above 0 ") if name in switches else ends
                 yield from _comment(f"{name} = {_literal(atom.value)}", atom.meaning, ends)
 
     def write(self, term: Term, names: bool = True) -> tuple[str, int]:

@@ -5,7 +5,8 @@ Scripts of `fingertip build --formats cq` carry this module with the bounds of a
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 BOUNDS: dict[str, tuple[float, float, float]] = {}
@@ -22,10 +23,8 @@ def settle(names: dict[str, Any]) -> Callable[[bool, str], None]:
     values = {name: names[name] for name in paths if name in names}
     for name, value in values.items():
         low, _, high = BOUNDS[paths[name]]
-        if not isinstance(value, float | int):
-            wrong.append(f"{name} = {value!r} is not a number")
-        elif not low <= value <= high:
-            wrong.append(f"{name} = {value} is not within {low} to {high}")
+        if not (isinstance(value, float | int) and low <= value <= high):
+            wrong.append(f"{name} = {value!r} is no number within {low} to {high}")
     if wrong:
         raise refusal("\n".join(wrong))
     changed = {name: value for name, value in values.items() if value != BOUNDS[paths[name]][1]}
@@ -38,24 +37,17 @@ def settle(names: dict[str, Any]) -> Callable[[bool, str], None]:
         said = ", ".join(f"{name} = {value}" for name, value in changed.items())
         return refusal(f"{said}: {problem}: fingertip build {remedy}")
 
-    def guard(function: Callable[..., Any]) -> Callable[..., Any]:
-        def call(*given: Any) -> Any:
-            try:
-                return function(*given)
-            except Exception as error:
-                raise refuse(f"{function.__name__} has no result; a build says which rule this breaks") from error
-
-        return call
+    @contextmanager
+    def guard(name: str) -> Iterator[None]:
+        try:
+            yield
+        except Exception as error:
+            raise refuse(f"{name} has no result; a build says which rule this breaks") from error
 
     def require(holds: bool, condition: str) -> None:
-        name, _, rest = condition.partition(" ")
-        if not holds and name in changed and rest in ("!= 0.0", "> 0.0"):
-            raise refuse(f"this script is for a part with a {name}; write it anew")
         if not holds:
-            said = condition.replace(" != ", " is not ").replace(" == ", " is ")
-            raise refuse(f"these statements hold while {said}; write the script anew")
+            raise refuse(f"this script is for a part whose {condition.replace('!=', 'is not')}; write it anew")
 
-    if changed:
-        ours = {name: each for name, each in names.items() if str(getattr(each, "__module__", "")).startswith("cq_")}
-        names |= {name: guard(each) for name, each in ours.items()}
+    names |= {name: guard(name)(each) for name, each in names.items()
+              if changed and str(getattr(each, "__module__", "")).startswith("cq_")}  # fmt: skip
     return require

@@ -59,15 +59,13 @@ class Text:
 
     def write_atoms(self, used: AbstractSet[str], ranges: Mapping[str, Sequence[float]] | None = None) -> Iterator[str]:
         """Write the parameters, with the ends of their ranges, or else what is fixed."""
-        heading, zero = "", Term("constant", 0.0)
-        switches = {c.operands[0].operands[0] for c in self._trace.conditions
-                    if c.operation in ("!=", ">") and c.operands[1] == zero}  # fmt: skip
+        heading = ""
         for name, atom in self._trace.atoms.items():
             if name in used and atom.is_parameter == bool(ranges):
                 before, heading = heading, f"# {name.partition('_')[0].capitalize()}" * bool(ranges)
                 yield from [heading] if heading != before else ()
                 ends = " [{:g} to {:g}]".format(*ranges[_PATHS[name]][-2:]) if ranges else ""
-                ends = ends.replace("[0 ", "[above 0 ") if name in switches else ends
+                ends = ends.replace("[0 ", "[above 0 ") if "; 0: " in atom.meaning else ends
                 yield from _comment(f"{name} = {_literal(atom.value)}", atom.meaning, ends)
 
     def write(self, term: Term, names: bool = True) -> tuple[str, int]:
@@ -140,11 +138,9 @@ class Text:
                 return f"({', '.join(map(inner, terms))}{',' * (len(terms) == 1)})", 4
             case "item", (whole, i):
                 return f"{inner(whole, 4)}[{i}]", 4
-            case "call", (name, *terms):
-                return f"{name}({', '.join(map(inner, terms))})", 4
             case "member", (whole, _):
                 return f"*{self._names[whole]}", 4
-            case "solid" | "solids", (name, *terms):
+            case "call" | "solid" | "solids", (name, *terms):
                 return f"{name}({', '.join(map(inner, terms))})", 4
             case ("union" | "cut" | "intersect") as name, (first, *others):
                 texts = list(dict.fromkeys(map(inner, others)))

@@ -284,9 +284,8 @@ def test_refused_number_ends_with_its_condition_and_remedy() -> None:
         [Design.load(changes={"bone.groove_depth_mm": value}) for value in (1.826, 1.827)]
     for changes, wanted in (
         ({"bone_groove_depth_mm": 0}, r"_depth_mm is not 0.0; .* --formats cq --set bone\.groove_depth_mm=0$"),
-        ({"bone_wall_mm": 12, "bone_rim_mm": 0.1, "skin_width_mm": "18", "bone_platform_mm": -1},
-         r"^bone_platform_mm = -1 is no number within 0 to 10\nbone_rim_mm = 0\.1 is no number within 0\.2 to 5\n"
-         r"bone_wall_mm = 12 is no number within 0\.4 to 5\nskin_width_mm = '18' is no number within 6 to 60$"),
+        ({"bone_rim_mm": 0.1, "bone_wall_mm": 12, "skin_width_mm": "18"},
+         r"^bone_rim_mm = 0\.1 is no number within 0\.2 to 5\nbone_wall_mm = 12 .* 5\nskin_width_mm = '18' .* 60$"),
         ({"bone_channel_diameter_mm": 9.0}, r"whose bone_\w+ > channel_radius; .*\.channel_diameter_mm=9\.0$"),
         ({"sensor_tail_width_mm": 20.0}, r"--set sensor\.model=custom( --set custom_sensor\.\w+=[0-9.]+){4}$"),
         ({"skin_crown_radius_mm": 99}, r"^skin_crown_radius_mm = 99: lay_crown has no result; "),

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from fingertip.cad.files.cadquery_script import write_finger, write_functions, write_script
+from fingertip.cad.files.cadquery_script import drop_unused, write_finger, write_functions, write_script
 from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.settings import FDM, SLA
@@ -230,8 +230,8 @@ def _collect(
     if plan.options.drawings:
         contents |= render_sheets(design, step.also)
     if "cq" in plan.formats:
-        contents |= {part_file(name, "cq"): write_script(design, name) for name in plan.names}
-        contents |= write_functions(design) | (write_finger(design) if plan.is_whole else {})
+        scripts = {part_file(name, "cq"): write_script(design, name) for name in plan.names} | write_functions(design)
+        contents |= drop_unused(scripts | write_finger(design)) if plan.is_whole else scripts
     if casting:
         drawn = [f"{output_files.STEPS_FOLDER}/{name}" for name in pictures]
         contents[output_files.SHEET] = render_sheet(casting, drawn).encode()

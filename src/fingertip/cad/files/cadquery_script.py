@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 
@@ -24,8 +24,6 @@ from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import RULES
 from fingertip.foundation.numerics import bisect
 
-FINGER = "finger.cq.py"
-"""Script of the whole finger with its mold."""
 _CARRIED = {
     "cq_numbers": Path(profile.__file__), "cq_outlines": Path(outlines.__file__),
     "cq_parameters": Path(script_parameters.__file__),
@@ -33,22 +31,22 @@ _CARRIED = {
 }  # fmt: skip
 """Files of the modules that scripts carry. That of the primitives is not imported: it would load cadquery."""
 _REPLACED = {
+    r"  # (fmt|noqa): .*": "",
     r"from fingertip\.foundation\.numerics import bisect": f"import itertools\n\n\n{inspect.getsource(bisect)}",
     r"from fingertip\.design\.geometry\.solids .*": (
-        "from cq_solids import box as Box, cone as Cone, prism as Prism, union"
+        "from cq_solids import box as Box, cone as Cone, prism as Prism, union  # noqa\n\nAxis, Solid = str, object"
     ),
-    r"if TYPE_CHECKING:\n(    .*\n)+\n": "",
-    r"  # (fmt|noqa): .*": "",
+    r"if TYPE_CHECKING:\n(    .*\n)+": (
+        "from collections.abc import Callable\n\nArray, Pair = Sequence[float], tuple[float, float]\n"
+    ),
+    r"TYPE_CHECKING, ": "",
 }
 """Text of modules that reads otherwise where they stand beside a script."""
-_SCRIPT = (
-    '"""{title} of the fingertip {design}, in CadQuery: run it with Python, or open it in CQ-editor."""'
-    + """
+_SCRIPT = '''"""{title} of the fingertip {design}, in CadQuery: run it with Python, or open it in CQ-editor."""
 
 # Lengths are in mm; x is the width, y points to the back, z to the tip. Change a number under "Parameters", and all
 # statements follow. Bone, skin, mold and core share sizes: change those in CHANGES of finger.cq.py, or they do not fit.
-# In brackets stands where the program's rules (walls, fit) allow a number while all others stay. The script does not
-# check them: it refuses, with a sentence, what is beyond the number's own bounds, or gives a part of other statements.
+# In brackets stands where the program's rules (walls, fit) allow a number while all others stay; scripts check none.
 # With all checks, strength too, and for choices: fingertip build design.toml --formats cq --set NAME=VALUE
 
 {math}import cadquery as cq
@@ -62,27 +60,24 @@ _SCRIPT = (
 
 {fixed}
 
-require = settle(globals())  # checks bounds; require(...) below refuses a number for which the part is made otherwise
+require = settle(globals())  # takes CHANGES of finger.cq.py; raises its REFUSAL beyond bounds, or where require fails
 
 # {title}
 
 {statements}
 
-# Add your own features here. Booleans above are not cleaned, to keep the faces of the STEP file: before own fillets,
-# {part} = {part}.clean()
+# Add your own features here. For own fillets write .solids().clean() above: it merges faces, before tags name them.
 
-if "show_object" in globals():  # in CQ-editor, or imported from ocp_vscode
-    show_object({part}, name="{part}")
+if show := globals().get("show_object"):  # in CQ-editor, or imported from ocp_vscode
+    show({part}, name="{part}")
 elif __name__ == "__main__":
     size = {part}.val().BoundingBox()
     print(f"{part}: {{size.xlen:.3f}} x {{size.ylen:.3f}} x {{size.zlen:.3f}} mm, {{volume({part}.val()):.3f}} mm3")
     cq.exporters.export({part}, "{part}.step")
-"""
-)
-_FINGER = (
-    '"""The finger {design} in its closed mold, of the scripts beside this one: the core lies where the bone will."""'
-    + """
+'''
+_FINGER = '''"""The finger {design} in its closed mold, by scripts beside it: the core lies where the bone will."""
 
+import sys
 from pathlib import Path
 from runpy import run_path
 
@@ -94,22 +89,31 @@ CHANGES = {{}}
 COLOURS = {{
 {colours}
 }}
-REFUSAL = SystemExit if __name__ == "__main__" else ValueError
-paths = {{name: Path(__file__).with_name(f"{{name}}.cq.py") for name in COLOURS}}
-parts = {{name: run_path(str(path), {{"CHANGES": CHANGES, "REFUSAL": REFUSAL}})[name] for name, path in paths.items()}}
+TOOLS = "{tools}".split()  # Printed too, but no parts of the finger in its mold
+SCALE = {scale}  # Compensation of the printer in STL files of printed parts: printer.scale_percent / 100
+folder = Path(globals().get("__file__", "")).parent  # the current one under CQGI
+sys.path.insert(0, str(folder))
+settings = {{"CHANGES": CHANGES, "REFUSAL": SystemExit if __name__ == "__main__" else ValueError}}
+parts = {{name: run_path(str(folder / f"{{name}}.cq.py"), settings)[name] for name in COLOURS}}
 finger = cq.Assembly(name="{design}")
 for name, part in parts.items():
-    finger.add(part, name=name, color=cq.Color(*COLOURS[name]))
+    if name not in TOOLS:
+        finger.add(part, name=name, color=cq.Color(*COLOURS[name]))
 
-if "show_object" in globals():  # in CQ-editor, or imported from ocp_vscode
+if show := globals().get("show_object"):  # in CQ-editor, or imported from ocp_vscode
     for name, part in parts.items():
-        show_object(part, name=name)
-    show_object(finger, name="finger")
+        show(part, name=name)
+    show(finger, name="finger")
 elif __name__ == "__main__":
-    finger.export("{design}.step")
-    print(f"{design}.step: {{', '.join(parts)}}")
-"""
-)
+    out = folder / "out"
+    out.mkdir(exist_ok=True)
+    finger.export(str(out / "{design}.step"))
+    for name, part in parts.items():
+        cq.exporters.export(part, str(out / f"{{name}}.step"))
+        scaled = part.val().scale(1.0 if name in ("skin", "sensor") else SCALE)
+        cq.exporters.export(scaled, str(out / f"{{name}}.stl"), tolerance=0.01, angularTolerance=0.1)
+    print(f"{{out}}: {design}.step, and .step and .stl of {{', '.join(parts)}}")
+'''
 
 
 def write_script(design: Design, part: str) -> bytes:
@@ -172,13 +176,25 @@ def _find_last(design: Design, path: str, end: float) -> float:
     return end if passes(0.999) else at(bisect(passes, 0.0, 1.0, halvings=17)[0])  # 0 itself may be another shape
 
 
+def drop_unused(files: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Leave out of the files of a design the functions that none of them calls."""
+    text, before = "\f".join(each.decode() for each in files.values()), ""
+    while text != before:
+        before, defined = text, re.findall(r"\ndef (\w+)", text)
+        once = "|".join(name for name in defined if len(re.findall(rf"\b{name}\b", text)) == 1)
+        text = re.sub(rf"\n\n\ndef ({once})\((.|\n)*?(?=\n\n\n|\n*(\f|\Z))", "", before)
+    return dict(zip(files, map(str.encode, text.split("\f")), strict=True))
+
+
 def write_finger(design: Design) -> dict[str, bytes]:
     """Write the script of the whole finger with its mold, and that of its sensor."""
-    colours = {name: part.colour for name, part in parts_by_name(design).items() if not part.is_tool}
+    parts = parts_by_name(design)
+    colours = {name: part.colour for name, part in parts.items()}
     colours |= {item.name: item.colour for item in hardware(design, ("bone",)) if item.name == "sensor"}
     lines = "\n".join(f'    "{name}": {colour},' for name, colour in colours.items())
-    text = _FINGER.format(design=design.name, colours=lines)
-    return {FINGER: text.encode(), "sensor.cq.py": write_script(design, "sensor")}
+    tools = " ".join(name for name, part in parts.items() if part.is_tool)
+    text = _FINGER.format(design=design.name, colours=lines, tools=tools, scale=design.printer.scale_percent / 100.0)
+    return {"finger.cq.py": text.encode(), "sensor.cq.py": write_script(design, "sensor")}
 
 
 def _describe_choices(design: Design, part: str) -> Iterator[str]:

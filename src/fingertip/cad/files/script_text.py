@@ -65,6 +65,7 @@ class Text:
                 before, heading = heading, f"# {name.partition('_')[0].capitalize()}" * bool(ranges)
                 yield from [heading] if heading != before else ()
                 ends = " [{:g} to {:g}]".format(*ranges[_PATHS[name]][-2:]) if ranges else ""
+                ends = ends.replace("[0 ", "[above 0 ") if "; 0: " in atom.meaning else ends
                 yield from _comment(f"{name} = {_literal(atom.value)}", atom.meaning, ends)
 
     def write(self, term: Term, names: bool = True) -> tuple[str, int]:
@@ -137,11 +138,9 @@ class Text:
                 return f"({', '.join(map(inner, terms))}{',' * (len(terms) == 1)})", 4
             case "item", (whole, i):
                 return f"{inner(whole, 4)}[{i}]", 4
-            case "call", (name, *terms):
-                return f"{name}({', '.join(map(inner, terms))})", 4
             case "member", (whole, _):
                 return f"*{self._names[whole]}", 4
-            case "solid" | "solids", (name, *terms):
+            case "call" | "solid" | "solids", (name, *terms):
                 return f"{name}({', '.join(map(inner, terms))})", 4
             case ("union" | "cut" | "intersect") as name, (first, *others):
                 texts = list(dict.fromkeys(map(inner, others)))

@@ -27,12 +27,11 @@ from fingertip.design.geometry import conic, outlines, profile
 from fingertip.design.geometry.solids import Difference, Intersection, Scaled, Solid, Union, call_of
 from fingertip.design.parameters import PARAMETERS
 
-CARRIED = {"cq_numbers": profile, "cq_outlines": outlines}
-"""Modules that scripts carry as they stand, by their names there: functions of plain numbers."""
 FUNCTIONS = {
-    name: each for module in CARRIED.values() for name, each in vars(module).items()
+    name: each for module in (profile, outlines) for name, each in vars(module).items()
     if inspect.isfunction(each) and each.__module__ == module.__name__
 }  # fmt: skip
+"""Functions of plain numbers, which scripts carry as they stand."""
 _MODULES = ("fingertip.cad.shapes.", "fingertip.design.interfaces.", "fingertip.design.geometry")
 """Modules that make solids of parameters."""
 _UNSAID = {"spans", *FUNCTIONS}

@@ -57,7 +57,7 @@ def bezier_edge(row: Sequence[tuple[float, float, float]], z: float) -> Any:
     return BRepBuilderAPI_MakeEdge(Geom_BezierCurve(poles, weights)).Edge()
 
 
-def sew_superconic(section: Sequence[float], spans: Any) -> Any:
+def superconic(section: Sequence[float], spans: Any) -> cq.Workplane:
     """Sew four faces for each span along z, and flat ends where it has a width, from a section of four conic arcs.
 
     The section holds its half width, the heights of its palmar and dorsal half, and the weights of their arcs: 0.707
@@ -84,7 +84,8 @@ def sew_superconic(section: Sequence[float], spans: Any) -> Any:
     shell = TopoDS.Shell_s(sewing.SewedShape())
     solid = ShapeFix_Solid().SolidFromShell(shell)
     # The shell may have been sewn with its faces pointing inwards.
-    return solid if volume(solid) > 0 else ShapeFix_Solid().SolidFromShell(TopoDS.Shell_s(shell.Reversed()))
+    solid = solid if volume(solid) > 0 else ShapeFix_Solid().SolidFromShell(TopoDS.Shell_s(shell.Reversed()))
+    return cq.Workplane(cq.Solid(solid))
 
 
 def point(axis: str, across: Sequence[float], along: float) -> cq.Vector:
@@ -129,11 +130,6 @@ def elbow_tube(
     bend = cq.Solid.revolve(circle, [], 90, cq.Vector(-1, turn_y, turn_z), cq.Vector(1, turn_y, turn_z))
     last = cq.Solid.makeCylinder(radius, end_y - turn_y, cq.Vector(0, turn_y, exit_z), cq.Vector(0, 1, 0))
     return cq.Workplane(first.fuse(bend, last))
-
-
-def superconic(section: Sequence[float], spans: Any) -> cq.Workplane:
-    """Sew a body whose section is scaled along z by spans, as `sew_superconic`."""
-    return cq.Workplane(cq.Solid(sew_superconic(section, spans)))
 
 
 def scaled(part: cq.Workplane, factor: float) -> cq.Workplane:

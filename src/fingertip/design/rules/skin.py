@@ -212,6 +212,13 @@ def bend_wider_than_channel(design: DesignTables) -> Limit | None:
     return Limit(diameter / 2 + _BEND_MARGIN, f"folds a channel of {diameter:g} mm into itself")
 
 
+@RULES.at_most("bone.channel_bend_radius_mm", channel_within_base)
+def bend_within_base(design: DesignTables) -> Limit | None:
+    dims = design.dimensions
+    room = dims.bone_outline.section.dorsal + dims.flat_depth - dims.pocket_depth
+    return Limit(room, f"ends the channel's bend behind the back of the base, which is {room:.2f} mm from its trough")
+
+
 FORCE_CURVE_RULES = Ruleset()
 
 

@@ -197,7 +197,8 @@ class _Search:
             checker = RuleChecker(self._tables.with_values(values))
             found = tuple(checker.find_broken(self._rules))
             failing = len(found)
-            if not self._free.keys() & _WISHES.keys():  # with those that a broken one leaves out; else that finds less
+            # Rules that a broken one hides count too. With wishes free, a search that counts them finds fewer designs.
+            if not self._free.keys() & _WISHES.keys():
                 failing = sum(not checker.passes(rule) for rule in self._rules)
             self._checked[key] = failing + sum(map(_measure_lack, found)), found
         return self._checked[key]

@@ -155,7 +155,7 @@ def list_extended(circuit: Circuit) -> list[str]:
 
 
 def list_unconfirmed(circuit: Circuit) -> list[BomLine]:
-    """List the lines to assemble whose number of the house is missing or stands in one document only."""
+    """List the lines to assemble whose part number at the assembler is missing or in one document only."""
     return [line for line in _list_assembled(circuit) if line.selection.reason]
 
 

@@ -108,7 +108,8 @@ def fit_design(
     def settle(values: Mapping[str, Any]) -> dict[str, Any] | None:
         """Add the loads that a fit holds with the values of a remedy; None if no fit follows. Parts follow loads."""
         for _ in range(_ROUNDS):
-            found, weak = find_fit(tables.with_values(values), given, guessed, holds, checks=_FEW)
+            trial = tables.with_values(values)
+            found, weak = find_fit(trial, given, guessed, holds, checks=_FEW, is_described=False)
             if found:
                 return dict(values)
             named.update({broken.rule.field: broken for broken in weak if broken.rule.field not in named})
@@ -134,10 +135,12 @@ def find_fit(
     progress: Progress = lambda share: None,
     checks: int = _CHECKS,
     is_early: bool = False,
+    is_described: bool = True,
 ) -> tuple[Fit | None, Sequence[BrokenRule]]:
     """Find a design that passes as `fit_design` does; or else what is too weak in one that passes all rules.
 
-    A search that gives up early moves no wish in place of what a whole one would have found.
+    A search that gives up early moves no wish in place of what a whole one would have found. A fit that is not
+    described names no moves, and values may move further than they need.
     """
     derived = {**DERIVED, **{name: (0.8 * value, 1.2 * value) for name in guessed if (value := tables.value(name))}}
     weak: Sequence[BrokenRule] = ()
@@ -155,7 +158,7 @@ def find_fit(
             search = _Search(tables, free, holds)
             nearer = search.find_passing(values, progress, checks)
             values = search.move_back(nearer) if nearer is not None else values
-            strong = search.strengthen(values) if nearer is not None else None
+            strong = search.strengthen(values, is_least=is_described) if nearer is not None else None
             if strong is None:
                 found = holds.judge(tables.with_values(values))
                 weak = [broken for broken in found if broken.rule.field not in free] or found
@@ -163,7 +166,7 @@ def find_fit(
                     continue
                 break
             values = strong
-        return search.describe(values), ()
+        return search.describe(values) if is_described else Fit(tables.with_values(values), ()), ()
     return None, weak
 
 
@@ -297,8 +300,8 @@ class _Search:
                     values, changed = {**rest, **nearer}, True
         return values
 
-    def strengthen(self, values: Values) -> dict[str, float] | None:
-        """Move what makes a design that passes all rules stronger, no further than it needs; None if it is too weak."""
+    def strengthen(self, values: Values, is_least: bool) -> dict[str, float] | None:
+        """Move what makes a design that passes all rules stronger, or the least of that; None if it is too weak."""
         if self._holds is None or not self._holds.judge(self._tables.with_values(values)):
             return dict(values)
         strong, tables = dict(values), self._tables.with_values(values)
@@ -313,6 +316,8 @@ class _Search:
                     break
         if not self._is_held(strong):
             return None
+        if not is_least:
+            return strong
         moved = {name: value for name, value in strong.items() if value != tables.value(name)}
         failing = {name: tables.value(name) for name in moved}
         for _ in range(_STRONG_HALVINGS):

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from fingertip.design.geometry.profile import (
@@ -122,10 +122,16 @@ def inset_body(body: ConicBody, inset: float) -> ConicBody:
     return replace(body, section=offset_section(body.section, -inset), tip=body.tip._replace(z=body.tip.z - inset))
 
 
+@lru_cache(maxsize=64)
+def list_arc_points(count: int, weight: float) -> tuple[tuple[float, float], ...]:
+    """Return `count` + 1 points of the unit arc from (1, 0) to (0, 1), at equal steps of its parameter."""
+    return tuple(arc_point(i / count, weight) for i in range(count + 1))
+
+
 def quarter_outline(section: CrossSection, dorsal: bool, count: int) -> list[tuple[float, float]]:
     """Return `count` + 1 points [mm] of the dorsal or palmar quarter of an outline, from its side; both with y >= 0."""
     height, weight = (section.dorsal, section.dorsal_weight) if dorsal else (section.palmar, section.palmar_weight)
-    return [(section.half_width * x, height * y) for x, y in (arc_point(i / count, weight) for i in range(count + 1))]
+    return [(section.half_width * x, height * y) for x, y in list_arc_points(count, weight)]
 
 
 def add_groove(bone: Bone, body: ConicBody) -> ConicBody:

@@ -6,8 +6,7 @@ import math
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from fingertip.design.geometry.conic import quarter_outline
-from fingertip.design.geometry.profile import arc_point
+from fingertip.design.geometry.conic import list_arc_points, quarter_outline
 from fingertip.design.geometry.skin_thickness import chord_between, nearest_chord
 
 if TYPE_CHECKING:
@@ -51,9 +50,10 @@ def _outline_core(dims: Dimensions, inset: float, z: float) -> list[Point]:
     """List points of the core's section at a height, from its dorsal side to its palmar flat; one side, x >= 0."""
     section, scale = dims.bone_outline.section, dims.bone_outline.scale_at(z)
     width, flat = scale * (section.half_width - inset), dims.flat_depth - inset
-    arcs = [(1.0 - i / _ARC_POINTS, section.dorsal_weight, section.dorsal - inset) for i in range(_ARC_POINTS)]
-    arcs += [(i / _ARC_POINTS, section.palmar_weight, inset - section.palmar) for i in range(_ARC_POINTS + 1)]
-    points = [(width * x, scale * height * y) for t, weight, height in arcs for x, y in [arc_point(t, weight)]]
+    above = list_arc_points(_ARC_POINTS, section.dorsal_weight)[:0:-1]
+    below = list_arc_points(_ARC_POINTS, section.palmar_weight)
+    points = [(width * x, scale * (section.dorsal - inset) * y) for x, y in above]
+    points += [(width * x, scale * (inset - section.palmar) * y) for x, y in below]
     edge, deep = min(section.half_width_at(-flat, scale), width), dims.flat_depth_at(z) - inset
     if edge == 0.0:
         return points

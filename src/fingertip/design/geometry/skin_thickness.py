@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from fingertip.design.geometry.conic import quarter_outline
-from fingertip.design.geometry.profile import arc_point
+from fingertip.design.geometry.conic import list_arc_points, quarter_outline
 from fingertip.foundation.numerics import bisect
 
 if TYPE_CHECKING:
@@ -95,10 +94,7 @@ def skin_thicknesses(
         weight = inner.dorsal_weight if dorsal else inner.palmar_weight
         rise = outer_scale if dorsal else palmar_scale
         surface = [(outer_scale * x, rise * y) for x, y in quarter_outline(outer, dorsal, chords)]
-        bone = [
-            (inner_scale * width * x, inner_scale * height * y)
-            for x, y in (arc_point(i / points, weight) for i in range(points + 1))
-        ]
+        bone = [(inner_scale * width * x, inner_scale * height * y) for x, y in list_arc_points(points, weight)]
         if not dorsal:
             # The flat cuts the palmar arc: its edge replaces the points below it.
             edge = inner.half_width_at(-flat, inner_scale)

@@ -25,8 +25,8 @@ from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.pad.response import Pad
 from fingertip.sim import ManipulationFile, Observation, run_manipulation
 from fingertip.sim.runs.grip import GripController, GripSettings
-from fingertip.sim.runs.hand_motion import HandMotion, Servo, Tremor
-from fingertip.sim.runs.motion import plan_motion
+from fingertip.sim.runs.hand import plan_motion
+from fingertip.sim.runs.tremor import HandMotion, Servo, Tremor
 
 FIRST_SEED = HELD_OUT_FROM + 9_000_000
 HANDS = {

@@ -25,8 +25,8 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.numerics import Array
 from fingertip.sim.runs.files import SceneFile
+from fingertip.sim.runs.hand import Observation
 from fingertip.sim.runs.manipulation import run_manipulation
-from fingertip.sim.runs.motion import Observation
 from fingertip.sim.runs.scene import run_scene
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_board

@@ -23,7 +23,7 @@ ROBOT = (
 FIELDS: dict[str, tuple[type, dict[str, Any]]] = {
     "acceptance.md": (AcceptanceSheet, {"preload": str}),
     "casting.md": (CastingSheet, {"steps": tuple[Step, ...], "pictures": Any, "number": Any, "usd": Any}),
-    "steps.md": (CastingSheet, {}),
+    "casting_steps.md": (CastingSheet, {}),
     "start.md": (FirstScreen, {"usd": Any}),
     "robot.md": (ModelFigures, dict.fromkeys(ROBOT, Any)),
     "set_acceptance.md": (SetSheets, {}),

@@ -32,7 +32,7 @@ class Step:
 def list_steps(sheet: CastingSheet) -> list[Step]:
     """List the steps. Raises KeyError if one names a thing that is not in the list to buy."""
     known = {thing.key: thing for thing in sheet.things}
-    _, *pages = render("steps.md", **vars(sheet)).split("## ")
+    _, *pages = render("casting_steps.md", **vars(sheet)).split("## ")
     steps = []
     for name, _, text in (page.partition("\n") for page in pages):
         uses = dict.fromkeys(known[key].key for _, key in _REFERENCE.findall(text))

@@ -13,6 +13,8 @@ WALL_RULES, RULES, MOLD_RULES = Ruleset(), Ruleset(), Ruleset()
 
 _BESIDE_WIRE_MM = 0.1
 """Gap between the wires and their hole [mm]."""
+_BEND_MARGIN = 0.3
+"""Minimum radius of the channel's inner wall at its bend [mm]."""
 _MIN_COLLAR_HEIGHT = 0.1
 """Minimum height of the collar's face, on which the skin ends [mm]."""
 _BEFORE_TIP = 0.1
@@ -38,6 +40,29 @@ def hole_takes_both_wires(design: DesignTables) -> Limit:
 def hole_stops_the_knot(design: DesignTables) -> Limit:
     knot = KNOT_WIRES * design.sensor.wire_diameter_mm
     return Limit(knot, f"lets a knot in both wires of {design.sensor.wire_diameter_mm:g} mm through")
+
+
+@RULES.at_most("bone.channel_diameter_mm", bone_left_at_sides, bone_left_dorsally)
+def channel_within_base(design: DesignTables) -> Limit | None:
+    section, flat = design.dimensions.bone_outline.section, design.dimensions.flat_depth
+    height, wall = flat + section.dorsal, design.bone.wall_mm
+    width = 2 * min(section.half_width_at(-flat), section.half_width_at(section.dorsal / 2))
+    # The flat of a bone that another rule refuses can lie outside the bone, which leaves no size to state.
+    size = f", which is {width:.2f} mm wide and {height:.2f} mm high" if min(width, height) > 0.0 else ""
+    return Limit(min(width, height) - 2 * wall, f"leaves no walls of {wall:g} mm in the base{size}")
+
+
+@RULES.at_least("bone.channel_bend_radius_mm")
+def bend_wider_than_channel(design: DesignTables) -> Limit | None:
+    diameter = design.bone.channel_diameter_mm
+    return Limit(diameter / 2 + _BEND_MARGIN, f"folds a channel of {diameter:g} mm into itself")
+
+
+@RULES.at_most("bone.channel_bend_radius_mm", channel_within_base)
+def bend_within_base(design: DesignTables) -> Limit | None:
+    dims = design.dimensions
+    room = dims.bone_outline.section.dorsal + dims.flat_depth - dims.pocket_depth
+    return Limit(room, f"ends the channel's bend behind the back of the base, which is {room:.2f} mm from its trough")
 
 
 @RULES.at_least("sensor.clearance_mm")

@@ -25,8 +25,8 @@ from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import Pad
 from fingertip.pad.touch import Pose
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SurfaceTable, find_pitch_issues, find_surface_issues
-from fingertip.sim.runs.hand_motion import Servo, Tremor
 from fingertip.sim.runs.pose import MountTable, ScenePose
+from fingertip.sim.runs.tremor import Servo, Tremor
 from fingertip.sim.signal.parameters import ACCELERATION_M_S2, PathTables, SimulationFile, assumption
 
 MIN_STIFFNESS_N_PER_M = 100.0

@@ -29,7 +29,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import round_down, round_up
 from fingertip.pad.response import Pad
 from fingertip.sim.runs.files import GraspedObject, Hand, ManipulationFile
-from fingertip.sim.runs.motion import Controller, MotionPlan, Observation, delay_commands, plan_motion, thumb_force_n
+from fingertip.sim.runs.hand import Controller, MotionPlan, Observation, delay_commands, plan_motion, thumb_force_n
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.signal.grid import CostMeter, Grid, StageCost, report_share
 from fingertip.slip.traces.trace import Trace

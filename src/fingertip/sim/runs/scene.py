@@ -29,8 +29,8 @@ from fingertip.sim.contact.materials import SurfaceTable
 from fingertip.sim.contact.surfaces import SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
 from fingertip.sim.runs.files import DIRECTIONS, SceneFile
-from fingertip.sim.runs.hand_motion import HandMotion, largest_factor
 from fingertip.sim.runs.timeline import CoupledPad, Timeline, UncoupledPad, build_timeline, mount_pad
+from fingertip.sim.runs.tremor import HandMotion, largest_factor
 from fingertip.sim.signal.finger import OF_BRIDGE, OF_CONTACT, Finger, FingerDrive, FingerSetup, FingerSignals
 from fingertip.sim.signal.grid import CostMeter, Grid, StageCost, count_samples, report_share
 from fingertip.sim.signal.parameters import FILTER_OUTPUTS

@@ -16,7 +16,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.runs.files import ManipulationFile
 from fingertip.sim.runs.grasp_loop import Grasp, GraspMotion, HeldObject, Pin, refine
-from fingertip.sim.runs.motion import MotionPlan, Motors, put_on_object
+from fingertip.sim.runs.hand import MotionPlan, Motors, put_on_object
 from fingertip.sim.runs.timeline import mount_pad
 from fingertip.sim.signal.finger import Finger, FingerDrive, FingerSetup, FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, CostMeter, Grid, SampleClock, Sampler

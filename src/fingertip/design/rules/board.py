@@ -156,14 +156,13 @@ def _check_resistors(
     if formulas.MIN_OHM <= ohm <= formulas.MAX_OHM:
         return None
     value, f = getattr(design.board, capacitor), getattr(design.board, cutoff)
-    passing: tuple[Interval, ...] = ()
-    if math.isfinite(ohm):
-        # R C f is the same for every C and f, so each bound on R is a bound on C at this f.
-        rcf = ohm * value * f
-        if too_small:
-            passing = at_most_preferred(rcf / f / formulas.MIN_OHM)
-        elif (minimum_uf := rcf / f / formulas.MAX_OHM) > 0.0:
-            passing = at_least(formulas.find_preferred_neighbours(minimum_uf)[1])
+    # R C f is the same for every C and f, so each bound on R is a bound on C at this f.
+    rcf = ohm * value * f
+    passing = (
+        at_most_preferred(rcf / f / formulas.MIN_OHM)
+        if too_small
+        else at_least(formulas.find_preferred_neighbours(rcf / f / formulas.MAX_OHM)[1])
+    )
     return Violation(
         f"{value:g} uF at {f:g} Hz requires {name} of {ohm:.4g} ohm, {_out_of_range(ohm)}", passing, "at this cutoff"
     )

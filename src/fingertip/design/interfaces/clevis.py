@@ -196,8 +196,7 @@ class Clevis(JointInterface):
 
     def _anchor_sizes(self, design: DesignTables, anchor: TendonAnchor, pin: Point3) -> list[Size]:
         """List the sizes of the tendon's groove and horns."""
-        side, low = (anchor.half_width, 0.0, anchor.low_z), design.dimensions.stops_top_z
-        assert low is not None
+        side = anchor.half_width, 0.0, anchor.low_z
         return [
             Length("groove of the tendon", INNER, "front", "above", "z", side, (side[0], 0.0, anchor.high_z),
                    clearance(BESIDE_LINE_MM), "narrow: file it until the tendon lies in it"),

@@ -14,6 +14,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
@@ -223,11 +224,15 @@ def test_killed_renames_in_place_are_completed_or_undone_by_the_next_command(tmp
     assert seen == {"old", "new"}
 
 
-def test_folder_that_cannot_be_swapped_is_written_in_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("error", [OSError, AttributeError, TypeError])
+def test_folder_that_cannot_be_swapped_is_written_in_place(
+    tmp_path: Path, error: type[Exception], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The system has no such function, or no C library that Python can load."""
     folder = tmp_path / "area" / "board"
     prepare(folder)
     inode = folder.stat().st_ino
-    monkeypatch.setattr(folder_swap, "_swap", lambda first, second: False)
+    monkeypatch.setattr(folder_swap.ctypes, "CDLL", Mock(side_effect=error))
     assert writer(folder, "new").write(NEW) == ("old_only.txt",)
     assert folder.stat().st_ino == inode
     assert_whole(folder)

@@ -69,7 +69,7 @@ def test_trials_have_their_labels_and_lost_samples_are_counted(tmp_path: Path) -
     late = 3 * pause + sum(count[:2]) + 100
     kept = [*lines[: pause + 200], *lines[pause + 203 : late], *lines[late + 60 :]]
     found, told = record_over_a_terminal(tmp_path, [HEADER, *kept], Plan(3, (0.5, 1.0, 2.0), "paper", pace=PACE))
-    assert (found.trials, found.lost, found.repeated) == ((1, 2, 3), 4, 1)
+    assert found == Recorded((1, 2, 3), lost=4, repeated=1, samples=sum(count))
     trials = read_recordings(tmp_path)
     assert [trial.labels.lost for trial in trials] == [3, 1, 0]
     assert [trial.labels.force_n for trial in trials] == [0.5, 1.0, 2.0]

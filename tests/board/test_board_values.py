@@ -193,10 +193,12 @@ def test_selecting_capacitors_reproduces_the_article_and_reduces_the_error_of_ot
 
 
 def test_given_capacitors_are_ignored_where_the_board_selects_its_own() -> None:
-    changes = ["board.capacitor_series=E12", "board.capacitor_uf=1000", "board.envelope_capacitor_uf=1e-6"]
-    assert board_values(load_article(changes)) == board_values(load_article(changes[:1]))
+    given = ["board.capacitor_uf=1000", "board.envelope_capacitor_uf=1e-6"]
+    for series in ("E6", "E12", "preferred"):
+        changes = [f"board.capacitor_series={series}"]
+        assert board_values(load_article(changes + given)) == board_values(load_article(changes))
     with pytest.raises(DesignError, match=r"board\.capacitor_uf"):
-        load_article(changes[1:])
+        load_article(given)
 
 
 def test_an_envelope_capacitor_needs_a_resistor_and_a_footprint_that_exist() -> None:

@@ -138,3 +138,9 @@ def test_bone_beside_a_slot_is_blunt_up_to_where_it_is_as_thick_as_a_wall() -> N
         assert collar.half_width_at(y, z) == pytest.approx(half + design.bone.wall_mm, abs=1e-6)
         assert 0.0 < y < collar.section.dorsal
     assert design.dimensions.blunt_up_to_y(4.0, z, collar) is None, "near the middle the edge above is blunt"
+
+
+def test_bone_of_a_joint_without_a_tendon_ends_where_its_skin_begins() -> None:
+    design, evaluator = load("adult_finger", "hand.tendon_distance_mm=0"), MeshEvaluator(0.1)
+    bone, skin = (evaluator.manifold(PARTS[part].solid(design)) for part in ("bone", "skin"))
+    assert (bone ^ skin).volume() == pytest.approx(0.0, abs=1e-3)

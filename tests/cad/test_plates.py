@@ -128,9 +128,9 @@ def test_plate_is_for_the_printer_of_the_bone_if_there_is_one(material: str, pla
 def test_parts_that_fit_behind_each_other_alone_stand_so_with_the_gap_in_the_middle_of_the_bed() -> None:
     (plate,) = arrange(dict.fromkeys("abc", (60.0, 30.0)), (100.0, 100.0), 2.0)
     assert [(part.name, part.x, part.y) for part in plate] == [("a", 20.0, 3.0), ("b", 20.0, 35.0), ("c", 20.0, 67.0)]
-    row, alone = arrange(dict.fromkeys("abc", (45.0, 60.0)), (100.0, 100.0), 2.0)
-    assert [(part.x, part.y) for part in row] == [(4.0, 20.0), (51.0, 20.0)]
-    assert [(part.name, part.x, part.y) for part in alone] == [("c", 27.5, 20.0)]
+    row, alone = arrange(dict.fromkeys("abc", (45.0, 60.0)), (100.0, 90.0), 2.0)  # turned, each stands alone
+    assert [(part.x, part.y) for part in row] == [(4.0, 15.0), (51.0, 15.0)]
+    assert [(part.name, part.x, part.y) for part in alone] == [("c", 27.5, 15.0)]
 
 
 def test_small_bed_takes_several_plates() -> None:
@@ -154,7 +154,7 @@ def change_plate(prints: PrintFiles, change: object) -> PrintFiles:
     [
         (lambda item: replace(item, shift=(item.shift[0] + 1.0, *item.shift[1:])), "gap"),
         (lambda item: replace(item, shift=(*item.shift[:2], item.shift[2] + 0.1)), "bed_distance"),
-        (lambda item: replace(item, shift=(item.shift[0], item.shift[1] - 300.0, item.shift[2])), "bed_excess"),
+        (lambda item: replace(item, shift=(item.shift[0], item.shift[1] - 72.0, item.shift[2])), "bed_excess"),
         (lambda item: replace(item, name="bone"), "wrong_parts"),
         (lambda item: replace(item, mesh=item.mesh.replace('v1="', 'v1="1', 1)), "wrong_parts"),
         (lambda item: replace(item, rotation=np.diag([1.0, -1.0, -1.0])), "bed_distance"),

@@ -12,6 +12,7 @@ import pytest
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.verification import check
+from fingertip.cli.check_reports import Finding
 from fingertip.design.geometry.solids import Box
 from tests.conftest import design_file, run_fingertip
 
@@ -112,6 +113,8 @@ def test_of_many_designs_the_valid_ones_are_checked_and_each_refusal_has_its_lin
     results = json.loads((tmp_path / "r.sarif").read_text())["runs"][0]["results"]
     assert len(results) == 4
     assert "::error file=bad.toml,line=3,title=skin.width_mm::99 mm is too large" in done.stderr
+    escaped = Finding("f.toml", None, "a:b,c", "1 %,\nor: 2").to_annotation()
+    assert escaped == "::error file=f.toml,title=a%3Ab%2Cc::1 %25,%0Aor: 2", "as GitHub reads workflow commands"
     assert "error: empty.toml: sets no parameter" in done.stderr
 
 

@@ -24,7 +24,7 @@ class PenRecord:
     def _recorder(self, name: str) -> Any:
         def record(pen: Any, at: Any, text: str = "", **named: Any) -> None:
             font = named.pop("font", None)
-            look = " ".join(f"{key}={value}" for key, value in sorted(named.items()))
+            look = " ".join(f"{key}={str(value)!r}" for key, value in sorted(named.items()))
             said = f"{text!r} {font.size:g} px" if font else ""
             self.lines.append(f"{name} {said} {_sum_up_points(at)} {look}")
 

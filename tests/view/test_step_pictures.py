@@ -1,9 +1,10 @@
-"""Pictures of the steps: labels are legible, and the sheet links what is written."""
+"""Pictures of the steps: their labels are legible and point where they were approved, and the sheet links them."""
 
 from __future__ import annotations
 
 import io
 import re
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -16,21 +17,32 @@ from fingertip.casting.sheet import casting_sheet
 from fingertip.design import Design
 from fingertip.documents.finger import list_steps
 from fingertip.pictures.casting_scenes import SCENES
+from fingertip.pictures.joint_scenes import JOINT_SCENES
 from fingertip.pictures.raster import Canvas
 from fingertip.pictures.scene import Bench, draw_scene
+from tests.approved import check_figures
 from tests.conftest import design_file, run_fingertip
+from tests.figures import sum_up
+from tests.view.describe import PenRecord
+
+APPROVED = Path(__file__).parent / "approved"
 
 
 @pytest.mark.parametrize(
-    "name",
+    ("name", "scenes", "approved"),
     [
-        pytest.param("first_finger", marks=pytest.mark.full),
-        "article",
-        pytest.param("adult_finger", marks=pytest.mark.full),
+        pytest.param("first_finger", SCENES, "", marks=pytest.mark.full),
+        ("article", SCENES, "steps_article.txt"),
+        pytest.param("adult_finger", SCENES, "", marks=pytest.mark.full),
+        ("adult_finger", JOINT_SCENES, "steps_joint.txt"),
     ],
 )
-def test_labels_stand_apart_inside_the_picture(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_labels_stand_apart_inside_the_picture(
+    name: str, scenes: Collection[str], approved: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is drawn, and where lines and arrows point, is as approved, of a finger with each scene."""
     boxes: list[tuple[float, float, float, float]] = []
+    pen = PenRecord(monkeypatch)
     original = ImageDraw.multiline_text
 
     def record(self: ImageDraw, xy: Any, text: str, *args: Any, **kwargs: Any) -> None:
@@ -44,9 +56,13 @@ def test_labels_stand_apart_inside_the_picture(name: str, monkeypatch: pytest.Mo
     monkeypatch.setattr(Canvas, "draw", lambda *args: None)  # the text alone
     design = Design.load(design_file(name))
     sheet, bench = casting_sheet(design, MeshEvaluator(0.05)), Bench(design)
-    for picture in (step.picture for step in list_steps(sheet)):
+    for picture in (step.picture for step in list_steps(sheet) if step.picture in scenes):
         boxes.clear()
-        width, height = Image.open(io.BytesIO(draw_scene(SCENES[picture](bench, sheet)))).size
+        scene = SCENES[picture](bench, sheet)
+        for mesh, colour in ((item.mesh, item.colour) for item in scene.shown):
+            ends = f"{sum_up(mesh.vertices.min(axis=0))} to {sum_up(mesh.vertices.max(axis=0))}"
+            pen.lines.append(f"{picture}: {mesh.area():.4g} mm2 of {sum_up(colour)} from {ends}")
+        width, height = Image.open(io.BytesIO(draw_scene(scene))).size
         assert boxes, picture
         for i, (left, top, right, bottom) in enumerate(boxes):
             assert 0 <= left < right <= width, (picture, i)
@@ -54,6 +70,8 @@ def test_labels_stand_apart_inside_the_picture(name: str, monkeypatch: pytest.Mo
             for other in boxes[:i]:
                 apart = right <= other[0] or other[2] <= left or bottom <= other[1] or other[3] <= top
                 assert apart, (picture, i)
+    if approved:
+        check_figures(APPROVED / approved, pen.lines)
 
 
 @pytest.mark.full

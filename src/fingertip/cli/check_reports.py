@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from fingertip.foundation.errors import FingertipError, Issue
+from fingertip.foundation.files import encode_json
 from fingertip.foundation.tables import read_toml
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def to_sarif(findings: Iterable[Finding]) -> bytes:
         results.append({"ruleId": found.field, "level": "error", "message": message, "locations": locations})
     run = {"tool": {"driver": {"name": "fingertip"}}, "results": results}
     schema = "https://json.schemastore.org/sarif-2.1.0.json"
-    return (json.dumps({"$schema": schema, "version": "2.1.0", "runs": [run]}, indent=2) + "\n").encode()
+    return encode_json({"$schema": schema, "version": "2.1.0", "runs": [run]})
 
 
 _INVALID_IN_XML = re.compile(r"[^\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]")

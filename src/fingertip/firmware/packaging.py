@@ -11,6 +11,7 @@ from typing import Any
 from fingertip.board.components.values import SUPPLIES, VARIANT_CHANGES
 from fingertip.catalogues.electronics import ControllerBoard
 from fingertip.design import Design
+from fingertip.foundation.files import encode_json
 from fingertip.foundation.version import __version__
 
 NAME = "FingertipSlip"
@@ -48,7 +49,7 @@ def library_manifest(design: Design) -> bytes:
         "headers": "slip_detector.h",
         "build": {"flags": ["-ffp-contract=off"]},
     }
-    return (json.dumps(data, indent=2) + "\n").encode()
+    return encode_json(data)
 
 
 def _describe(design: Design) -> str:

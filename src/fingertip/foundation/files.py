@@ -14,6 +14,7 @@ import contextlib
 import csv
 import io
 import itertools
+import json
 import math
 import os
 import shutil
@@ -29,6 +30,11 @@ from fingertip.foundation.errors import Issue, OutputError
 _PREFIX = ".fingertip-"
 """Beginning of the name of an unfinished file; the number of its process and its own follow."""
 _numbers = itertools.count()
+
+
+def encode_json(data: object) -> bytes:
+    """Write data as the text of a JSON file. Raises ValueError for numbers that JSON does not know."""
+    return (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
 
 
 def write_file(path: Path, data: bytes, option: str = "--out") -> None:

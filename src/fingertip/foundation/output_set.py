@@ -19,7 +19,7 @@ from pathlib import Path
 
 from fingertip.foundation import folder_swap, input_files
 from fingertip.foundation.errors import InputFileError, Issue, OutputError, raise_issues
-from fingertip.foundation.files import write_file
+from fingertip.foundation.files import encode_json, write_file
 from fingertip.foundation.folder_swap import Content, hash_content, is_folder, lock, output_errors, recover
 from fingertip.foundation.version import __version__
 
@@ -255,7 +255,7 @@ class Manifest:
     """Name of each file -> SHA-256 hash."""
 
     def to_bytes(self) -> bytes:
-        return (json.dumps(asdict(self) | {"files": dict(sorted(self.files.items()))}, indent=2) + "\n").encode()
+        return encode_json(asdict(self) | {"files": dict(sorted(self.files.items()))})
 
 
 def read_manifest(folder: Path, below: Path | None = None) -> Manifest | None:

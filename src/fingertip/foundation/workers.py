@@ -306,7 +306,7 @@ def end_with(parent: int) -> None:
     """Let Linux kill this process when the one that started it ends; elsewhere it ends when its job is done."""
     if sys.platform == "linux":
         with contextlib.suppress(OSError, AttributeError):
-            ctypes.CDLL(None).prctl(1, signal.SIGKILL, 0, 0, 0)  # PR_SET_PDEATHSIG
+            ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
         if os.getppid() != parent:  # it has ended before
             os._exit(0)
 

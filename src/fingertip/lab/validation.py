@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from fingertip.design import Design
+from fingertip.foundation.files import encode_json
 from fingertip.foundation.progress import Work
 from fingertip.foundation.validation import Comparison
 from fingertip.foundation.workers import find_workers, side_by_side
@@ -155,7 +155,7 @@ class Validation:
         """Return file name -> content: results, plots, page of omissions. Raises MissingLibraryError."""
         found = {
             "validation.txt": f"{self.as_verdict()}\n\n{self.as_text()}\n".encode(),
-            "validation.json": (json.dumps(self.as_data(), indent=2, allow_nan=False) + "\n").encode(),
+            "validation.json": encode_json(self.as_data()),
         }
         if self.board:
             return found

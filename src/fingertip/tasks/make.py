@@ -9,7 +9,6 @@ page is made last, from what was written.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,7 +19,7 @@ from fingertip.design import Design
 from fingertip.detection.recordings import FileDetection, detect_file
 from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
 from fingertip.foundation import extras
-from fingertip.foundation.files import temporary_folder
+from fingertip.foundation.files import encode_json, temporary_folder
 from fingertip.foundation.output_set import SetWriter
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.foundation.workers import in_background
@@ -184,7 +183,7 @@ def simulate_and_detect(design: Design) -> tuple[dict[str, bytes], FileDetection
         path.write_bytes(contents[output_files.TRACE])
         found = detect_file(path, design, DETECTOR, origin=result.trace.origin)
     data = as_data(found.detection, found.noise)
-    contents[output_files.DETECTION] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
+    contents[output_files.DETECTION] = encode_json(data)
     if extras.is_installed("matplotlib"):
         contents[output_files.PLOT] = draw(found.trace, found.detection, f"{design.name}: simulated trial")
     return contents, found

@@ -6,7 +6,6 @@ The forms are written one after the other, the files of the set last.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
@@ -38,6 +37,7 @@ from fingertip.design.geometry.solids import scaled
 from fingertip.documents import finger_set
 from fingertip.documents.acceptance import acceptance_sheet
 from fingertip.foundation.errors import DesignError, Issue, OutputError, raise_issues
+from fingertip.foundation.files import encode_json
 from fingertip.foundation.input_files import find_link
 from fingertip.foundation.progress import Work
 from fingertip.page.render import render_set_page
@@ -137,7 +137,7 @@ def _render_sheets(
     return {
         **{name: text.encode() for name, text in pages.items()},
         PARTS_CSV: finger_set.write_parts_csv(sheets.things),
-        SET_REPORT: (json.dumps(asdict(sheets), indent=2, allow_nan=False) + "\n").encode(),
+        SET_REPORT: encode_json(asdict(sheets)),
         PAGE: render_set_page(sheets, pictures, start, pages.values(), [*pages, PARTS_CSV, *files], failed),
     }
 

@@ -85,12 +85,7 @@ class Ceiling:
 
     def unsupported_mm2(self) -> float:
         """Area seen from above that no short bridge and no short ledge covers [mm2], in the best direction."""
-        least = math.inf
-        for i in range(_DIRECTIONS):
-            least = min(least, _unsupported_along(self.edges, self.is_held, math.pi * i / _DIRECTIONS))
-            if least == 0.0:
-                break
-        return least
+        return min(_unsupported_along(self.edges, self.is_held, math.pi * i / _DIRECTIONS) for i in range(_DIRECTIONS))
 
 
 def find_ceilings(mesh: Mesh) -> list[Ceiling]:
@@ -134,20 +129,19 @@ def _neighbours(triangles: Triangles, numbers: NDArray[np.int64]) -> NDArray[np.
 
 
 def _connected(numbers: NDArray[np.int64], beside: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Number the groups of facets that overhang and share an edge, in the order of their first facets."""
+    """Find the group of each facet: those that overhang and share an edge have the place of the first of them."""
     row_of = {number: row for row, number in enumerate(numbers.tolist())}
     links = [[row_of[other] for other in others if other in row_of] for others in beside.tolist()]
-    group, count = [-1] * len(links), 0
+    group = [-1] * len(links)
     for first in range(len(links)):
         if group[first] >= 0:
             continue
-        waiting, group[first] = [first], count
+        waiting, group[first] = [first], first
         while waiting:
             for other in links[waiting.pop()]:
                 if group[other] < 0:
-                    group[other] = count
+                    group[other] = first
                     waiting.append(other)
-        count += 1
     return np.array(group)
 
 

@@ -27,7 +27,15 @@ import numpy as np
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
-from fingertip.design.formulas.stress_and_knock import PIN, PRESSED_N, LocalStress, Springs, StressFactors
+from fingertip.design.formulas.stress_and_knock import (
+    AT_CORNER,
+    CORNER_REACH_MM,
+    PIN,
+    PRESSED_N,
+    LocalStress,
+    Springs,
+    StressFactors,
+)
 from fingertip.design.geometry.solids import Point3
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
@@ -39,13 +47,8 @@ from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import REFERENCE_POSE
 
 STATIONS = 160
-AT_COLLAR, AT_CHANNEL_MOUTH, REACH_MM = 1.6, 2.7, 1.0
-"""Stress concentration beside the collar and at the channel's mouth, and how far that of the collar acts [mm].
-
-Own finite elements (tests/cad/test_bone_elements.py) found 1.4 to 1.6 at collars of 2 and 6 mm, whose corners are not
-rounded, and 2.5 to 2.7 at mouths. Formulas of shoulders would give 2 to 2.5 at collars: they hold for shafts that stay
-thick.
-"""
+AT_CHANNEL_MOUTH = 2.7
+"""Stress concentration at the channel's mouth; own finite elements (tests/cad/test_bone_elements.py): 2.5 to 2.7."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -262,8 +265,8 @@ def _find_concentration(design: Design, z: float) -> StressFactors:
     """Find the stress concentration at a height: beside collar and notches, at the cable channel, of the joint."""
     dims, foot, radius = design.dimensions, -design.bone.collar_length_mm, design.bone.channel_diameter_mm / 2
     factors = StressFactors()
-    if foot - REACH_MM <= z <= foot or 0.0 <= z <= REACH_MM:
-        factors = StressFactors(AT_COLLAR, AT_COLLAR)
+    if foot - CORNER_REACH_MM <= z <= foot or 0.0 <= z <= CORNER_REACH_MM:
+        factors = AT_CORNER
     if abs(z - dims.channel_exit_z) <= radius:
         factors = factors.combined_with(StressFactors(height=AT_CHANNEL_MOUTH))
     return factors.combined_with(interface_of(design).stress_factors(design, z))

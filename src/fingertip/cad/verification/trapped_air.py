@@ -39,10 +39,8 @@ def _has_summit(free: Manifold, lean_deg: tuple[float, float]) -> bool:
     heights = vertices @ upwards
     corners, beside, roof = vertices[triangles], np.full(len(vertices), -np.inf), np.zeros(len(vertices))
     facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) @ upwards
-    for corner in range(3):
-        at, others = triangles[:, corner], np.delete(triangles, corner, axis=1)
-        np.maximum.at(beside, at, heights[others].max(axis=1))
-        np.add.at(roof, at, facing)
+    np.maximum.at(beside, triangles, heights[triangles].max(axis=1, keepdims=True))
+    np.add.at(roof, triangles, facing[:, None])
     is_summit = (beside <= heights + _LEVEL_MM) & (roof > 0.0) & (vertices[:, 2] > _AT_RIM_MM)
     return bool(is_summit.any())
 

@@ -70,6 +70,12 @@ class StressFactors:
         return StressFactors(max(self.width, other.width), max(self.height, other.height))
 
 
+AT_CORNER, CORNER_REACH_MM = StressFactors(1.6, 1.6), 1.0
+"""Stress concentration beside a corner that is not rounded, and how far it acts [mm].
+
+Own finite elements (tests/cad/test_bone_elements.py) found 1.4 to 1.6 at collars of 2 and 6 mm. Formulas of shoulders
+would give 2 to 2.5: they hold for shafts that stay thick.
+"""
 FOOT_REACH, OF_CHORDS = 2.0, 1.15
 """Length along which a fillet raises the stress, in radii from the root, and how much more its chords raise it than the
 arc would. Finite elements of posts found 1.07 to 1.12."""

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fingertip.design.formulas.stress_and_knock import StressFactors
+from fingertip.design.formulas.stress_and_knock import AT_CORNER, CORNER_REACH_MM, StressFactors
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import quarter_outline
 from fingertip.design.geometry.sizes import Size
@@ -37,8 +37,6 @@ _TOUCH_MM, _BESIDE_MM = 1e-5, 0.02
 """Gap that counts as none, and length by which an adapter may stand out of the base past the datum plane [mm]."""
 _MIN_SHARE, _POINTS = 0.25, 64
 """Least share of the end of the base that the adapter touches, and chords of a quarter of its outline."""
-_AT_CORNER, _REACH_MM = 1.6, 1.0
-"""Stress concentration at the corner of base and adapter, as found beside collars, and how far it acts [mm]."""
 
 
 def read_adapter(design: DesignTables) -> Body:
@@ -94,8 +92,7 @@ class Adapter(JointInterface):
 
     def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
         """Find the factors at the corner where the base begins; those within the adapter are not known."""
-        is_near = abs(z + design.bone.base_length_mm) <= _REACH_MM
-        return StressFactors(_AT_CORNER, _AT_CORNER) if is_near else StressFactors()
+        return AT_CORNER if abs(z + design.bone.base_length_mm) <= CORNER_REACH_MM else StressFactors()
 
 
 RULES = Ruleset(when=lambda design: design.bone.interface == "file")

@@ -12,6 +12,8 @@ import math
 from collections.abc import Iterator
 
 from fingertip.design.formulas.stress_and_knock import (
+    AT_CORNER,
+    CORNER_REACH_MM,
     PIN,
     PIN_IN_EYE,
     STEEL_IN_EYE,
@@ -45,9 +47,6 @@ from fingertip.design.geometry.sizes import (
 from fingertip.design.geometry.solids import Point3, Solid
 from fingertip.design.interfaces import clevis_solids
 from fingertip.design.interfaces.interface import JointInterface, Shapes
-
-_AT_GROOVE, _REACH_MM = 1.6, 1.0
-"""Stress concentration at the proximal corner of the groove, as found beside collars, and how far it acts [mm]."""
 
 
 class Clevis(JointInterface):
@@ -100,8 +99,8 @@ class Clevis(JointInterface):
         width = base[0] if joint.is_fork else 2 * joint.half_width
         height = base[1] if joint.travel_deg else 2 * joint.eye_radius
         factors = at_foot(base, (width, height), joint.foot, joint.shoulder_z - z)
-        if anchor and 0.0 <= z - anchor.low_z <= _REACH_MM:
-            return factors.combined_with(StressFactors(_AT_GROOVE, _AT_GROOVE))
+        if anchor and 0.0 <= z - anchor.low_z <= CORNER_REACH_MM:
+            return factors.combined_with(AT_CORNER)
         return factors
 
     def local_stresses(self, design: DesignTables, load_z: float) -> Iterator[LocalStress]:
@@ -196,8 +195,7 @@ class Clevis(JointInterface):
 
     def _anchor_sizes(self, design: DesignTables, anchor: TendonAnchor, pin: Point3) -> list[Size]:
         """List the sizes of the tendon's groove and horns."""
-        side, low = (anchor.half_width, 0.0, anchor.low_z), design.dimensions.stops_top_z
-        assert low is not None
+        side = anchor.half_width, 0.0, anchor.low_z
         return [
             Length("groove of the tendon", INNER, "front", "above", "z", side, (side[0], 0.0, anchor.high_z),
                    clearance(BESIDE_LINE_MM), "narrow: file it until the tendon lies in it"),

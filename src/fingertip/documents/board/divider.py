@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -18,7 +17,7 @@ from fingertip.design import Design
 from fingertip.design.formulas.filter import find_preferred_neighbours
 from fingertip.documents.acceptance import WeightReading, expect_open_v, expect_readings
 from fingertip.documents.template import WIDTH, render, render_page
-from fingertip.foundation.files import format_csv
+from fingertip.foundation.files import encode_json, format_csv
 
 
 def list_readings(design: Design) -> list[dict[str, Any]]:
@@ -58,7 +57,7 @@ def divider_files(design: Design) -> dict[str, bytes]:
         DECK: divider_deck(circuit, design.board.supply_v, low_ohm, high_ohm),
         WIRING: render("board/divider.svg", design=design, ohm=circuit.component("R1").value).encode(),
         BOM: format_csv((*COLUMNS[:3], "Rating"), rows),
-        VALUES: (json.dumps(values, indent=2) + "\n").encode(),
+        VALUES: encode_json(values),
         README: readme.encode(),
     }
 

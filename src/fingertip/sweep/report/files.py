@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from fingertip.foundation import extras
-from fingertip.foundation.files import open_atomic
+from fingertip.foundation.files import encode_json, open_atomic
 from fingertip.foundation.output_set import SetWriter, hash_parameters
 from fingertip.foundation.progress import Work
 from fingertip.sweep.database import SweepDatabase
@@ -51,7 +50,7 @@ def write_report(
             progress(f"left out {', '.join(plots)}: plots need {extras.describe_missing('matplotlib')}")
     names = sorted([*files, "summary.json"])
     data = summary.to_json_data(found) | {"best_summary": summary.describe_best(found), "files": names}
-    files["summary.json"] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
+    files["summary.json"] = encode_json(data)
     # The database in the folder is open, so the folder must stay where it is.
     parameters = hash_parameters(found.plan.to_toml())
     SetWriter(folder, "sweep report", found.plan.file.name, parameters, force=True, in_place=True).write(files)

@@ -15,6 +15,10 @@ from tools.mutation.reach import start  # type: ignore[attr-defined]
 def test_equivalent_mutants_fit_a_line_of_their_module_and_say_why() -> None:
     wrong = []
     for entry in read_equivalent():
+        if part := entry.get("part"):
+            sources = (path.read_text(encoding="utf-8") for _, path in list_modules())
+            assert len(entry) == 2 and any(re.search(part, source) for source in sources), part
+            continue
         path = ROOT / entry["module"]
         lines = [line.strip() for line in path.read_text(encoding="utf-8").splitlines()] if path.is_file() else []
         fits = any(re.fullmatch(entry["before"], line) for line in lines)

@@ -171,7 +171,6 @@ def test_loads_that_a_weak_material_holds_pass_as_one_line(material: str) -> Non
     lighter = Design.load("first_finger", changes=[*heavy, *grip.remedy.split(" --set ")])
     for check in check_strength(lighter, Solids.of(lighter, MeshEvaluator(0.02), ("bone",))):
         assert check.limit <= check.value < 1.12 * check.limit
-        assert not check.remedy
 
 
 def test_own_material_holds_what_its_figures_say() -> None:

@@ -12,6 +12,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from fingertip.cli.console import format_state
 from fingertip.foundation.errors import SweepError
 from fingertip.foundation.workers import WorkerDiedError
 from fingertip.sweep import run
@@ -95,6 +96,12 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     found = Clock()
     monkeypatch.setattr(run, "time", found)
     return found
+
+
+def test_time_left_is_told_from_ten_rows_on(clock: Clock) -> None:
+    for rows in (9, 10):
+        state = RunState(100, 0, written=rows, history=deque([(clock.now_s - 2.0, 0)]))
+        assert ("left" in format_state(state)) == (rows == 10)
 
 
 def test_rate_and_remaining_time_are_those_of_the_last_half_minute(clock: Clock) -> None:

@@ -63,10 +63,11 @@ def is_equivalent(mutant: Mutant, listed: Iterable[dict[str, str]]) -> bool:
     """Tell whether a mutant is listed: by its line before and after the change, or by the part of it that changes."""
 
     def fits(one: dict[str, str]) -> bool:
+        if one.get("module", mutant.path) != mutant.path:
+            return False
         if part := one.get("part"):
             return re.sub(part, "", mutant.before) == re.sub(part, "", mutant.after) != mutant.before
-        lines = ((one["before"], mutant.before), (one["after"], mutant.after))
-        return one["module"] == mutant.path and all(re.fullmatch(pattern, line) for pattern, line in lines)
+        return bool(re.fullmatch(one["before"], mutant.before) and re.fullmatch(one["after"], mutant.after))
 
     return any(map(fits, listed))
 

@@ -17,6 +17,7 @@ from fingertip.foundation.errors import SweepError
 from fingertip.foundation.workers import WorkerDiedError
 from fingertip.sweep import run
 from fingertip.sweep.database import StoredRow, SweepDatabase
+from fingertip.sweep.engines import ProcessEngine
 from fingertip.sweep.point_evaluator import Chunk, ChunkResult
 from fingertip.sweep.run import RunState, compute_rows
 from tests.sweep.examples import InlineEngine, make_plan
@@ -173,14 +174,19 @@ def test_rows_are_written_at_once_then_at_intervals_or_when_many_wait(
 
 
 @pytest.mark.parametrize(
-    ("attempts", "after_s", "status"),
-    [(1, 0.99 * LIMIT_S, "failed"), (1, LIMIT_S, "timeout"), (3, 2.9 * LIMIT_S, "failed"), (3, 3 * LIMIT_S, "timeout")],
+    ("attempts", "limits", "status"),
+    [
+        (ProcessEngine.attempts, 0.99, "failed"),
+        (ProcessEngine.attempts, 1, "timeout"),
+        (3, 2.9, "failed"),
+        (3, 3, "timeout"),
+    ],
 )
 def test_point_whose_worker_dies_is_tried_again_alone_and_recorded(
-    clock: Clock, attempts: int, after_s: float, status: str
+    clock: Clock, attempts: int, limits: float, status: str
 ) -> None:
     sizes: list[int] = []
-    engine, database = Breaking({40}, after_s, attempts), Database()
+    engine, database = Breaking({40}, limits * LIMIT_S, attempts), Database()
     state = compute(engine, database, sizes=sizes)
     assert [row[0] for row in database.rows] == list(range(POINTS))
     assert [row[0] for row in database.rows if row[1] != make_result(int(row[0]))[1]] == [40]

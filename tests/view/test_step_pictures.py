@@ -23,7 +23,6 @@ from fingertip.pictures.raster import Canvas
 from fingertip.pictures.scene import Bench, draw_scene
 from tests.conftest import design_file, run_fingertip
 
-
 NEAR_MM = 3.0
 """Distance within which a label points at something that is shown."""
 

@@ -186,8 +186,7 @@ def test_parts_of_wide_tolerances_are_warned_of_with_a_remedy_that_passes() -> N
 
 @pytest.mark.parametrize(("name", "gains"), [("article", [203 / 3, 1.0]), ("precision", [1.0, 1.0])])
 def test_each_stage_has_the_offset_of_its_own_amplifier_times_its_gain_at_rest(name: str, gains: list[float]) -> None:
-    design = load(name)
-    amplifier = choose_amplifier(design.board)
+    amplifier = choose_amplifier((design := load(name)).board)
     offsets = [c.value for c in board_values(design).gate if c.name == OFFSET and c.level == "required"]
     per_offset = input_swing_v(design.board, amplifier) / amplifier.max_offset_v
     assert [offset * per_offset for offset in offsets] == pytest.approx(gains, rel=1e-3)

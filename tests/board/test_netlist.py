@@ -60,9 +60,8 @@ def write_netlist(folder: Path, changes: list[str]) -> tuple[Design, Path]:
 @pytest.mark.parametrize("name", ["article", "comparator"])
 def test_independent_reader_reads_the_circuit(tmp_path: Path, name: str) -> None:
     design, path = write_netlist(tmp_path, list(VARIANT_CHANGES[name]))
-    circuit, text = board_circuit(board_values(design)), path.read_text("utf-8")
+    circuit, tree = board_circuit(board_values(design)), parse(text := path.read_text("utf-8"))
     assert max(map(len, text.splitlines())) <= MAX_LINE + 2, "long lists are divided, but for the last brackets"
-    tree = parse(text)
     parts = {
         (word(part, "ref"), word(part, "value"), word(source, "lib"), word(source, "part"), word(part, "footprint"))
         for part in descendants(tree, "comp")

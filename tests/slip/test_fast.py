@@ -454,7 +454,6 @@ def test_a_lost_sample_and_a_glitch_are_told_for_50_ms_and_vibration_that_grows_
     time_s, settings = np.arange(2000) / RATE_HZ, FastSettings(RATE_HZ, NOISE_V, filtered=FilteredSignal(64.0, 4.0))
     lost = 4.0 + white_noise(2000)
     lost[500] = np.nan
-    # Its steps reach 0.1 V, four times what is a jump where the signal stands nearly still.
     moving = 0.25 * np.clip(time_s / 0.5, 0.02, 1.0) * np.sin(math.tau * 130 * time_s)
     glitch = moving / 25 + 0.1 * (np.arange(2000) == 500)
     for volts, filtered, told in ((lost, None, (500, 600)), (time_s, moving, (0, 0)), (time_s, glitch, (501, 601))):

@@ -135,7 +135,6 @@ def test_limits_of_a_constant_voltage_hold_the_supply_of_a_meter_and_not_of_a_co
     assert plan.pins_v.keys() == {ADC_TACTILE, ADC_FILTERED}
 
 
-@pytest.mark.full
 @EACH
 def test_each_net_is_measured_where_the_sheet_says(name: str) -> None:
     """The side of a part that the sheet names has the pad of the net in the layout."""
@@ -156,6 +155,9 @@ def test_each_net_is_measured_where_the_sheet_says(name: str) -> None:
     for part in (part for part in circuit.components if part.symbol.name == "BAT54S"):
         diodes = {pin.name: circuit.net_by_pin[part.reference, pin.number] for pin in part.symbol.pins}
         assert (diodes["A"], diodes["K"]) == (GND, "VCC")
+    stated = np.array(re.findall(r"\| (-?[\d.]+) to (-?[\d.]+) V \|", sheet), dtype=float)
+    for limits in (*plan.open_v.values(), *plan.dummy_v.values()):
+        assert abs(stated - (limits.low, limits.high)).max(axis=1).min() < 6e-4, "rounded to a millivolt"
     found = set(re.findall(r"(left|right|upper|lower) end of (\w+)", sheet))
     assert {reference for _, reference in found} >= {"R13"} & {*pads}
     for side, reference in found:

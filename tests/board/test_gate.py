@@ -21,6 +21,7 @@ from fingertip.board.analysis.gate import (
     HIGHEST,
     LOWEST,
     MARGIN,
+    OFFSET,
     PEAKING,
     TRIM,
     YIELD,
@@ -44,6 +45,7 @@ from fingertip.design.formulas.amplifiers import (
     compute_phase_margin_deg,
     find_gain_bandwidth_hz,
     first_stage_feedback,
+    input_swing_v,
 )
 from fingertip.design.formulas.filter import find_preferred_neighbours
 from fingertip.foundation.errors import DesignError
@@ -180,6 +182,14 @@ def test_parts_of_wide_tolerances_are_warned_of_with_a_remedy_that_passes() -> N
     assert warning.startswith("share of boards within 10 % (cutoff): 0.8")
     remedies = re.findall(r"board\.\w+=\w+", warning)
     assert list(gate_warnings(board_values(load("article", *wide, *remedies)).gate)) == []
+
+
+@pytest.mark.parametrize(("name", "gains"), [("article", [203 / 3, 1.0]), ("precision", [1.0, 1.0])])
+def test_each_stage_has_the_offset_of_its_own_amplifier_times_its_gain_at_rest(name: str, gains: list[float]) -> None:
+    amplifier = choose_amplifier((design := load(name)).board)
+    offsets = [c.value for c in board_values(design).gate if c.name == OFFSET and c.level == "required"]
+    per_offset = input_swing_v(design.board, amplifier) / amplifier.max_offset_v
+    assert [offset * per_offset for offset in offsets] == pytest.approx(gains, rel=1e-3)
 
 
 def test_margin_is_one_at_the_limit() -> None:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.components.values import VARIANT_CHANGES
+from fingertip.board.kicad.sexpr import MAX_LINE
 from fingertip.board.parts.circuit import format_component_value, parse_component_value
 from fingertip.board.parts.nets import kicad_net_name
 from fingertip.catalogues.output_files import NETLIST
@@ -59,7 +60,8 @@ def write_netlist(folder: Path, changes: list[str]) -> tuple[Design, Path]:
 @pytest.mark.parametrize("name", ["article", "comparator"])
 def test_independent_reader_reads_the_circuit(tmp_path: Path, name: str) -> None:
     design, path = write_netlist(tmp_path, list(VARIANT_CHANGES[name]))
-    circuit, tree = board_circuit(board_values(design)), parse(path.read_text("utf-8"))
+    circuit, tree = board_circuit(board_values(design)), parse(text := path.read_text("utf-8"))
+    assert max(map(len, text.splitlines())) <= MAX_LINE + 2, "long lists are divided, but for the last brackets"
     parts = {
         (word(part, "ref"), word(part, "value"), word(source, "lib"), word(source, "part"), word(part, "footprint"))
         for part in descendants(tree, "comp")

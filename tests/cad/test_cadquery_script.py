@@ -298,7 +298,7 @@ def test_refused_number_ends_with_its_condition_and_remedy() -> None:
 def test_named_numbers_keep_their_brackets() -> None:
     text = Text(Trace(Design(), PARTS["skin"].solid), "skin")
     a, b = (wrap(value, Term("name", name)) for name, value in {"a": 3.0, "b": 0.5}.items())
-    for number in (a - (b - a), a - (b + 2), (a + b) * -a, a / (b * a), a / b / a, -(a + b), -a * b, 2 - a - -b, 0 - a):
+    for number in (a - (b - a), a - (2 - -b), (a + b) * -a, a / (b * a), a / b / a, -(a + b), -a * b, (-2) ** (a - 1)):
         assert isinstance(number, Named)
         assert eval(text.write(number.term)[0], {}, {"a": 3.0, "b": 0.5}) == number
     assert [a + 0, 1 * a, a * 0] == [a, a, 0.0]

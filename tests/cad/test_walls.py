@@ -9,7 +9,7 @@ import pytest
 from manifold3d import Manifold
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.verification.walls import find_thin_walls, measure_walls
+from fingertip.cad.verification.walls import SPACING_MM, find_thin_walls, measure_walls
 from fingertip.design import Design
 from tests.conftest import design_file
 
@@ -18,6 +18,7 @@ def test_thickness_and_area_of_a_plate() -> None:
     found = measure_walls(Manifold.cube((20.0, 10.0, 0.5)), 0.8)
     assert found.thickness_mm == pytest.approx(0.5, abs=1e-9)
     assert found.area_mm2 == pytest.approx(2 * 20 * 10, rel=0.01)
+    assert found.patches().area() == pytest.approx(len(found.points) * SPACING_MM**2), "a square for each"
     assert measure_walls(Manifold.cube((20.0, 10.0, 0.5)), 0.49).area_mm2 == 0.0
 
 

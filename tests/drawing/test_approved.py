@@ -28,7 +28,7 @@ from tests.tools import require_module
 
 APPROVED = Path(__file__).parent / "approved"
 DESIGNS = {
-    "calibrated": ("adult_finger", CALIBRATED),
+    "calibrated": ("adult_finger", (*CALIBRATED, "hand.axis_height_mm=6")),
     "flange": (
         "fsr400",
         ("bone.interface=flange", "bone.base_length_mm=27", "bone.foot_radius_mm=1.65", "printer.surface_error_mm=0"),

@@ -145,7 +145,7 @@ VARIANTS = (
     ("first_finger", ()),
     ("fsr400", ("bone.interface=socket", "bone.base_length_mm=31")),
     ("fsr400", ("bone.interface=flange", "bone.base_length_mm=27", "bone.foot_radius_mm=1.65")),
-    ("adult_finger", ("hand.travel_deg=0", "bone.base_length_mm=16.5")),
+    ("adult_finger", ("hand.travel_deg=0", "hand.axis_height_mm=6", "bone.base_length_mm=16.5")),
 )
 
 

@@ -16,6 +16,7 @@ from fingertip.sim.contact.coupled_loop import bristle_rate, normal_rate
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, GROSS_SLIP_M_S, LOAD_SCALE_N, RELAX_PER_S, Friction
 from fingertip.sim.contact.tangential import DraggedPad, Mount
 from fingertip.sim.runs.timeline import TrapezoidalMove
+from tests.first_set import FULL
 from tests.oracles.steady_friction import steady_coefficient
 
 FORCE_N = 0.8
@@ -202,14 +203,13 @@ def draw_friction(rng: np.random.Generator, elastic: float) -> Friction:
     return Friction(mu_s, mu_c, 10 ** rng.uniform(-3, -2), 10 ** rng.uniform(4, 4.7), sigma1, sigma2, elastic)
 
 
-@pytest.mark.full
 @pytest.mark.parametrize("elastic", [0.0, ELASTO_PLASTIC])
 def test_jacobian_agrees_with_finite_differences(elastic):
     """Also in flight, next to the loss of contact, and with both signs of velocity and deflection."""
     rng = np.random.default_rng(5)
     mount, normal = (900.0 / 0.002, 0.3 / 0.002, 1 / 0.002), (570.0**2, 170.0, 0.02, 24.0)
     yielding = 0
-    for case in range(2000):
+    for case in range(2000 if FULL else 200):
         curve, sigma = loop_parameters(draw_friction(rng, elastic))
         y = (rng.uniform(0.01, 3.0), rng.uniform(2e-5, 9.9e-4), rng.uniform(-1.0, -0.01))[case % 3]
         v = rng.choice([-1, 1]) * 10 ** rng.uniform(-4, -1)
@@ -231,7 +231,7 @@ def test_jacobian_agrees_with_finite_differences(elastic):
         size = np.abs(expected * scale).max(axis=1, keepdims=True) + 1e-12
         assert (np.abs(differences - expected) * scale / size).max() < 1e-4, (case, state)
         yielding += elastic > 0.0 and 0.0 < expected[1, 1] * math.sqrt(max(y, 0.0) + LOAD_SCALE_N) < 0.9 * y
-    assert yielding > 20 or not elastic
+    assert yielding > case / 100 or not elastic
 
 
 @pytest.mark.parametrize("chunk", [1, 2, 7, 1000])

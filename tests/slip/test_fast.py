@@ -450,6 +450,16 @@ def test_floors_learn_strong_vibration_only_if_it_is_a_tone_or_the_force_stands_
     assert least_s <= moved_s <= most_s
 
 
+def test_a_lost_sample_and_a_glitch_are_told_for_50_ms_and_vibration_that_grows_is_none() -> None:
+    time_s, settings = np.arange(2000) / RATE_HZ, FastSettings(RATE_HZ, NOISE_V, filtered=FilteredSignal(64.0, 4.0))
+    lost = np.where(np.arange(2000) == 500, np.nan, 4.0 + white_noise(2000))
+    moving = 0.25 * np.clip(time_s / 0.5, 0.02, 1.0) * np.sin(math.tau * 130 * time_s)
+    glitch = moving / 25 + 0.1 * (np.arange(2000) == 500)
+    for volts, filtered, told in ((lost, None, (500, 600)), (time_s, moving, (0, 0)), (time_s, glitch, (501, 601))):
+        output = FastDetector(settings).process(volts, filtered)
+        assert np.flatnonzero(output.is_replaced).tolist() == [*range(*told)]
+
+
 def test_of_a_jump_that_the_next_sample_confirms_nothing_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     """A jump of 0.3 V decays in the filtered signal: soon the bands hold what they hold where no jump is suspected."""
     volts = np.full(800, 4.0)

@@ -12,10 +12,12 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from fingertip.cli.console import format_state
 from fingertip.foundation.errors import SweepError
 from fingertip.foundation.workers import WorkerDiedError
 from fingertip.sweep import run
 from fingertip.sweep.database import StoredRow, SweepDatabase
+from fingertip.sweep.engines import ProcessEngine
 from fingertip.sweep.point_evaluator import Chunk, ChunkResult
 from fingertip.sweep.run import RunState, compute_rows
 from tests.sweep.examples import InlineEngine, make_plan
@@ -101,7 +103,9 @@ def test_rate_and_remaining_time_are_those_of_the_last_half_minute(clock: Clock)
     state = RunState(100, 10)
     assert (state.points_per_s, state.remaining_s) == (0.0, math.inf)
     clock.now_s += 0.5
-    assert RunState(100, 0, written=10, history=deque([(clock.now_s - 0.5, 0)])).points_per_s == 20.0
+    few, enough = (RunState(100, 0, written=rows, history=deque([(clock.now_s - 0.5, 0)])) for rows in (9, 10))
+    assert enough.points_per_s == 20.0
+    assert ("left" in format_state(few), "left" in format_state(enough)) == (False, True)
     clock.now_s += 1.5
     state.add_written(20)
     clock.now_s += 2.0
@@ -166,18 +170,18 @@ def test_rows_are_written_at_once_then_at_intervals_or_when_many_wait(
 
 
 @pytest.mark.parametrize(
-    ("attempts", "after_s", "status"),
-    [(1, 0.99 * LIMIT_S, "failed"), (1, LIMIT_S, "timeout"), (3, 2.9 * LIMIT_S, "failed"), (3, 3 * LIMIT_S, "timeout")],
+    ("attempts", "limits", "in_time"),
+    [(ProcessEngine.attempts, 0.99, True), (ProcessEngine.attempts, 1, False), (3, 2.9, True), (3, 3, False)],
 )
 def test_point_whose_worker_dies_is_tried_again_alone_and_recorded(
-    clock: Clock, attempts: int, after_s: float, status: str
+    clock: Clock, attempts: int, limits: float, in_time: bool
 ) -> None:
     sizes: list[int] = []
-    engine, database = Breaking({40}, after_s, attempts), Database()
+    engine, database = Breaking({40}, limits * LIMIT_S, attempts), Database()
     state = compute(engine, database, sizes=sizes)
     assert [row[0] for row in database.rows] == list(range(POINTS))
     assert [row[0] for row in database.rows if row[1] != make_result(int(row[0]))[1]] == [40]
-    assert database.rows[40][1] == status
+    assert database.rows[40][1] == ("failed" if in_time else "timeout")
     assert (state.failures, state.refused, engine.deaths) == (1, 0, 2)
     assert max(sizes) > 1
     assert sum(sizes) == POINTS - 1

@@ -1,20 +1,23 @@
-"""Pictures of the steps: their labels are legible and point where they were approved, and the sheet links them."""
+"""Pictures of the steps: labels are legible, what is drawn and pointed at is as approved, and the sheet links it."""
 
 from __future__ import annotations
 
 import io
+import math
 import re
 from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from PIL import Image
 from PIL.ImageDraw import ImageDraw
 
-from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.casting.sheet import casting_sheet
 from fingertip.design import Design
+from fingertip.design.geometry.solids import Point3
 from fingertip.documents.finger import list_steps
 from fingertip.pictures.casting_scenes import SCENES
 from fingertip.pictures.joint_scenes import JOINT_SCENES
@@ -26,6 +29,14 @@ from tests.figures import sum_up
 from tests.view.describe import PenRecord
 
 APPROVED = Path(__file__).parent / "approved"
+
+
+def is_inside(mesh: Mesh, point_mm: Point3) -> bool:
+    """Tell whether a point is in a closed mesh, by solid angles (van Oosterom and Strackee, 1983)."""
+    a, b, c = (mesh.vertices[mesh.triangles].transpose(1, 0, 2) - point_mm).astype(float)
+    i, j, k = (np.linalg.norm(each, axis=1) for each in (a, b, c))
+    dots = (a * b).sum(axis=1) * k + (b * c).sum(axis=1) * i + (c * a).sum(axis=1) * j
+    return bool(abs(np.arctan2((a * np.cross(b, c)).sum(axis=1), i * j * k + dots).sum()) > math.pi)
 
 
 @pytest.mark.parametrize(
@@ -62,6 +73,8 @@ def test_labels_stand_apart_inside_the_picture(
         for mesh, colour in ((item.mesh, item.colour) for item in scene.shown):
             ends = f"{sum_up(mesh.vertices.min(axis=0))} to {sum_up(mesh.vertices.max(axis=0))}"
             pen.lines.append(f"{picture}: {mesh.area():.4g} mm2 of {sum_up(colour)} from {ends}")
+        for end in (end for arrow in scene.arrows for end in (arrow.start_mm, arrow.end_mm)):
+            assert not any(is_inside(each.mesh, end) for each in scene.shown), (picture, "an arrow is hidden")
         width, height = Image.open(io.BytesIO(draw_scene(scene))).size
         assert boxes, picture
         for i, (left, top, right, bottom) in enumerate(boxes):

@@ -342,7 +342,7 @@ class _Search:
 
     def _explain(self, values: Values) -> str:
         found = self.check(values)[1] or (self._holds.judge(self._tables.with_values(values)) if self._holds else ())
-        return f"{found[0].rule.field}: {found[0].violation.problem}" if found else ""
+        return next((f"{one.rule.field}: {one.violation.problem}" for one in found), "")
 
 
 def _measure_lack(broken: BrokenRule) -> float:

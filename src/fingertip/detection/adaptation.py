@@ -98,7 +98,7 @@ def _select_samples(trace: Trace, between_s: tuple[float, float], name: str) -> 
     elif end_s > duration_s + 1.5 * duration_s / max(1, len(trace.time_s) - 1) + slack_s:
         message = f"ends after {name}, which lasts {lasts} s; choose an end of at most {lasts}."
     elif trace.slip is not None and trace.slip[part].any():
-        first_s = trace.time_s[part][trace.slip[part]][0]
+        first_s = trace.time_s[part.start + np.argmax(trace.slip[part])]
         slip = next(i for i in intervals(trace.time_s, trace.slip) if i.onset_s <= first_s <= i.end_s)
         between = f"{slip.onset_s - trace.time_s[0]:.4g} to {slip.end_s - trace.time_s[0]:.4g} s"
         message = f"covers slip, which lasts from {between}; choose a part without it."

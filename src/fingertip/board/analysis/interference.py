@@ -14,7 +14,7 @@ import numpy as np
 
 from fingertip.board.analysis.loads import signal_band_hz
 from fingertip.board.analysis.response import RECTIFYING_DIODE, decibel, find_envelope_pin, find_rectifier
-from fingertip.board.circuits.channels import leave_out_empty, name_net
+from fingertip.board.circuits.channels import leave_out_empty, list_pins, name_net
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import HOST_GROUND, HOST_SUPPLY
 from fingertip.board.components import front_end
@@ -181,7 +181,6 @@ WIRE_OHM_PER_M, CONTACT_OHM = 0.22, 0.02
 """Resistance of a wire of AWG 28 [ohm/m], and of one contact of a plug [ohm]."""
 WIRE_F_PER_M = 60e-12
 """Capacitance between wires of neighbouring channels, as if they touched; ground between them lowers it [F/m]."""
-_GROUND_WIRES = 4
 REGULATOR_OHM = 0.5
 """Output resistance of the controller's 3.3 V in the band of the vibrations [ohm], an assumption."""
 _FORCES_N = (0.3, 8.0)
@@ -235,12 +234,13 @@ def crosstalk_warning(shared: SharedFigures, board: Board) -> str:
 
 def connect_cables(circuit: Circuit, board: Board) -> Circuit:
     """Connect what lies between the board and its controller and sensors: resistance, and capacitance of wires."""
-    moved = {("J3", "15"): HOST_SUPPLY, ("J3", "12"): HOST_GROUND}
+    *grounds, _ = list_pins(GND)  # no wire leads to the mounting pads
+    moved = {("J3", *list_pins(POWER_IN)): HOST_SUPPLY, ("J3", grounds[-1]): HOST_GROUND}
     nets = [Net(net.name, tuple(node for node in net.nodes if node not in moved)) for net in circuit.nets]
     nets += [Net(name, (node,)) for node, name in moved.items()]
     cabled = replace(circuit, nets=tuple(nets))
     wire_ohm = board.cable_m * WIRE_OHM_PER_M + 2.0 * CONTACT_OHM
-    ends = [(HOST_SUPPLY, POWER_IN, wire_ohm + REGULATOR_OHM), (HOST_GROUND, GND, wire_ohm / _GROUND_WIRES)]
+    ends = [(HOST_SUPPLY, POWER_IN, wire_ohm + REGULATOR_OHM), (HOST_GROUND, GND, wire_ohm / len(grounds))]
     for number, (one, other, ohm) in enumerate(ends, start=91):
         part = Component(f"R{number}", f"{ohm:.10g}", RESISTOR, R_0603, "wire of the supply")
         cabled = cabled.connect(part, {"1": one, "2": other})

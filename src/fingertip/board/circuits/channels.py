@@ -84,7 +84,7 @@ def list_sockets() -> tuple[str, ...]:
 
 
 def list_pins(net: str) -> tuple[str, ...]:
-    """List the pin of the host connector at which a voltage of each channel is: T or S."""
+    """List the pins of the host connector that are at a net, be it of each channel or shared."""
     return tuple(number for number, own in host_pins().items() if split_net(own)[1] == net)
 
 

@@ -63,9 +63,9 @@ def spice_deck(circuit: Circuit, gain_bandwidth_hz: float, supply_v: float, *, w
     for component in circuit.components:
         symbol, value = component.symbol.name, component.value
         pins = [nodes[component.reference, pin.number] for pin in component.symbol.pins]
-        if value == "FSR":
+        if is_sensor := value == "FSR":
             pins = [names[net] for _, net in circuit.list_wires(component)]
-        element = _ELEMENTS["FSR" if value == "FSR" else symbol].format(
+        element = _ELEMENTS["FSR" if is_sensor else symbol].format(
             component.reference,
             *pins,
             value=value.replace("M", "Meg"),  # SPICE reads "M" as milli
@@ -73,7 +73,7 @@ def spice_deck(circuit: Circuit, gain_bandwidth_hz: float, supply_v: float, *, w
             supply_v=supply_v,
             ac=ac,
         )
-        ac = "0" if value == "FSR" else ac  # slip at the first finger alone
+        ac = "0" if is_sensor else ac  # slip at the first finger alone
         lines += element.splitlines()
     models = "\n".join(_models(circuit, gain_bandwidth_hz, worst_case))
     levels = "vdb(tactile) vdb(stage1_out) vdb(filtered)"

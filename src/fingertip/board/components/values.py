@@ -200,7 +200,7 @@ def size_comparator(
         # The trimmer is at its midpoint. Until slip is detected, the pull-up connects the output's end of the
         # hysteresis resistor to the supply.
         trimmer_top_ohm, hysteresis_ohm = pair
-        pull = 1.0 / (TRIMMER_OHM / 2.0 + trimmer_top_ohm) + 1.0 / (hysteresis_ohm + PULL_UP_OHM)
+        pull = 1.0 / (low_ohm + trimmer_top_ohm) + 1.0 / (hysteresis_ohm + PULL_UP_OHM)
         return round(abs(math.log(upper_v * pull / (pull + 1.0 / low_ohm) / threshold_v)), 12)
 
     tops = selection.neighbouring_values(1.0 / (pull - 1.0 / (1.0 / feedback + PULL_UP_OHM)) - low_ohm, board.series)

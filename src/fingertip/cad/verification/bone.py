@@ -198,5 +198,4 @@ def check_strength(design: Design, solids: Solids) -> Iterator[Check]:
     grip, knock = strength.grip_safety_factor, strength.knock_safety_factor
     lighter = " --set ".join(f"{name}={load:g}" for name, load in strength.lighter_loads.items())
     for load, factor, limit in (("grip", grip, stated.min_grip_factor), ("knock", knock, stated.min_knock_factor)):
-        remedy = lighter if factor < limit else ""
-        yield Check(f"bone.safety_factor.{load}", factor, limit, "", "at least", remedy=remedy)
+        yield Check(f"bone.safety_factor.{load}", factor, limit, "", "at least", remedy=lighter)

@@ -174,10 +174,10 @@ def threshold_can_be_trimmed(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.at_most("detector.window_samples", slack=0.0)
+@RULES.at_most("detector.window_samples", threshold_can_be_trimmed, slack=0.0)
 def mean_tolerates_the_bias_current(design: DesignTables) -> Limit | None:
     """The comparator's bias current shifts the averaged signal by at most half of the threshold."""
-    if design.board.variant != "comparator" or design.detector.threshold_v < filter_components.MIN_COMPARATOR_V:
+    if design.board.variant != "comparator":
         return None
     n, rate, threshold = design.detector.window_samples, design.detector.sample_rate_hz, design.detector.threshold_v
     averaging_ohm, bias_a = n / rate / 2.0 / filter_components.MAX_AVERAGING_F, filter_components.MAX_BIAS_A

@@ -29,12 +29,6 @@ MAX_TERM = 26
 _METAVARS = dict.fromkeys(("int", "integer", "float"), "NUMBER") | dict.fromkeys(("path", "file", "directory"), "PATH")
 """Name of a type in typer -> what stands for a value on a help page."""
 
-MOVED = {
-    "bench": "`fingertip accuracy` states the errors of the simulation; in a clone, `python -m benchmarks.peers` "
-    "compares it with other solvers, and `python -m benchmarks.slip` the slip detectors with others."
-}
-"""Former command -> where its work is done now."""
-
 
 @functools.cache
 def load_examples() -> dict[str, list[str]]:
@@ -83,9 +77,6 @@ class HelpGroup(TyperGroup):
         """Run the program. Words that it does not take would be drawn in a box by typer; none give the help page."""
         try:
             raise SystemExit(super().main(*args, **extra | {"standalone_mode": False}))
-        except FingertipError as error:
-            Console().print_issues(error)
-            raise SystemExit(BAD_INPUT) from None
         except Exception as error:
             if not hasattr(error, "format_message"):
                 raise
@@ -100,12 +91,6 @@ class HelpGroup(TyperGroup):
                 text = f"{problem} `{path} --help` lists what it takes."
                 Console().print_issues(FingertipError(Issue(path, text)))
             raise SystemExit(BAD_INPUT) from None
-
-    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Find a command by its words. Raises FingertipError for one of `MOVED`."""
-        if ctx.parent is None and args[0] in MOVED:
-            raise FingertipError(Issue(f"{ctx.command_path} {args[0]}", MOVED[args[0]]))
-        return super().resolve_command(ctx, args)
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
         subjects: dict[str, list[tuple[str, str]]] = {}

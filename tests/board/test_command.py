@@ -22,7 +22,7 @@ from fingertip.board.fabrication.fabrication_files import (
 )
 from fingertip.board.kicad.project import MODEL_FOLDER, load_project
 from fingertip.catalogues.output_files import LAYOUT, PROVENANCE, README
-from fingertip.foundation.errors import BoardError, OutputError
+from fingertip.foundation.errors import OutputError
 from fingertip.foundation.output_set import MANIFEST
 from fingertip.tasks.board import board_differences, board_files, write_board
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
@@ -209,15 +209,6 @@ def test_placement_file_equals_kicads(tmp_path: Path) -> None:
         assert float(row["Mid Y"].removesuffix("mm")) == pytest.approx(float(kicad_row["PosY"]), abs=1e-4)
         assert float(row["Rotation"]) % 360 == float(kicad_row["Rot"]) % 360
         assert kicad_row["Side"] == row["Layer"].lower()
-
-
-def test_a_failure_of_kicad_is_reported_with_its_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "kicad-cli").write_text("#!/bin/sh\necho no such layer >&2\nexit 3\n")
-    (tmp_path / "kicad-cli").chmod(0o755)
-    monkeypatch.setenv("PATH", str(tmp_path))
-    message = re.escape("KiCad's gerber export failed (no such layer); the files of the board itself are unchanged.")
-    with kicad_session({}, lambda message: None) as (_, run_kicad), pytest.raises(BoardError, match=message):
-        run_kicad("gerber export", "slip_filter")
 
 
 @pytest.mark.full

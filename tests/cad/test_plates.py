@@ -65,10 +65,8 @@ def test_a_part_is_described_as_its_settings_print_it() -> None:
         printed = FDM, part, pose, supports_by_part(design)[part]
         settings, text = dict(slicer_settings(*printed)), describe_part(*printed, design.strength.material)
         brim = "no brim" if settings["brim_type"] == "no_brim" else f"brim {settings['brim_width']} mm"
-        infill = settings["fill_density"].replace("%", " %")
-        assert f"Layers {settings['layer_height']} mm, {settings['perimeters']} walls of a 0.4 mm nozzle, " in text
-        assert f"infill {infill}, {brim}. As it lies here: on {pose.face_on_plate}. " in text
-        assert ("strength" in text, text.endswith(printed[3].note)) == (part == "bone", True)
+        layers = f"Layers {settings['layer_height']} mm, {settings['perimeters']} walls of a 0.4 mm nozzle, infill "
+        assert text.replace(" %", "%").startswith(f"{layers}{settings['fill_density']}, {brim}. As it lies here: on ")
 
 
 def placed_on(plate: bytes) -> dict[str, trimesh.Trimesh]:

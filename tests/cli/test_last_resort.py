@@ -72,7 +72,6 @@ def test_an_error_of_a_path_is_no_fault() -> None:
         (errno.EBADF, 7, "7: cannot be used (No); give another path, or change its mode."),
         (errno.ENOSPC, None, "disk: cannot be written (No); free some space there, and in TMPDIR."),
         (errno.ENOENT, None, "None"),
-        (errno.EMFILE, "file", "None"),
     ):
         assert str(last_resort.describe_path_error(OSError(number, "No", name))) == said
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import inspect
 import re
 import time
@@ -17,6 +18,7 @@ from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.verify import verify
 from tests.approved import check_text
 from tests.conftest import ROOT, run_python
+from tools.mutation.mutants import list_modules
 
 
 def describe_argument(argument: inspect.Parameter) -> str:
@@ -46,6 +48,25 @@ def test_every_public_name_is_documented_and_has_the_approved_defaults() -> None
         _ = fingertip.nothing
 
 
+ON = """at_knock automatic_layout bonded has_all_times in_volts is_default is_fitted is_left is_whole label_x
+may_be_empty may_be_lower names passed suspects_jumps uncontrolled verified with_plots with_remedy with_strain"""
+OWN = "boards count digits first_seed friction high others seed silent_s size trials width width_px"
+"""Flags that are on where they are left out, and numbers of which functions have defaults of their own."""
+
+
+def test_what_is_left_out_is_the_same_in_all_functions_and_flags_are_off() -> None:
+    found: dict[str, set[str]] = {}
+    for module in (importlib.import_module(name) for name, _ in list_modules() if not name.endswith("__main__")):
+        for one in vars(module).values():
+            for function in (one, *(vars(one).values() if inspect.isclass(one) else ())):
+                if inspect.isfunction(function) and function.__module__ == module.__name__:
+                    for argument in inspect.signature(function).parameters.values():
+                        if isinstance(argument.default, bool | int | float):
+                            found.setdefault(argument.name, set()).add(repr(argument.default))
+    assert [name for name, values in sorted(found.items()) if "True" in values] == ON.split()
+    assert [name for name, values in sorted(found.items()) if len(values) > 1] == OWN.split()
+
+
 @pytest.mark.full
 def test_example_in_the_docstring_runs(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
     example = (fingertip.__doc__ or "").split("::\n")[1].split("Importing this")[0]
@@ -72,9 +93,6 @@ def test_part_as_cadquery_solid_and_trimesh() -> None:
         fingertip.part_mesh(design, "bome")
     assert fingertip.part_solid(design, "sensor").isValid()
     assert fingertip.mesh_of(solid).volume() == pytest.approx(mesh.volume, rel=2e-3)
-    assert design.replace({"bone.wall_mm": 0.82}).changes() == {"bone.wall_mm": 0.82}
-    with pytest.raises(fingertip.FingertipError, match="wall_mm"):
-        design.replace({"bone.wall_mm": 90})
 
 
 @pytest.mark.full
@@ -122,8 +140,6 @@ def test_checks_are_those_of_the_command() -> None:
     design = fingertip.Design()
     checks = verify(design, parts_by_name(design), ("stl",), MeshEvaluator(0.05)).checks
     assert fingertip.check(design, tolerance_mm=0.05).checks == checks
-    with pytest.raises(fingertip.FingertipError, match="tolerance"):
-        fingertip.check(design, tolerance_mm=-1.0)
 
 
 def test_a_sweep_gives_a_row_for_each_design_and_goes_on_where_it_ended(tmp_path: Path) -> None:

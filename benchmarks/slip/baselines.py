@@ -122,8 +122,8 @@ def _cusum_loop(
         noise = max(least, noise + (SLOWER if on[i] else 1.0) * long * (energy - noise))
 
 
-_RATIO = CompiledLoop(_ratio_loop, outputs=1, samples="samples", plain_us=0.3)
-_CUSUM = CompiledLoop(_cusum_loop, outputs=1, samples="samples", plain_us=0.5)
+_RATIO = CompiledLoop(_ratio_loop, samples="samples", plain_us=0.3)
+_CUSUM = CompiledLoop(_cusum_loop, samples="samples", plain_us=0.5)
 
 
 def run_ratio(design: Design, recording: Recording, factors: Sequence[float]) -> Iterator[Flags]:

@@ -24,7 +24,7 @@ from fingertip.board.analysis.tolerance import COMPONENTS, QUANTITIES, Tolerance
 from fingertip.board.circuits.network import Network, StateSpace, Term, build_network, filter_quantities
 from fingertip.board.circuits.transfer_function import Rational, find_stages, multiply
 from fingertip.board.components.front_end import SUPPRESSOR_F
-from fingertip.board.components.selection import FilterSelection
+from fingertip.board.components.selection import FilterSelection, values_in_range
 from fingertip.board.components.values import SUPPLIES, VARIANT_CHANGES
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import Circuit, Component, Net, parse_component_value
@@ -353,7 +353,7 @@ def test_envelope_offset_agrees_with_the_closed_form() -> None:
     assert offset.max_low_offset_v < 0.05 * 0.017
 
 
-@pytest.mark.parametrize("threshold", [0.017, 0.1])
+@pytest.mark.parametrize("threshold", [0.017, 0.03, 0.1])
 def test_comparator_levels_agree_with_the_closed_form(threshold: float) -> None:
     design, _ = load("comparator", f"detector.threshold_v={threshold}")
     values = board_values(design)
@@ -363,6 +363,9 @@ def test_comparator_levels_agree_with_the_closed_form(threshold: float) -> None:
     supply_v = design.board.supply_v
     upper_v = supply_v - SUPPLIES["comparator"].signal_ground_v(supply_v)
     arguments = stage.trimmer_top_ohm, stage.hysteresis_ohm, upper_v
+    resistors = values_in_range(stage.trimmer_top_ohm / 1.2, 1.2 * stage.trimmer_top_ohm, design.board.series)
+    reached_v = [comparator_threshold_v(ohm, arguments[1], upper_v, upper_v, 4.7e3) for ohm in resistors]
+    assert abs(levels.on_v - threshold) == pytest.approx(min(abs(volts - threshold) for volts in reached_v))
     # While slip is OFF, the pull-up of 4.7 kohm holds the output at the supply.
     assert levels.on_v == pytest.approx(comparator_threshold_v(*arguments, upper_v, 4.7e3), rel=1e-9)
     assert levels.off_v == pytest.approx(comparator_threshold_v(*arguments, upper_v - supply_v, 0.0), rel=1e-9)

@@ -20,7 +20,7 @@ from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.project import load_project
 from fingertip.board.parts.circuit import Circuit, parse_component_value
-from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, FILTERED, GND, TACTILE
+from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, FILTERED, GND, STAGE1_OUT, TACTILE
 from fingertip.design import Design
 from fingertip.documents.board.bringup import list_unseen
 from fingertip.tasks.board import bring_up_files
@@ -133,6 +133,13 @@ def test_limits_of_a_constant_voltage_hold_the_supply_of_a_meter_and_not_of_a_co
     assert allows(plan.open_v["VMID"], half_v / 0.97 * 0.985)
     assert not allows(plan.pins_v[ADC_FILTERED], half_v)
     assert plan.pins_v.keys() == {ADC_TACTILE, ADC_FILTERED}
+
+
+def test_limits_hold_the_offset_that_a_data_sheet_allows() -> None:
+    """A TL082 has 3 mV at most, a meter 3 mV and 0.5 % of them: the first stage has a gain of 203 / 3, the second 1."""
+    for net, gain in ((STAGE1_OUT, 1 + 1e5 / 1500), (FILTERED, 1.0)):
+        limits, most_v = plan_of("article")[1].open_v[net], 1.005 * gain * 3e-3 + 3e-3
+        assert (-limits.low, limits.high) == pytest.approx((most_v, most_v), rel=0.01)
 
 
 @EACH

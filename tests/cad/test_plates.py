@@ -19,9 +19,10 @@ import pytest
 
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.print_files import PrintFiles, arrange, make_print_files, parts_on_plates
-from fingertip.cad.printing.settings import FDM, SLA, choose_plate_kind
+from fingertip.cad.printing.settings import FDM, SLA, choose_plate_kind, describe_part, slicer_settings
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.verification.printing import check_print_files
 from fingertip.catalogues.output_files import PRINT_FOLDER
@@ -56,6 +57,16 @@ def make(*changes: str, name: str = "fsr400") -> tuple[Design, dict[str, Mesh], 
 def failed(design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], prints: PrintFiles) -> set[str]:
     """Names of the checks that fail."""
     return {check.name for check in check_print_files(design, meshes, encoded, prints) if not check.passed}
+
+
+def test_a_part_is_described_as_its_settings_print_it() -> None:
+    design = Design()
+    for part, pose in print_orientations(design).items():
+        printed = FDM, part, pose, supports_by_part(design)[part]
+        settings, text = dict(slicer_settings(*printed)), describe_part(*printed, design.strength.material)
+        brim = "no brim" if settings["brim_type"] == "no_brim" else f"brim {settings['brim_width']} mm"
+        layers = f"Layers {settings['layer_height']} mm, {settings['perimeters']} walls of a 0.4 mm nozzle, infill "
+        assert text.replace(" %", "%").startswith(f"{layers}{settings['fill_density']}, {brim}. As it lies here: on ")
 
 
 def placed_on(plate: bytes) -> dict[str, trimesh.Trimesh]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -77,7 +78,9 @@ def test_failed_checks_exit_1_and_appear_in_every_report(tmp_path: Path, monkeyp
     arguments = ("check", FSR400, *COARSE, "--junit", report)
     done = run_fingertip(*arguments)
     assert done.returncode == 1, done.stderr
-    failed = {line.split()[0] for line in done.stdout.splitlines() if line.endswith("FAILED")}
+    rows = [line for line in done.stdout.splitlines() if line.endswith("FAILED")]
+    failed = {line.split()[0] for line in rows}
+    assert len({len(re.findall(r"^\S+ +\S+", line)[0]) for line in rows}) == 1, "values end below each other"
     assert "demolding_overlap.mold_dorsal" in failed
     assert "bone.stl.genus" not in failed
     assert done.stdout.endswith("try --tolerance-mm 0.01 first.\n")

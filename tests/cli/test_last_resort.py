@@ -65,13 +65,15 @@ def test_a_path_that_is_too_long_is_refused(words: tuple[str, ...]) -> None:
         assert len(done.stderr) < 2000
 
 
-def test_an_error_of_a_path_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
-    fail_with(PermissionError(errno.EACCES, "Permission denied", "folder/file"), monkeypatch)
-    done = run_fingertip("params")
-    assert done.returncode == 2
-    assert done.stderr == (
-        "error: folder/file: cannot be used (Permission denied); give another path, or change its mode.\n"
-    )
+def test_an_error_of_a_path_is_no_fault() -> None:
+    for number, name, said in (
+        (errno.EACCES, "folder/file", "folder/file: cannot be used (No); give another path, or change its mode."),
+        (errno.ENOENT, b"file", "file: cannot be used (No); give another path, or change its mode."),
+        (errno.EBADF, 7, "7: cannot be used (No); give another path, or change its mode."),
+        (errno.ENOSPC, None, "disk: cannot be written (No); free some space there, and in TMPDIR."),
+        (errno.ENOENT, None, "None"),
+    ):
+        assert str(last_resort.describe_path_error(OSError(number, "No", name))) == said
 
 
 def test_details_that_cannot_be_written_are_left_out(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

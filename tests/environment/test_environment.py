@@ -11,7 +11,7 @@ import pytest
 
 from fingertip.foundation import folder_swap
 from fingertip.foundation.errors import OutputError
-from fingertip.foundation.jit import CompiledLoop, compiled
+from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats, compiled
 from fingertip.foundation.output_set import SetWriter
 from tests.conftest import run_fingertip, run_python
 
@@ -54,7 +54,7 @@ def test_a_working_folder_that_was_removed_is_a_sentence(words: tuple[str, ...],
 # Cache of compiled loops
 
 
-def _double(values, out):  # type: ignore[no-untyped-def]
+def _double(values: Floats, out: MutableFloats) -> None:
     for i in range(len(values)):
         out[i] = 2.0 * values[i]
 
@@ -65,7 +65,7 @@ def run_loop() -> list[float]:
 
     out = np.zeros(3)
     with compiled():
-        CompiledLoop(_double, outputs=1, samples="values", plain_us=1e3)(np.arange(3.0), out)
+        CompiledLoop(_double, samples="values", plain_us=1e3)(np.arange(3.0), out)
     return out.tolist()
 
 

@@ -11,28 +11,28 @@ import numpy as np
 import pytest
 
 from fingertip.foundation import jit
-from fingertip.foundation.jit import LOAD_S, CompiledLoop, compile_for_process, compiled
+from fingertip.foundation.jit import LOAD_S, CompiledLoop, MutableFloats, compile_for_process, compiled
 
 
-def _double(values, out):
+def _double(values, out: MutableFloats):
     for i in range(len(values)):
         out[i] = 2 * values[i]
 
 
-def _accumulate(values, total, out):
+def _accumulate(values, total: MutableFloats, out: MutableFloats):
     for i in range(len(values)):
         total[0] += values[i]
         out[i] = total[0]
 
 
-def make_loop(function=_double, outputs=1, plain_us=1e3):
-    return CompiledLoop(function, outputs=outputs, samples="values", plain_us=plain_us)
+def make_loop(function=_double, plain_us=1e3):
+    return CompiledLoop(function, samples="values", plain_us=plain_us)
 
 
 def test_plain_loop_receives_lists_and_fills_arrays():
     received = []
 
-    def loop(values, factor, out):
+    def loop(values, factor, out: MutableFloats):
         received.append((type(values), type(out)))
         out[0] = factor * values[1]
 
@@ -74,13 +74,13 @@ def test_loop_compiles_from_its_break_even_on():
 def test_state_in_lists_carries_over_from_plain_to_compiled():
     pytest.importorskip("numba")
     values = np.random.default_rng(0).normal(size=300)
-    loop, total, first, second = make_loop(_accumulate, outputs=2), [0.0], np.zeros(100), np.zeros(200)
+    loop, total, first, second = make_loop(_accumulate), [0.0], np.zeros(100), np.zeros(200)
     loop(values[:100], total, first)
     with compiled():
         loop(values[100:].tolist(), total, second)
     assert isinstance(total, list)
     whole = np.zeros(300)
-    make_loop(_accumulate, outputs=2)(values, [0.0], whole)
+    make_loop(_accumulate)(values, [0.0], whole)
     assert np.concatenate((first, second)).tobytes() == whole.tobytes()
     assert total == [whole[-1]]
 
@@ -88,7 +88,7 @@ def test_state_in_lists_carries_over_from_plain_to_compiled():
 def test_loop_without_a_cache_folder_is_compiled_for_this_process():
     pytest.importorskip("numba")
     names: dict = {}
-    exec("def loop(values, out):\n    out[0] = values[0] + 1.0\n", names)  # no source file
+    exec("def loop(values, out: 'MutableFloats'):\n    out[0] = values[0] + 1.0\n", names)  # no source file
     out = np.zeros(1)
     with compiled():
         make_loop(names["loop"])(np.ones(1), out)
@@ -111,9 +111,9 @@ def test_cache_follows_a_helper_of_another_file(tmp_path):
     (tmp_path / "factor.py").write_text("def scale(x):\n    return 2 * x\n")
     (tmp_path / "factor_loop.py").write_text(
         "import numpy as np\nfrom factor import scale\nfrom fingertip.foundation.jit import CompiledLoop, compiled\n"
-        "def loop(values, out):\n    for i in range(len(values)):\n        out[i] = scale(values[i])\n"
+        "def loop(values, out: 'MutableFloats'):\n    for i in range(len(values)):\n        out[i] = scale(values[i])\n"
         "out = np.zeros(1)\nwith compiled():\n"
-        "    CompiledLoop(loop, scale, outputs=1, samples='values', plain_us=1e3)(np.ones(1), out)\nprint(out[0])\n"
+        "    CompiledLoop(loop, scale, samples='values', plain_us=1e3)(np.ones(1), out)\nprint(out[0])\n"
     )
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path]), "NUMBA_CACHE_DIR": ""}
     run = partial(subprocess.check_output, [sys.executable, "factor_loop.py"], cwd=tmp_path, env=environment, text=True)

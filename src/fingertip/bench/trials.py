@@ -86,7 +86,7 @@ class Labels(BaseModel, frozen=True, allow_inf_nan=False):
     force_n: float | None = None
     stroke_m: float | None = None
     onset_error_s: float | None = None
-    lost: int = 0
+    lost: int
     firmware: str = ""
     temperature_c: float | None = None
     simulated: bool = False

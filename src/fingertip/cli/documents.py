@@ -109,9 +109,9 @@ def drawing(
     """Draw each printed part to scale with its dimensions, tolerances and sizes to check, as SVG and as one PDF."""
     from fingertip.tasks.views import write_drawing
 
-    paths = write_drawing(load_design(design, changes, console), out, force=force, progress=console.progress)
-    data = {"drawings": [str(path) for path in paths]}
-    console.result(data, f"{len(paths) - 1} sheets drawn to {paths[-1]}, and each to an SVG file")
+    *sheets, pdf = write_drawing(load_design(design, changes, console), out, force=force, progress=console.progress)
+    data = {"drawings": [str(path) for path in (*sheets, pdf)]}
+    console.result(data, f"{len(sheets)} sheets drawn to {pdf}, and each to an SVG file")
 
 
 @command

@@ -79,13 +79,13 @@ class CompiledLoop:
     """A loop over samples in both forms: plain Python and compiled.
 
     The loop is a function of numbers, tuples of numbers, and sequences of floats. It returns nothing and writes its
-    results into its last arguments. Plain Python is fastest on lists and compiled code on arrays, so a call converts
-    sequences either way and copies the results back.
+    results into its last arguments, which are declared mutable. Plain Python is fastest on lists and compiled code on
+    arrays, so a call converts sequences either way and copies the results back.
     """
 
-    def __init__(self, function: Function, *helpers: Function, outputs: int, samples: str, plain_us: float) -> None:
+    def __init__(self, function: Function, *helpers: Function, samples: str, plain_us: float) -> None:
         self.plain = function
-        self.outputs = outputs
+        self.outputs = sum("Mutable" in str(declared) for declared in function.__annotations__.values())
         self._helpers = helpers
         self._samples = function.__code__.co_varnames.index(samples)
         self._plain_s = 1e-6 * plain_us

@@ -109,7 +109,7 @@ def build_finger(design: Design) -> FingerModel:
     ]
     pin_g_cm3 = print_g_cm3 if design.hand.pin == "printed" else STEEL_G_CM3
     for item in hardware(design, ("bone",)):
-        solids.append((item.name, item.solid, FILM_G_CM3 if item.name == "sensor" else pin_g_cm3, item.colour))
+        solids.append((item.name, item.solid, {"sensor": FILM_G_CM3}.get(item.name, pin_g_cm3), item.colour))
     if isinstance(interface, CrossBolted):
         bolt, at = interface.bolt(design), (middle_y(dims), interface.cross_bolt_z(design))
         half = bolt.crossed_mm / 2

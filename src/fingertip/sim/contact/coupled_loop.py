@@ -315,7 +315,5 @@ def _coupled_loop(
     stats[ACCEPTED], stats[REJECTED] = steps, rejected
 
 
-run = CompiledLoop(
-    _coupled_loop, stribeck_fraction, bristle_rate, normal_rate, linearise, outputs=6, samples="Xs", plain_us=14.0
-)
+run = CompiledLoop(_coupled_loop, stribeck_fraction, bristle_rate, normal_rate, linearise, samples="Xs", plain_us=14.0)
 """Fills x, v, s and y at the samples, and the statistics; carries the state to the next chunk."""

@@ -148,5 +148,5 @@ def _interpolate_loop(
             out[i] = heights[j] + t * (before + t * (3 * rise - 2 * before - after + t * (before + after - 2 * rise)))
 
 
-_sum_waves = CompiledLoop(_sum_waves_loop, outputs=2, samples="heights", plain_us=6.0)
-_interpolate = CompiledLoop(_interpolate_loop, outputs=1, samples="position", plain_us=0.5)
+_sum_waves = CompiledLoop(_sum_waves_loop, samples="heights", plain_us=6.0)
+_interpolate = CompiledLoop(_interpolate_loop, samples="position", plain_us=0.5)

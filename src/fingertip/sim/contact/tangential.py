@@ -203,5 +203,5 @@ def _drag_loop(
     state[0], state[1], state[2] = x, v, s
 
 
-_drag = CompiledLoop(_drag_loop, stribeck, outputs=4, samples="X", plain_us=4.0)
+_drag = CompiledLoop(_drag_loop, stribeck, samples="X", plain_us=4.0)
 """Carries the state (x, v, s) and fills position, velocity and bristle deflection at each point of the grid."""

@@ -153,5 +153,5 @@ def _resonance_loop(
     state[_FORCE], state[_RATE], state[_DRIVE], state[_ONE], state[_TWO], state[_THREE] = y, rate, before, u1, u2, u3
 
 
-_high_pass = CompiledLoop(_high_pass_loop, outputs=2, samples="heights", plain_us=0.3)
-_resonate = CompiledLoop(_resonance_loop, outputs=2, samples="drive", plain_us=0.35)
+_high_pass = CompiledLoop(_high_pass_loop, samples="heights", plain_us=0.3)
+_resonate = CompiledLoop(_resonance_loop, samples="drive", plain_us=0.35)

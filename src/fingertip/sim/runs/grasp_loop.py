@@ -227,7 +227,7 @@ def _grasp_loop(
     state[target + OBJECT_X], state[target + OBJECT_V], state[target + HAS_LEFT] = X, V, has_left
 
 
-_advance = CompiledLoop(_grasp_loop, stribeck, pin_n, relax_rate, outputs=8, samples="x_out", plain_us=6.0)
+_advance = CompiledLoop(_grasp_loop, stribeck, pin_n, relax_rate, samples="x_out", plain_us=6.0)
 """Advances the grasp over a chunk.
 
 The state (x, v, s of each pad; X, V and whether the object has left) and the scratch values are carried from chunk to

@@ -334,5 +334,5 @@ def _motor_loop(
             force[i * length + s] = root[i] * root[i] * root[i]
 
 
-_follow = CompiledLoop(_motor_loop, solve_force_root, approach, speed_share, outputs=9, samples="force", plain_us=5.0)
+_follow = CompiledLoop(_motor_loop, solve_force_root, approach, speed_share, samples="force", plain_us=5.0)
 """Advances closing, phase, vibration and root of each finger, and fills the fields of `MotorMotion`."""

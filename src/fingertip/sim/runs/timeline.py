@@ -317,4 +317,4 @@ def _shake_loop(
             out[i] = math.sin(x + first) + harmonic * math.sin(2 * x + second)
 
 
-_shake = CompiledLoop(_shake_loop, outputs=1, samples="time", plain_us=0.3)
+_shake = CompiledLoop(_shake_loop, samples="time", plain_us=0.3)

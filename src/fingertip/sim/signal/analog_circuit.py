@@ -240,9 +240,9 @@ def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, int, 
         matrix = np.zeros((count, LEVELS, width, rows))
         matrix[..., :n] = full[:, :, :n].swapaxes(2, 3)
         for place, c in enumerate(ABSCISSAE, n):
-            matrix[..., place] = (output[:, None, None, :] @ transition[c])[:, :, 0]
+            matrix[..., place] = (output[:, None, None, :] @ transition[c]).squeeze(2)
         for place, row in enumerate(watched, n + len(ABSCISSAE)):
-            matrix[..., place] = (row[:, None, None, :] @ full)[:, :, 0]
+            matrix[..., place] = (row[:, None, None, :] @ full).squeeze(2)
         step_columns.append(matrix)
     watched_rows = np.stack(watched, axis=1) if watched else np.zeros((count, 1))
     columns = np.stack(step_columns, axis=1)

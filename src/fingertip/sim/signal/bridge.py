@@ -147,7 +147,7 @@ def _convert_loop(
     last[0] = voltage if len(forces) else last[0]
 
 
-convert = CompiledLoop(_convert_loop, turn_on_power, outputs=3, samples="forces", plain_us=0.9)
+convert = CompiledLoop(_convert_loop, turn_on_power, samples="forces", plain_us=0.9)
 
 
 # Force-sensing resistor: from the force on its active area to the force that it shows.
@@ -232,4 +232,4 @@ def _indicate_loop(
     state[_PLAY], state[_LOADED], state[_ONE], state[_TWO], state[_THREE] = p, loaded, f1, f2, f3
 
 
-indicate = CompiledLoop(_indicate_loop, outputs=3, samples="forces", plain_us=0.7)
+indicate = CompiledLoop(_indicate_loop, samples="forces", plain_us=0.7)

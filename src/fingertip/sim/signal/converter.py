@@ -106,7 +106,7 @@ def _filter_loop(
     state[_FIRST], state[_SECOND], state[_INPUT] = x, y, u
 
 
-run_poles = CompiledLoop(_filter_loop, outputs=2, samples="samples", plain_us=0.5)
+run_poles = CompiledLoop(_filter_loop, samples="samples", plain_us=0.5)
 
 
 @dataclass(frozen=True)
@@ -176,7 +176,7 @@ def _follow_loop(smoothing: float, samples: Floats, state: MutableFloats, out: M
     state[0] = envelope
 
 
-_follow = CompiledLoop(_follow_loop, outputs=2, samples="samples", plain_us=0.2)
+_follow = CompiledLoop(_follow_loop, samples="samples", plain_us=0.2)
 
 
 class EnvelopeSource:

@@ -342,7 +342,7 @@ def _envelope_loop(
     statistics[STEPS], statistics[REJECTED], statistics[IMPLICIT] = steps, rejected, implicit
 
 
-run = CompiledLoop(_envelope_loop, wright_omega, dot, multiply, find_state, outputs=8, samples="before", plain_us=7.0)
+run = CompiledLoop(_envelope_loop, wright_omega, dot, multiply, find_state, samples="before", plain_us=7.0)
 """Follows one board over one chunk of samples.
 
 It carries `CARRIED` numbers and z (the states) to the next chunk, uses z_next and tables as scratch memory, and fills

@@ -272,5 +272,5 @@ def _comparator_loop(
     state[0], state[1] = m, on
 
 
-_compare = CompiledLoop(_comparator_loop, mean_after, outputs=3, samples="envelope", plain_us=4.0)
+_compare = CompiledLoop(_comparator_loop, mean_after, samples="envelope", plain_us=4.0)
 """Carries mean and output, and fills the mean, and ON or OFF."""

@@ -247,7 +247,7 @@ def _band_pass_loop(
         out[i] = x
 
 
-_touch = CompiledLoop(_touch_loop, outputs=2, samples="time", plain_us=0.4)
-_hum = CompiledLoop(_hum_loop, outputs=1, samples="time", plain_us=0.6)
-_pink = CompiledLoop(_pink_loop, outputs=2, samples="out", plain_us=4.0)
-_band_pass = CompiledLoop(_band_pass_loop, outputs=2, samples="white", plain_us=3.0)
+_touch = CompiledLoop(_touch_loop, samples="time", plain_us=0.4)
+_hum = CompiledLoop(_hum_loop, samples="time", plain_us=0.6)
+_pink = CompiledLoop(_pink_loop, samples="out", plain_us=4.0)
+_band_pass = CompiledLoop(_band_pass_loop, samples="white", plain_us=3.0)

@@ -155,7 +155,7 @@ def _filter_loop(
     state[FIRST_ORDER], state[SECOND_ORDER_1], state[SECOND_ORDER_2], state[ENVELOPE] = s, s1, s2, envelope
 
 
-_FILTER = CompiledLoop(_filter_loop, outputs=3, samples="samples", plain_us=0.4)
+_FILTER = CompiledLoop(_filter_loop, samples="samples", plain_us=0.4)
 
 
 def high_pass(settings: ChainSettings) -> tuple[FirstOrder, SecondOrder]:
@@ -251,7 +251,7 @@ def _moving_average_loop(
     state[_TOTAL], state[_PLACE] = total, float(position)
 
 
-_AVERAGE = CompiledLoop(_moving_average_loop, outputs=3, samples="samples", plain_us=0.2)
+_AVERAGE = CompiledLoop(_moving_average_loop, samples="samples", plain_us=0.2)
 
 
 def measure_noise_level(envelope_v: Array, design: Design, name: str) -> NoiseLevel:

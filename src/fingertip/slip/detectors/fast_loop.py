@@ -334,5 +334,5 @@ def _fast_loop(
 
 LOOP = CompiledLoop(
     _fast_loop, evaluate_trees, check_sample, filter_second, find_lowest, measure_changes, hear, decide, unlearn_tone,
-    is_learned, learn_floors, outputs=6, samples="samples", plain_us=4.0,
+    is_learned, learn_floors, samples="samples", plain_us=4.0,
 )  # fmt: skip

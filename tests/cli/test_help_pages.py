@@ -97,3 +97,9 @@ def test_lines_break_between_words_below_the_last_column() -> None:
         "R8 C9      1k 330n     anti-aliasing filter, tactile",
         "                       voltage: first pole",
     ]
+
+
+def test_a_command_that_went_names_what_does_its_work() -> None:
+    done = run_fingertip("bench", "solvers")
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: fingertip bench: `fingertip accuracy` ")

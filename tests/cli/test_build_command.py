@@ -32,6 +32,7 @@ def test_failed_check_exits_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert done.returncode == 1, done.stderr
     assert "FAILED skin.stl.genus" in done.stdout
     assert json.loads((tmp_path / "report.json").read_text())["passed"] is False
+    assert (tmp_path / "skin.stl").exists()
 
 
 def fake_module(tmp_path: Path, name: str, text: str) -> str:

@@ -19,7 +19,7 @@ from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.rules.skin import calibration_spans_forces
 from fingertip.design.search import Search
 from fingertip.foundation.errors import DesignError, Issue, join_words
-from tests.conftest import design_file, run_python
+from tests.conftest import design_file
 from tools.fuzz.remedies import FIT, as_changes, read_alternatives, read_remedy
 
 MANY = int(os.environ.get("FINGERTIP_RANDOM_CHANGES", "0"))
@@ -198,15 +198,3 @@ def test_refusals_in_python_and_without_remedies_blame_the_same_fields() -> None
     assert {issue.field for issue in quick.value.issues} == {issue.field for issue in full.value.issues}
     assert not any("at most" in issue.message or "set " in issue.message for issue in quick.value.issues)
     assert Design.without_remedies(skin={"width_mm": 18.0}) == Design(skin={"width_mm": 18.0})
-
-
-@pytest.mark.full
-def test_a_refusal_imports_no_heavy_package() -> None:
-    script = (
-        "import sys\n"
-        "from fingertip.design import Design\n"
-        "from fingertip.foundation.errors import DesignError\n"
-        "try:\n    Design.load(changes=['skin.width_mm=6'])\n"
-        "except DesignError:\n    print([name for name in ('numpy', 'scipy', 'tomlkit') if name in sys.modules])\n"
-    )
-    assert run_python("-c", script).stdout.strip() == "[]"

@@ -367,15 +367,6 @@ def simulate_comparator(comparator, board, step_s, filtered_v, envelope_v) -> tu
     return ComparatorStream(comparator, board, step_s).process(filtered_v, envelope_v)
 
 
-def test_a_comparator_in_chunks_switches_at_the_same_moments() -> None:
-    level = 0.05 * (np.sin(np.arange(900) * STEP_S * 2 * math.pi * 7) > 0)
-    whole = simulate_comparator(PLAIN, PIN_BOARD, STEP_S, level, level)
-    stream = ComparatorStream(PLAIN, PIN_BOARD, STEP_S)
-    parts = [stream.process(part, part) for part in np.split(level, [1, 250, 251, 777])]
-    assert np.diff(whole[1]).sum() > 4
-    assert all(np.array_equal(np.concatenate([part[i] for part in parts]), whole[i]) for i in range(2))
-
-
 def slip_voltage(seconds: float = 0.6) -> np.ndarray:
     """Tactile voltage with a slow increase of force and then a burst of vibration [V]."""
     time = np.arange(round(seconds / STEP_S) + 1) * STEP_S

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from benchmarks.peers import throughput
-from benchmarks.peers.__main__ import main
 from fingertip.foundation.errors import TraceError
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_board
@@ -56,26 +55,6 @@ def test_command_writes_diagrams_and_times(tmp_path):
     text = (tmp_path / "work_precision.txt").read_text()
     assert text.startswith("a target is MISSED\n" if missed else "all targets are met\n")
     assert text.count("MISSED  ") + text.count("met     ") == 6
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (
-            ["--solvers", "LSODA,Euler"],
-            "'Euler' is not known; choose among LSODA, Radau, BDF, odeint, CVODE, RADAU5, RADAU, Rodas5P, ngspice.",
-        ),
-        (["--solvers", ""], "--solvers: '' names no solver; give at least one of LSODA, Radau, BDF, odeint, CVODE"),
-        (["--solvers", " , "], "--solvers: ' , ' names no solver"),
-        (["--seconds", "0"], "--seconds: 0 s is out of bounds; choose 1 to 60 s."),
-        (["--boards", "0"], "--boards: 0 is out of bounds"),
-    ],
-)
-def test_command_refuses_bad_options(arguments, message, tmp_path, capsys):
-    with pytest.raises(SystemExit, match="2"):
-        main([*arguments, "--out", str(tmp_path / "x")])
-    assert message in capsys.readouterr().err
-    assert not (tmp_path / "x").exists()
 
 
 def test_the_former_command_says_where_to():

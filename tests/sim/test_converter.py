@@ -236,16 +236,3 @@ def test_recorded_voltage_carries_the_adc_noise_into_the_board():
     """The board amplifies it 68 times, so that the threshold has to be higher than behind the board itself."""
     design = article_design(board={"variant": "precision"})
     assert simulate_replay_level(design).threshold_v > 3 * simulate_quiescent_level(design).threshold_v
-
-
-def test_constant_input_gives_the_same_constant():
-    out = AntiAliasFilter.ahead_of(ADC_TACTILE, DESIGNS[0]).process(np.full(50, 4.4))
-    assert np.abs(out - 4.4).max() < 1e-12
-
-
-def test_signals_are_constant_without_noise():
-    quiet = simulate_hold(
-        article_design(board={"variant": "precision"}), "tactile_v", "filtered_v", "envelope_v", noise=False
-    )
-    for name, column in quiet.items():
-        assert np.ptp(column) < 1e-6, name

@@ -35,16 +35,10 @@ from fingertip.sim.signal.interference import (
 )
 from fingertip.sim.signal.parameters import Cable, Drift, Noise
 from fingertip.sim.trace_file import encode_trace, open_trace
+from tests.sim.test_report import EVERYTHING
 
 DESIGN = Design(board={"variant": "comparator", "supply_v": 3.3})
 SCENES = [*list_bundled_files(SCENE).values()]
-EVERYTHING = {
-    "noise": {"pink_v": 1e-4, "hand_v": 2e-4, "hum_v": 1e-3},
-    "cable": {"step_v": 0.02, "hum_v": 0.005, "at_s": 0.2},
-    "drift": {"share_per_decade": 0.05, "volt_per_s": 0.001},
-    "sensing": {"jitter_s": 2e-5},
-    "converter": {"bits": 12},
-}
 
 SCENE_OUTPUTS = SceneFile.known_outputs()
 

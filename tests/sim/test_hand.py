@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 import math
 from dataclasses import replace
 
@@ -23,7 +22,7 @@ from fingertip.sim.runs.motion import Motors, delay_commands, plan_motion
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.grid import BASE_HZ, Grid
-from tests.conftest import ROOT, run_fingertip
+from tests.conftest import ROOT
 
 PAD = Pad.from_design(Design())
 
@@ -204,7 +203,7 @@ QUICK = {"close_s": 0.3, "settle_s": 0.2, "after_s": 1.0}
 
 @pytest.fixture(autouse=True)
 def _fast():
-    """Run compiled loops where numba is installed; test_hand.py checks that they give the same bits."""
+    """Run compiled loops where numba is installed; test_report.py checks that they give the same bits."""
     with compiled():
         yield
 
@@ -404,29 +403,3 @@ def test_an_object_that_no_hand_holds_is_refused_with_remedies_that_pass():
         assert caught.value.issues[-1].field == f"{table}.{name}".removeprefix(".")
         assert "--seed" in [issue.field for issue in caught.value.issues]
         tables |= {table: {name: float(remedy.split()[2])}} if table else {}
-
-
-@pytest.mark.full
-def test_command_writes_trace_and_plot(tmp_path):
-    arguments = ["simulate", ROOT / "params/scenes/real_manipulation.toml", "--design", ROOT / "params/fsr402.toml"]
-    more = ["--json", "-q", "--set", "grasp.kind=pinch", "--set", "grasp.after_s=0.1", "--force-n", "3.0"]
-    files = ["--out", tmp_path / "a.csv", "--plot", tmp_path / "a.png"]
-    done = run_fingertip(*arguments, *more, *files)
-    assert done.returncode == 0, done.stderr
-    data = json.loads(done.stdout)
-    assert (data["grasp"], data["force_n"], data["held"], list(data["fingers"])) == (
-        "pinch",
-        3.0,
-        True,
-        ["thumb", "index"],
-    )
-    assert data["columns"] == [
-        "time_s", "voltage_v", "force_n", "slip", "index_voltage_v", "index_force_n", "index_slip",
-    ]  # fmt: skip
-    assert (tmp_path / "a.csv").read_text().splitlines()[0] == ",".join(data["columns"])
-    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
-    first = (tmp_path / "a.csv").read_bytes(), (tmp_path / "a.png").read_bytes()
-    assert run_fingertip(*arguments, *more, *files).returncode == 0
-    assert first == ((tmp_path / "a.csv").read_bytes(), (tmp_path / "a.png").read_bytes())
-    found = run_fingertip("detect", tmp_path / "a.csv", "--design", ROOT / "params/fsr402.toml", "--json", "-q")
-    assert found.returncode == 0, found.stderr  # the thumb's columns, like the article's

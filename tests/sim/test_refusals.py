@@ -117,14 +117,8 @@ def test_errors_are_the_approved_ones(family: str) -> None:
     for number, attempt in enumerate(FAMILIES[family], start=1):
         with pytest.raises(FingertipError) as caught:
             attempt()
-        told.append(
-            "\n".join(
-                [
-                    f"{number}:",
-                    *(f"{issue.field}: {issue.message}".replace(f"{ROOT}/", "") for issue in caught.value.issues),
-                ]
-            )
-        )
+        issues = (f"{issue.field}: {issue.message}".replace(f"{ROOT}/", "") for issue in caught.value.issues)
+        told.append("\n".join([f"{number}:", *issues]))
     check_text(Path(__file__).with_name("approved") / f"refusals_{family}.txt", "\n\n".join(told) + "\n")
 
 

@@ -172,10 +172,8 @@ def test_chunks_give_the_bits_of_the_whole():
 @pytest.mark.parametrize("ratio", [1, 2, 3])
 def test_friction_is_passive_while_load_and_velocity_both_move(ratio):
     """With the mean deflection as state, as usual, friction would drive the pad at twice the frequency in the load."""
-    h, mount = (
-        1e-4,
-        Mount(0.01, 1e5, 2 * Backing.damping_ratio * math.sqrt(1e5 * 0.01)),
-    )  # so stiff that the pad follows
+    h, stiff = 1e-4, 1e5  # so stiff that the pad follows
+    mount = Mount(0.01, stiff, 2 * Backing.damping_ratio * math.sqrt(stiff * 0.01))
     angle = 2 * math.pi * 10 * np.arange(10_000) * h
     for phase in (0.0, 1.0, 2.0, 3.0):
         load = FORCE_N * (1 + 0.8 * np.sin(ratio * angle + phase))

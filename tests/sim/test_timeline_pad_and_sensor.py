@@ -164,9 +164,8 @@ def test_turn_on_has_neither_jump_nor_kink(exponent):
 
 def test_curves_fall_and_follow_the_data_sheet():
     bridge = Bridge.of_article()
-    assert bridge.curve.exponent == pytest.approx(
-        0.694, abs=0.03
-    )  # the data sheet's slope, which took no part in the fit
+    # The data sheet's slope, which took no part in the fit.
+    assert bridge.curve.exponent == pytest.approx(0.694, abs=0.03)
     falling = bridge.voltage_v(0.2 + np.arange(300) / 100).tolist()
     assert falling == sorted(falling, reverse=True)
     conductance = fit_conductance_curve()

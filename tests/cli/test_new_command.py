@@ -54,14 +54,6 @@ def test_every_parameter_stands_in_the_file_once_and_is_described(sensor: str) -
             assert f"[{parameter.unit}, {parameter.bounds}]" in line
 
 
-def test_the_top_of_the_file_is_short() -> None:
-    lines = write_new_design("mine", "fsr400").text.splitlines()
-    set_here = [line.partition(" = ")[0] for line in lines if line and not line.startswith("#")]
-    assert set_here[:3] == ["name", "sensor.model", "bone.interface"]
-    assert len(set_here) <= 18
-    assert max(i for i, line in enumerate(lines) if line and not line.startswith("#")) < 24
-
-
 @pytest.mark.full
 @pytest.mark.parametrize("sensor", some_of(CHOICES, "fsr400"))
 def test_the_next_command_runs(sensor: str, folder: Path) -> None:

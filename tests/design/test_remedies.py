@@ -167,25 +167,6 @@ def test_remedies_of_values_out_of_bounds_pass_after_a_few_rounds(seed: int) -> 
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(
-    ("name", "misspelt", "changes"),
-    [
-        ("child_thumb", "sensor.tab-length-mm",
-         ["bone.base_length_mm=30.3", "sensor.tab-length-mm=2", "board.series=E7"]),
-        ("fsr402", "silicone.modulus_mp",
-         ["silicone.modulus_mp=0.01", "silicone.parts_a=5", "bone.post_width_mm=2", "skin.tip_length_mm=5"]),
-    ],
-)  # fmt: skip
-def test_a_misspelt_name_beside_broken_rules_is_an_issue_like_others(
-    name: str, misspelt: str, changes: list[str]
-) -> None:
-    """The search for remedies once took the name for a parameter's, and the command ended with exit code 70."""
-    fields = [issue.field for issue in refuse(changes, name)]
-    assert misspelt in fields
-    assert len(fields) > 1
-
-
-@pytest.mark.full
 def test_refusals_in_python_and_without_remedies_blame_the_same_fields() -> None:
     with pytest.raises(DesignError) as caught:
         Design(bone={"wall_mm": 4.0, "channel_diameter_mm": 9.0})

@@ -42,17 +42,6 @@ def reads_width(design: DesignTables) -> Violation | None:
     return Violation("is wide") if design.skin.width_mm > 0.0 else None
 
 
-def test_every_broken_rule_is_found_with_its_violation_and_design() -> None:
-    rules = [Rule("a", passing), Rule("b", broken), Rule("c", reads_wall), Rule("b", broken)]
-    found = list(find_violations(rules, TABLES))
-    assert [item.rule for item in found] == rules[1:]
-    assert rules[1] != rules[3], "two rules that look alike are two"
-    assert [item.violation.problem for item in found] == ["1 mm is too little", "is thin", "1 mm is too little"]
-    assert all(item.design is TABLES for item in found)
-    violation = found[0].violation
-    assert (violation.passing, violation.note, violation.alternatives) == ((), "", {})
-
-
 def test_a_rule_is_checked_once_and_only_after_its_prerequisites_pass() -> None:
     calls = []
 

@@ -54,14 +54,6 @@ def test_tones_have_the_gain_of_the_transfer_function(design, pin):
         assert gain == pytest.approx(expected, rel=1e-6)
 
 
-@pytest.mark.parametrize("pin", [ADC_TACTILE, ADC_ENVELOPE], ids=["tactile", "envelope"])
-def test_any_chunks_give_the_same_bits(pin):
-    volts = np.random.default_rng(0).normal(4.0, 0.1, 300)
-    whole, parts = AntiAliasFilter.ahead_of(pin, DESIGNS[0]), AntiAliasFilter.ahead_of(pin, DESIGNS[0])
-    found = np.concatenate([parts.process(part) for part in np.split(volts, [0, 1, 7, 150])])
-    assert np.array_equal(found, whole.process(volts))
-
-
 def test_ramp_is_delayed_by_the_sum_of_the_time_constants():
     c = board_values(DESIGNS[0]).adc_interface
     lag_s = c.first_ohm * (c.first_f + c.second_f) + c.second_ohm * c.second_f

@@ -158,17 +158,6 @@ def test_error_up_to_the_longest_admissible_step():
     assert max(errors) < 5e-3
 
 
-def test_chunks_give_the_bits_of_the_whole():
-    time = np.arange(4001) * 1.25e-4
-    carriage, load = TrapezoidalMove.with_speed(0.1, 0.02, 0.06), FORCE_N * np.clip(time / 0.05, 0.0, 1.0)
-    columns = (carriage.position_m(time), carriage.velocity_m_s(time), load)
-    whole = DraggedPad(FRICTION, MOUNT, 1.25e-4).process(*columns)
-    pad, cuts = DraggedPad(FRICTION, MOUNT, 1.25e-4), [0, 1, 2, 700, 701, 1500, 4001]
-    parts = [pad.process(*(column[a:b] for column in columns)) for a, b in pairwise(cuts)]
-    for name in ("position_m", "velocity_m_s", "bristle_m"):
-        assert np.array_equal(np.concatenate([getattr(part, name) for part in parts]), getattr(whole, name)), name
-
-
 @pytest.mark.parametrize("ratio", [1, 2, 3])
 def test_friction_is_passive_while_load_and_velocity_both_move(ratio):
     """With the mean deflection as state, as usual, friction would drive the pad at twice the frequency in the load."""

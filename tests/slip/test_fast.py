@@ -304,18 +304,6 @@ def test_trees_are_evaluated_as_they_are_stored():
         assert fast_state.evaluate_trees(row, 0, *arguments) == pytest.approx(score)
 
 
-def test_model_and_state_fit_a_microcontroller():
-    """One byte for a feature, four for a threshold or a leaf; four for a state."""
-    model = load_model()
-    assert model.features.max() < len(FEATURES)
-    assert len(model.features) == len(model.thresholds) == model.trees * NODES
-    assert 5 * model.trees * NODES + 4 * model.trees * (NODES + 1) < 24 * 1024
-    assert 4 * fast_state.STATES <= 512
-    in_single = model.thresholds.astype(np.float32)
-    assert np.isfinite(in_single).all()
-    assert in_single.astype(float) == pytest.approx(model.thresholds, rel=1e-6)
-
-
 RATE_HZ = 2000.0
 
 LOUD = 10.0

@@ -146,18 +146,10 @@ def test_error_falls_with_the_fourth_power_of_the_step():
     ],
 )
 def test_extreme_components_and_inputs_give_bounded_envelopes(parts, what, tolerance):
-    board, voltage = STIFF_BOARDS[parts], burst()
-    late = np.arange(len(voltage)) > 200
-    after = None
-    if what == "100 V jump":
-        voltage = np.where(late, 100.0, 0.0)
-        after = np.where(np.arange(len(voltage)) >= 200, 100.0, 0.0)
-    elif what == "100 V ramp":
-        voltage = np.where(late, 100.0, 0.0)
-    elif what == "zero":
-        voltage = np.zeros_like(voltage)
-    elif what == "denormal":
-        voltage = np.where(late, 1e-310, 0.0)
+    board, sample = STIFF_BOARDS[parts], np.arange(len(burst()))
+    peak_v = {"100 V jump": 100.0, "100 V ramp": 100.0, "zero": 0.0, "denormal": 1e-310}
+    voltage = burst() if what == "burst" else np.where(sample > 200, peak_v[what], 0.0)
+    after = np.where(sample >= 200, 100.0, 0.0) if what == "100 V jump" else None
     with compiled():
         found = simulate_board(board, STEP_S, voltage, tolerance, after)
         finer = simulate_board(board, STEP_S, voltage, tolerance / 10, after)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import replace
 
@@ -216,25 +215,6 @@ def make_scene(**tables) -> ManipulationFile:
     return ManipulationFile(**tables)
 
 
-def test_chunk_sizes_change_no_bit():
-    scene = make_scene(
-        grasp={"kind": "pinch"}, object={"mass_kg": 0.06}, outputs=["voltage_v", "force_n", "envelope_v"]
-    )
-    plan = plan_motion(DESIGN, scene, PAD, 1)
-    time = np.arange(20_000) / BASE_HZ
-    command = plan.planned_m(time) + 0.003 * np.sin(20 * time) * (time > 1.0)
-    whole, chunked = (
-        ManipulationStepper(DESIGN, scene, plan, PAD, 1, frozenset(scene.outputs), Grid()) for _ in range(2)
-    )
-    whole.advance(command)
-    boundaries = [0, 1, 2, 19, 20, 777, 2500, 2501, 20_000]
-    for start, end in itertools.pairwise(boundaries):
-        chunked.advance(command[:, start:end])
-    first, second = (HandSignals.join(stepper.chunks) for stepper in (whole, chunked))
-    for name in (*scene.outputs, "object_m", "closing_m"):
-        assert np.array_equal(first.find(name), second.find(name)), name
-
-
 @pytest.mark.parametrize("delay_s", [0.0, 0.015, 0.0333])
 def test_commands_of_a_controller_give_what_the_same_commands_give_in_advance(delay_s):
     """Whatever part of the future is computed before a command is known."""
@@ -248,16 +228,17 @@ def test_commands_of_a_controller_give_what_the_same_commands_give_in_advance(de
             assert observation.closing_m.shape == (2,)
             return self.commands[-1]
 
-    scene, controller = make_scene(grasp={"kind": "pinch"}, hand={"delay_s": delay_s}), ReactingController()
+    outputs, controller = ["voltage_v", "force_n", "envelope_v"], ReactingController()
+    scene = make_scene(grasp={"kind": "pinch"}, hand={"delay_s": delay_s}, outputs=outputs)
     result = run_manipulation(DESIGN, scene, controller, 1)
     period, delay = scene.hand.count_points(BASE_HZ)
     count = Grid().count_points(result.plan.duration_s, DESIGN.detector.sample_rate_hz) - 1
-    stepper = ManipulationStepper(DESIGN, scene, result.plan, PAD, 1, frozenset(scene.outputs) | {"voltage_v"}, Grid())
+    stepper = ManipulationStepper(DESIGN, scene, result.plan, PAD, 1, frozenset(outputs), Grid())
     stepper.advance(delay_commands(np.array(controller.commands).T, 0, count, period, delay))
     signals = HandSignals.join(stepper.chunks)
     assert len(controller.commands) == math.ceil(count / period)
-    assert np.array_equal(result.signals.closing_m, signals.closing_m)
-    assert np.array_equal(result.signals.find("voltage_v"), signals.find("voltage_v"))
+    for name in (*outputs, "object_m", "closing_m"):
+        assert np.array_equal(result.signals.find(name), signals.find(name)), name
 
 
 @pytest.mark.full

@@ -62,7 +62,8 @@ def test_simulate_reports_every_issue_and_writes_nothing(tmp_path):
     assert not out.exists()
 
 
-@pytest.mark.parametrize("detector", ["digital", "fft", "fast"])
+@pytest.mark.every_case
+@pytest.mark.parametrize("detector", ["analog", "digital", "fft", "fast"])
 def test_a_stream_gives_the_same_transitions_as_the_file(tmp_path, detector):
     (tmp_path / "t.csv").write_text(csv(T, V))
     whole = json.loads(run("detect", tmp_path / "t.csv", "--detector", detector, "--json").stdout)["intervals"]

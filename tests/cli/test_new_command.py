@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import shlex
 import tomllib
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from fingertip.catalogues.electronics import SENSORS
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
 from fingertip.design.new_design import PRESETS, write_new_design
-from tests.conftest import ROOT, run_fingertip, some_of
+from tests.conftest import ROOT, run_fingertip
 
 CHOICES = (*SENSORS, "custom")
 
@@ -52,17 +51,6 @@ def test_every_parameter_stands_in_the_file_once_and_is_described(sensor: str) -
         assert parameter.description in line
         if parameter.unit:
             assert f"[{parameter.unit}, {parameter.bounds}]" in line
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("sensor", some_of(CHOICES, "fsr400"))
-def test_the_next_command_runs(sensor: str, folder: Path) -> None:
-    """The message's command as it stands. STEP, which takes long, is left out for all sensors but the first."""
-    following = json.loads(run_fingertip("new", "mine", "--sensor", sensor, "--json").stdout)["next"]
-    quick = () if sensor == "fsr400" else ("--formats", "stl")
-    done = run_fingertip(*shlex.split(following)[1:], *quick)
-    assert done.returncode == 0, done.stderr
-    assert (folder / "out/mine/bone.stl").exists()
 
 
 def test_pages_state_the_sizes_of_the_presets_and_what_to_measure() -> None:

@@ -31,15 +31,11 @@ def grid(seconds: float, rate_hz: float = RATE_HZ) -> np.ndarray:
     return np.arange(round(seconds * rate_hz) + 1) / rate_hz
 
 
-def slide(
-    friction=FRICTION, mount=MOUNT, tolerance=1e-6, seconds=1.4, speed=0.04, rate=RATE_HZ, **more
-) -> CoupledMotion:
+def slide(friction=FRICTION, mount=MOUNT, tolerance=1e-6) -> CoupledMotion:
     """Rest for 0.2 s, then slide by 4 cm, under an oscillating load that keeps contact."""
-    time, ramp = grid(seconds, rate), TrapezoidalMove.with_speed(0.2, 0.04, speed)
-    load = FORCE_N * (1 + 0.1 * np.sin(2 * math.pi * 53 * time))
-    return integrate(
-        friction, mount, NORMAL, 1 / rate, ramp.position_m(time), ramp.velocity_m_s(time), load, tolerance, **more
-    )
+    time, ramp = grid(1.4), TrapezoidalMove.with_speed(0.2, 0.04, 0.04)
+    drive = ramp.position_m(time), ramp.velocity_m_s(time), FORCE_N * (1 + 0.1 * np.sin(2 * math.pi * 53 * time))
+    return integrate(friction, mount, NORMAL, 1 / RATE_HZ, *drive, tolerance)
 
 
 @pytest.mark.full

@@ -20,15 +20,10 @@ from fingertip.pictures.raster import Canvas
 from fingertip.pictures.scene import Bench, draw_scene
 from tests.conftest import design_file, run_fingertip
 
+OTHERS = [pytest.param(name, marks=pytest.mark.full) for name in ("first_finger", "adult_finger")]
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param("first_finger", marks=pytest.mark.full),
-        "article",
-        pytest.param("adult_finger", marks=pytest.mark.full),
-    ],
-)
+
+@pytest.mark.parametrize("name", ["article", *OTHERS])
 def test_labels_stand_apart_inside_the_picture(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     boxes: list[tuple[float, float, float, float]] = []
     original = ImageDraw.multiline_text

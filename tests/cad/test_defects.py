@@ -108,22 +108,17 @@ DEFECTS = {
 }  # fmt: skip
 
 
-def replace_function(monkeypatch: pytest.MonkeyPatch, defect: Defect) -> None:
+@pytest.mark.full
+@pytest.mark.parametrize("name", DEFECTS)
+def test_defect_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    defect = DEFECTS[name]
     original = getattr(defect.owner, defect.name)
 
     def changed(*arguments: object, **named: object) -> object:
         return defect.change(original(*arguments, **named), *arguments, **named)
 
     monkeypatch.setattr(defect.owner, defect.name, changed)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("name", DEFECTS)
-def test_defect_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    defect = DEFECTS[name]
-    replace_function(monkeypatch, defect)
-    found = failed_checks(*defect.changes, name=defect.design)
-    assert found == defect.failed
+    assert failed_checks(*defect.changes, name=defect.design) == defect.failed
 
 
 @pytest.mark.full

@@ -7,11 +7,11 @@ import hashlib
 import io
 import json
 import random
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from zipfile import ZipFile
 
 import numpy as np
@@ -141,13 +141,6 @@ def test_small_bed_takes_several_plates() -> None:
     assert found == {"plate.bed_excess"}, "a part is larger than the bed"
 
 
-def change_plate(prints: PrintFiles, change: object) -> PrintFiles:
-    """Write the FDM plate again, with a change of its first object."""
-    first, *others = threemf.read_items(prints.contents["plate_fdm.3mf"])
-    items = [change(first), *others]  # type: ignore[operator]
-    return replace(prints, contents={**prints.contents, "plate_fdm.3mf": threemf.write_items("plate", items)})
-
-
 @pytest.mark.parametrize(
     ("change", "check"),
     [
@@ -159,9 +152,13 @@ def change_plate(prints: PrintFiles, change: object) -> PrintFiles:
         (lambda item: replace(item, rotation=np.diag([1.0, -1.0, -1.0])), "bed_distance"),
     ],
 )
-def test_broken_plate_fails(change: object, check: str) -> None:
+def test_broken_plate_fails(change: Callable[[Any], Any], check: str) -> None:
+    """The first object of the FDM plate is another one."""
     design, meshes, encoded, prints = make()
-    assert f"plate.{check}" in failed(design, meshes, encoded, change_plate(prints, change))
+    first, *others = threemf.read_items(prints.contents["plate_fdm.3mf"])
+    plate = threemf.write_items("plate", [change(first), *others])
+    broken = replace(prints, contents={**prints.contents, "plate_fdm.3mf": plate})
+    assert f"plate.{check}" in failed(design, meshes, encoded, broken)
 
 
 def test_broken_part_for_the_printer_fails() -> None:

@@ -78,23 +78,18 @@ def test_check_of_another_package_joins_the_others_under_a_name_of_its_own(
             list(checks.run_checks(Design(), solids))
 
 
-OTHERS = {"design.toml", "manifest.json", "report.json"}
-
-
 def test_only_the_requested_parts_are_built(tmp_path: Path) -> None:
     result = build(Design(), tmp_path, parts=["bone"], formats=["stl"], verify=True)
     assert result.report()["trimesh"].keys() == {"bone.stl"}
-    assert {path.name for path in tmp_path.iterdir()} == {"bone.stl", *OTHERS, "print"}
+    written = {path.name for path in tmp_path.iterdir()}
+    assert written == {"bone.stl", "design.toml", "manifest.json", "print", "report.json"}
     assert {path.name for path in (tmp_path / "print").iterdir()} == {"bone.stl", "manifest.json"}
     assert [built.part.name for built in result.parts] == ["bone"]
 
 
-def find_open(contents: object, meshes: object) -> tuple[Check, ...]:
-    return (Check("skin.stl.trimesh.open", 1.0, 0, "", "exactly"),)
-
-
 def test_what_trimesh_finds_wrong_fails_a_build(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fingertip.tasks.build.second_opinions", find_open)
+    opened = Check("skin.stl.trimesh.open", 1.0, 0, "", "exactly")
+    monkeypatch.setattr("fingertip.tasks.build.second_opinions", lambda contents, meshes: (opened,))
     result = build(Design(), tmp_path, parts=["skin"], formats=["stl"], verify=True)
     assert [check.name for check in result.checks if not check.passed] == ["skin.stl.trimesh.open"]
 

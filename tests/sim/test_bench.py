@@ -15,8 +15,6 @@ from fingertip.sim.simulation import article_trials
 from tests.conftest import run_fingertip, run_python
 from tests.designs import ARTICLE
 
-DESIGN = ARTICLE
-
 
 @pytest.mark.full
 def test_command_writes_diagrams_and_times(tmp_path):
@@ -71,7 +69,7 @@ def test_trials_are_those_of_the_article():
 
 
 def test_boards_in_chunks_equal_boards_at_once():
-    boards, voltage = throughput.draw_boards(AnalogBoard.from_design(DESIGN), 300), 4 + 0.01 * np.sin(np.arange(40.0))
+    boards, voltage = throughput.draw_boards(AnalogBoard.from_design(ARTICLE), 300), 4 + 0.01 * np.sin(np.arange(40.0))
     whole = simulate_board(boards, 5e-4, voltage)
     chunks = [simulate_board(part, 5e-4, voltage) for part in throughput.split_boards(boards)]
     assert [len(chunk.envelope_v) for chunk in chunks] == [256, 44]

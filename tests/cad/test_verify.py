@@ -87,9 +87,12 @@ def test_only_the_requested_parts_are_built(tmp_path: Path) -> None:
     assert [built.part.name for built in result.parts] == ["bone"]
 
 
+def find_open(contents: object, meshes: object) -> tuple[Check, ...]:
+    return (Check("skin.stl.trimesh.open", 1.0, 0, "", "exactly"),)
+
+
 def test_what_trimesh_finds_wrong_fails_a_build(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    opened = Check("skin.stl.trimesh.open", 1.0, 0, "", "exactly")
-    monkeypatch.setattr("fingertip.tasks.build.second_opinions", lambda contents, meshes: (opened,))
+    monkeypatch.setattr("fingertip.tasks.build.second_opinions", find_open)
     result = build(Design(), tmp_path, parts=["skin"], formats=["stl"], verify=True)
     assert [check.name for check in result.checks if not check.passed] == ["skin.stl.trimesh.open"]
 

@@ -33,11 +33,9 @@ from tests.oracles.filter_formulas import filter_transfer
 from tests.oracles.ideal_filter import ideal_filter_transfer
 from tests.tools import require_tool
 
-DESIGN = ARTICLE
+BOARD = AnalogBoard.from_design(ARTICLE, "ideal")
 
-BOARD = AnalogBoard.from_design(DESIGN, "ideal")
-
-REAL = AnalogBoard.from_design(DESIGN)
+REAL = AnalogBoard.from_design(ARTICLE)
 
 STEP_S = 1 / 2000
 

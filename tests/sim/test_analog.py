@@ -134,6 +134,16 @@ def test_error_falls_with_the_fourth_power_of_the_step():
     assert math.log(errors[0] / errors[1]) / math.log(fine.steps / coarse.steps) > 3.7
 
 
+def test_steps_are_few_and_a_constant_input_needs_one_per_sample():
+    constant = simulate_board(BOARD, STEP_S, np.full(1001, 4.3))
+    assert (constant.steps, constant.rejected, constant.implicit) == (1000, 0, 0)
+    assert np.abs(constant.envelope_v).max() < 1e-9
+    found = simulate_board(BOARD, STEP_S, burst())
+    assert found.steps < 1.8 * 1000
+    assert found.rejected < 0.15 * found.steps
+    assert found.implicit < 0.9 * 1000
+
+
 @pytest.mark.parametrize(
     ("parts", "what", "tolerance"),
     [

@@ -158,15 +158,6 @@ def test_samples_lie_on_the_straight_line_between_points(rate):
     assert np.concatenate(found) == pytest.approx(3.0 * time_s + 1.0, abs=1e-12)
 
 
-def test_instants_on_points_have_no_fraction():
-    at = SampleClock(Grid(), 2000.0).advance(11)
-    assert at.index.tolist() == [0, 5, 10]
-    assert not at.fraction.any()
-    between = SampleClock(Grid(), 20_000.0).advance(3)
-    assert between.index.tolist() == [0, 0, 1, 1, 2]
-    assert between.fraction.tolist() == [0.0, 0.5, 0.0, 0.5, 0.0]
-
-
 CONSTANT_FORCE = {"hold": {"mode": "grasp", "min_force_n": 1.0, "max_force_n": 1.0, "min_s": 20.0, "release": False}}
 SETTLED = 4000
 """Number of samples after which the grasp is closed and the filter settled."""

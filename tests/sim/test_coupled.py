@@ -262,6 +262,16 @@ def test_chunk_that_fails_leaves_the_state_as_it_was(monkeypatch):
     assert np.array_equal(contact.process(*second).position_m, expected)
 
 
+def test_few_steps_are_rejected():
+    """A wrong coefficient or solution shows first as repeatedly rejected steps."""
+    found = slide()
+    assert found.steps < 3.2 * 2800
+    assert found.rejected < 0.2 * found.steps
+    assert found.evaluations == 3 * (found.steps + found.rejected)
+    tight = slide(tolerance=1e-8)
+    assert tight.steps < 4 * found.steps  # order 3 of the estimate: 100^(1/4) = 3.2
+
+
 def test_equal_steps_have_order_4():
     """A drive that is exact between samples, a pad that moves forward only, and a tolerance that allows any step."""
     mount, normal = Mount(0.035, 1500.0, 10.0), NormalContact(90.0, 0.3)

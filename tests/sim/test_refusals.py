@@ -23,10 +23,7 @@ from tests.approved import check_text
 from tests.conftest import ROOT, design_file
 from tests.designs import ARTICLE
 
-SCENES = ROOT / "params/scenes"
 BOARD = AnalogBoard.from_design(ARTICLE)
-STILL = np.zeros(20)
-PINCH = ManipulationFile(grasp={"kind": "pinch"})
 
 
 def at_7(value: float, count: int = 20) -> np.ndarray:
@@ -44,7 +41,7 @@ class Commands:
 
 
 def load(scene: str, *changes: str, **options: Any) -> Any:
-    return load_simulation(SCENES / f"{scene}.toml", changes=[*changes], **options)
+    return load_simulation(ROOT / f"params/scenes/{scene}.toml", changes=[*changes], **options)
 
 
 FAMILIES: dict[str, list[Callable[[], object]]] = {
@@ -87,7 +84,7 @@ FAMILIES: dict[str, list[Callable[[], object]]] = {
         lambda: run_manipulation(ARTICLE, ManipulationFile(outputs=["sampled_filtered_v"])),
         lambda: run_manipulation(ARTICLE, SceneFile()),
         lambda: run_manipulation(ARTICLE, ManipulationFile(), "fast"),
-        *(lambda command=command: run_manipulation(Design(), PINCH, Commands(command))
+        *(lambda command=command: run_manipulation(Design(), ManipulationFile(grasp={"kind": "pinch"}), Commands(command))
           for command in (None, [0.0], [0.0, math.nan])),
         *(lambda changes=changes: load("tri_digital", *changes).run() for changes in (
             ["grasp.min_force_n=4"], ["knock.stroke_m=0.001"], ["knock.speed_m_s=0.001"],
@@ -99,7 +96,7 @@ FAMILIES: dict[str, list[Callable[[], object]]] = {
         *(lambda volts=volts: AnalogStream(BOARD, 5e-4).process(volts) for volts in (
             at_7(math.inf) + at_7(math.nan), at_7(math.nan, 60)[:30], at_7(1e300), at_7(1e15), at_7(-1.1e4),
         )),
-        lambda: AnalogStream(BOARD, 5e-4).process(STILL, at_7(1e15)),
+        lambda: AnalogStream(BOARD, 5e-4).process(np.zeros(20), at_7(1e15)),
     ],
     "contacts": [
         *(lambda values=values: Friction(**({"mu_s": 0.6, "mu_c": 0.48} | values)) for values in (

@@ -328,12 +328,6 @@ def test_fine_steps_are_not_warned_of(tmp_path: Path) -> None:
     assert find_step_v(np.round(V / 0.01) * 0.01) == pytest.approx(0.01)
 
 
-@pytest.mark.parametrize(("delimiter", "comma"), [(",", False), (";", False), (";", True), ("\t", False), ("\t", True)])
-def test_all_delimiters_and_decimal_commas_are_read(tmp_path, delimiter, comma):
-    (tmp_path / "t.txt").write_text(csv(T, V, delimiter, comma=comma))
-    assert single_onset(run("detect", tmp_path / "t.txt", "--json")) == ONSET
-
-
 @pytest.mark.parametrize(("delimiter", "comma"), [(",", False), (";", True)])
 def test_quoted_numbers_are_read(tmp_path, delimiter, comma):
     text = re.sub(f"[^{delimiter}\n]+", r'"\g<0>"', csv(T, V, delimiter, comma=comma))

@@ -24,6 +24,7 @@ from tests.conftest import ROOT, design_file
 from tests.designs import ARTICLE
 
 BOARD = AnalogBoard.from_design(ARTICLE)
+PINCH = ManipulationFile(grasp={"kind": "pinch"})
 
 
 def at_7(value: float, count: int = 20) -> np.ndarray:
@@ -84,7 +85,7 @@ FAMILIES: dict[str, list[Callable[[], object]]] = {
         lambda: run_manipulation(ARTICLE, ManipulationFile(outputs=["sampled_filtered_v"])),
         lambda: run_manipulation(ARTICLE, SceneFile()),
         lambda: run_manipulation(ARTICLE, ManipulationFile(), "fast"),
-        *(lambda command=command: run_manipulation(Design(), ManipulationFile(grasp={"kind": "pinch"}), Commands(command))
+        *(lambda command=command: run_manipulation(Design(), PINCH, Commands(command))
           for command in (None, [0.0], [0.0, math.nan])),
         *(lambda changes=changes: load("tri_digital", *changes).run() for changes in (
             ["grasp.min_force_n=4"], ["knock.stroke_m=0.001"], ["knock.speed_m_s=0.001"],

@@ -139,14 +139,13 @@ def test_a_file_that_cannot_be_used_is_refused_with_the_reason(tmp_path: Path, r
 
 def test_an_adapter_off_its_place_is_refused_with_the_one_that_passes(tmp_path: Path) -> None:
     path = write_stl(tmp_path / "bar.stl")
-    for y_mm, reason in (
-        (2.0, "a gap of 1 mm between adapter and base; at least 3 mm."),
-        (22.0, "beside it or wholly within it; 3 mm."),
+    for axis, place_mm, reason in (
+        ("y", 2.0, "a gap of 1 mm between adapter and base; at least 3 mm."),
+        ("y", 22.0, "beside it or wholly within it; 3 mm."),
+        ("x", 40.0, "touches 0% of the end of the base"),
     ):
         with pytest.raises(DesignError, match=reason):
-            load(path, adapter_y_mm=y_mm)
-    with pytest.raises(DesignError, match="touches 0% of the end of the base"):
-        load(path, adapter_x_mm=40.0)
+            load(path, **{f"adapter_{axis}_mm": place_mm})
     (tmp_path / "d.toml").write_text('bone.interface = "file"\nbone.adapter_file = "../bar.stl"')
     with pytest.raises(DesignError, match="is no name of a file beside the design file"):
         Design.load(tmp_path / "d.toml")

@@ -29,7 +29,6 @@ from fingertip.design.geometry.solids import (
     union,
 )
 from fingertip.design.interfaces import interface_of
-from fingertip.tasks.build import build
 from tests.oracles.conic_area import section_area
 
 TOLERANCE = 0.02
@@ -115,14 +114,6 @@ def test_mesh_kernel_rejects_an_inverted_primitive(evaluator: MeshEvaluator) -> 
 
     with pytest.raises(GeometryError, match="inverted mesh"):
         evaluator.manifold(Box((0.0, 0.0, 1.0), (1.0, 1.0, 0.0)))
-
-
-def test_failed_check_is_reported_and_files_are_written(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(PARTS, "skin", replace(PARTS["skin"], genus=lambda design: 1))
-    result = build(FINGER, tmp_path, parts=["skin"], formats=["stl"])
-    assert not result.passed
-    assert {c.name for c in result.checks if not c.passed} == {"skin.stl.genus"}
-    assert (tmp_path / "skin.stl").exists()
 
 
 @pytest.mark.full

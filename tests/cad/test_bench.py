@@ -12,7 +12,7 @@ import pytest
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.shapes import bench
-from fingertip.cad.shapes.parts import PARTS, parts_by_name
+from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification import verify
 from fingertip.design import Design
 from fingertip.design.geometry.solids import cylinder, union
@@ -35,11 +35,8 @@ def run(design: Design = DESIGN, part: str = "stand") -> dict[str, Any]:
     return {check.name: check for check in checks if part in check.name}
 
 
-def test_every_check_of_the_stand_passes() -> None:
-    checks = run()
-    assert [name for name, check in checks.items() if not check.passed] == []
-    assert {"stand.stl.bodies", "stand.stl.genus", "stand.overhang", "stand.post_gap"} <= set(checks)
-    assert checks["stand.post_gap"].value == pytest.approx(0.15, abs=0.02), "half the mating play and the surface error"
+def test_the_gap_beside_the_post_is_measured() -> None:
+    assert run()["stand.post_gap"].value == pytest.approx(0.15, abs=0.02), "half the mating play and the surface error"
 
 
 def test_a_stand_whose_socket_is_too_wide_for_a_bridge_prints_on_the_end_of_its_handle() -> None:
@@ -70,12 +67,6 @@ def test_its_volume_is_that_of_its_outline_without_socket_and_hole() -> None:
 def test_a_stand_that_does_not_fit_is_found(change: Any, failed: set[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(PARTS, "stand", replace(PARTS["stand"], solid=lambda design: change(bench.stand(design))))
     assert failed <= {name for name, check in run().items() if not check.passed}
-
-
-def test_a_post_has_a_stand_a_joint_a_stub_and_a_socket_neither() -> None:
-    socket = Design.load("first_finger", changes=["bone.interface=socket", "bone.base_length_mm=20"])
-    found = [{"stand", "hand_stub"} & set(parts_by_name(design)) for design in (DESIGN, JOINTED["tongue"], socket)]
-    assert found == [{"stand"}, {"hand_stub"}, set()]
 
 
 @pytest.mark.parametrize("knuckle", JOINTED)

@@ -54,9 +54,6 @@ def test_elements_find_the_predicted_stress(name: str, tmp_path: Path) -> None:
         z = solved.points_mm[:, 2]
         stresses = solved.tension_mpa_per_n * ((z > low) & (z < design.dimensions.taper_end_z))
         there, largest = stresses[abs(z - weakest.z_mm) < BESIDE_MM].max(), stresses.max()
-        print(f"{name}: predicted {predicted:.3f} MPa/N at z = {weakest.z_mm:.1f};"
-              f" elements of {fine_mm} mm, {len(z)} nodes: {there:.3f} there,"
-              f" {largest:.3f} at {np.round(solved.points_mm[stresses.argmax()], 1)}")  # fmt: skip
     assert predicted / DESIGNS[name][2] <= there <= 1.02 * predicted
     assert largest <= 1.02 * predicted
 
@@ -74,7 +71,6 @@ def test_elements_with_contact_find_the_predicted_stress_of_the_eye(name: str, t
     points, tension, load_z = solve_eye(design, tmp_path, 0.5, LOAD_N)
     joint, predicted = design.dimensions.joint, predict(design, load_z, "eye")
     at, found = points[tension.argmax()], tension.max() / LOAD_N
-    print(f"{name}: predicted {predicted:.3f} MPa/N; elements {found:.3f} at {np.round(at, 1)}")
     assert joint
     assert abs(np.hypot(at[1] - joint.axis_y, at[2] - joint.axis_z) - joint.pin_radius) < 0.1
     assert predicted / 1.3 <= found <= 1.02 * predicted
@@ -89,7 +85,6 @@ def test_elements_find_the_predicted_stress_of_the_horn(name: str, tmp_path: Pat
     predicted = predict(design, design.skin.length_mm, "horn of the tendon")
     for fine_mm in (0.35, 0.25):
         found = solve_anchor(design, tmp_path, fine_mm)
-        print(f"{name}: predicted {predicted:.3f} MPa/N; elements of {fine_mm} mm {found:.3f}")
         assert 0.75 * predicted <= found <= 1.15 * predicted
 
 

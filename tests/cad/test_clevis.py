@@ -9,8 +9,6 @@ import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.cad.verification import joint as joint_checks
-from fingertip.cad.verification.check import Solids
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
 from fingertip.design.formulas.stress_and_knock import pin_peak
@@ -120,13 +118,6 @@ def test_strands_lie_in_groove_and_on_horns(name: str) -> None:
         )  # fmt: skip
         assert (inside ^ solid).volume() == pytest.approx(inside.volume(), rel=1e-3)
         assert (outside ^ solid).volume() == 0.0
-
-
-def test_joint_can_be_checked_on_a_coarse_mesh() -> None:
-    design = load("child_thumb")
-    solids = Solids.of(design, MeshEvaluator(1.0), ("bone", "skin"))
-    found = {check.name: check for check in joint_checks.check_joint(design, solids)}
-    assert found["bone.wall.pin_to_outside"].passed
 
 
 def test_bone_beside_a_slot_is_blunt_up_to_where_it_is_as_thick_as_a_wall() -> None:

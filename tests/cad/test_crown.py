@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.finger import bone, filled_bone, sensor_body, sensor_recess
@@ -20,7 +17,6 @@ from fingertip.design.geometry.outlines import RAMP_SLOPE
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.solids import Box, SuperconicSolid, difference
 from fingertip.design.new_design import PRESETS
-from fingertip.foundation.errors import DesignError
 from tests.conftest import DESIGNS, design_file
 from tests.oracles.conic_area import section_area
 
@@ -166,29 +162,3 @@ def test_a_film_on_a_ramp_ends_where_its_length_says() -> None:
     low, high = dims.ramp
     assert (high - low) * RAMP_SLOPE == pytest.approx(1.7)
     assert dims.tail_end_z - flat.tail_end_z == pytest.approx(math.hypot(1.7, high - low) - (high - low))
-
-
-LENGTHS = {
-    "skin.crown_radius_mm": (0.0, 100.0), "skin.crown_offset_mm": (-10.0, 20.0), "skin.crown_drop_mm": (0.0, 20.0),
-    "bone.platform_mm": (0.0, 10.0), "skin.semi_axis_palmar_mm": (2.0, 40.0),
-    "sensor.distance_from_tip_mm": (3.0, 60.0),
-    "skin.tip_length_mm": (2.0, 60.0),
-}  # fmt: skip
-
-
-@pytest.mark.full
-@settings(max_examples=60, deadline=None)
-@given(
-    st.fixed_dictionaries({}, optional={name: st.floats(*bounds) for name, bounds in LENGTHS.items()}),
-    st.sampled_from(["fsr400", "adult_finger"]),
-)
-def test_any_crown_has_a_form_or_is_refused_in_words(values: dict[str, float], name: str) -> None:
-    tables = DesignTables(**Design.load(design_file(name)).model_dump()).with_values(values)
-    body = tables.dimensions.outer
-    for span in body.spans:
-        assert all(math.isfinite(number) for line in (span.z, span.scale, span.palmar) for number in line)
-    for z in (-1.0, 0.0, 1e-9, 5.0, tables.skin.length_mm, tables.skin.length_mm + 1.0):
-        assert tables.dimensions.platform_half_width_at(z) >= 0.0
-        assert math.isfinite(body.palmar_scale_at(z))
-    with contextlib.suppress(DesignError):
-        Design.without_remedies(**tables.model_dump())

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
 import os
 import re
-import time
 import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -30,10 +28,8 @@ from tests.conftest import design_file, run_fingertip
 if TYPE_CHECKING:
     import trimesh
 
-
-def names(built: Build) -> set[str]:
-    """Names of the parts of the bundled designs with a post."""
-    return {"bone", "skin", "mold_palmar", "mold_dorsal", "core", "stand"}
+NAMES = ("bone", "core", "mold_dorsal", "mold_palmar", "skin", "stand")
+"""Parts of the bundled designs with a post."""
 
 
 def load(built: Build, name: str, file_format: str) -> trimesh.Trimesh:
@@ -47,9 +43,9 @@ def load(built: Build, name: str, file_format: str) -> trimesh.Trimesh:
 @pytest.mark.full
 def test_build_writes_exactly_the_expected_files_without_a_date(built: Build) -> None:
     others = {"assembly.step", "casting.md", "design.toml", "manifest.json", "print", "report.json"}
-    expected = {f"{name}.{file_format}" for name in names(built) for file_format in ("stl", "3mf", "step")}
+    expected = {f"{name}.{file_format}" for name in NAMES for file_format in ("stl", "3mf", "step")}
     assert {path.name for path in built.folder.iterdir()} == expected | others
-    printed = {f"{name}.stl" for name in names(built) if PARTS[name].is_printed}
+    printed = {f"{name}.stl" for name in NAMES if PARTS[name].is_printed}
     assert {path.name for path in (built.folder / "print").iterdir()} == printed | {"plate_fdm.3mf", "manifest.json"}
     assert Design.load(built.folder / "design.toml") == built.design
     with zipfile.ZipFile(built.folder / "bone.3mf") as bundle:
@@ -59,7 +55,7 @@ def test_build_writes_exactly_the_expected_files_without_a_date(built: Build) ->
 
 @pytest.mark.full
 def test_libraries_find_the_same_valid_solid_of_the_expected_genus_in_stl_and_3mf(built: Build) -> None:
-    for name in sorted(names(built)):
+    for name in NAMES:
         meshes = [load(built, name, file_format) for file_format in ("stl", "3mf")]
         for mesh in meshes:
             assert mesh.is_watertight
@@ -86,7 +82,7 @@ def test_step_holds_one_valid_named_solid_with_the_volume_of_the_mesh(built: Bui
 
     from fingertip.cad.kernel import brep
 
-    for name in sorted(names(built)):
+    for name in NAMES:
         path = built.folder / f"{name}.step"
         solids = cq.importers.importStep(str(path)).solids().vals()
         assert len(solids) == 1
@@ -104,8 +100,8 @@ def test_assembly_holds_parts_and_hardware_with_names_and_colours(built: Build) 
     path = built.folder / "assembly.step"
     assembly = cq.Assembly.importStep(str(path))
     found = {child.name: child.color.toTuple()[:3] for child in assembly.children}
-    bought = {item.name: item.colour for item in hardware(built.design, names(built))}
-    assert set(found) == names(built) - {"stand"} | set(bought), "the stand holds a finger without its mold"
+    bought = {item.name: item.colour for item in hardware(built.design, NAMES)}
+    assert set(found) == {*NAMES} - {"stand"} | set(bought), "the stand holds a finger without its mold"
     for name, colour in found.items():
         assert colour == pytest.approx(bought.get(name) or PARTS[name].colour, abs=1e-6)
     assert len(cq.importers.importStep(str(path)).solids().vals()) == len(found)
@@ -181,28 +177,6 @@ def test_fault_of_either_process_is_reported(
     solids[position] = solid
     with pytest.raises(GeometryError, match=message):
         make_step_files(*solids)
-
-
-@pytest.mark.full
-def test_no_process_outlives_the_context_manager() -> None:
-    job = StepJob("test", (("a", BOX, GREY), ("b", BOX, GREY)))
-    with StepProcess.start(job) as process:
-        process.worker.receive(until="making b")
-    assert process.worker.steps[0] == "loading Open CASCADE"
-    deadline = time.monotonic() + 5.0
-    while (running := list_processes(process.folder)) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert running == []
-
-
-def list_processes(folder: Path) -> list[str]:
-    """List the processes that work in a folder, from /proc."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*/cwd"):
-        with contextlib.suppress(OSError):
-            if str(folder) in str(path.readlink()):
-                found.append(str(path))
-    return found
 
 
 PASSED = Check("bone.stl.genus", 2, 2, "through holes", "exactly")

@@ -27,10 +27,8 @@ from fingertip.foundation.errors import DesignError
 from tests.conftest import DESIGNS, design_file
 
 TOLERANCE = 0.03
-MANY, FITTED = (
-    int(os.environ.get("FINGERTIP_RANDOM_DESIGNS", "12")),
-    int(os.environ.get("FINGERTIP_FITTED_DESIGNS", "5")),
-)
+MANY = int(os.environ.get("FINGERTIP_RANDOM_DESIGNS", "12"))
+FITTED = int(os.environ.get("FINGERTIP_FITTED_DESIGNS", "5"))
 TABLES = ("sensor.", "bone.", "hand.", "skin.", "mold.")
 VARIED = [p.path for p in list_parameters() if p.path.startswith(TABLES) and p.unit]
 NOT_GEOMETRY = ("build_volume_excess", "pad.rest_force", "pad.turn_on_force")

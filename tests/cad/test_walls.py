@@ -37,9 +37,3 @@ def test_cavity_is_measured_to_the_outside() -> None:
     found = measure_walls(shell, 0.8)
     assert found.thickness_mm == pytest.approx(0.5, abs=0.01)
     assert found.area_mm2 == pytest.approx(4 * math.pi * (5.0**2 + 4.5**2), rel=0.01)
-
-
-@pytest.mark.parametrize("name", ["adult_finger", "fsr400"])
-def test_bundled_fingers_have_no_thin_walls(name: str) -> None:
-    design, evaluator = Design.load(design_file(name)), MeshEvaluator(0.05)
-    assert not any(find_thin_walls(design, evaluator, part).matters for part in ("bone", "skin"))

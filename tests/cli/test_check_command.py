@@ -7,7 +7,6 @@ import re
 from pathlib import Path
 from xml.etree import ElementTree
 
-import numpy as np
 import pytest
 
 from fingertip.cad.files import stl
@@ -127,23 +126,3 @@ def test_designs_of_the_same_name_are_labelled_by_their_files(tmp_path: Path) ->
         (tmp_path / name).write_text('name = "tip"')
     done = run_fingertip("check", "a.toml", "b.toml", "a.toml", *COARSE, "--json", "-q", PWD=str(tmp_path))
     assert [design["design"] for design in json.loads(done.stdout)["designs"]] == ["a.toml", "b.toml"]
-
-
-@pytest.mark.full
-def test_picture_shows_the_colour_of_every_part(tmp_path: Path) -> None:
-    from PIL import Image
-
-    from fingertip.cad.shapes.parts import parts_by_name
-    from fingertip.design import Design
-
-    path = tmp_path / "p.png"
-    done = run_fingertip("picture", design_file("fsr400"), "--out", path, "--width-px", "700", "-q")
-    assert done.returncode == 0, done.stderr
-    pixels = np.asarray(Image.open(path).convert("RGB"), dtype=float)
-    assert pixels.shape[1] == 700
-    drawn = pixels[(pixels < 250).any(axis=2)]
-    assert 0.1 < len(drawn) / pixels[..., 0].size < 0.9
-    hue = drawn / drawn.sum(axis=1, keepdims=True)
-    for part in parts_by_name(Design()).values():
-        own = np.array(part.colour) / sum(part.colour)
-        assert (np.abs(hue - own).max(axis=1) < 0.01).mean() > 0.01, part.name

@@ -35,11 +35,9 @@ def describe_option(option: Any) -> str:
     default = option.default.as_posix() if isinstance(option.default, Path) else option.default
     kind = getattr(option, "type", option)  # of typer before 0.29, which has the bounds
     low, high = (getattr(kind, name, None) for name in ("min", "max"))
-    return (
-        option.opts[0]
-        + ("" if default is None or default is False else f"={default!r}")
-        + (f" from {low} to {high}" if (low, high) != (None, None) else "")
-    )
+    value = "" if default is None or default is False else f"={default!r}"
+    bounds = f" from {low} to {high}" if (low, high) != (None, None) else ""
+    return f"{option.opts[0]}{value}{bounds}"
 
 
 def test_help_pages_fit_and_show_every_option_and_examples() -> None:

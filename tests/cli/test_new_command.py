@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
-import random
 import re
-import shlex
 import tomllib
 from pathlib import Path
 
@@ -16,7 +13,7 @@ from fingertip.catalogues.electronics import SENSORS
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
 from fingertip.design.new_design import PRESETS, write_new_design
-from tests.conftest import ROOT, run_fingertip, some_of
+from tests.conftest import ROOT, run_fingertip
 
 CHOICES = (*SENSORS, "custom")
 
@@ -54,25 +51,6 @@ def test_every_parameter_stands_in_the_file_once_and_is_described(sensor: str) -
         assert parameter.description in line
         if parameter.unit:
             assert f"[{parameter.unit}, {parameter.bounds}]" in line
-
-
-def test_the_top_of_the_file_is_short() -> None:
-    lines = write_new_design("mine", "fsr400").text.splitlines()
-    set_here = [line.partition(" = ")[0] for line in lines if line and not line.startswith("#")]
-    assert set_here[:3] == ["name", "sensor.model", "bone.interface"]
-    assert len(set_here) <= 18
-    assert max(i for i, line in enumerate(lines) if line and not line.startswith("#")) < 24
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("sensor", some_of(CHOICES, "fsr400"))
-def test_the_next_command_runs(sensor: str, folder: Path) -> None:
-    """The message's command as it stands. STEP, which takes long, is left out for all sensors but the first."""
-    following = json.loads(run_fingertip("new", "mine", "--sensor", sensor, "--json").stdout)["next"]
-    quick = () if sensor == "fsr400" else ("--formats", "stl")
-    done = run_fingertip(*shlex.split(following)[1:], *quick)
-    assert done.returncode == 0, done.stderr
-    assert (folder / "out/mine/bone.stl").exists()
 
 
 def test_pages_state_the_sizes_of_the_presets_and_what_to_measure() -> None:
@@ -133,29 +111,3 @@ def test_loads_that_are_given_are_refused_if_too_heavy_and_others_become_what_th
     moved = f"strength.knock_speed_m_s wish 0.2 {held.knock_speed_m_s:g} the bone holds no more"
     assert moved in " ".join(done.stderr.split())
     assert run_fingertip("check", "mine.toml").returncode == 0
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("seed", range(int(os.environ.get("FINGERTIP_RANDOM_HANDS", "2"))))
-def test_make_refuses_no_finger_for_an_invented_hand(seed: int, folder: Path) -> None:
-    rng = random.Random(seed)
-    radius = rng.uniform(3.5, 6.0)
-    sizes = {
-        "width_mm": rng.uniform(4.0, 9.0), "axis_height_mm": rng.uniform(6.5, 8.5), "clearance_radius_mm": radius,
-        "pin_diameter_mm": rng.uniform(1.5, radius), "tendon_distance_mm": rng.choice([0.0, rng.uniform(4.0, 6.0)]),
-        "travel_deg": rng.choice([0.0, rng.uniform(40.0, 100.0)]),
-    }  # fmt: skip
-    rows = [
-        f'knuckle = "{rng.choice(["tongue", "fork"])}"',
-        *(f"{name} = {value:.2f}" for name, value in sizes.items()),
-    ]
-    (folder / "hand.toml").write_text("\n".join(["[hand]", *rows, ""]))
-    preset = rng.choice(["adult_finger", "adult_thumb", "youth_finger"])
-    new = run_fingertip("new", "mine", "--preset", preset, "--hand", "hand.toml")
-    print(rows, new.stdout, new.stderr)
-    if new.returncode == 0:
-        made = run_fingertip("build", "mine.toml", "--formats", "stl", "--out", "out")
-        assert made.returncode == 0, made.stderr
-    else:
-        assert new.returncode == 2
-        assert not (folder / "mine.toml").exists()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 
 import pytest
@@ -28,14 +27,6 @@ def test_abscissa_lies_on_the_arc(t: float, w: float) -> None:
 @pytest.mark.parametrize(("w", "area"), [(ELLIPSE, math.pi / 4), (1e-9, 0.5), (1.0, 5 / 6), (1e9, 1.0)])
 def test_area_of_arcs_with_known_areas(w: float, area: float) -> None:
     assert arc_area(w) == pytest.approx(area, abs=1e-8)
-
-
-@given(w=WEIGHTS)
-def test_area_agrees_with_the_shoelace_formula(w: float) -> None:
-    n = 2000
-    points = [arc_point(i / n, w) for i in range(n + 1)]
-    shoelace = sum(a[0] * b[1] - b[0] * a[1] for a, b in itertools.pairwise(points)) / 2
-    assert arc_area(w) == pytest.approx(shoelace, abs=3e-6)
 
 
 @given(t=st.floats(0.001, 0.999))

@@ -19,7 +19,7 @@ from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.rules.skin import calibration_spans_forces
 from fingertip.design.search import Search
 from fingertip.foundation.errors import DesignError, Issue, join_words
-from tests.conftest import design_file, run_python
+from tests.conftest import design_file
 from tools.fuzz.remedies import FIT, as_changes, read_alternatives, read_remedy
 
 MANY = int(os.environ.get("FINGERTIP_RANDOM_CHANGES", "0"))
@@ -167,25 +167,6 @@ def test_remedies_of_values_out_of_bounds_pass_after_a_few_rounds(seed: int) -> 
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(
-    ("name", "misspelt", "changes"),
-    [
-        ("child_thumb", "sensor.tab-length-mm",
-         ["bone.base_length_mm=30.3", "sensor.tab-length-mm=2", "board.series=E7"]),
-        ("fsr402", "silicone.modulus_mp",
-         ["silicone.modulus_mp=0.01", "silicone.parts_a=5", "bone.post_width_mm=2", "skin.tip_length_mm=5"]),
-    ],
-)  # fmt: skip
-def test_a_misspelt_name_beside_broken_rules_is_an_issue_like_others(
-    name: str, misspelt: str, changes: list[str]
-) -> None:
-    """The search for remedies once took the name for a parameter's, and the command ended with exit code 70."""
-    fields = [issue.field for issue in refuse(changes, name)]
-    assert misspelt in fields
-    assert len(fields) > 1
-
-
-@pytest.mark.full
 def test_refusals_in_python_and_without_remedies_blame_the_same_fields() -> None:
     with pytest.raises(DesignError) as caught:
         Design(bone={"wall_mm": 4.0, "channel_diameter_mm": 9.0})
@@ -198,15 +179,3 @@ def test_refusals_in_python_and_without_remedies_blame_the_same_fields() -> None
     assert {issue.field for issue in quick.value.issues} == {issue.field for issue in full.value.issues}
     assert not any("at most" in issue.message or "set " in issue.message for issue in quick.value.issues)
     assert Design.without_remedies(skin={"width_mm": 18.0}) == Design(skin={"width_mm": 18.0})
-
-
-@pytest.mark.full
-def test_a_refusal_imports_no_heavy_package() -> None:
-    script = (
-        "import sys\n"
-        "from fingertip.design import Design\n"
-        "from fingertip.foundation.errors import DesignError\n"
-        "try:\n    Design.load(changes=['skin.width_mm=6'])\n"
-        "except DesignError:\n    print([name for name in ('numpy', 'scipy', 'tomlkit') if name in sys.modules])\n"
-    )
-    assert run_python("-c", script).stdout.strip() == "[]"

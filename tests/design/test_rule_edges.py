@@ -144,11 +144,6 @@ def test_bounds_of_rules_are_the_approved_ones() -> None:
     check_figures(Path(__file__).parent / "approved" / "bounds.txt", lines, abs_=1e-6)
 
 
-@pytest.mark.full
-def test_every_rule_is_broken_by_a_design() -> None:
-    assert not {rule.check.__name__ for rule in RULES if rule not in find_broken()}
-
-
 @pytest.mark.every_case
 @pytest.mark.full
 @pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.check.__name__)

@@ -57,11 +57,8 @@ def test_dimensions_follow_a_copy_with_other_parameters() -> None:
 
 def test_figures_of_the_comparator_are_those_of_its_data_sheet() -> None:
     """The LMV331's supply, input bias current, offset and drift, entered a second time."""
-    assert pytest.approx((25, 250, 400)) == (
-        1e9 * formulas.BIAS_A,
-        1e9 * formulas.MAX_BIAS_A,
-        1e9 * formulas.HOT_BIAS_A,
-    )
+    currents_a = formulas.BIAS_A, formulas.MAX_BIAS_A, formulas.HOT_BIAS_A
+    assert [1e9 * current_a for current_a in currents_a] == pytest.approx([25, 250, 400])
     assert pytest.approx((1.7, 7)) == (1e3 * formulas.COMPARATOR_OFFSET_V, 1e3 * formulas.MAX_COMPARATOR_OFFSET_V)
     assert pytest.approx(5) == 1e6 * formulas.COMPARATOR_DRIFT_V_PER_K
     # Both ends are equally far from the data sheet's temperature, so that one drift holds for both.

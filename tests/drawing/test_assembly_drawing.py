@@ -61,10 +61,8 @@ def test_every_part_is_drawn_once_with_its_value_and_no_text_covers_another(vari
 @pytest.mark.parametrize("variant", VARIANT_CHANGES)
 def test_bars_lie_at_the_cathodes(variant: str) -> None:
     sheet, values = draw(variant)
-    parts, frame = (
-        load_project(variant).placement.parts,
-        next(p for p in sheet.primitives if isinstance(p, Polyline) and p.style.name == "board"),
-    )
+    parts = load_project(variant).placement.parts
+    frame = next(p for p in sheet.primitives if isinstance(p, Polyline) and p.style.name == "board")
     left, top = frame.points[0][0], frame.points[2][1]
     bars = [p.points for p in sheet.primitives if isinstance(p, Polyline) and p.style.name == "bar"]
     diodes = [

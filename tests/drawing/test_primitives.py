@@ -12,7 +12,6 @@ from fingertip.pictures.drawing.primitives import (
     PROJECTIONS,
     Arrow,
     Hatch,
-    Polyline,
     Primitive,
     Ring,
     Sheet,
@@ -88,15 +87,3 @@ def test_size_without_room_is_refused() -> None:
         list(place_lengths([PlacedLength(length, (60.0, 70.0), (100.0, 70.0), 80.0, 0)], occupancy))
     with pytest.raises(NoRoomError, match="bore"):
         place_circle(Circle("bore", INNER, "front", "x", (0.0, 0.0, 0.0), 2.0), (50.0, 50.0), 4.0, 0, occupancy)
-
-
-def test_occupancy_finds_what_a_line_crosses() -> None:
-    occupancy = Occupancy(100.0, 100.0)
-    occupancy.add((Polyline(((10.0, 50.0), (90.0, 50.0)), Styles.EDGE),), is_view=True)
-    occupancy.add((Text("word", (40.0, 70.0), 3.0),))
-    assert occupancy.crossings(((50.0, 40.0), (50.0, 60.0)))[0] in (1, 2)
-    assert occupancy.crosses_text(((42.0, 65.0), (42.0, 80.0)))
-    assert not occupancy.crosses_text(((20.0, 65.0), (20.0, 80.0)))
-    assert not occupancy.is_free((20.0, 49.0, 30.0, 49.5), 0.6)
-    assert occupancy.is_free((20.0, 45.0, 30.0, 48.0), 0.6)
-    assert not occupancy.is_free((95.0, 10.0, 101.0, 12.0), 0.6)

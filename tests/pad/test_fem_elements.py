@@ -115,12 +115,12 @@ def test_bonded_strip_in_compression_follows_its_closed_form() -> None:
     assert force == pytest.approx(closed, rel=0.04)
 
 
-@pytest.mark.parametrize(("poisson", "layers"), [(0.3333333, 1), (0.4999, 1)])
-def test_membrane_of_cook_does_not_lock(poisson: float, layers: int) -> None:
+@pytest.mark.parametrize("poisson", [0.3333333, 0.4999])
+def test_membrane_of_cook_does_not_lock(poisson: float) -> None:
     """Tapered panel, clamped at one end and sheared at the other, in plane strain: deflection against a fine mesh."""
     deflections = []
     for count in (6, 12):
-        mesh = block(np.linspace(0, 48, count + 1), np.linspace(0, 1, count + 1), np.array([5.0]), layers)
+        mesh = block(np.linspace(0, 48, count + 1), np.linspace(0, 1, count + 1), np.array([5.0]), 1)
         nodes = mesh.nodes.copy()
         x, eta = nodes[:, X].copy(), nodes[:, Z].copy()
         nodes[:, Z] = 44 / 48 * x + eta * (44 - 28 / 48 * x)
@@ -130,7 +130,7 @@ def test_membrane_of_cook_does_not_lock(poisson: float, layers: int) -> None:
         is_fixed[x == 0.0] = True
         loads = unmoved(panel)
         end = np.flatnonzero(x == 48.0)
-        weight = _simpson(eta[end], count) * _simpson(nodes[end, PALM] / 5.0, layers)
+        weight = _simpson(eta[end], count) * _simpson(nodes[end, PALM] / 5.0, 1)
         loads[end, Z, 0] = weight / weight.sum()
         moved = Body(panel, 1.0, poisson, is_fixed).move(loads)[:, :, 0]
         deflections.append(float(moved[(x == 48.0) & (eta == 1.0)][:, Z].mean()))

@@ -233,7 +233,6 @@ CUT = """
       return right > innerWidth + 1 || (scrolls && !['svg', 'SELECT', 'INPUT'].includes(e.tagName));
     }).map((e) => e.outerHTML.slice(0, 100))"""
 """Elements that are cut or scroll sidewards, without the heads of tables that became cards and parts of pictures."""
-WINDOWS = ((1400, 900), (390, 844))
 
 
 def check_tabs(driver: Any, height: int) -> None:
@@ -255,7 +254,7 @@ def check_tabs(driver: Any, height: int) -> None:
 def test_one_tab_is_laid_out_and_nothing_is_cut(opened: Any) -> None:
     from selenium.webdriver.common.keys import Keys
 
-    for width, height in WINDOWS:
+    for width, height in ((1400, 900), (390, 844)):
         with sized(opened, width, height):
             check_tabs(opened, height)
     opened.find_element("id", "tab-more").send_keys(Keys.ARROW_RIGHT)

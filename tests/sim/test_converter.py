@@ -54,14 +54,6 @@ def test_tones_have_the_gain_of_the_transfer_function(design, pin):
         assert gain == pytest.approx(expected, rel=1e-6)
 
 
-@pytest.mark.parametrize("pin", [ADC_TACTILE, ADC_ENVELOPE], ids=["tactile", "envelope"])
-def test_any_chunks_give_the_same_bits(pin):
-    volts = np.random.default_rng(0).normal(4.0, 0.1, 300)
-    whole, parts = AntiAliasFilter.ahead_of(pin, DESIGNS[0]), AntiAliasFilter.ahead_of(pin, DESIGNS[0])
-    found = np.concatenate([parts.process(part) for part in np.split(volts, [0, 1, 7, 150])])
-    assert np.array_equal(found, whole.process(volts))
-
-
 def test_ramp_is_delayed_by_the_sum_of_the_time_constants():
     c = board_values(DESIGNS[0]).adc_interface
     lag_s = c.first_ohm * (c.first_f + c.second_f) + c.second_ohm * c.second_f
@@ -166,15 +158,6 @@ def test_samples_lie_on_the_straight_line_between_points(rate):
     assert np.concatenate(found) == pytest.approx(3.0 * time_s + 1.0, abs=1e-12)
 
 
-def test_instants_on_points_have_no_fraction():
-    at = SampleClock(Grid(), 2000.0).advance(11)
-    assert at.index.tolist() == [0, 5, 10]
-    assert not at.fraction.any()
-    between = SampleClock(Grid(), 20_000.0).advance(3)
-    assert between.index.tolist() == [0, 0, 1, 1, 2]
-    assert between.fraction.tolist() == [0.0, 0.5, 0.0, 0.5, 0.0]
-
-
 CONSTANT_FORCE = {"hold": {"mode": "grasp", "min_force_n": 1.0, "max_force_n": 1.0, "min_s": 20.0, "release": False}}
 SETTLED = 4000
 """Number of samples after which the grasp is closed and the filter settled."""
@@ -236,16 +219,3 @@ def test_recorded_voltage_carries_the_adc_noise_into_the_board():
     """The board amplifies it 68 times, so that the threshold has to be higher than behind the board itself."""
     design = article_design(board={"variant": "precision"})
     assert simulate_replay_level(design).threshold_v > 3 * simulate_quiescent_level(design).threshold_v
-
-
-def test_constant_input_gives_the_same_constant():
-    out = AntiAliasFilter.ahead_of(ADC_TACTILE, DESIGNS[0]).process(np.full(50, 4.4))
-    assert np.abs(out - 4.4).max() < 1e-12
-
-
-def test_signals_are_constant_without_noise():
-    quiet = simulate_hold(
-        article_design(board={"variant": "precision"}), "tactile_v", "filtered_v", "envelope_v", noise=False
-    )
-    for name, column in quiet.items():
-        assert np.ptp(column) < 1e-6, name

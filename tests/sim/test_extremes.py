@@ -79,11 +79,6 @@ def test_motion_that_is_no_number_is_refused():
         pad.process(far, far, np.ones(2))
 
 
-def test_stiff_pad_on_a_soft_hand_has_the_force_of_its_depth():
-    pad = Pad(3e4, 1e-5, (0.5,), (0.0,), 0.5, backing=Backing(stiffness_n_per_m=10.0))
-    assert pad.force_n(np.array([pad.depth_m(50.0)]))[0] == pytest.approx(50.0)
-
-
 @pytest.mark.full
 @pytest.mark.parametrize("number", range(60))
 def test_pad_obeys_its_identities_or_refuses(number):

@@ -35,22 +35,11 @@ from fingertip.sim.signal.interference import (
 )
 from fingertip.sim.signal.parameters import Cable, Drift, Noise
 from fingertip.sim.trace_file import encode_trace, open_trace
+from tests.sim.test_report import EVERYTHING
 
 DESIGN = Design(board={"variant": "comparator", "supply_v": 3.3})
-SCENES = [*list_bundled_files(SCENE).values()]
-EVERYTHING = {
-    "noise": {"pink_v": 1e-4, "hand_v": 2e-4, "hum_v": 1e-3},
-    "cable": {"step_v": 0.02, "hum_v": 0.005, "at_s": 0.2},
-    "drift": {"share_per_decade": 0.05, "volt_per_s": 0.001},
-    "sensing": {"jitter_s": 2e-5},
-    "converter": {"bits": 12},
-}
 
 SCENE_OUTPUTS = SceneFile.known_outputs()
-
-
-def record_all(path: Path, **changes) -> SceneFile:
-    return SceneFile.load(path).model_copy(update={"outputs": [*SCENE_OUTPUTS], **changes})
 
 
 @pytest.mark.full
@@ -87,7 +76,8 @@ def test_stream_needs_no_more_memory_for_a_longer_scene():
 
 @pytest.mark.parametrize("suffix", ["csv", "npz"])
 def test_trace_in_chunks_has_the_bytes_of_the_whole(suffix):
-    result = run_scene(DESIGN, record_all(SCENES[0]), 1)
+    scene = SceneFile.load(list_bundled_files(SCENE)["contact"]).model_copy(update={"outputs": [*SCENE_OUTPUTS]})
+    result = run_scene(DESIGN, scene, 1)
     path, out = Path(f"trace.{suffix}"), io.BytesIO()
     writer = open_trace(out, path, [*SCENE_OUTPUTS])
     for a, b in pairwise((0, 1, 700, 5000, len(result.time_s))):
@@ -188,7 +178,7 @@ def test_hand_vibration_needs_contact():
 
 
 def test_average_over_the_patch_is_the_pressure_weighted_mean():
-    """Against a sum over the disc, and by how much it lowers the vibration of a slide."""
+    """Against a sum over the disc; tests/sim/test_materials.py compares scenes with and without it."""
     pad = Pad.from_design(Design())
     radius = pad.patch_radius_m(1.0)
     (contact,) = find_contacts(PadForm.of_design(Design()), REFERENCE_POSE, [1.0])
@@ -198,13 +188,6 @@ def test_average_over_the_patch_is_the_pressure_weighted_mean():
     for wavelength in (0.2e-3, 0.8e-3, 3e-3, 50e-3):
         u = 2 * math.pi * radius / wavelength
         assert average_over_patch(u) == pytest.approx((weight * np.cos(u * x)).sum() / weight.sum(), abs=2e-3)
-    scene = Trial("medium", 0.06, 1.0, 1).scene.model_copy(update={"outputs": ["force_n", "slip"]})
-    spread = []
-    for average in (False, True):
-        contact = scene.contact.model_copy(update={"patch_average": average})
-        found = run_scene(Design(), scene.model_copy(update={"contact": contact}), 1).columns
-        spread.append(found["force_n"][found["slip"]][200:1000].std())
-    assert 5 < spread[0] / spread[1] < 60
 
 
 def test_stick_slip_lets_the_pad_stop_during_a_slide():

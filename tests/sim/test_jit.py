@@ -85,16 +85,6 @@ def test_state_in_lists_carries_over_from_plain_to_compiled():
     assert total == [whole[-1]]
 
 
-def test_loop_without_a_cache_folder_is_compiled_for_this_process():
-    pytest.importorskip("numba")
-    names: dict = {}
-    exec("def loop(values, out: 'MutableFloats'):\n    out[0] = values[0] + 1.0\n", names)  # no source file
-    out = np.zeros(1)
-    with compiled():
-        make_loop(names["loop"])(np.ones(1), out)
-    assert out[0] == 2.0
-
-
 def test_without_numba_every_loop_runs_plain(monkeypatch):
     monkeypatch.setattr(jit, "available", lambda: False)
     loop = make_loop()

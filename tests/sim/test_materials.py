@@ -137,37 +137,25 @@ def test_surface_files_reach_the_command(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "message", "remedy"),
     [
-        (
-            {"surface": {"static_friction": 2.0}},
-            "at least 0.48 and below 0.624",
-            {"surface": {"static_friction": 0.623}},
-        ),
-        (
-            {"surface": {"static_friction": 0.3}},
-            "below surface.kinetic_friction",
-            {"surface": {"static_friction": 0.48}},
-        ),
-        (
-            {"surface": {"ridge_depth_um": 5.0}},
-            "such as 1",
-            {"surface": {"ridge_depth_um": 5.0, "ridge_pitch_mm": 1.0}},
-        ),
-        ({"surface": {"profile_um": [0.0, 1.0]}}, "such as 5", None),
-        (
-            {"surface": {"profile_um": [0.0, 1.0, 0.0], "profile_step_um": 1000.0}, "slide": {"distance_m": 0.004}},
-            "shorter than the path of 4 mm; measure more, or set slide.distance_m=0.002",
-            {"slide": {"distance_m": 0.002}},
-        ),
-        ({"surface": {"roughness_um": -1.0}}, "at least 0", {"surface": {"roughness_um": 0.0}}),
-        ({"surface": {"profile_um": [math.nan]}}, "finite", None),
-        ({"contact": {"surface": "wod"}}, "did you mean wood", None),
+        ({"static_friction": 2.0}, "at least 0.48 and below 0.624", {"static_friction": 0.623}),
+        ({"static_friction": 0.3}, "below surface.kinetic_friction", {"static_friction": 0.48}),
+        ({"ridge_depth_um": 5.0}, "such as 1", {"ridge_pitch_mm": 1.0}),
+        ({"profile_um": [0.0, 1.0]}, "such as 5", {"profile_step_um": 5.0}),
+        ({"roughness_um": -1.0}, "at least 0", {"roughness_um": 0.0}),
+        ({"profile_um": [math.nan]}, "finite", {"profile_um": []}),
     ],
 )
 def test_a_surface_that_cannot_be_is_refused_with_what_passes(changes, message, remedy) -> None:
     with pytest.raises(TraceError, match=message):
-        SceneFile(**changes)
-    if remedy:
-        SceneFile(**changes | remedy)
+        SceneFile(surface=changes)
+    SceneFile(surface=changes | remedy)
+
+
+def test_a_profile_shorter_than_the_path_is_refused_with_a_path_that_passes() -> None:
+    profile = {"profile_um": [0.0, 1.0, 0.0], "profile_step_um": 1000.0}
+    with pytest.raises(TraceError, match=r"path of 4 mm; measure more, or set slide\.distance_m=0\.002"):
+        SceneFile(surface=profile, slide={"distance_m": 0.004})
+    SceneFile(surface=profile, slide={"distance_m": 0.002})
 
 
 def test_ridges_that_pass_faster_than_samples_show_are_refused() -> None:

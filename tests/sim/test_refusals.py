@@ -23,9 +23,7 @@ from tests.approved import check_text
 from tests.conftest import ROOT, design_file
 from tests.designs import ARTICLE
 
-SCENES = ROOT / "params/scenes"
 BOARD = AnalogBoard.from_design(ARTICLE)
-STILL = np.zeros(20)
 PINCH = ManipulationFile(grasp={"kind": "pinch"})
 
 
@@ -44,7 +42,7 @@ class Commands:
 
 
 def load(scene: str, *changes: str, **options: Any) -> Any:
-    return load_simulation(SCENES / f"{scene}.toml", changes=[*changes], **options)
+    return load_simulation(ROOT / f"params/scenes/{scene}.toml", changes=[*changes], **options)
 
 
 FAMILIES: dict[str, list[Callable[[], object]]] = {
@@ -99,7 +97,7 @@ FAMILIES: dict[str, list[Callable[[], object]]] = {
         *(lambda volts=volts: AnalogStream(BOARD, 5e-4).process(volts) for volts in (
             at_7(math.inf) + at_7(math.nan), at_7(math.nan, 60)[:30], at_7(1e300), at_7(1e15), at_7(-1.1e4),
         )),
-        lambda: AnalogStream(BOARD, 5e-4).process(STILL, at_7(1e15)),
+        lambda: AnalogStream(BOARD, 5e-4).process(np.zeros(20), at_7(1e15)),
     ],
     "contacts": [
         *(lambda values=values: Friction(**({"mu_s": 0.6, "mu_c": 0.48} | values)) for values in (
@@ -117,14 +115,8 @@ def test_errors_are_the_approved_ones(family: str) -> None:
     for number, attempt in enumerate(FAMILIES[family], start=1):
         with pytest.raises(FingertipError) as caught:
             attempt()
-        told.append(
-            "\n".join(
-                [
-                    f"{number}:",
-                    *(f"{issue.field}: {issue.message}".replace(f"{ROOT}/", "") for issue in caught.value.issues),
-                ]
-            )
-        )
+        issues = (f"{issue.field}: {issue.message}".replace(f"{ROOT}/", "") for issue in caught.value.issues)
+        told.append("\n".join([f"{number}:", *issues]))
     check_text(Path(__file__).with_name("approved") / f"refusals_{family}.txt", "\n\n".join(told) + "\n")
 
 

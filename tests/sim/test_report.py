@@ -24,7 +24,7 @@ from fingertip.sim.report import as_data, as_text, draw
 from fingertip.sim.runs.scene import SceneRecord
 from fingertip.sim.signal.grid import STAGES
 from fingertip.sim.trace_file import encode_trace
-from fingertip.slip.traces.truth import SlipCollector, intervals
+from fingertip.slip.traces.truth import intervals
 from tests.approved import check_figures, check_text
 from tests.designs import ARTICLE
 from tests.figures import describe_figure, keep_figures, list_words
@@ -160,12 +160,8 @@ def test_rows_are_written_some_at_a_time(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_summary_merges_slips_as_detection_does() -> None:
     time = np.arange(2000) / 2000
     slip = ((time >= 0.1) & (time < 0.2)) | ((time >= 0.24) & (time < 0.3)) | ((time >= 0.5) & (time < 0.6))
-    collector = SlipCollector()
-    for part in np.split(np.arange(len(time)), [150, 450, 451]):
-        collector.add(time[part], slip[part])
     scene = SceneFile(scene="events", outputs=["slip"])
-    result = SceneRecord(scene, 0, 1.0, len(time), collector.close(), (), 2000.0, Pose(), 0.6)
-    assert result.slips == intervals(time, slip)
+    result = SceneRecord(scene, 0, 1.0, len(time), intervals(time, slip), (), 2000.0, Pose(), 0.6)
     assert as_text(result)[2:] == ["gross slip from 0.1000 s to 0.3000 s", "gross slip from 0.5000 s to 0.6000 s"]
     assert len(as_data(result)["slips"]) == 3
 

@@ -74,9 +74,8 @@ def test_stiffness_is_the_layer_s_at_1_n_with_hertz_power_and_mindlin_s_ratio():
     assert PAD.tangential_stiffness_n_per_m(1.0) == pytest.approx(2 / 3 * k, rel=1e-4)
     assert PAD.resonance_hz(1.0) == pytest.approx(math.sqrt((k + 90) / PAD.backing.mass_kg) / 2 / math.pi, rel=1e-4)
     depth = PAD.depth_m(1.0) - 1.0 / Backing.stiffness_n_per_m
-    assert (PAD.depth_m(1.01) - PAD.depth_m(0.99) - 0.02 / Backing.stiffness_n_per_m) / 0.02 == pytest.approx(
-        1 / k, rel=1e-3
-    )
+    yields_m_per_n = (PAD.depth_m(1.01) - PAD.depth_m(0.99)) / 0.02 - 1.0 / Backing.stiffness_n_per_m
+    assert yields_m_per_n == pytest.approx(1 / k, rel=1e-3)
     assert depth == pytest.approx(1.5 / k, rel=1e-4)
 
 
@@ -164,9 +163,8 @@ def test_turn_on_has_neither_jump_nor_kink(exponent):
 
 def test_curves_fall_and_follow_the_data_sheet():
     bridge = Bridge.of_article()
-    assert bridge.curve.exponent == pytest.approx(
-        0.694, abs=0.03
-    )  # the data sheet's slope, which took no part in the fit
+    # The data sheet's slope, which took no part in the fit.
+    assert bridge.curve.exponent == pytest.approx(0.694, abs=0.03)
     falling = bridge.voltage_v(0.2 + np.arange(300) / 100).tolist()
     assert falling == sorted(falling, reverse=True)
     conductance = fit_conductance_curve()

@@ -135,11 +135,8 @@ def _rigol_z(rng: random.Random) -> str:
 
 def _rigol_e(rng: random.Random) -> str:
     head = f'"Record Length",{len(T)},"Points"\n"Sample Interval",{1 / RATE_HZ:E},s\n'
-    return (
-        head
-        + "X,CH1,CH1\nSecond,Volt,Volt\n"
-        + "".join(f"{t - 1:.6E},{v:.5E},{o:.5E}\n" for t, v, o in zip(T, V, OTHER, strict=True))
-    )
+    rows = "".join(f"{t - 1:.6E},{v:.5E},{o:.5E}\n" for t, v, o in zip(T, V, OTHER, strict=True))
+    return f"{head}X,CH1,CH1\nSecond,Volt,Volt\n{rows}"
 
 
 def _tektronix(rng: random.Random) -> str:

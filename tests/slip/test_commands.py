@@ -17,10 +17,7 @@ from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import FingertipError
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, find_rounding, rate_bounds_message
-from tests.conftest import design_file
 from tests.slip.recordings import ONSET, PLAIN, T, V, burst, csv, rows, run, single_onset
-
-HEADER = "time_s,voltage_v,force_n,slip"
 
 ARTICLE = ("--design", "article", "--set", "detector.threshold_v=0.017", "--set", "detector.kind=fast")
 
@@ -33,7 +30,7 @@ def test_slip_of_a_simulated_trace_is_detected(tmp_path, surface):
     assert done.exit_code == 0
     simulated = json.loads(done.stdout)
     lines = out.read_text().splitlines()
-    assert lines[0] == HEADER
+    assert lines[0] == "time_s,voltage_v,force_n,slip"
     assert len(lines) == simulated["samples"] + 1
     found = run("detect", out, *ARTICLE, "--json", "--quiet")
     assert found.exit_code == 0
@@ -62,7 +59,8 @@ def test_simulate_reports_every_issue_and_writes_nothing(tmp_path):
     assert not out.exists()
 
 
-@pytest.mark.parametrize("detector", ["digital", "fft", "fast"])
+@pytest.mark.every_case
+@pytest.mark.parametrize("detector", ["analog", "digital", "fft", "fast"])
 def test_a_stream_gives_the_same_transitions_as_the_file(tmp_path, detector):
     (tmp_path / "t.csv").write_text(csv(T, V))
     whole = json.loads(run("detect", tmp_path / "t.csv", "--detector", detector, "--json").stdout)["intervals"]
@@ -220,9 +218,6 @@ def test_calibration_on_any_interval(tmp_path):
     assert threshold_v("4.0:4.5") > 2 * threshold_v("0.5:2.5")
 
 
-FSR400 = design_file("fsr400")
-
-
 @pytest.mark.full
 @pytest.mark.parametrize("rate", [1000, 5000, 20000])
 @pytest.mark.parametrize("detector", ["digital", "fft", "fast"])
@@ -235,7 +230,7 @@ def test_detectors_adapt_to_the_sampling_rate_of_a_file(tmp_path, rate, detector
     stated = run("detect", tmp_path / "t.csv", "--detector", detector, "--rate-hz", rate, "--json")
     assert stated.stdout == done.stdout
     # A stated rate is not adapted.
-    for options in (("--set", "detector.sample_rate_hz=2000"), ("--design", FSR400), ("--rate-hz", 2000)):
+    for options in (("--set", "detector.sample_rate_hz=2000"), ("--design", "fsr400"), ("--rate-hz", 2000)):
         done = run("detect", tmp_path / "t.csv", *options)
         assert done.exit_code == 2
         assert f"is sampled at {rate} Hz, but the detector is designed for 2000 Hz" in done.stderr

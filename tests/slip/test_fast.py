@@ -1,4 +1,4 @@
-"""Detector `fast`: its filters, floors and trees, signals that nobody simulated, and labels of its training."""
+"""Detector `fast`: its filters, floors and trees, and signals that nobody simulated."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.slip.mix_signals import LabelledSignal, Slide, draw_band_noise
+from benchmarks.slip.mix_signals import draw_band_noise
 from fingertip.slip.detectors import fast_settings, fast_state
 from fingertip.slip.detectors.fast import FastDetector, IncipientDetector
 from fingertip.slip.detectors.fast_coefficients import (
@@ -26,9 +26,7 @@ from fingertip.slip.detectors.fast_coefficients import (
     load_model,
     noise_energies,
 )
-from fingertip.slip.detectors.fast_settings import STAY_SCORE, TICK_S, FastSettings, FilteredSignal
-from fingertip.slip.traces.truth import Interval
-from tools.detector_training import rows
+from fingertip.slip.detectors.fast_settings import STAY_SCORE, FastSettings, FilteredSignal
 
 NOISE_V = 4e-4
 SETTINGS = FastSettings(2000.0, NOISE_V)
@@ -304,18 +302,6 @@ def test_trees_are_evaluated_as_they_are_stored():
         assert fast_state.evaluate_trees(row, 0, *arguments) == pytest.approx(score)
 
 
-def test_model_and_state_fit_a_microcontroller():
-    """One byte for a feature, four for a threshold or a leaf; four for a state."""
-    model = load_model()
-    assert model.features.max() < len(FEATURES)
-    assert len(model.features) == len(model.thresholds) == model.trees * NODES
-    assert 5 * model.trees * NODES + 4 * model.trees * (NODES + 1) < 24 * 1024
-    assert 4 * fast_state.STATES <= 512
-    in_single = model.thresholds.astype(np.float32)
-    assert np.isfinite(in_single).all()
-    assert in_single.astype(float) == pytest.approx(model.thresholds, rel=1e-6)
-
-
 RATE_HZ = 2000.0
 
 LOUD = 10.0
@@ -479,37 +465,3 @@ def test_slip_stays_on_while_the_trees_say_so_though_its_vibration_has_ended() -
     assert detector.process(burst).on[-1]
     lasts_s = np.count_nonzero(detector.process(4.0 + white_noise(2000, 3)).on) / RATE_HZ
     assert 0.15 < lasts_s < 0.42
-
-
-MOTION_S, ONSET_S, END_S = 0.99, 1.0, 1.4
-
-TICKS = 1000
-
-T_S = (np.arange(TICKS) + 1) * TICK_S
-
-
-def make_signal(kind: str = "slip") -> LabelledSignal:
-    slide, event = Slide(MOTION_S, ONSET_S, END_S), Interval(0.6, 0.7)
-    return LabelledSignal(kind, 2000.0, np.zeros(4 * TICKS), (slide,), (event,))
-
-
-def at(time_s: float) -> int:
-    return round(time_s / TICK_S) - 1
-
-
-def test_ticks_are_labelled_by_the_slip_around_them():
-    labels, weights = rows.label(make_signal(), TICKS)
-    assert T_S[labels > 0.0][0] == pytest.approx(ONSET_S - rows.EARLY_S)
-    assert T_S[labels > 0.0][-1] == pytest.approx(END_S - TICK_S)
-    expected = {
-        0.1: 0.0,  # the floors are learned
-        0.5: rows.QUIET_WEIGHT,
-        0.65: rows.EVENT_WEIGHT,
-        0.992: rows.CREEP_WEIGHT,  # not slip yet
-        1.05: rows.ONSET_WEIGHT,
-        1.3: rows.SLIP_WEIGHT,
-        1.45: 0.0,  # the energy decays
-        1.6: rows.QUIET_WEIGHT,
-    }
-    assert {time_s: weights[at(time_s)] for time_s in expected} == expected
-    assert np.array_equal(rows.label(make_signal("burst above 60 Hz"), TICKS)[1], rows.BURST_FACTOR * weights)

@@ -57,8 +57,6 @@ def test_the_force_stands_beside_each_interval_and_changes_no_verdict() -> None:
     assert beside.scale is not None
     assert beside.forces[0].force_n == pytest.approx(beside.scale.read(mean_v).force_n, rel=0.01)
     assert as_text(beside).count(f", at {beside.forces[0].describe()}") >= 1
-    assert as_data(beside, None)["intervals"][0].keys() - as_data(found, None)["intervals"][0].keys() == {
-        "force_n",
-        "force_interval_n",
-    }
+    with_force, without = (as_data(one, None)["intervals"][0].keys() for one in (beside, found))
+    assert with_force - without == {"force_n", "force_interval_n"}
     assert beside.intervals == found.intervals

@@ -6,7 +6,6 @@ import itertools
 import json
 import re
 import shlex
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -69,12 +68,3 @@ def test_the_corpus_has_two_hundred_forms() -> None:
 @pytest.mark.parametrize("form", FORMS.values(), ids=FORMS)
 def test_no_form_is_read_wrong_in_silence(form: Form, tmp_path: Path) -> None:
     assert judge(form.write(tmp_path)) != "wrong"
-
-
-if __name__ == "__main__":
-    import tempfile
-
-    with tempfile.TemporaryDirectory() as folder:
-        results = {name: judge(form.write(Path(folder))) for name, form in FORMS.items()}
-    print(Counter(results.values()))
-    print("\n".join(f"{result:8} {name}" for name, result in results.items()))

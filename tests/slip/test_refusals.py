@@ -194,12 +194,10 @@ def test_outputs_are_the_approved_ones(family: str, tmp_path: Path) -> None:
             path.write_bytes(content if isinstance(content, bytes) else content.encode())
         options = [word for word in words if word != "-"]
         said = describe(tmp_path, str(path), *options, lines=lines)
-        told.append(
-            f"{number}: {'standard input' if lines is not None else path.name} {' '.join(map(str, options))}\n{said}"
-        )
-    check_text(
-        Path(__file__).with_name("approved") / f"refusals_{family.replace(' ', '_')}.txt", "\n\n".join(told) + "\n"
-    )
+        source = "standard input" if lines is not None else path.name
+        told.append(f"{number}: {source} {' '.join(map(str, options))}\n{said}")
+    approved = Path(__file__).with_name("approved") / f"refusals_{family.replace(' ', '_')}.txt"
+    check_text(approved, "\n\n".join(told) + "\n")
 
 
 def test_other_kinds_of_files_are_answered_by_how_to_convert_them(tmp_path: Path) -> None:

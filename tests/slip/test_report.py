@@ -21,6 +21,7 @@ from tests.approved import check_figures, list_data
 from tests.figures import describe_figure, keep_figures, list_words
 
 APPROVED = Path(__file__).with_name("approved")
+ARTICLE = Design.load("article", changes=["detector.threshold_v=0.017"])
 T = np.arange(8000) / 2000
 NOISE_V = np.random.default_rng(3).normal(0.0, 4e-4, len(T))
 
@@ -56,11 +57,7 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_report_of_a_detection_is_the_approved_one(name: str) -> None:
     trace, detector = CASES[name]
-    found = detect(
-        trace,
-        Design() if trace.filtered_v is not None else Design.load("article", changes=["detector.threshold_v=0.017"]),
-        detector,
-    )
+    found = detect(trace, ARTICLE if trace.filtered_v is None else Design(), detector)
     whole = APPROVED / "fast_simulated_with_a_motion.txt"
     path = APPROVED / f"{name.replace(', ', '_').replace(' ', '_')}.txt"
     with keep_figures() as figures:
@@ -73,7 +70,7 @@ def test_report_of_a_detection_is_the_approved_one(name: str) -> None:
 
 def test_threshold_drawn_is_the_one_of_each_sample() -> None:
     trace, detector = CASES["fast, simulated with a motion"]
-    found = detect(trace, Design.load("article", changes=["detector.threshold_v=0.017"]), detector)
+    found = detect(trace, ARTICLE, detector)
     with keep_figures() as figures:
         found.plot()
     assert found.threshold.lowest_v < found.threshold.highest_v
@@ -86,7 +83,7 @@ def test_threshold_drawn_is_the_one_of_each_sample() -> None:
 
 def test_incipient_slip_that_never_becomes_on_is_listed() -> None:
     trace, detector = CASES["fast, simulated with a motion"]
-    found = detect(trace, Design.load("article", changes=["detector.threshold_v=0.017"]), detector)
+    found = detect(trace, ARTICLE, detector)
     assert found.incipient is not None
     assert "never ON" not in as_text(found)
     early = tuple(Interval(0.3 + 0.1 * i, 0.31 + 0.1 * i) for i in range(11))

@@ -8,10 +8,7 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.verification.walls import SPACING_MM, find_thin_walls, measure_walls
-from fingertip.design import Design
-from tests.conftest import design_file
+from fingertip.cad.verification.walls import SPACING_MM, measure_walls
 
 
 def test_thickness_and_area_of_a_plate() -> None:

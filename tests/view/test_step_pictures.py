@@ -38,7 +38,9 @@ def is_inside(mesh: Mesh, point_mm: Point3) -> bool:
     dots = (a * b).sum(axis=1) * k + (b * c).sum(axis=1) * i + (c * a).sum(axis=1) * j
     return bool(abs(np.arctan2((a * np.cross(b, c)).sum(axis=1), i * j * k + dots).sum()) > math.pi)
 
+
 OTHERS = [pytest.param(name, marks=pytest.mark.full) for name in ("first_finger", "adult_finger")]
+
 
 @pytest.mark.parametrize(
     ("name", "scenes", "approved"),

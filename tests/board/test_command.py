@@ -21,13 +21,12 @@ from fingertip.board.fabrication.fabrication_files import (
     provenance_record,
 )
 from fingertip.board.kicad.project import MODEL_FOLDER, load_project
-from fingertip.catalogues.output_files import LAYOUT, PROVENANCE, README
-from fingertip.foundation.errors import OutputError
+from fingertip.catalogues.output_files import LAYOUT, PROVENANCE
 from fingertip.foundation.output_set import MANIFEST
-from fingertip.tasks.board import board_differences, board_files, write_board
+from fingertip.tasks.board import board_files, write_board
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.conftest import run_fingertip
-from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article
+from tests.designs import ARTICLE, ARTICLE_OPTIONS
 from tests.tools import require_tool
 
 FILES = [
@@ -149,18 +148,6 @@ CIRCUIT = board_circuit(board_values(ARTICLE))
 ARTICLE_PLACEMENT = load_project("article").placement
 
 
-@pytest.mark.full
-def test_sheet_of_another_design_is_removed_with_a_word(tmp_path: Path) -> None:
-    notes: list[str] = []
-    write_board(ARTICLE, tmp_path, bring_up=True)
-    write_board(ARTICLE, tmp_path, progress=notes.append)
-    assert notes == []
-    write_board(load_article(["board.cutoff_hz=80"]), tmp_path, progress=notes.append)
-    (note,) = notes
-    assert note.startswith("removed files of another design: bringup.ino, bringup.md, wiring.svg; --bringup")
-    assert not (tmp_path / "bringup.md").exists()
-
-
 def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:
     write_board(ARTICLE, tmp_path)
     (tmp_path / "slip_filter.net").write_bytes((tmp_path / "slip_filter.net").read_bytes().replace(b'"4.7k"', b'"47k"'))
@@ -175,17 +162,6 @@ def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:
     assert "bom.csv: cannot be read" in text
     assert "kicad_pcb" not in text
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
-
-
-def test_readme_of_somebody_else_is_kept(tmp_path: Path) -> None:
-    (tmp_path / README).write_text("# Mine\n")
-    with pytest.raises(OutputError, match=r"README\.md: was not written by fingertip"):
-        write_board(ARTICLE, tmp_path)
-    assert [path.name for path in tmp_path.iterdir()] == [README]
-    write_board(ARTICLE, tmp_path, force=True)
-    assert board_differences(ARTICLE, tmp_path) == []
-    (tmp_path / README).write_text("# Mine\n")
-    assert any("README.md: differs" in line for line in board_differences(ARTICLE, tmp_path))
 
 
 def parse_csv(data: bytes) -> list[dict[str, str]]:

@@ -129,18 +129,6 @@ def test_values_are_entered_and_every_other_byte_stays(
         assert text.sub(r"\1", old) == text.sub(r"\1", new)
 
 
-@pytest.mark.full
-def test_all_other_files_follow_the_design(folder: Path, tmp_path: Path) -> None:
-    edited = move_r1(folder)
-    write_board(load_article(OTHER_VALUES), folder)
-    write_board(load_article(OTHER_VALUES), tmp_path / "new")
-    found, wanted = (
-        {path.relative_to(top): data for path, data in files_in(top).items()} for top in (folder, tmp_path / "new")
-    )
-    assert found.pop(Path(LAYOUT)) not in (edited, wanted.pop(Path(LAYOUT)))
-    assert found == wanted  # the manifest too: the layout stays the user's own
-
-
 @pytest.fixture
 def small_board(tmp_path: Path) -> Path:
     """Folder with the files of a board of two resistors, as this program wrote them."""

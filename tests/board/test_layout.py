@@ -19,11 +19,11 @@ from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.back_print import find_text_box, list_back_texts, list_values
 from fingertip.board.kicad.netlist import REVISION
 from fingertip.board.kicad.placement import PlacedPart, Placement
-from fingertip.board.kicad.project import MODEL_FOLDER, MODEL_FOLDER_OF_KICAD, MODEL_VARIABLE, load_project, model_files
+from fingertip.board.kicad.project import MODEL_FOLDER_OF_KICAD, MODEL_VARIABLE, load_project, model_files
 from fingertip.board.kicad.sexpr import turn
 from fingertip.board.parts.circuit import Circuit
 from fingertip.catalogues.output_files import LAYOUT
-from fingertip.foundation.errors import BoardError, OutputError
+from fingertip.foundation.errors import BoardError
 from fingertip.tasks.board import board_files, write_board
 from tests.board.conftest import BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
@@ -295,13 +295,3 @@ def test_kicad_exports_every_part_in_its_place(
             math.dist((x, y, z - board_top), centre) < 0.01 and abs(found_volume - size) < 1e-4
             for size, centre in expected
         ), (x, y, z)
-
-
-def test_changed_model_is_kept_and_reported(tmp_path: Path) -> None:
-    write_board(ARTICLE, tmp_path)
-    model = tmp_path / MODEL_FOLDER / next(iter(model_files()))
-    model.write_bytes(b"mine")
-    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
-    with pytest.raises(OutputError, match="was changed since"):
-        write_board(load_article(["board.cutoff_hz=80"]), tmp_path)
-    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before

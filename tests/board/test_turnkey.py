@@ -15,7 +15,6 @@ from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.fabrication.bom import assembly_bom_file, placement_file
 from fingertip.board.fabrication.fabrication_files import export_gerbers, kicad_session
 from fingertip.board.kicad.project import load_project
-from fingertip.design import Design
 from fingertip.tasks.board import board_files
 from tests.board.kicad import HOW_TO_INSTALL_KICAD
 from tests.designs import load_article
@@ -45,36 +44,6 @@ json.dump({
     "paste": [[o.x, o.y] for o in stack["top", "paste"].objects if isinstance(o, Flash)],
 }, sys.stdout)
 """
-
-LAYOUT_READER = """
-import json, sys
-from kiutils.board import Board
-board = Board.from_file(sys.argv[1])
-pads = [[f.properties["Reference"], f.properties["Value"], p.number, p.net.name if p.net else ""]
-        for f in board.footprints for p in f.pads]
-json.dump({"version": board.version, "pads": pads, "tracks": len(board.traceItems)}, sys.stdout)
-"""
-FORMAT = 20241229
-"""Version of KiCad's format of layouts, that of KiCad 9."""
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("change", [*(f"board.variant={name}" for name in VARIANT_CHANGES), "board.channels=5"])
-def test_reader_of_another_author_finds_the_circuit_in_the_layout(tmp_path: Path, change: str) -> None:
-    python = require_tool("/opt/gerbonara/bin/python", "run `sh .ci/install-gerbonara` as root on Debian")
-    design = Design.load("fsr400", changes=[change, *VARIANT_CHANGES.get(change.partition("=")[2], ())])
-    layout = tmp_path / "slip_filter.kicad_pcb"
-    layout.write_bytes(board_files(design)[layout.name])
-    done = subprocess.run([python, "-c", LAYOUT_READER, layout], capture_output=True, text=True, check=True)
-    found, circuit = json.loads(done.stdout), board_circuit(board_values(design), design.board.channels)
-    assert int(found["version"]) == FORMAT
-    nodes = {
-        (part, pin): net.removeprefix("/") for part, _, pin, net in found["pads"] if net and not net.startswith("unc")
-    }
-    assert nodes == {pin: net for pin, net in circuit.net_by_pin.items() if not net.startswith("unconnected")}
-    values = {part: value for part, value, *_ in found["pads"] if part and not part.startswith("FID")}
-    assert values == {part.reference: part.value for part in circuit.components}
-    assert found["tracks"] > 100
 
 
 @pytest.mark.parametrize("name", [*VARIANT_CHANGES, "channels"])

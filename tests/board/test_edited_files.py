@@ -26,7 +26,7 @@ from fingertip.board.parts.symbols import CAPACITOR, R_0603, RESISTOR
 from fingertip.catalogues.output_files import BOARD, LAYOUT, NETLIST, PROJECT, SCHEMATIC
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.output_set import Revision
-from fingertip.tasks.board import write_board, write_fabrication
+from fingertip.tasks.board import write_board
 from fingertip.tasks.edited_board import enter_texts, find_edited, refuse_other_circuit, revise_edited
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.board.test_layout import NO_VIOLATIONS, run_drc
@@ -301,9 +301,6 @@ def test_fabrication_files_of_an_edited_board_are_refused(folder: Path) -> None:
     assert run.returncode == 2
     assert "kicad_pcb: was edited, and --fab would export the board without your edits" in run.stderr
     assert files_in(folder) == before
-    write_board(load_article(OTHER_VALUES), folder)
-    with pytest.raises(OutputError, match="without your edits"):
-        write_fabrication(load_article(OTHER_VALUES), folder)
 
 
 MOVE_WITH_KICAD = """

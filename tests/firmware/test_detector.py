@@ -158,8 +158,6 @@ def test_compiles_without_warnings_whatever_the_optimisation(library: Library, r
 @pytest.mark.full
 def test_sanitizers_find_no_undefined_behaviour(library: Library, tmp_path: Path) -> None:
     """A whole program: the sanitizers must be the first library of a process."""
-    import subprocess
-
     require_gcc()
     write_sources(library.design, tmp_path)
     program = tmp_path / "main.c"

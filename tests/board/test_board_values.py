@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import re
 
 import numpy as np
 import pytest
@@ -35,10 +34,8 @@ from fingertip.board.components.selection import (
 from fingertip.design import Design
 from fingertip.design.formulas.filter import MANTISSAS, FilterComponents, ideal_components
 from fingertip.design.parameters.electronics import Board
-from fingertip.documents.template import format_ohm
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.files import format_figure
-from fingertip.tasks.board import board_files
 from tests.designs import ARTICLE, load_article
 from tests.oracles.filter_formulas import ideal_cutoff_hz, passband_gain, pole_hz, section_frequency_hz, section_quality
 
@@ -306,17 +303,3 @@ def test_figures_have_the_given_number_of_significant_digits(value: float, digit
 def test_supply_current_is_that_of_the_data_sheets_and_of_ohms_law(design: Design, milliampere: float) -> None:
     circuit = board_circuit(board_values(design))
     assert 1e3 * compute_supply_current_a(circuit, design.board.supply_v) == pytest.approx(milliampere, rel=1e-4)
-
-
-def readme(design: Design) -> str:
-    """README of a board's folder, without line breaks."""
-    return " ".join(board_files(design)["README.md"].decode().split())
-
-
-@pytest.mark.full
-def test_no_figure_has_an_exponent_where_gain_and_steps_are_large() -> None:
-    design = Design.load(changes=["board.passband_gain=120", "detector.adc_bits=8", "detector.noise_v=0.01"])
-    notes = readme(design)
-    assert [format_ohm(value) for value in (4.7, 6800.0, 1.1e6)] == ["4.7 ohm", "6.8 kohm", "1.1 Mohm"]
-    assert "a step of the ADC (13 mV) is 110 uV" in notes, "3.3 V / 256, over 115"
-    assert not re.findall(r"\de[+-]\d", notes)

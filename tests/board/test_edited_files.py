@@ -187,20 +187,6 @@ def test_guard_refuses_what_an_edited_file_cannot_follow(small_board: Path) -> N
         revise_small(small_board, small_files("2k"))
 
 
-@pytest.mark.full
-def test_edits_survive_several_designs_and_the_same_one_again(folder: Path) -> None:
-    edited = move_r1(folder)
-    for changes in (OTHER_VALUES, ("board.series=E96",), ()):
-        write_board(load_article(changes), folder)
-        assert b"(at 105 95 45)" in (folder / LAYOUT).read_bytes()
-    assert (folder / LAYOUT).read_bytes() == edited  # back at the first design
-    date = (folder / LAYOUT).stat().st_mtime_ns
-    notes: list[str] = []
-    write_board(ARTICLE, folder, progress=notes.append)
-    assert "it has the values of this design" in notes[0]
-    assert (folder / LAYOUT).stat().st_mtime_ns == date
-
-
 def test_change_of_parts_or_nets_writes_nothing(folder: Path) -> None:
     words = ("board", *ARTICLE_OPTIONS, "--out", folder, *(w for change in OTHER_PARTS for w in ("--set", change)))
     move_label(folder / SCHEMATIC)

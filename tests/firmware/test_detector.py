@@ -23,7 +23,6 @@ from tools.firmware.toolchain import (
     Target,
     TargetRun,
     compile_host,
-    compile_object,
     compile_target,
     run_target,
     tool_version,
@@ -232,22 +231,6 @@ def test_decisions_and_confidences_are_those_of_this_machine(library: Library, t
     assert np.array_equal(found.on, on)
     assert np.array_equal(found.confidence, confidence)
     assert 0.1 < on.mean() < 0.9
-
-
-@pytest.mark.full
-def test_no_step_calls_a_function_on_a_controller_with_floating_point(library: Library) -> None:
-    require_arm()
-    floating, integer = TARGETS
-    (image, _), (other, _) = (compile_object(library.folder, floating), compile_object(library.folder, integer))
-    assert set(undefined(image)) <= {"memset", "memcpy"}  # of slip_init
-    routines = set(undefined(other)) - {"memset", "memcpy"}
-    assert routines
-    assert all(name.startswith(("__aeabi_f", "__aeabi_i2f")) for name in routines)
-
-
-def undefined(image: Path) -> list[str]:
-    done = subprocess.run(["arm-none-eabi-nm", "-u", str(image)], capture_output=True, text=True, check=True)
-    return [line.split()[-1] for line in done.stdout.splitlines() if line.strip()]
 
 
 @pytest.mark.full

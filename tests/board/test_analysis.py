@@ -26,8 +26,7 @@ from fingertip.board.circuits.transfer_function import Rational, find_stages, mu
 from fingertip.board.components.front_end import SUPPRESSOR_F
 from fingertip.board.components.selection import FilterSelection
 from fingertip.board.components.values import SUPPLIES, VARIANT_CHANGES
-from fingertip.board.parts import symbols
-from fingertip.board.parts.circuit import Circuit, Component, Net, parse_component_value
+from fingertip.board.parts.circuit import Circuit, parse_component_value
 from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE
 from fingertip.cli.board_tables import analysis_text
 from fingertip.design import Design
@@ -346,29 +345,6 @@ def test_tactile_voltage_agrees_with_the_closed_form(name: str) -> None:
 
 
 # The equations themselves
-
-
-def passive_circuit(**wiring: tuple[str, str, str]) -> Circuit:
-    """Circuit of resistors and capacitors: reference -> value and both nets."""
-    nodes: dict[str, list[tuple[str, str]]] = {}
-    components = []
-    for reference, (value, *nets) in wiring.items():
-        symbol = symbols.RESISTOR if reference.startswith("R") else symbols.CAPACITOR
-        components.append(Component(reference, value, symbol, "", ""))
-        for pin, net in zip("12", nets, strict=True):
-            nodes.setdefault(net, []).append((reference, pin))
-    return Circuit("passive", tuple(components), tuple(Net(net, tuple(pins)) for net, pins in nodes.items()))
-
-
-def test_steady_state_is_that_of_the_operating_point() -> None:
-    """A divider of 1k and 3k with a capacitor across the lower resistor settles to three quarters of its input."""
-    circuit = passive_circuit(R1=("1k", "VCC", "OUT"), R2=("3k", "OUT", "GND"), C1=("1u", "OUT", "GND"))
-    network = build_network(circuit)
-    assert network.operating_point({"VCC": 4.0})["OUT"] == pytest.approx(3.0, rel=1e-12)
-    system, vcc = network.state_space, network.inputs.index("VCC")
-    assert network.steady_state()[0, vcc] == pytest.approx(0.75, rel=1e-12)
-    assert system.A[0, 0] == pytest.approx(-1 / (750 * 1e-6), rel=1e-12)
-    assert -system.B[0, vcc] / system.A[0, 0] == pytest.approx(0.75, rel=1e-12)
 
 
 def test_determinants_multiply_the_factors_of_their_terms() -> None:

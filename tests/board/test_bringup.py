@@ -20,7 +20,7 @@ from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.project import load_project
 from fingertip.board.parts.circuit import Circuit, parse_component_value
-from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, FILTERED, GND, TACTILE
+from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, GND, TACTILE
 from fingertip.design import Design
 from fingertip.documents.board.bringup import list_unseen
 from fingertip.tasks.board import bring_up_files
@@ -232,12 +232,3 @@ def test_sketch_measures_the_tone_behind_a_low_pass(tmp_path: Path, name: str) -
     refused = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120)
     assert "take another pin" in refused.stderr
     assert re.search(r"S quiet, RMS: 0.0000 V, 0.0000 to [\d.]+  ?ok", said)
-
-
-def test_article_is_measured_at_the_output_of_its_filter() -> None:
-    plan = plan_of("article")[1]
-    assert (plan.pins_v, {tone.net for tone in plan.tones}) == ({}, {FILTERED})
-    # A square wave behind a high-pass has more than its fundamental.
-    path = bench.feed_tone(plan.board.circuit, plan.board.bench, plan.board.gain_bandwidth_hz).restrict(FILTERED)
-    alone = bench.TONE_V * float(bench.level(path, plan.tones[0].hz, FILTERED)[0])
-    assert plan.tones[0].limits.expected > 1.2 * alone

@@ -76,15 +76,14 @@ def test_gerbers_keep_the_houses_rules_and_lie_where_the_placement_says(tmp_path
     # Of each part to fit, the house's place is the middle of its pasted pads: the files have one origin.
     circuit = board_circuit(board_values(design))
     places = list(csv.DictReader(io.StringIO(placement_file(circuit, placement, for_house=True).decode())))
-    paste = [(x, y) for x, y in board["paste"]]
     for row in places:
         x, y = (float(row[axis].removesuffix("mm")) for axis in ("Mid X", "Mid Y"))
         pads = [pad for pad in placement.parts[row["Designator"]].pads if not pad.drill]
         if len(pads) == 2:
-            near = sorted(paste, key=lambda p: (p[0] - x) ** 2 + (p[1] - y) ** 2)[:2]
+            near = sorted(board["paste"], key=lambda p: (p[0] - x) ** 2 + (p[1] - y) ** 2)[:2]
             assert (near[0][0] + near[1][0]) / 2 == pytest.approx(x, abs=2e-3), row["Designator"]
             assert (near[0][1] + near[1][1]) / 2 == pytest.approx(y, abs=2e-3), row["Designator"]
     fitted = sum(sum(not pad.drill for pad in placement.parts[row["Designator"]].pads) for row in places)
-    assert len(paste) == fitted, "every pad of a fitted part has paste, and nothing else has"
+    assert len(board["paste"]) == fitted, "every pad of a fitted part has paste, and nothing else has"
     bom = csv.DictReader(io.StringIO(assembly_bom_file(circuit).decode()))
     assert {name for row in bom for name in row["Designator"].split(",")} == {row["Designator"] for row in places}

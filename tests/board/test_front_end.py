@@ -1,4 +1,4 @@
-"""Front end and outputs in ngspice: noise, ripple, stability with a cable, recovery, discharges, and wrong plugs."""
+"""Front end and outputs in ngspice: noise, stability with a cable, recovery, discharges, and wrong plugs."""
 
 from __future__ import annotations
 

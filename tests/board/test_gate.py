@@ -24,7 +24,6 @@ from fingertip.board.analysis.gate import (
     PEAKING,
     TRIM,
     YIELD,
-    GateCondition,
     check_gate,
     find_smallest_margin,
     gate_warnings,
@@ -180,13 +179,6 @@ def test_parts_of_wide_tolerances_are_warned_of_with_a_remedy_that_passes() -> N
     assert warning.startswith("share of boards within 10 % (cutoff): 0.8")
     remedies = re.findall(r"board\.\w+=\w+", warning)
     assert list(gate_warnings(board_values(load("article", *wide, *remedies)).gate)) == []
-
-
-def test_margin_is_one_at_the_limit() -> None:
-    for bound in ("at most", "at least"):
-        for value, passed in ((1.0, True), (2.0, bound == "at least"), (0.5, bound == "at most")):
-            condition = GateCondition("x", value, 1.0, "", bound)  # type: ignore[arg-type]
-            assert (condition.margin >= 1.0) == condition.passed == passed
 
 
 def test_a_converter_of_less_than_the_clamps_rail_is_warned_of() -> None:

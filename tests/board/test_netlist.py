@@ -1,4 +1,4 @@
-"""Circuits are consistent, and their netlist is read back and has the transfer function of the filter."""
+"""Circuits are consistent, and values are written with SI prefixes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The SPICE deck in ngspice: transfer function, bridge, comparator, ripple, clamps, loads and noise."""
+"""The SPICE deck in ngspice: transfer function, ripple, clamps, loads and noise."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Values in the written models, read as XML: a cube whose mass and inertia are known, and the law of its contact."""
+"""Values in the written models, read as XML: joints and places of a cube, and the law of its contact."""
 
 from __future__ import annotations
 

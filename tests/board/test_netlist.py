@@ -37,6 +37,3 @@ def test_format_component_value_uses_si_prefixes(value: float, text: str) -> Non
 @given(st.floats(1e-12, 1e8))
 def test_formatted_component_values_can_be_parsed(value: float) -> None:
     assert parse_component_value(format_component_value(value)) == pytest.approx(value, rel=1e-9)
-
-
-# The netlist file

@@ -347,6 +347,19 @@ def test_tactile_voltage_agrees_with_the_closed_form(name: str) -> None:
 # The equations themselves
 
 
+def test_steady_state_is_that_of_the_operating_point() -> None:
+    """A divider of 1k and 3k with a capacitor across the lower resistor settles to three quarters of its input."""
+    terms = (
+        Term("out", "out", "g", 4.0, 0), Term("out", "vcc", "g", -3.0, 0), Term("out", "out", "c", 1.0, 1),
+    )  # fmt: skip
+    network = Network(terms, {"g": 1 / 3e3, "c": 1e-6}, ("vcc",))
+    assert network.operating_point({"vcc": 4.0})["out"] == pytest.approx(3.0, rel=1e-12)
+    system = network.state_space
+    assert network.steady_state()[0, 0] == pytest.approx(0.75, rel=1e-12)
+    assert system.A[0, 0] == pytest.approx(-1 / (750 * 1e-6), rel=1e-12)
+    assert -system.B[0, 0] / system.A[0, 0] == pytest.approx(0.75, rel=1e-12)
+
+
 def test_determinants_multiply_the_factors_of_their_terms() -> None:
     """a: 4 g a + 3 c s b = 5 g x; b: 2 g b + 7 c s a = 0, so that b / x = -35 g c s / (8 g^2 - 21 c^2 s^2)."""
     terms = (

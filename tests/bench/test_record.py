@@ -139,19 +139,8 @@ def playing(folder: Path, volts: np.ndarray | None = None) -> Iterator[str]:
 
 
 def start(port: str, folder: Path, *words: str) -> subprocess.Popen[str]:
-    command = [
-        sys.executable,
-        "-m",
-        "fingertip",
-        "record",
-        "first_finger",
-        "--port",
-        port,
-        "--out",
-        str(folder),
-        *words,
-    ]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    command = [sys.executable, "-m", "fingertip", "record", "first_finger", "--port", port, "--out", str(folder)]
+    return subprocess.Popen([*command, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
 @pytest.mark.full

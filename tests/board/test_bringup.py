@@ -30,7 +30,6 @@ from tests.designs import load_article
 from tests.tools import require_tool
 
 EACH = pytest.mark.parametrize("name", VARIANT_CHANGES)
-MAX_WORDS = 900
 
 
 @functools.cache
@@ -173,12 +172,6 @@ def test_each_net_is_measured_where_the_sheet_says(name: str) -> None:
         assert sum(net == nets.get(reference, GND) for *_, net in pads[reference]) == 1
 
 
-@pytest.mark.parametrize("changes", [*VARIANT_CHANGES.values(), (*VARIANT_CHANGES["precision"], "board.channels=5")])
-def test_sheet_has_at_most_900_words(changes: tuple[str, ...]) -> None:
-    sheet = bring_up_files(load_article(changes))["bringup.md"].decode()
-    assert len([word for word in sheet.split() if re.search(r"\w", word)]) <= MAX_WORDS
-
-
 @pytest.mark.full
 def test_command_writes_the_sheet_and_another_design_takes_it_away(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -188,7 +181,8 @@ def test_command_writes_the_sheet_and_another_design_takes_it_away(
     assert done.returncode == 0, done.stderr
     assert {"bringup.md", "bringup.ino", "wiring.svg"} <= {path.name for path in Path("b").iterdir()}
     assert run_fingertip("board", "--out", "b", "--check").returncode == 0
-    assert run_fingertip("board", "--set", "board.cutoff_hz=80", "--out", "b", "-q").returncode == 0
+    other = run_fingertip("board", "--set", "board.cutoff_hz=80", "--out", "b")
+    assert "removed files of another design: bringup.ino, bringup.md, wiring.svg; --bringup" in other.stderr
     assert not Path("b/bringup.md").exists()
 
 
@@ -247,12 +241,3 @@ def test_sketch_measures_the_tone_behind_a_low_pass(tmp_path: Path, name: str) -
     refused = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120)
     assert "take another pin" in refused.stderr
     assert re.search(r"S quiet, RMS: 0.0000 V, 0.0000 to [\d.]+  ?ok", said)
-
-
-def test_article_is_measured_at_the_output_of_its_filter() -> None:
-    plan = plan_of("article")[1]
-    assert (plan.pins_v, {tone.net for tone in plan.tones}) == ({}, {FILTERED})
-    # A square wave behind a high-pass has more than its fundamental.
-    path = bench.feed_tone(plan.board.circuit, plan.board.bench, plan.board.gain_bandwidth_hz).restrict(FILTERED)
-    alone = bench.TONE_V * float(bench.level(path, plan.tones[0].hz, FILTERED)[0])
-    assert plan.tones[0].limits.expected > 1.2 * alone

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import re
 import zipfile
 from pathlib import Path
 
@@ -21,13 +20,12 @@ from fingertip.board.fabrication.fabrication_files import (
     provenance_record,
 )
 from fingertip.board.kicad.project import MODEL_FOLDER, load_project
-from fingertip.catalogues.output_files import LAYOUT, PROVENANCE, README
-from fingertip.foundation.errors import OutputError
+from fingertip.catalogues.output_files import LAYOUT, PROVENANCE
 from fingertip.foundation.output_set import MANIFEST
-from fingertip.tasks.board import board_differences, board_files, write_board
+from fingertip.tasks.board import board_files, write_board
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.conftest import run_fingertip
-from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article
+from tests.designs import ARTICLE, ARTICLE_OPTIONS
 from tests.tools import require_tool
 
 FILES = [
@@ -149,18 +147,6 @@ CIRCUIT = board_circuit(board_values(ARTICLE))
 ARTICLE_PLACEMENT = load_project("article").placement
 
 
-@pytest.mark.full
-def test_sheet_of_another_design_is_removed_with_a_word(tmp_path: Path) -> None:
-    notes: list[str] = []
-    write_board(ARTICLE, tmp_path, bring_up=True)
-    write_board(ARTICLE, tmp_path, progress=notes.append)
-    assert notes == []
-    write_board(load_article(["board.cutoff_hz=80"]), tmp_path, progress=notes.append)
-    (note,) = notes
-    assert note.startswith("removed files of another design: bringup.ino, bringup.md, wiring.svg; --bringup")
-    assert not (tmp_path / "bringup.md").exists()
-
-
 def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:
     write_board(ARTICLE, tmp_path)
     (tmp_path / "slip_filter.net").write_bytes((tmp_path / "slip_filter.net").read_bytes().replace(b'"4.7k"', b'"47k"'))
@@ -175,17 +161,6 @@ def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:
     assert "bom.csv: cannot be read" in text
     assert "kicad_pcb" not in text
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
-
-
-def test_readme_of_somebody_else_is_kept(tmp_path: Path) -> None:
-    (tmp_path / README).write_text("# Mine\n")
-    with pytest.raises(OutputError, match=r"README\.md: was not written by fingertip"):
-        write_board(ARTICLE, tmp_path)
-    assert [path.name for path in tmp_path.iterdir()] == [README]
-    write_board(ARTICLE, tmp_path, force=True)
-    assert board_differences(ARTICLE, tmp_path) == []
-    (tmp_path / README).write_text("# Mine\n")
-    assert any("README.md: differs" in line for line in board_differences(ARTICLE, tmp_path))
 
 
 def parse_csv(data: bytes) -> list[dict[str, str]]:
@@ -222,12 +197,6 @@ def test_fabrication_files_are_complete_and_reproducible(tmp_path: Path) -> None
         assert export_gerbers(folder, run_kicad, "slip_filter") == (fab / "slip_filter_gerbers.zip").read_bytes()
     names = {name.removeprefix("slip_filter").split(".")[0] for name in archive.namelist()}
     assert {"-F_Cu", "-B_Cu", "-F_Mask", "-B_Mask", "-F_Silkscreen", "-F_Paste", "-Edge_Cuts", "-PTH", "-NPTH"} <= names
-    for layer in ("F_Cu.gtl", "B_Cu.gbl"):
-        assert archive.read(f"slip_filter-{layer}").count(b"D01*") > 20  # tracks and pour are drawn
-    plated, unplated = (archive.read(f"slip_filter-{kind}.drl") for kind in ("PTH", "NPTH"))
-    assert re.findall(rb"T\d+C([\d.]+)", unplated) == [b"2.200"]
-    assert unplated.count(b"\nX") == 2
-    assert re.findall(rb"T\d+C([\d.]+)", plated) == [b"0.300", b"1.000"]
     assert (fab / "slip_filter_front.png").read_bytes().startswith(b"\x89PNG")
     assert (fab / "slip_filter_schematic.pdf").read_bytes().startswith(b"%PDF")
     assert (fab / "assembly.pdf").read_bytes().startswith(b"%PDF")
@@ -286,5 +255,3 @@ def test_gerbers_of_an_earlier_board_are_reported(tmp_path: Path) -> None:
         run = run_fingertip("board", "--out", tmp_path, "--set", "board.cutoff_hz=80", *options)
         assert run.returncode == 1
         assert "write it again with --fab" in run.stdout
-    (tmp_path / "fab" / PROVENANCE).unlink()
-    assert "has no valid made_from.sha256" in run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path).stderr

@@ -26,7 +26,7 @@ from fingertip.board.parts.symbols import CAPACITOR, R_0603, RESISTOR
 from fingertip.catalogues.output_files import BOARD, LAYOUT, NETLIST, PROJECT, SCHEMATIC
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.output_set import Revision
-from fingertip.tasks.board import write_board, write_fabrication
+from fingertip.tasks.board import write_board
 from fingertip.tasks.edited_board import enter_texts, find_edited, refuse_other_circuit, revise_edited
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.board.test_layout import NO_VIOLATIONS, run_drc
@@ -129,18 +129,6 @@ def test_values_are_entered_and_every_other_byte_stays(
         assert text.sub(r"\1", old) == text.sub(r"\1", new)
 
 
-@pytest.mark.full
-def test_all_other_files_follow_the_design(folder: Path, tmp_path: Path) -> None:
-    edited = move_r1(folder)
-    write_board(load_article(OTHER_VALUES), folder)
-    write_board(load_article(OTHER_VALUES), tmp_path / "new")
-    found, wanted = (
-        {path.relative_to(top): data for path, data in files_in(top).items()} for top in (folder, tmp_path / "new")
-    )
-    assert found.pop(Path(LAYOUT)) not in (edited, wanted.pop(Path(LAYOUT)))
-    assert found == wanted  # the manifest too: the layout stays the user's own
-
-
 @pytest.fixture
 def small_board(tmp_path: Path) -> Path:
     """Folder with the files of a board of two resistors, as this program wrote them."""
@@ -197,20 +185,6 @@ def test_guard_refuses_what_an_edited_file_cannot_follow(small_board: Path) -> N
     (small_board / NETLIST).write_bytes(b"")
     with pytest.raises(OutputError, match="which states its circuit, is missing or was changed"):
         revise_small(small_board, small_files("2k"))
-
-
-@pytest.mark.full
-def test_edits_survive_several_designs_and_the_same_one_again(folder: Path) -> None:
-    edited = move_r1(folder)
-    for changes in (OTHER_VALUES, ("board.series=E96",), ()):
-        write_board(load_article(changes), folder)
-        assert b"(at 105 95 45)" in (folder / LAYOUT).read_bytes()
-    assert (folder / LAYOUT).read_bytes() == edited  # back at the first design
-    date = (folder / LAYOUT).stat().st_mtime_ns
-    notes: list[str] = []
-    write_board(ARTICLE, folder, progress=notes.append)
-    assert "it has the values of this design" in notes[0]
-    assert (folder / LAYOUT).stat().st_mtime_ns == date
 
 
 def test_change_of_parts_or_nets_writes_nothing(folder: Path) -> None:
@@ -313,9 +287,6 @@ def test_fabrication_files_of_an_edited_board_are_refused(folder: Path) -> None:
     assert run.returncode == 2
     assert "kicad_pcb: was edited, and --fab would export the board without your edits" in run.stderr
     assert files_in(folder) == before
-    write_board(load_article(OTHER_VALUES), folder)
-    with pytest.raises(OutputError, match="without your edits"):
-        write_fabrication(load_article(OTHER_VALUES), folder)
 
 
 MOVE_WITH_KICAD = """

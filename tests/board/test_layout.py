@@ -19,11 +19,11 @@ from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.back_print import find_text_box, list_back_texts, list_values
 from fingertip.board.kicad.netlist import REVISION
 from fingertip.board.kicad.placement import PlacedPart, Placement
-from fingertip.board.kicad.project import MODEL_FOLDER, MODEL_FOLDER_OF_KICAD, MODEL_VARIABLE, load_project, model_files
+from fingertip.board.kicad.project import MODEL_FOLDER_OF_KICAD, MODEL_VARIABLE, load_project, model_files
 from fingertip.board.kicad.sexpr import turn
 from fingertip.board.parts.circuit import Circuit
 from fingertip.catalogues.output_files import LAYOUT
-from fingertip.foundation.errors import BoardError, OutputError
+from fingertip.foundation.errors import BoardError
 from fingertip.tasks.board import board_files, write_board
 from tests.board.conftest import BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
@@ -60,16 +60,10 @@ NO_VIOLATIONS: dict[str, list[str]] = {"violations": [], "unconnected_items": []
 
 
 CORRUPTIONS = {
-    "reference": ('(property "Reference" "R4"', '(property "Reference" "R44"', "schematic_parity"),
-    "pin": (r'\(pad "2" smd(.*?)\(pintype "passive"\)', r'(pad "7" smd\1(pintype "passive")', "schematic_parity"),
-    "value": ('(property "Value" "4.7k"', '(property "Value" "47k"', "schematic_parity"),
-    "footprint": ('(footprint "Diode_SMD:D_SOD-123"', '(footprint "Diode_SMD:D_SOD-323"', "schematic_parity"),
-    "width": (r"\(width 0.2\)", "(width 0.6)", "violations"),
-    "layer": (r'\(layer "B.Cu"\)', '(layer "F.Cu")', "violations"),
-    "text height": (r"\(size 1 1\)", "(size 0.9 0.9)", "violations"),
-    "text line": (r"\(thickness 0.15\)", "(thickness 0.14)", "violations"),
-    "mark": (r"\(clearance 0.6\)", "(clearance 9)", "violations"),
-    "no tracks": (r'\n  \(segment.*?\(uuid "[^"]*"\)\)', "", "unconnected_items"),
+    "value": ('"Value" "4.7k"', '"Value" "47k"', "schematic_parity"),
+    "width": ("(width 0.2)", "(width 0.6)", "violations"),
+    "text height": ("(size 1 1)", "(size 0.9 0.9)", "violations"),
+    "text line": ("(thickness 0.15)", "(thickness 0.14)", "violations"),
 }
 
 
@@ -78,11 +72,9 @@ CORRUPTIONS = {
 def test_design_rules_check_detects_a_corrupted_board(tmp_path: Path, original: str, corrupted: str, key: str) -> None:
     write_board(ARTICLE, tmp_path / "pcb")
     path = tmp_path / "pcb" / LAYOUT
-    pattern = original if "\\" in original else re.escape(original)
-    maximum = 1 if original.startswith(r"\(pad") else 0
-    text, count = re.subn(pattern, corrupted, path.read_text("utf-8"), count=maximum, flags=re.DOTALL)
-    assert count
-    path.write_text(text, encoding="utf-8")
+    text = path.read_text("utf-8")
+    assert original in text
+    path.write_text(text.replace(original, corrupted), encoding="utf-8")
     assert run_drc(tmp_path / "pcb")[key]
 
 
@@ -295,13 +287,3 @@ def test_kicad_exports_every_part_in_its_place(
             math.dist((x, y, z - board_top), centre) < 0.01 and abs(found_volume - size) < 1e-4
             for size, centre in expected
         ), (x, y, z)
-
-
-def test_changed_model_is_kept_and_reported(tmp_path: Path) -> None:
-    write_board(ARTICLE, tmp_path)
-    model = tmp_path / MODEL_FOLDER / next(iter(model_files()))
-    model.write_bytes(b"mine")
-    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
-    with pytest.raises(OutputError, match="was changed since"):
-        write_board(load_article(["board.cutoff_hz=80"]), tmp_path)
-    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before

@@ -1,8 +1,6 @@
-"""Circuits are consistent, and their netlist is read back and has the transfer function of the filter."""
+"""Circuits are consistent, and values are written with SI prefixes."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -10,15 +8,8 @@ from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.components.values import VARIANT_CHANGES
-from fingertip.board.kicad.sexpr import MAX_LINE
 from fingertip.board.parts.circuit import format_component_value, parse_component_value
-from fingertip.board.parts.nets import kicad_net_name
-from fingertip.catalogues.output_files import NETLIST
-from fingertip.design import Design
-from fingertip.tasks.board import write_board
-from tests.board.kicad import read_netlist
 from tests.designs import load_article
-from tests.oracles.sexpressions import children, descendants, parse, word
 
 
 @pytest.mark.every_case
@@ -46,37 +37,3 @@ def test_format_component_value_uses_si_prefixes(value: float, text: str) -> Non
 @given(st.floats(1e-12, 1e8))
 def test_formatted_component_values_can_be_parsed(value: float) -> None:
     assert parse_component_value(format_component_value(value)) == pytest.approx(value, rel=1e-9)
-
-
-# The netlist file
-
-
-def write_netlist(folder: Path, changes: list[str]) -> tuple[Design, Path]:
-    design = load_article(changes)
-    write_board(design, folder)
-    return design, folder / NETLIST
-
-
-@pytest.mark.parametrize("name", ["article", "comparator"])
-def test_independent_reader_reads_the_circuit(tmp_path: Path, name: str) -> None:
-    design, path = write_netlist(tmp_path, list(VARIANT_CHANGES[name]))
-    circuit, tree = board_circuit(board_values(design)), parse(text := path.read_text("utf-8"))
-    assert max(map(len, text.splitlines())) <= MAX_LINE + 2, "long lists are divided, but for the last brackets"
-    parts = {
-        (word(part, "ref"), word(part, "value"), word(source, "lib"), word(source, "part"), word(part, "footprint"))
-        for part in descendants(tree, "comp")
-        for source in children(part, "libsource")
-    }
-    assert parts == {(p.reference, p.value, p.symbol.library, p.symbol.name, p.footprint) for p in circuit.components}
-    nets, _ = read_netlist(path)
-    assert nets == {kicad_net_name(n.name): set(n.nodes) for n in circuit.nets}
-    symbols = {
-        (word(symbol, "lib"), word(symbol, "part")): {
-            (word(pin, "num"), word(pin, "name"), word(pin, "type")) for pin in descendants(symbol, "pin")
-        }
-        for symbol in descendants(tree, "libpart")
-    }
-    assert symbols == {
-        (p.symbol.library, p.symbol.name): {(pin.number, pin.name, pin.electrical_type) for pin in p.symbol.pins}
-        for p in circuit.components
-    }

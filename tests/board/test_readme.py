@@ -51,9 +51,11 @@ def test_documents_differ_from_those_of_the_default_board_as_approved(name: str,
 
 
 @pytest.mark.parametrize("changes", [*VARIANT_CHANGES.values(), ("board.channels=5",)])
-def test_readme_has_at_most_1800_words(changes: tuple[str, ...]) -> None:
-    text = board_files(Design.load("fsr400", changes=changes))["README.md"].decode()
-    assert len([word for word in text.split() if re.search(r"\w", word)]) <= 1800
+def test_readme_has_at_most_1800_words_and_the_bring_up_sheet_900(changes: tuple[str, ...]) -> None:
+    design = Design.load("fsr400", changes=changes)
+    files = board_files(design) | bring_up_files(design)
+    for name, most in (("README.md", 1800), ("bringup.md", 900)):
+        assert len([word for word in files[name].decode().split() if re.search(r"\w", word)]) <= most
 
 
 @functools.cache

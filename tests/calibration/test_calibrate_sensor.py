@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 import shlex
 from pathlib import Path
 
@@ -208,23 +207,6 @@ def test_the_command_writes_a_design_that_the_printed_changes_give_too(tmp_path:
     assert not [line for line in table if "e+" in line]
     refused = run("calibrate", "sensor", out, "article", "--out", out)
     assert "is an input of this command; give another name." in refused.stderr
-
-
-@pytest.mark.full
-def test_forces_say_what_they_assume(tmp_path: Path) -> None:
-    typical = (
-        "forces hold for a typical sensor; the readings of real ones differ by a factor of 2 to 8 at the same force"
-    )
-    assert DESIGN.force_curve.describe(DESIGN.sensor.model).startswith(typical)
-    assert typical in run("board", "article", "--out", tmp_path / "b").stdout
-    assert typical in run("simulate", "article", "--out", tmp_path / "t.csv").stderr
-    changes = ("force_curve.curve=calibrated", "force_curve.interval_factor=1.4", "force_curve.conductance_us=60")
-    words = [word for change in changes for word in ("--set", change)]
-    shown = run("board", "article", *words, "--out", tmp_path / "c").stdout
-    assert "forces hold for the calibrated sensor, within a factor of 1.4 (95 %) between 0.5 and 10 N" in shown
-    rows = [re.search(r"^ +3 N +(\d+) ohm", run("board", "article", *w, "--out", tmp_path / "d").stdout, re.MULTILINE)
-            for w in ([], words)]  # fmt: skip
-    assert int(rows[1][1]) > 2.5 * int(rows[0][1])
 
 
 def test_command_warns_of_a_missing_reading_without_load(tmp_path: Path) -> None:

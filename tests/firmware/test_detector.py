@@ -12,10 +12,9 @@ import pytest
 from benchmarks.slip.mix_signals import filter_as_board
 from fingertip.design import Design
 from fingertip.firmware.packaging import read_costs
-from fingertip.firmware.sources import SOURCE, float_key, library_settings
+from fingertip.firmware.sources import SOURCE, library_settings
 from fingertip.foundation import jit
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
-from fingertip.slip.detectors.fast_coefficients import load_model
 from tests.firmware.conftest import Library, make_library, require_arm, require_gcc
 from tools.firmware.measure import measure
 from tools.firmware.signals import Recording, campaign_recordings, count_differences, slip_recording
@@ -24,7 +23,6 @@ from tools.firmware.toolchain import (
     Target,
     TargetRun,
     compile_host,
-    compile_object,
     compile_target,
     run_target,
     tool_version,
@@ -137,16 +135,6 @@ def test_float_finds_the_intervals_of_the_whole_campaign(either: Library) -> Non
     assert different <= (1 - MIN_EQUAL_SHARE) * total
 
 
-def test_chunks_do_not_matter(library: Library) -> None:
-    inputs = slip_recording(library.design, 2.0).inputs
-    whole = library.detector("float").process(*inputs)
-    detector = library.detector("float")
-    cuts = [1, 7, 8, 1000, 2500]
-    pieces = [detector.process(*piece) for piece in zip(*(np.split(each, cuts) for each in inputs), strict=True)]
-    for values, parts in zip(whole, zip(*pieces, strict=True), strict=True):
-        assert np.array_equal(values, np.concatenate(parts))
-
-
 def test_float_does_not_depend_on_the_force_at_which_it_begins(library: Library) -> None:
     """A constant voltage costs no digits, as filters take differences: 16 V away, decisions stay the same."""
     step = 2.0**-14  # voltages that single precision holds exactly, here and there
@@ -169,8 +157,6 @@ def test_compiles_without_warnings_whatever_the_optimisation(library: Library, r
 @pytest.mark.full
 def test_sanitizers_find_no_undefined_behaviour(library: Library, tmp_path: Path) -> None:
     """A whole program: the sanitizers must be the first library of a process."""
-    import subprocess
-
     require_gcc()
     write_sources(library.design, tmp_path)
     program = tmp_path / "main.c"
@@ -223,16 +209,6 @@ def test_incipient_slip_is_that_of_python(library: Library) -> None:
     assert output.on.sum() < incipient.sum() < len(incipient)
 
 
-def test_keys_are_in_the_order_of_the_floats() -> None:
-    random = np.random.default_rng(4)
-    numbers = np.concatenate((random.normal(size=500) * 10.0 ** random.uniform(-44, 38, 500), [0.0, np.inf, -np.inf]))
-    numbers = np.sort(numbers.astype(np.float32))
-    keys = np.array([float_key(float(number)) for number in numbers])
-    assert (np.diff(keys)[np.diff(numbers) > 0] > 0).all()
-    assert float_key(-0.0) == float_key(0.0) - 1
-    assert min(float_key(t) for t in load_model().thresholds.tolist()) > 0  # the key of NaN
-
-
 by_target = pytest.mark.parametrize("target", TARGETS, ids=[target.name for target in TARGETS])
 TOLERANCE = 0.02
 """Largest relative difference between two measurements with the same compiler: other samples of the same kind."""
@@ -255,22 +231,6 @@ def test_decisions_and_confidences_are_those_of_this_machine(library: Library, t
     assert np.array_equal(found.on, on)
     assert np.array_equal(found.confidence, confidence)
     assert 0.1 < on.mean() < 0.9
-
-
-@pytest.mark.full
-def test_no_step_calls_a_function_on_a_controller_with_floating_point(library: Library) -> None:
-    require_arm()
-    floating, integer = TARGETS
-    (image, _), (other, _) = (compile_object(library.folder, floating), compile_object(library.folder, integer))
-    assert set(undefined(image)) <= {"memset", "memcpy"}  # of slip_init
-    routines = set(undefined(other)) - {"memset", "memcpy"}
-    assert routines
-    assert all(name.startswith(("__aeabi_f", "__aeabi_i2f")) for name in routines)
-
-
-def undefined(image: Path) -> list[str]:
-    done = subprocess.run(["arm-none-eabi-nm", "-u", str(image)], capture_output=True, text=True, check=True)
-    return [line.split()[-1] for line in done.stdout.splitlines() if line.strip()]
 
 
 @pytest.mark.full

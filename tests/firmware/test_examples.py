@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import pty
 import re
 import subprocess
-import sys
-import tty
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +15,6 @@ from fingertip.firmware.sources import library_settings
 from fingertip.foundation.version import __version__
 from fingertip.slip.detectors.fast import FastDetector
 from fingertip.tasks.firmware import write_firmware
-from tests.conftest import ROOT
 from tests.firmware.conftest import INSTALL, Library
 from tests.tools import require_tool
 from tools.firmware.signals import slip_recording
@@ -90,23 +85,6 @@ def test_examples_switch_the_pin_as_the_detector_decides(arduino: Path, library:
     assert changes == find_changes(library.detector("float").process_codes(*codes))
     assert len(changes) > 1
     assert period == pytest.approx(1e6 / design.detector.sample_rate_hz)
-
-
-@pytest.mark.parametrize("example", EXAMPLES)
-def test_the_interrupt_only_takes_and_stores_a_sample(arduino: Path, example: str) -> None:
-    """A step of the detector takes more than a sample on slow controllers."""
-    sketch = (arduino / "examples" / example / f"{example}.ino").read_text()
-    buffer = (arduino / "src/slip_buffer.h").read_text()
-    (callback,) = re.findall(r"slip_start_timer\((\w+)\)", sketch)
-    assert find_calls(sketch, callback) - {"digitalRead"} == {"analogRead", "slip_store"}
-    assert find_calls(buffer, "slip_store") == set()
-    assert {"slip_fetch", "slip_hand_step"} <= find_calls(sketch, "loop")
-
-
-def find_calls(source: str, function: str) -> set[str]:
-    """Names that the body of a function calls."""
-    (body,) = re.findall(rf"\bvoid {function}\([^)]*\) \{{\n(.*?)^\}}", source, re.MULTILINE | re.DOTALL)
-    return set(re.findall(r"(\w+)\(", body)) - {"if", "for", "while", "switch"}
 
 
 def find_changes(on: np.ndarray) -> list[tuple[int, int]]:
@@ -276,31 +254,3 @@ def test_the_longest_line_fits_and_negative_voltages_are_written(arduino: Path, 
         "0.001500,-0.000001,1.000000",
         "0.003500,0.000000,-2.000000",
     ]
-
-
-@pytest.mark.full
-def test_detect_reads_the_stream_from_a_serial_port(arduino: Path, library: Library) -> None:
-    """A pseudo-terminal stands for the port: the sketch writes to it, and `fingertip detect -` reads it as it comes."""
-    design = library.design
-    codes = slip_recording(design, 3.0).codes(design)
-    first, second = pty.openpty()
-    tty.setraw(first)
-    tty.setraw(second)
-    detect = subprocess.Popen(
-        [sys.executable, "-m", "fingertip", "detect", "-", "--detector", "fast"],
-        stdin=second, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        env=os.environ | {"PYTHONPATH": str(ROOT / "src")},
-    )  # fmt: skip
-    os.close(second)
-    with subprocess.Popen([str(arduino / "slip_stream.run")], stdin=subprocess.PIPE, stdout=first) as sketch:
-        os.close(first)  # the port closes when the sketch ends
-        assert sketch.stdin
-        sketch.stdin.write(as_lines(codes).encode())
-        sketch.stdin.close()
-    out, err = detect.communicate(timeout=60)
-    on = library.detector("float").process_codes(*codes)
-    changes = np.flatnonzero(np.diff(np.concatenate(([0], on.astype(int)))))
-    expected = [(("OFF", "ON")[int(on[i])], round(i / design.detector.sample_rate_hz, 4)) for i in changes]
-    found = [(line.split()[0], float(line.split()[1])) for line in out.splitlines()]
-    assert found == expected, err
-    assert found

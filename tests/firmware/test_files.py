@@ -6,18 +6,15 @@ import json
 import re
 from pathlib import Path
 
-import pytest
-
 from fingertip.board.components.front_end import POWER_UP_S
 from fingertip.catalogues.electronics import load_controllers
 from fingertip.catalogues.output_files import BUFFER, TIMER
 from fingertip.design import Design
 from fingertip.design.files import load_tables
 from fingertip.documents.wiring import SKETCH_PINS
-from fingertip.firmware import packaging as costs
 from fingertip.firmware.fingers import BUFFER_SAMPLES
 from fingertip.firmware.packaging import controller_changes, find_warnings
-from fingertip.firmware.sources import HEADER, SOURCE
+from fingertip.firmware.sources import HEADER
 from fingertip.tasks.firmware import firmware_differences, firmware_files, write_firmware
 from fingertip.tasks.verification import verify_sets
 from tests.conftest import ROOT, design_file, run_fingertip
@@ -84,28 +81,10 @@ def test_folder_is_a_set_that_can_be_checked(tmp_path: Path) -> None:
     count, differences = verify_sets(tmp_path)
     assert (count, differences) == (len(paths), [])
     assert not firmware_differences(design, tmp_path / "firmware")
+    missing = run_fingertip("firmware", "fsr400", "--out", tmp_path / "none", "--check")
+    assert (missing.returncode, "cannot be read" in missing.stdout, (tmp_path / "none").exists()) == (1, True, False)
     other = Design(detector={"noise_v": 1e-3})
     (difference,) = firmware_differences(other, tmp_path / "firmware")
     assert difference.endswith("slip_detector.h: differs from what this design gives.")
     write_firmware(other, tmp_path / "firmware")
     assert not firmware_differences(other, tmp_path / "firmware")
-
-
-@pytest.mark.full
-def test_command_writes_checks_and_keeps_what_is_somebodys_own(tmp_path: Path) -> None:
-    out = tmp_path / "firmware"
-    done = run_fingertip("firmware", "fsr400", "--out", out, "--json")
-    assert done.returncode == 0, done.stderr
-    data = json.loads(done.stdout)
-    assert {Path(name).relative_to(out).as_posix() for name in data["files"]} >= {"README.md", "src/slip_detector.c"}
-    assert data["costs"] == costs.read_costs()
-    assert run_fingertip("firmware", "fsr400", "--out", out, "--check").returncode == 0
-    source = out / "src" / SOURCE
-    source.write_text(source.read_text() + "/* mine */\n")
-    done = run_fingertip("firmware", "fsr400", "--out", out, "--check")
-    assert done.returncode == 1
-    assert "slip_detector.c: differs" in done.stdout
-    missing = run_fingertip("firmware", "fsr400", "--out", tmp_path / "none", "--check")
-    assert missing.returncode == 1
-    assert "cannot be read" in missing.stdout
-    assert not (tmp_path / "none").exists()

@@ -290,11 +290,6 @@ def test_the_hand_on_an_emulated_controller_decides_as_here(folder: Path) -> Non
         (("--fingers", "a,b,a"), "two fingers have one name", ("--fingers", "thumb,index,middle")),
         (("--fingers", "a,2"), "'2' is no name", ("--fingers", "thumb")),
         (
-            ("--fingers", "5", "--controller", "uno_r4"),
-            "has analog inputs for 3 at 2000 Hz, not for 5",
-            ("--fingers", "3"),
-        ),
-        (
             ("--fingers", "5", "--controller", "uno_r4", "--set", "detector.sample_rate_hz=20000"),
             "has analog inputs for 3, conversions for 0 and cycles while all slip for 3 at 20000 Hz, not for 5",
             ("--controller", "nucleo_f446re"),

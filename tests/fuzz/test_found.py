@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sqlite3
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError, SweepError, TraceError
 from fingertip.sim import ManipulationFile, SceneFile
-from fingertip.sweep import axes
 from fingertip.sweep.axes import Axis, round_significant
 from fingertip.sweep.plan import SweepPlan
 from tests.conftest import run_fingertip
@@ -95,23 +93,6 @@ def test_a_grid_of_many_axes_is_refused_before_their_values_are_made(monkeypatch
     with pytest.raises(SweepError, match=r"make a grid of 1000000000000000 points; give at most 100000000"):
         SweepPlan.from_tables(tables)
     assert made == []
-
-
-def test_the_bounds_of_a_long_list_are_checked_at_its_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    checked: list[object] = []
-    check = axes._check_value
-
-    def count(*arguments: Any) -> Any:
-        checked.append(arguments[3])
-        return check(*arguments)
-
-    monkeypatch.setattr(axes, "_check_value", count)
-    listed = [14.0 + 1e-5 * i for i in range(100_000)]
-    with pytest.raises(SweepError, match="lists 100001 values"):
-        axes.read_axis("skin.width_mm", [*listed, 900.0], False)
-    _, issues = axes.read_axis("skin.width_mm", [*listed[:-1], 900.0], False)
-    assert "900.0 mm is too large" in issues[0].message
-    assert checked == [14.0, 900.0]
 
 
 def test_a_converter_whose_steps_would_be_zero() -> None:

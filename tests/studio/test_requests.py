@@ -1,7 +1,8 @@
-"""Whatever comes over the socket of the studio gets a reply that blames the request; the worker; the way in."""
+"""What comes over the socket of the studio gets a reply that blames the request; the worker; the way in."""
 
 from __future__ import annotations
 
+import contextlib
 import http.client
 import json
 import re
@@ -49,15 +50,11 @@ def post(server: StudioServer, body: bytes | str, path: str = "/api/download/des
     return "\r\n".join(lines).encode("utf-8") + data
 
 
-def send(server: StudioServer, request: bytes, *, ends: bool = False) -> http.client.HTTPResponse | None:
-    """Reply to raw bytes, after which the connection may end; None if there is none."""
+def send(server: StudioServer, request: bytes) -> http.client.HTTPResponse | None:
+    """Reply to raw bytes; None if there is none."""
     with socket.create_connection(("127.0.0.1", server.server_port), timeout=20) as connection:
-        try:
+        with contextlib.suppress(OSError):  # it had replied before all was sent
             connection.sendall(request)
-            if ends:
-                connection.shutdown(socket.SHUT_WR)
-        except OSError:  # it had replied before all was sent
-            pass
         reply = http.client.HTTPResponse(connection)
         try:
             reply.begin()
@@ -73,29 +70,9 @@ def wait_for_handlers() -> None:
 
 
 def list_malformed(server: StudioServer) -> Iterator[tuple[bytes, int, str]]:
-    host = f"Host: {server.hosts[0]}\r\n".encode()
-    yield b"\x00\xff\r\n\r\n", 400, "Bad Request"
-    yield b"GET\r\n\r\n", 400, "Bad Request"
-    yield b"GET / HTTP/9.9\r\n\r\n", 400, "Bad Request"
-    yield b"BREW / HTTP/1.1\r\n" + host + b"\r\n", 405, "Method Not Allowed"
-    yield b"GET http://[ HTTP/1.1\r\n" + host + b"\r\n", 400, "address"
-    yield b"GET /" + 70_000 * b"x" + b" HTTP/1.1\r\n\r\n", 414, "Long"
-    yield b"GET / HTTP/1.1\r\nA: " + 70_000 * b"x" + b"\r\n\r\n", 431, "Large"
-    yield b"GET / HTTP/1.1\r\n" + 200 * b"A: b\r\n" + b"\r\n", 431, "Large"
-    yield b"GET /\r\n\r\n", 403, "answers to"
-    for length in (None, "", "-1", "+1", "1e3", "0x10", "1, 1", "\u0663", "nan"):
-        yield post(server, "{}", Content_Length=length), 411, "states not its length"
-    for length in ("1000001", 5000 * "9", 5000 * "0"):
-        yield post(server, "{}", Content_Length=length), 413, "longer than 1000000 bytes"
-    yield post(server, "2\r\n{}\r\n0\r\n\r\n", Content_Length=None, Transfer_Encoding="chunked"), 411, "length"
     yield post(server, TABLES % f'{{"width_mm": {4000 * "9"}}}'), 400, "whole numbers of at most 18 digits"
-    many = json.dumps({f"a{i}": 1 for i in range(50_000)})
-    yield post(server, TABLES % many), 400, "more values than a design has"
-    yield post(server, TABLES % f'{{"width_mm": -{5000 * "9"}}}'), 400, "not valid JSON"
-    yield post(server, TABLES % r'{"\ud800": 1}'), 400, "not valid JSON"
     yield post(server, TABLES % r'{"width_mm": "\udfff"}'), 400, "not valid JSON"
     yield post(server, b'{"\xff": 1}'), 400, "not valid JSON"
-    yield post(server, TABLES % (100_000 * "[")), 400, "not valid JSON"
     yield post(server, TABLES % (13 * "[" + 13 * "]")), 400, "nests tables and lists more than 12 deep"
     yield post(server, "{"), 400, "not valid JSON"
     yield post(server, "[]"), 400, "no JSON object"
@@ -111,7 +88,6 @@ def list_malformed(server: StudioServer) -> Iterator[tuple[bytes, int, str]]:
             yield post(server, "{}", **{name: value}), 403, ""
     yield post(server, TABLES % '{"x": 1}', Origin=f"http://{server.hosts[1]}"), 200, "there is no such parameter"
     yield post(server, TABLES % '{"width_mm": NaN, "length_mm": 1e999}'), 200, "is not a finite number"
-    yield post(server, TABLES % '{"\\u0000\\u202e": null}'), 200, "there is no such parameter"
 
 
 def test_malformed_requests_get_one_sentence(server: StudioServer, capfd: pytest.CaptureFixture[str]) -> None:
@@ -124,20 +100,6 @@ def test_malformed_requests_get_one_sentence(server: StudioServer, capfd: pytest
         assert "Access-Control-Allow-Origin" not in reply.headers
     wait_for_handlers()
     assert capfd.readouterr() == ("", "")
-
-
-def test_connections_beyond_a_number_are_refused(server: StudioServer, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Connections that send nothing hold all threads; when they end, the studio answers again."""
-    wait_for_handlers()
-    monkeypatch.setattr("fingertip.studio.server._MAX_THREADS", threading.active_count() + 2)
-    held = [socket.create_connection(("127.0.0.1", server.server_port)) for _ in range(3)]
-    while sum("process_request_thread" in thread.name for thread in threading.enumerate()) < 3:
-        time.sleep(0.002)
-    assert send(server, post(server, "{}")) is None
-    for connection in held:
-        connection.close()
-    wait_for_handlers()
-    assert send(server, post(server, "{}")) is not None
 
 
 def test_checks_that_nobody_waits_for_are_given_up(server: StudioServer, monkeypatch: pytest.MonkeyPatch) -> None:

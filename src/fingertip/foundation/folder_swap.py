@@ -62,10 +62,7 @@ def replace_files(folder: Path, files: Mapping[str, Content], removed: Collectio
 
 def find_unfinished(folder: Path) -> Iterator[Path]:
     """Find the folders that a killed command has left in and beside an output folder."""
-    candidates = [staging_folder(folder), folder / _COMMIT, folder / _TRIAL]
-    if folder.is_dir():
-        candidates += folder.glob(".fingertip-????????")  # temporary folders of version 0.1
-    return (path for path in candidates if is_folder(path))
+    return filter(is_folder, (staging_folder(folder), folder / _COMMIT, folder / _TRIAL))
 
 
 def find_output_folder(path: Path) -> Path | None:
@@ -279,13 +276,6 @@ def output_errors(folder: Path) -> Iterator[None]:
     """Turn errors of the operating system into an OutputError with a remedy."""
     try:
         yield
-    except FileExistsError as error:
-        raise OutputError(describe_obstacle(error, folder)) from error
     except OSError as error:
         message = f"cannot be written ({error.strerror or str(error)}); choose another folder with --out."
         raise OutputError(Issue(str(folder), message)) from error
-
-
-def describe_obstacle(error: FileExistsError, folder: Path) -> Issue:
-    """Name the file or link that has a name this module needs for a moment."""
-    return Issue(str(error.filename or folder), "stands where files are put for a moment; move it away.")

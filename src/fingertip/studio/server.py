@@ -20,7 +20,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import SplitResult, parse_qs, urlsplit
 
@@ -29,7 +28,7 @@ from fingertip.design.files import flatten
 from fingertip.foundation.errors import DesignError, FingertipError, Issue, StudioError
 from fingertip.foundation.tables import UnusableTomlError, check_values
 from fingertip.studio import answers
-from fingertip.studio.page import render_locked, render_studio, render_way_in
+from fingertip.studio.page import render_locked, render_studio
 from fingertip.studio.worker import NewestWinsWorker, SupersededError
 
 ADDRESS = "127.0.0.1"
@@ -58,7 +57,6 @@ class StudioServer(ThreadingHTTPServer):
 
     def __init__(self, design: Design, port: int) -> None:
         self.design = design
-        self.way_in: Path | None = None
         self.token = secrets.token_urlsafe(24)
         if not 0 <= port <= MAX_PORT:
             message = f"{port} is no port; choose 1024 to {MAX_PORT}, or 0 for any free one."
@@ -88,17 +86,6 @@ class StudioServer(ThreadingHTTPServer):
         """Print an exception that nobody expected; not that of a connection, which ends where its page is closed."""
         if not isinstance(sys.exc_info()[1], OSError):
             super().handle_error(request, client_address)
-
-    def write_way_in(self, folder: Path) -> Path:
-        """Write a page of this user alone that leads the browser to the studio, until the first page was asked for.
-
-        A browser is started with the name of that file: everybody on this machine can read the words of a command.
-        """
-        path = folder / "studio.html"
-        path.touch(0o600)
-        path.write_text(render_way_in(self.url), encoding="utf-8")
-        self.way_in = path
-        return path
 
     def server_close(self) -> None:
         super().server_close()
@@ -165,8 +152,6 @@ class _Handler(BaseHTTPRequestHandler):
             raise _RefusedRequestError(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
         if not self._is_token(parse_qs(address.query).get("token", [""])[0]):
             return _Reply(HTTPStatus.FORBIDDEN, _HTML, render_locked())
-        if self.server.way_in:  # it has been used
-            self.server.way_in.unlink(missing_ok=True)
         return _Reply(HTTPStatus.OK, _HTML, self.server.page)
 
     def _answer(self) -> _Reply:

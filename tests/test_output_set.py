@@ -154,17 +154,6 @@ def test_writer_killed_at_any_change_leaves_the_old_set_or_the_new_one(tmp_path:
     assert steps > 12
 
 
-@pytest.mark.full
-def test_sets_in_subfolders_are_recovered_by_their_own_writer(tmp_path: Path) -> None:
-    folder = tmp_path / "area" / "board"
-    fabrication = SetWriter(folder / "fab", "gerbers", "finger", "old", force=True)
-    for _ in kill_everywhere(folder, lambda: fabrication.write({"gerbers.zip": b"new"})):
-        assert_check_only_reports(folder, folder / ".fab.fingertip")
-        fabrication.write({"gerbers.zip": b"new"})
-        assert verify_sets(folder) == (4, [])
-        assert_no_litter(folder)
-
-
 @pytest.mark.parametrize("in_place", [False, pytest.param(True, marks=pytest.mark.full)])
 def test_a_disk_that_is_full_from_any_change_on_keeps_the_old_set(tmp_path: Path, in_place: bool) -> None:
     """What takes room fails, and what gives room does not; the writer says so, and leaves nothing behind."""

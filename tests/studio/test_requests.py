@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import _thread
-import contextlib
-import http.client
 import json
-import socket
 import threading
 import time
 import urllib.request
@@ -23,7 +20,7 @@ from fingertip.studio import server as server_module
 from fingertip.studio.server import TOKEN_HEADER, StudioServer
 from fingertip.studio.worker import NewestWinsWorker, StillWanted, SupersededError
 from tests.conftest import run_fingertip
-from tests.studio.conftest import serve
+from tests.studio.conftest import ask, post, send, serve
 
 TABLES = '{"client": "a", "tables": {"skin": %s}}'
 
@@ -36,66 +33,40 @@ def server(design: Design) -> Iterator[StudioServer]:
             yield running
 
 
-def post(server: StudioServer, body: bytes | str, path: str = "/api/download/design", **headers: str | None) -> bytes:
-    """A request as the page sends it. A header given as None is left out, others replace the page's."""
-    data = body.encode() if isinstance(body, str) else body
-    shown: dict[str, str | None] = {
-        "Host": server.hosts[0], TOKEN_HEADER: server.token, "Content-Type": "application/json",
-        "Content-Length": str(len(data)),
-    }  # fmt: skip
-    shown |= {name.replace("_", "-"): value for name, value in headers.items()}
-    lines = [f"POST {path} HTTP/1.1", *(f"{n}: {v}" for n, v in shown.items() if v is not None), "", ""]
-    return "\r\n".join(lines).encode("utf-8") + data
-
-
-def send(server: StudioServer, request: bytes) -> http.client.HTTPResponse | None:
-    """Reply to raw bytes; None if there is none."""
-    with socket.create_connection(("127.0.0.1", server.server_port), timeout=20) as connection:
-        with contextlib.suppress(OSError):  # it had replied before all was sent
-            connection.sendall(request)
-        reply = http.client.HTTPResponse(connection)
-        try:
-            reply.begin()
-            reply.data = reply.read()  # type: ignore[attr-defined]
-        except (OSError, http.client.HTTPException):
-            return None
-    return reply
-
-
 def wait_for_handlers() -> None:
     while any("process_request_thread" in thread.name for thread in threading.enumerate()):
         time.sleep(0.002)
 
 
-def list_malformed(server: StudioServer) -> Iterator[tuple[bytes, int, str]]:
-    yield post(server, TABLES % f'{{"width_mm": {4000 * "9"}}}'), 400, "whole numbers of at most 18 digits"
-    yield post(server, TABLES % r'{"width_mm": "\udfff"}'), 400, "not valid JSON"
-    yield post(server, b'{"\xff": 1}'), 400, "not valid JSON"
-    yield post(server, TABLES % (13 * "[" + 13 * "]")), 400, "nests tables and lists more than 12 deep"
-    yield post(server, "{"), 400, "not valid JSON"
-    yield post(server, "[]"), 400, "no JSON object"
-    for body in ("{}", '{"client": 3, "tables": {}}'):
-        yield post(server, body), 400, "not both tables and a client"
-    for path in ("/api/nothing", "/api/download/step", "/parts"):
-        yield post(server, TABLES % "{}", path), 404, "nothing at this address"
-    yield post(server, "{}", Content_Type="text/plain"), 415, "application/json"
-    for value in ("evil.example", "127.0.0.1", "127.0.0.1:1", None):
-        yield post(server, "{}", Host=value), 403, "answers to"
-    for name, values in {"Origin": ("http://evil.example", "null"), TOKEN_HEADER: (None, "wrong", "\xe9")}.items():
-        for value in values:
-            yield post(server, "{}", **{name: value}), 403, ""
-    yield post(server, TABLES % '{"x": 1}', Origin=f"http://{server.hosts[1]}"), 200, "there is no such parameter"
-    yield post(server, TABLES % '{"width_mm": NaN, "length_mm": 1e999}'), 200, "is not a finite number"
+DOWNLOAD = "/api/download/design"
+MALFORMED: list[tuple[str, str | bytes, dict[str, str | None], int, str]] = [
+    (DOWNLOAD, TABLES % f'{{"width_mm": {4000 * "9"}}}', {}, 400, "whole numbers of at most 18 digits"),
+    (DOWNLOAD, TABLES % r'{"width_mm": "\udfff"}', {}, 400, "not valid JSON"),
+    (DOWNLOAD, b'{"\xff": 1}', {}, 400, "not valid JSON"),
+    (DOWNLOAD, TABLES % (13 * "[" + 13 * "]"), {}, 400, "nests tables and lists more than 12 deep"),
+    (DOWNLOAD, "{", {}, 400, "not valid JSON"),
+    (DOWNLOAD, "[]", {}, 400, "no JSON object"),
+    *((DOWNLOAD, body, {}, 400, "not both tables and a client") for body in ("{}", '{"client": 3, "tables": {}}')),
+    *(
+        (path, TABLES % "{}", {}, 404, "nothing at this address")
+        for path in ("/api/nothing", "/api/download/step", "/parts")
+    ),
+    (DOWNLOAD, "{}", {"Content-Type": "text/plain"}, 415, "application/json"),
+    *((DOWNLOAD, "{}", {"Host": host}, 403, "answers to") for host in ("evil.example", "127.0.0.1:1", None)),
+    *((DOWNLOAD, "{}", {"Origin": origin}, 403, "own page") for origin in ("http://evil.example", "null")),
+    *((DOWNLOAD, "{}", {TOKEN_HEADER: token}, 403, "not the token") for token in (None, "wrong", "\xe9")),
+    (DOWNLOAD, TABLES % '{"width_mm": NaN, "length_mm": 1e999}', {}, 200, "is not a finite number"),
+]
 
 
 def test_malformed_requests_get_one_sentence(server: StudioServer, capfd: pytest.CaptureFixture[str]) -> None:
-    for request, status, said in list_malformed(server):
-        reply = send(server, request)
-        assert reply is not None, request[:80]
-        content: dict[str, Any] = json.loads(reply.data)  # type: ignore[attr-defined]
-        assert (reply.status, set(content)) == (status, {"issues" if status == 200 else "error"}), request[:80]
-        assert said in json.dumps(content), request[:80]
+    for path, body, headers, status, said in MALFORMED:
+        reply = ask(server, "POST", path, body if isinstance(body, bytes) else body.encode(), **headers)
+        assert (reply.status, set(reply.content)) == (status, {"issues" if status == 200 else "error"}), (body, headers)
+        assert said in json.dumps(reply.content), (body, headers)
         assert "Access-Control-Allow-Origin" not in reply.headers
+    own = ask(server, "POST", DOWNLOAD, (TABLES % '{"x": 1}').encode(), Origin=f"http://{server.hosts[1]}")
+    assert "there is no such parameter" in json.dumps(own.content)
     wait_for_handlers()
     assert capfd.readouterr() == ("", "")
 
@@ -112,16 +83,12 @@ def test_checks_that_nobody_waits_for_are_given_up(server: StudioServer, monkeyp
         return {}
 
     monkeypatch.setitem(answers.ANSWERS, "checks", work)  # type: ignore[call-overload]
-    asked = [socket.create_connection(("127.0.0.1", server.server_port)) for _ in range(20)]
-    for number, connection in enumerate(asked):
-        request = post(server, TABLES.replace('"a"', f'"{number}"') % "{}")
-        connection.sendall(request.replace(b"/download/design", b"/checks"))
+    bodies = ((TABLES.replace('"a"', f'"{number}"') % "{}").encode() for number in range(20))
+    asked = [send(server, "POST", "/api/checks", body) for body in bodies]
     assert begun.wait(20)
     for connection in asked:
         connection.close()
-    reply = send(server, post(server, TABLES % "{}"))
-    assert reply is not None
-    assert reply.headers["Content-Disposition"]
+    assert post(server, "download/design", {}).headers["Content-Disposition"]
     wait_for_handlers()
     assert not server.worker._newest
 
@@ -133,10 +100,9 @@ def test_a_fault_of_an_answer_is_a_sentence_on_the_page_and_a_traceback_in_the_t
         raise ZeroDivisionError("here")
 
     monkeypatch.setitem(answers.ANSWERS, "checks", fail)  # type: ignore[call-overload]
-    reply = send(server, post(server, TABLES % "{}", "/api/checks"))
-    assert reply is not None
+    reply = post(server, "checks", {})
     assert reply.status == 500
-    assert "This is a bug in fingertip." in json.loads(reply.data)["error"]  # type: ignore[attr-defined]
+    assert "This is a bug in fingertip." in reply.content["error"]
     wait_for_handlers()
     assert "ZeroDivisionError: here" in capfd.readouterr().err
 

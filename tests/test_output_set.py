@@ -259,15 +259,6 @@ def test_writers_at_the_same_time_wait_for_each_other(tmp_path: Path) -> None:
     assert_no_litter(folder)
 
 
-def test_writer_that_waits_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    folder = tmp_path / "area" / "board"
-    prepare(folder)
-    monkeypatch.setattr(folder_swap, "LOCK_S", 0.1)
-    with folder_swap.lock(folder.parent), pytest.raises(OutputError, match=r"has been writing here for 0\.1 s; wait"):
-        writer(folder, "new").write(NEW)
-    assert files_in(folder) == OLD
-
-
 # What is somebody's own
 
 

@@ -104,10 +104,6 @@ def test_a_converter_whose_steps_would_be_zero() -> None:
         SceneFile(converter={"bits": 12, "low_v": low_v, "high_v": least_v})
 
 
-def test_an_axis_with_an_integer_beyond_every_float() -> None:
-    for axis, message in (
-        ([10**400], "is beyond every float; list smaller numbers"),
-        ({"low": 14, "high": 10**400, "steps": 3}, "is not a finite number"),
-    ):
-        with pytest.raises(SweepError, match=message):
-            SweepPlan.from_tables({"outputs": [], "axes": {"skin.width_mm": axis}})
+def test_a_range_to_an_integer_beyond_every_float() -> None:
+    with pytest.raises(SweepError, match="is not a finite number"):
+        SweepPlan.from_tables({"outputs": [], "axes": {"skin.width_mm": {"low": 14, "high": 10**400, "steps": 3}}})

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from unittest.mock import Mock
 
@@ -196,20 +197,18 @@ def test_folders_in_use_and_those_of_others_are_left_alone(place: Path) -> None:
 def test_a_new_folder_that_another_process_takes_for_a_leftover_is_made_again(
     place: Path, monkeypatch: pytest.MonkeyPatch, loss: str
 ) -> None:
-    lock, calls = temporary.lock_folder, list[int | None]()
+    lock, handles = temporary.lock_folder, list[object]()
+    lose: dict[str, Callable[[Path], object]] = {"removed": shutil.rmtree, "locked": lock}
 
     def lose_the_first(path: Path) -> int | None:
-        if not calls and loss == "removed":
-            temporary._remove_leftover(path)
-        elif not calls:
-            calls.append(lock(path))
-        calls.append(lock(path))
-        return calls[-1]
+        if not handles:
+            handles.append(lose[loss](path))
+        return lock(path)
 
     monkeypatch.setattr(temporary, "lock_folder", lose_the_first)
     with temporary_folder() as folder:
         assert folder.is_dir()
-    assert len(calls) > 1
+        assert len(list(place.iterdir())) == (1 if loss == "removed" else 2)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="open files are listed on Linux alone")

@@ -82,7 +82,7 @@ def test_checks_that_nobody_waits_for_are_given_up(server: StudioServer, monkeyp
             time.sleep(0.01)
         return {}
 
-    monkeypatch.setitem(answers.ANSWERS, "checks", work)  # type: ignore[call-overload]
+    monkeypatch.setitem(answers.ANSWERS, "checks", work)
     bodies = ((TABLES.replace('"a"', f'"{number}"') % "{}").encode() for number in range(20))
     asked = [send(server, "POST", "/api/checks", body) for body in bodies]
     assert begun.wait(20)
@@ -99,7 +99,7 @@ def test_a_fault_of_an_answer_is_a_sentence_on_the_page_and_a_traceback_in_the_t
     def fail(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
         raise ZeroDivisionError("here")
 
-    monkeypatch.setitem(answers.ANSWERS, "checks", fail)  # type: ignore[call-overload]
+    monkeypatch.setitem(answers.ANSWERS, "checks", fail)
     reply = post(server, "checks", {})
     assert reply.status == 500
     assert "This is a bug in fingertip." in reply.content["error"]

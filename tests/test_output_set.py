@@ -155,17 +155,6 @@ def test_writer_killed_at_any_change_leaves_the_old_set_or_the_new_one(tmp_path:
     assert steps > 12
 
 
-@pytest.mark.full
-def test_sets_in_subfolders_are_recovered_by_their_own_writer(tmp_path: Path) -> None:
-    folder = tmp_path / "area" / "board"
-    fabrication = SetWriter(folder / "fab", "gerbers", "finger", "old", force=True)
-    for _ in kill_everywhere(folder, lambda: fabrication.write({"gerbers.zip": b"new"})):
-        assert_check_only_reports(folder, folder / ".fab.fingertip")
-        fabrication.write({"gerbers.zip": b"new"})
-        assert verify_sets(folder) == (4, [])
-        assert_no_litter(folder)
-
-
 @pytest.mark.parametrize("in_place", [False, pytest.param(True, marks=pytest.mark.full)])
 def test_a_disk_that_is_full_from_any_change_on_keeps_the_old_set(tmp_path: Path, in_place: bool) -> None:
     """What takes room fails, and what gives room does not; the writer says so, and leaves nothing behind."""
@@ -242,8 +231,6 @@ def test_folder_that_cannot_be_swapped_is_written_in_place(
 def test_current_folder_and_a_link_are_not_swapped_away(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder, link = tmp_path / "area" / "board", tmp_path / "link"
     prepare(folder)
-    (folder / ".fingertip-ab12cd34").mkdir()
-    (folder / ".fingertip-ab12cd34" / "half").write_bytes(b"of version 0.1")
     link.symlink_to(folder)
     writer(link, "new").write(NEW)
     assert link.is_symlink()
@@ -275,15 +262,6 @@ def test_writers_at_the_same_time_wait_for_each_other(tmp_path: Path) -> None:
     assert [os.waitpid(child, 0)[1] for child in children] == [0] * 4
     assert_whole(folder)
     assert_no_litter(folder)
-
-
-def test_writer_that_waits_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    folder = tmp_path / "area" / "board"
-    prepare(folder)
-    monkeypatch.setattr(folder_swap, "LOCK_S", 0.1)
-    with folder_swap.lock(folder.parent), pytest.raises(OutputError, match=r"has been writing here for 0\.1 s; wait"):
-        writer(folder, "new").write(NEW)
-    assert files_in(folder) == OLD
 
 
 # What is somebody's own
@@ -433,14 +411,6 @@ def test_a_place_that_cannot_be_written_is_refused_before_work_whatever_its_mode
         writer(Path(place), "new").check(NEW)
     writer(Path("area/board"), "new").check(NEW)
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(("name", "in_place"), [(".fingertip-trial", False), (".fingertip-commit", True)])
-def test_what_stands_where_files_are_put_for_a_moment_is_named(tmp_path: Path, name: str, in_place: bool) -> None:
-    (tmp_path / name).write_bytes(b"mine")
-    with pytest.raises(OutputError, match=rf"{name}: stands where files are put for a moment; move it away\."):
-        writer(tmp_path, "new", in_place=in_place).write(NEW)
-    assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
 # Single files

@@ -34,8 +34,6 @@ PRONOUNS = "again also here it its only same such their there these they this th
 NOT_FIRST = frozenset(f"{PREPOSITIONS} {CONJUNCTIONS} {RELATIVE_WORDS} {PRONOUNS}".split())
 """Words that no docstring begins with: a docstring begins with the noun or verb of what it documents."""
 
-UNITS = "mm|m|n|v|a|s|hz|ohm|f|uf|g|kg|percent|deg"
-
 
 def docstrings(tree: ast.Module) -> Iterator[tuple[int, str]]:
     """Line and text of each docstring of a module, those of constants and attributes included."""
@@ -75,16 +73,6 @@ def misplaced(path: Path) -> list[str]:
 def test_docstrings_begin_with_a_noun_or_a_verb() -> None:
     wrong = [line for path in SOURCES for line in misplaced(path)]
     assert not wrong, "\n".join(wrong)
-
-
-def test_bounds_are_called_min_and_max() -> None:
-    """`min_force_n`, not `force_least_n`."""
-    wrong = [
-        f"{path.relative_to(ROOT)}: {name}"
-        for path in SOURCES
-        for name in re.findall(rf"\b(?:\w+_|_*)(?:least|most)_(?:\w+_)?(?:{UNITS})\b", path.read_text(encoding="utf-8"))
-    ]
-    assert not wrong
 
 
 def test_modules_that_are_named_exist() -> None:

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -197,21 +197,6 @@ def test_a_copy_of_this_process_leaves_its_workers_alone(monkeypatch: pytest.Mon
     with side_by_side(2), in_background(call_one) as wait:
         pid = wait()
         assert pid not in {os.getpid(), *call_each([os.getpid] * 40)}
-
-
-def test_calls_are_made_ahead_of_the_results_that_are_taken_and_no_farther(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(workers, "_AHEAD", 3)
-    asked: list[int] = []
-
-    def calls() -> Iterator[Callable[[], int]]:
-        for number in itertools.count():
-            asked.append(number)
-            yield partial(abs, -number)
-
-    with side_by_side(2):
-        results = call_each(calls())
-        assert [next(results), next(results)] == [0, 1]
-        assert asked == [0, 1, 2, 3, 4]
 
 
 def test_an_error_of_a_call_is_raised_here_and_ends_no_worker() -> None:

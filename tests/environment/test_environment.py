@@ -1,8 +1,7 @@
-"""Machines that lack something: a folder that vanishes, a cache of compiled loops, streams, UTF-8."""
+"""Machines that lack something: the working folder, a cache of compiled loops, streams, UTF-8."""
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -19,22 +18,6 @@ from tests.conftest import run_fingertip, run_python
 def read_files(folder: Path) -> dict[str, bytes]:
     """Read all files of a folder."""
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-
-
-def test_a_folder_that_vanishes_while_it_is_written_is_a_sentence(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    folder = tmp_path / "area" / "board"
-    write = folder_swap.write_content
-
-    def vanish(content: bytes, path: Path) -> None:
-        shutil.rmtree(tmp_path / "area")
-        write(content, path)
-
-    monkeypatch.setattr(folder_swap, "write_content", vanish)
-    with pytest.raises(OutputError, match=r"board: cannot be written \(No such file or directory\); choose another"):
-        SetWriter(folder, "board", "finger", "new").write({"a": b"1", "b": b"2"})
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.full

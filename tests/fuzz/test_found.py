@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sqlite3
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError, SweepError, TraceError
 from fingertip.sim import ManipulationFile, SceneFile
-from fingertip.sweep import axes
 from fingertip.sweep.axes import Axis, round_significant
 from fingertip.sweep.plan import SweepPlan
 from tests.conftest import run_fingertip
@@ -48,7 +46,6 @@ def test_an_axis_of_the_smallest_numbers(least: float) -> None:
         ("UPDATE rows SET cutoff_3db_hz = 'x'", "row 0 holds what is no number"),
         ('UPDATE rows SET "board.cutoff_hz" = NULL', "row 0 holds what is no number"),
         ("UPDATE rows SET reason = CAST(x'1bff' AS TEXT)", "a text in it cannot be read (Could not decode to UTF-8"),
-        ("UPDATE rows SET reason = hex(zeroblob(40000))", "a text in it cannot be read (string or blob too big)"),
         ("UPDATE rows SET field = hex(zeroblob(400))", "row 0 is damaged"),
         ("UPDATE rows SET cutoff_3db_hz = -1e308", "cutoff_3db_hz is beyond 1e+100, or nearer to 0 than 1e-100"),
         ("UPDATE rows SET cutoff_3db_hz = 1e-320", "cutoff_3db_hz is beyond 1e+100"),
@@ -98,23 +95,6 @@ def test_a_grid_of_many_axes_is_refused_before_their_values_are_made(monkeypatch
     assert made == []
 
 
-def test_the_bounds_of_a_long_list_are_checked_at_its_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    checked: list[object] = []
-    check = axes._check_value
-
-    def count(*arguments: Any) -> Any:
-        checked.append(arguments[3])
-        return check(*arguments)
-
-    monkeypatch.setattr(axes, "_check_value", count)
-    listed = [14.0 + 1e-5 * i for i in range(100_000)]
-    with pytest.raises(SweepError, match="lists 100001 values"):
-        axes.read_axis("skin.width_mm", [*listed, 900.0], False)
-    _, issues = axes.read_axis("skin.width_mm", [*listed[:-1], 900.0], False)
-    assert "900.0 mm is too large" in issues[0].message
-    assert checked == [14.0, 900.0]
-
-
 def test_a_converter_whose_steps_would_be_zero() -> None:
     with pytest.raises(DesignError, match=r"detector\.adc_range_v: 5e-324 V is too small; at least 0\.01 V"):
         Design(detector={"adc_range_v": 5e-324})
@@ -124,10 +104,6 @@ def test_a_converter_whose_steps_would_be_zero() -> None:
         SceneFile(converter={"bits": 12, "low_v": low_v, "high_v": least_v})
 
 
-def test_an_axis_with_an_integer_beyond_every_float() -> None:
-    for axis, message in (
-        ([10**400], "is beyond every float; list smaller numbers"),
-        ({"low": 14, "high": 10**400, "steps": 3}, "is not a finite number"),
-    ):
-        with pytest.raises(SweepError, match=message):
-            SweepPlan.from_tables({"outputs": [], "axes": {"skin.width_mm": axis}})
+def test_a_range_to_an_integer_beyond_every_float() -> None:
+    with pytest.raises(SweepError, match="is not a finite number"):
+        SweepPlan.from_tables({"outputs": [], "axes": {"skin.width_mm": {"low": 14, "high": 10**400, "steps": 3}}})

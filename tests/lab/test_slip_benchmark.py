@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -163,6 +164,7 @@ def make_piezo(folder: Path) -> None:
         ("natural_texture", make_stage, 10_000.0, (3.0, 4.0), 1.0),
         ("biotac_slide", make_biotac, 2200.0, (0.8, 1.8), 0.7),
         ("cluster_texture", make_cluster, 6000.0, (1.0, 2.0), 0.9),
+        ("cluster_texture", partial(make_cluster, suffix=".parquet"), 6000.0, (1.0, 2.0), 0.9),
         ("piezo_onset", make_piezo, 2000.0, (1.2, 1.4), 1.0),
     ],
 )
@@ -202,17 +204,6 @@ def test_a_late_rise_finds_no_slip_and_each_window_of_rest_may() -> None:
     found = judge(Design(), known, [*slides, Judged("rest", "b", RATE_HZ, np.zeros(8000))], 0.9)
     assert [delay_s for delay_s, _ in found["full"]] == pytest.approx([0.1, np.inf])
     assert np.mean(found["null"]) == pytest.approx(0.2, abs=0.05)
-
-
-@pytest.mark.full
-def test_a_set_in_parquet_is_the_same_as_in_csv(tmp_path: Path) -> None:
-    (tmp_path / "a").mkdir()
-    (tmp_path / "b").mkdir()
-    make_cluster(tmp_path / "a")
-    make_cluster(tmp_path / "b", ".parquet")
-    one, other = (read_layout("cluster_texture", tmp_path / name).recordings[0] for name in "ab")
-    assert np.allclose(one.signal.voltage_v, other.signal.voltage_v)
-    assert one.signal.slides == other.signal.slides
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)

@@ -18,10 +18,9 @@ from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.traces.trace import Trace
 from tests.designs import ARTICLE, article_design
-from tests.lab.test_campaign import far_design
 from tools.article import page
 from tools.article import protocol as article_protocol
-from tools.article.boards import study_article_board, study_board_variants, with_article_board
+from tools.article.boards import study_article_board, with_article_board
 from tools.article.previous_works import FFT_SHARE, PLATE_FACTORS, RIDGED, study_previous_works
 from tools.article.protocol import (
     DEVICES,
@@ -285,16 +284,6 @@ def test_a_higher_sampling_rate_lowers_the_bound_and_does_not_lengthen_the_delay
     assert max(slow.alarms_per_minute, own.alarms_per_minute, quick.alarms_per_minute) < 0.6  # at most one alarm
     wide = article_design(detector={"window_samples": 1200})  # 12 000 at 20 kHz would be too many
     assert [row.sample_rate_hz for row in study_sampling_rates(wide, 1, 0.5, rates_hz=(20_000.0,))] == [2000.0]
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("cutoff_hz", [5.0, 340.0])
-def test_designs_far_from_the_articles_can_be_studied(cutoff_hz):
-    """The other board variant may break a rule, and the band may be narrower than a bin of the spectrum."""
-    design = far_design(cutoff_hz)
-    variants = {board.variant for board in study_board_variants(design, 1, 0.5)}
-    assert variants == ({"article", "precision"} if cutoff_hz > 100 else {"article"})  # 5 Hz need 900 uF behind R4
-    assert all(0.0 <= s.share_above(200.0) <= 1.0 for s in compute_spectra(design))
 
 
 @pytest.mark.full

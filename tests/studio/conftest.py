@@ -49,7 +49,9 @@ class Reply:
         return json.loads(self.data)
 
 
-def ask(server: StudioServer, method: str, path: str, body: bytes | None = None, **headers: str | None) -> Reply:
+def send(
+    server: StudioServer, method: str, path: str, body: bytes | None = None, **headers: str | None
+) -> http.client.HTTPConnection:
     """One request as the page sends it. A header given as None is left out, others replace the page's."""
     shown: dict[str, str | None] = {
         "Host": server.hosts[0],
@@ -64,6 +66,11 @@ def ask(server: StudioServer, method: str, path: str, body: bytes | None = None,
         if value is not None:
             connection.putheader(name, value)
     connection.endheaders(body)
+    return connection
+
+
+def ask(server: StudioServer, method: str, path: str, body: bytes | None = None, **headers: str | None) -> Reply:
+    connection = send(server, method, path, body, **headers)
     reply = Reply(connection.getresponse())
     connection.close()
     return reply

@@ -13,8 +13,6 @@ import pytest
 from fingertip import Design
 from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design.files import to_toml
-from fingertip.design.parameters import PARAMETERS
-from fingertip.design.parameters.declaration import find_bounds
 from fingertip.studio.server import StudioServer
 from tests.browser import click, drawn_ms, find_barriers, open_browser, picture, wait, watch
 from tests.studio.conftest import serve
@@ -178,27 +176,6 @@ def test_a_refusal_stands_beside_its_field(opened: Any) -> None:
     assert "is not a number" in find_refusals(opened)["skin.width_mm"]
     assert put(opened, "skin.width_mm", 17) == PASSED.format(all=47)
     assert find_refusals(opened) == {}
-
-
-def list_bad_values(count: int) -> dict[str, float]:
-    """Values out of bounds for as many numbers of a design."""
-    bad = {}
-    for path, declared in PARAMETERS.items():
-        bounds = find_bounds(declared)
-        if "." in path and bounds.maximum is not None and len(bad) < count:
-            bad[path] = bounds.maximum * 10 + 1 if len(bad) % 2 else -1.0 - 10 * abs(bounds.minimum or 0.0)
-    return bad
-
-
-@pytest.mark.full
-def test_many_refusals_stand_beside_their_fields(opened: Any) -> None:
-    bad = list_bad_values(55)
-    script = "for (const [path, value] of arguments[0]) document.getElementById(`f-${path}`).value = value"
-    opened.execute_script(script, [[path, str(value)] for path, value in bad.items()])
-    verdict = put(opened, "skin.width_mm", bad["skin.width_mm"])
-    opened.execute_script("for (const group of document.querySelectorAll('.group')) group.open = true")
-    assert verdict.startswith("✗ 55 refused")
-    assert sorted(find_refusals(opened)) == sorted(bad)
 
 
 @pytest.mark.full

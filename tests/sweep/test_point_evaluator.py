@@ -68,25 +68,6 @@ def test_axes_of_the_board_cause_no_new_meshes(monkeypatch: pytest.MonkeyPatch) 
     assert calls == dict.fromkeys(GROUPS, 0) | {"board": 3, "skin": 2}
 
 
-@pytest.mark.full
-def test_bone_is_meshed_once_while_the_mold_varies(monkeypatch: pytest.MonkeyPatch) -> None:
-    import fingertip.cad.kernel.mesh as kernel
-
-    meshed: list[int] = []
-    original = kernel.to_manifold
-    monkeypatch.setattr(kernel, "to_manifold", lambda v, t: meshed.append(len(v)) or original(v, t))
-    evaluator = CachedEvaluator(COARSE_MM)
-    walls = [Design.load(changes=[f"mold.wall_mm={wall}"]) for wall in (4.0, 5.0, 5.5)]
-    run_checks(walls[0], evaluator)
-    first = len(meshed)
-    run_checks(walls[1], evaluator)
-    run_checks(walls[1], evaluator)
-    assert len(meshed) < 2 * first  # the block and its engraving differ, the finger does not
-    before = len(meshed)
-    run_checks(walls[0], evaluator)
-    assert len(meshed) == before
-
-
 SHARED_EVALUATOR = CachedEvaluator(COARSE_MM)
 """Evaluator whose caches fill up from test to test."""
 

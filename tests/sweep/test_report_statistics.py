@@ -253,18 +253,20 @@ def test_bins_by_value_share_the_range() -> None:
     assert set(np.bincount(bin_by_value(np.geomspace(1, 1000, 999), 3).indices)) == {333}, "of equal ratio"
 
 
-def test_bins_by_count_place_a_value_by_the_middle_of_its_points() -> None:
-    bins = bin_by_count(np.array([0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0]), 2)
-    assert (bins.low.tolist(), bins.high.tolist()) == ([0, 1], [0, 3])
-    # The middles 3, 6.5, 7.5 and 8.5 of 9 points: no value is in the first third.
-    bins = bin_by_count(np.repeat([5.0, 6.0, 7.0, 8.0], [6, 1, 1, 1]), 3)
-    assert (bins.low.tolist(), bins.high.tolist()) == ([5, 6], [5, 8])
-    # The middles 1.5, 5.5 and 10 of 12 points, in halves: 0.25, 0.92 and 1.67.
-    bins = bin_by_count(np.repeat([5.0, 6.0, 7.0], [3, 5, 4]), 2)
-    assert (bins.low.tolist(), bins.high.tolist()) == ([5, 7], [6, 7])
-    # The middles 1, 2.5, 4 and 7 of 9 points, in thirds: 0.33, 0.83, 1.33 and 2.33.
-    bins = bin_by_count(np.repeat([5.0, 6.0, 7.0, 8.0], [2, 1, 2, 4]), 3)
-    assert (bins.low.tolist(), bins.high.tolist()) == ([5, 7, 8], [6, 7, 8])
+@pytest.mark.parametrize(
+    ("counts", "maximum", "low", "high"),
+    [
+        ([4, 1, 1, 1], 2, [5, 6], [5, 8]),
+        ([6, 1, 1, 1], 3, [5, 6], [5, 8]),  # middles 3, 6.5, 7.5 and 8.5 of 9 points: no value is in the first third
+        ([3, 5, 4], 2, [5, 7], [6, 7]),  # middles 1.5, 5.5 and 10 of 12 points, in halves: 0.25, 0.92 and 1.67
+        ([2, 1, 2, 4], 3, [5, 7, 8], [6, 7, 8]),  # middles 1, 2.5, 4 and 7 of 9, in thirds: 0.33, 0.83, 1.33 and 2.33
+    ],
+)
+def test_bins_by_count_place_a_value_by_the_middle_of_its_points(
+    counts: list[int], maximum: int, low: list[int], high: list[int]
+) -> None:
+    bins = bin_by_count(np.repeat([5.0, 6.0, 7.0, 8.0][: len(counts)], counts), maximum)
+    assert (bins.low.tolist(), bins.high.tolist()) == (low, high)
 
 
 def test_words_have_a_bin_each_and_numbers_among_them_become_words() -> None:
@@ -282,16 +284,10 @@ def test_words_have_a_bin_each_and_numbers_among_them_become_words() -> None:
 @pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
 def test_logarithmic_scale_does_not_depend_on_the_unit(unit: float) -> None:
     with np.errstate(all="raise"):
-        assert suits_log_scale(unit * np.array([1.0, 4.0, 16.0]))
-        assert suits_log_scale(unit * np.array([1.0, 2.0, 16.0]))
-        assert suits_log_scale(unit * np.array([1.0, 2.2, 5.0]))
-        assert not suits_log_scale(unit * np.array([1.0, 2.2, 4.99]))
-        assert not suits_log_scale(unit * np.array([1.0, 8.5, 16.0]))
-        assert not suits_log_scale(unit * np.array([1.0, 6.0, 16.0]))
-        assert not suits_log_scale(unit * np.array([1.0, 12.0, 16.0]))
-        assert not suits_log_scale(unit * np.array([0.0, 4.0, 16.0]))
-        assert not suits_log_scale(unit * np.array([-16.0, -4.0, -1.0]))
-        assert not suits_log_scale(np.array([]))
+        for column in ([1.0, 4.0, 16.0], [1.0, 2.0, 16.0], [1.0, 2.2, 5.0]):
+            assert suits_log_scale(unit * np.array(column))
+        for column in ([1.0, 2.2, 4.99], [1.0, 6.0, 16.0], [1.0, 8.5, 16.0], [0.0, 4.0, 16.0], [-16.0, -4.0, -1.0], []):
+            assert not suits_log_scale(unit * np.array(column))
         assert not suits_log_scale(np.array(["1", "4", "16"]))
 
 

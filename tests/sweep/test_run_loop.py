@@ -187,19 +187,6 @@ def test_point_whose_worker_dies_is_tried_again_alone_and_recorded(
     assert sum(sizes) == POINTS - 1
 
 
-def test_point_that_succeeds_at_its_second_attempt_is_not_recorded_as_failed(clock: Clock) -> None:
-    class Once(Breaking):
-        def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
-            if self.deaths:
-                self.bad = set()
-            return super().submit(function, *arguments)
-
-    database = Database()
-    state = compute(Once({40}), database)
-    assert [row[1] for row in database.rows] == ["ok"] * POINTS
-    assert state.failures == 0
-
-
 def test_worker_that_dies_before_it_begins_is_no_fault_of_its_points(clock: Clock) -> None:
     """Neither at the first attempt nor alone: five such deaths in a row may precede a result, and follow it."""
 
@@ -295,19 +282,6 @@ def test_every_worker_has_a_chunk_to_compute_and_one_that_waits(clock: Clock, mo
 
     compute_rows(make_plan(), cast(SweepDatabase, Database(missing=14)), engine, progress, worker(1.0))
     assert waiting[0] == max(waiting) == 6
-
-
-def test_only_commits_of_the_last_half_minute_count(clock: Clock) -> None:
-    state = RunState(100, 0)
-    clock.now_s += 10.0
-    state.add_written(5)
-    clock.now_s += run.RATE_WINDOW_S
-    state.add_written(10)
-    assert len(state.history) == 3, "one of exactly 30 s ago still begins the window"
-    clock.now_s += 1.0
-    state.add_written(0)
-    assert len(state.history) == 3
-    assert state.points_per_s == pytest.approx(10 / 31)
 
 
 @pytest.mark.parametrize(("elapsed_s", "status"), [(2.9, "failed"), (3.0, "timeout")])

@@ -177,7 +177,6 @@ def studio(
     import contextlib
     import webbrowser
 
-    from fingertip.foundation.files import temporary_folder
     from fingertip.foundation.interruption import INTERRUPTIONS
     from fingertip.studio.server import StudioServer
 
@@ -186,10 +185,7 @@ def studio(
         with contextlib.suppress(*INTERRUPTIONS):  # the way to end it, no failure
             console.result({"url": server.url, "port": server.server_port}, f"studio: {server.url}")
             console.progress("Ctrl-C ends it")
-            with contextlib.ExitStack() as stack:
-                if not no_browser:
-                    way_in = server.write_way_in(stack.enter_context(temporary_folder()))
-                    if not webbrowser.open(way_in.as_uri()):
-                        console.progress("no browser was found; open the address above in one of this machine")
-                server.serve_forever()
+            if not no_browser and not webbrowser.open(server.url):
+                console.progress("no browser was found; open the address above in one of this machine")
+            server.serve_forever()
         console.progress("studio ended")

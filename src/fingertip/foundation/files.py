@@ -18,7 +18,6 @@ import json
 import math
 import os
 import shutil
-import stat
 import tempfile
 import zipfile
 from collections.abc import Iterable, Iterator
@@ -177,8 +176,7 @@ def remove_leftovers(place: Path) -> None:
 
 
 def _remove_leftover(path: Path) -> None:
-    status = os.lstat(path)
-    if not stat.S_ISDIR(status.st_mode) or not hasattr(os, "getuid") or status.st_uid != os.getuid():
+    if path.is_symlink() or not path.is_dir():
         return
     lock = lock_folder(path)
     if lock is not None:  # on Windows leftovers stay

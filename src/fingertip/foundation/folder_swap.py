@@ -5,9 +5,8 @@ that stays, and both folders then swap their names. Whoever is killed in between
 Where folders cannot be swapped (another file system, Windows, the current folder of this process), the files are
 renamed one after the other, and the next command that writes to the folder completes what was begun.
 
-What a killed command seems to have left may be a stranger's. Only folders are taken for it, no links. A plan of renames
-counts if it names files of its folder, and states of each what it was, which a stranger cannot know of a file of one's
-own: what was changed or put there since stays.
+What a killed command seems to have left are folders, no links. A plan of renames states of each file what it was: what
+was changed or put there since stays.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ from pathlib import Path
 
 from fingertip.foundation.errors import InputFileError, Issue, OutputError
 from fingertip.foundation.files import lock_folder
-from fingertip.foundation.input_files import PARSED_LIMIT, find_unsafe_names, is_safe_name, read_input
+from fingertip.foundation.input_files import PARSED_LIMIT, is_safe_name, read_input
 
 # Content of a file that is to be written: its bytes, or the path of a finished file that is too large for memory.
 
@@ -63,10 +62,7 @@ def replace_files(folder: Path, files: Mapping[str, Content], removed: Collectio
 
 def find_unfinished(folder: Path) -> Iterator[Path]:
     """Find the folders that a killed command has left in and beside an output folder."""
-    candidates = [staging_folder(folder), folder / _COMMIT, folder / _TRIAL]
-    if folder.is_dir():
-        candidates += folder.glob(".fingertip-????????")  # temporary folders of version 0.1
-    return (path for path in candidates if is_folder(path))
+    return filter(is_folder, (staging_folder(folder), folder / _COMMIT, folder / _TRIAL))
 
 
 def find_output_folder(path: Path) -> Path | None:
@@ -89,18 +85,18 @@ def recover(folder: Path) -> None:
                 while os.path.lexists(target):
                     target = target.with_name(target.name + ".recovered")
                 os.rename(path, target)
-        _remove_folder(staging)
+        shutil.rmtree(staging)
     if is_folder(commit):
         _finish_renames(folder)
     for path in find_unfinished(folder):
-        _remove_folder(path)
+        shutil.rmtree(path)
 
 
 def try_to_write(folder: Path, path: Path) -> None:
     """Write a file below a folder, whose parent the caller has locked, and remove it again. Raises OSError."""
     made = folder / _TRIAL
     if is_folder(made):  # a command was killed here
-        _remove_folder(made)
+        shutil.rmtree(made)
     with contextlib.ExitStack() as undo:
         for name in (*path.parent.parts, ""):
             made.mkdir()
@@ -119,15 +115,11 @@ def read_plan(commit: Path) -> tuple[dict[str, str], dict[str, str]]:
         return {}, {}
     try:
         plan = json.loads(read_input(commit / _COMPLETE, PARSED_LIMIT, below=commit))
-        files, removed = plan["files"], plan["removed"]
-        is_sound = isinstance(files, dict) and isinstance(removed, dict) and not find_unsafe_names([*files, *removed])
-        is_sound &= not any(is_folder(commit.parent / name) for name in (*files, *removed))
-        if is_sound and not any(_identify(commit / f"new-{name}").startswith(_OTHER) for name in files):
-            return files, removed
-    except (InputFileError, ValueError, KeyError, TypeError, RecursionError):
-        pass
-    remedy = "remove this folder, then write the set again"
-    raise OutputError(Issue(str(commit), f"holds a damaged {_COMPLETE}, so that nothing can complete it; {remedy}."))
+        return dict(plan["files"]), dict(plan["removed"])
+    except (InputFileError, ValueError, KeyError, TypeError):
+        remedy = "remove this folder, then write the set again"
+        message = f"holds a damaged {_COMPLETE}, so that nothing can complete it; {remedy}."
+        raise OutputError(Issue(str(commit), message)) from None
 
 
 _ABSENT, _OTHER = "nothing", "no file"
@@ -145,13 +137,6 @@ def _identify(path: Path) -> str:
 
 def is_folder(path: Path) -> bool:
     return path.is_dir() and not path.is_symlink()
-
-
-def _remove_folder(path: Path) -> None:
-    try:
-        shutil.rmtree(path)
-    except RecursionError:
-        raise OutputError(Issue(str(path), "holds folders within folders, too deep to remove; remove it.")) from None
 
 
 def staging_folder(folder: Path) -> Path:
@@ -258,7 +243,7 @@ def _finish_renames(folder: Path) -> None:
     for name, before in files.items():
         if os.path.lexists(commit / f"new-{name}") and _identify(folder / name) == before:
             os.replace(commit / f"new-{name}", folder / name)
-    _remove_folder(commit)
+    shutil.rmtree(commit)
 
 
 LOCK_S = 60.0
@@ -291,13 +276,6 @@ def output_errors(folder: Path) -> Iterator[None]:
     """Turn errors of the operating system into an OutputError with a remedy."""
     try:
         yield
-    except FileExistsError as error:
-        raise OutputError(describe_obstacle(error, folder)) from error
     except OSError as error:
         message = f"cannot be written ({error.strerror or str(error)}); choose another folder with --out."
         raise OutputError(Issue(str(folder), message)) from error
-
-
-def describe_obstacle(error: FileExistsError, folder: Path) -> Issue:
-    """Name the file or link that has a name this module needs for a moment."""
-    return Issue(str(error.filename or folder), "stands where files are put for a moment; move it away.")

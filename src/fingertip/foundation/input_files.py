@@ -1,4 +1,4 @@
-"""Gate for files that are read: regular files of a bounded size, safe names, and archives of bounded content.
+"""Gate for files that are read: regular files of a bounded size, and safe names.
 
 Every file that a user names, or that stands in a folder that a user names, is opened here or checked here before a
 library opens it. A device, a pipe or a socket is refused without being opened for reading: it may never end. The limits
@@ -13,14 +13,12 @@ from __future__ import annotations
 import contextlib
 import os
 import stat
-import struct
 import unicodedata
-import zipfile
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from io import BufferedReader
 from pathlib import Path
-from typing import BinaryIO, TypeGuard
+from typing import TypeGuard
 
 from fingertip.foundation.errors import InputFileError, Issue, escape_control, quote_value
 
@@ -61,13 +59,6 @@ PARSED_LIMIT = Limit("FINGERTIP_MAX_PARSED_MB", 16, _MEGABYTE, "MB")
 """Largest file of an output folder that is parsed, such as a manifest [bytes]. It takes many times that in memory."""
 BODY_LIMIT = Limit("FINGERTIP_MAX_BODY_MB", 32, _MEGABYTE, "MB")
 """Largest STEP or STL file of a body that another program has drawn [bytes]."""
-MAX_MEMBERS = 10_000
-MAX_DIRECTORY_BYTES = 2 * _MEGABYTE
-MAX_RATIO = 200
-"""Maximum ratio by which a large member of an archive may be compressed. Noise compresses four times, zeros a thousand
-times."""
-_LARGE_BYTES = 32 * _MEGABYTE
-"""Size from which the ratio of a member matters [bytes]."""
 _SEPARATORS = frozenset('/\\:*?"<>|')
 """Characters that separate the names of a path, on one system or another, or that Windows reserves."""
 _DEVICES = frozenset({"CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"}) | {
@@ -125,14 +116,11 @@ def open_input(path: Path, limit: Limit, wanted: str = "a file", below: Path | N
     remedy = _remedy(wanted, below)
     try:
         _check_status(path, _read_status(path, below), limit, remedy)
-        # Opening a pipe that took the file's place meanwhile would wait for its writer, but for the first flag.
-        names = ("O_NONBLOCK", "O_BINARY", *(() if below is None else ("O_NOFOLLOW",)))
-        file = os.fdopen(os.open(path, os.O_RDONLY | sum(getattr(os, name, 0) for name in names)), "rb")
+        file = path.open("rb")
     except (OSError, ValueError) as error:
         raise _unreadable(path, error, remedy) from None
     with file:
         try:
-            _check_status(path, os.fstat(file.fileno()), limit, remedy)
             yield file
         except OSError as error:
             if error.filename is not None:  # it is of another file: those of reading name none
@@ -149,39 +137,6 @@ def read_input(
     if len(data) > limit.value:  # it grows, or is one of the system's files that state no size
         raise _too_large(path, len(data), limit)
     return data
-
-
-def check_archive(file: BinaryIO) -> None:
-    """Check the list of files of a ZIP archive before `zipfile` reads it into memory. Raises BadZipFile."""
-    size = file.seek(0, os.SEEK_END)
-    file.seek(max(0, size - 2**16 - 22 - 20))
-    tail = file.read()
-    file.seek(0)
-    at = tail.rfind(b"PK\5\6")
-    if at < 0 or len(tail) < at + 22:
-        return  # `zipfile` refuses it
-    count, directory = struct.unpack_from("<H2xI", tail, at + 8)[0], struct.unpack_from("<I", tail, at + 12)[0]
-    locator = tail.rfind(b"PK\6\7", max(0, at - 20), at)
-    if locator >= 0 and len(tail) >= locator + 20:
-        (place,) = struct.unpack_from("<Q", tail, locator + 8)
-        if place + 56 <= size:
-            file.seek(place)
-            record = file.read(56)
-            file.seek(0)
-            if record.startswith(b"PK\6\6"):
-                count, directory = struct.unpack_from("<Q", record, 32)[0], struct.unpack_from("<Q", record, 40)[0]
-    if count > MAX_MEMBERS or directory > MAX_DIRECTORY_BYTES:
-        raise zipfile.BadZipFile(f"it lists {count} files in {directory} bytes; at most {MAX_MEMBERS} files are read")
-
-
-def check_member(member: zipfile.ZipInfo) -> None:
-    """Check the ratio by which a member of an archive is compressed. Raises BadZipFile."""
-    ratio = member.file_size / max(1, member.compress_size)
-    if member.file_size > _LARGE_BYTES and ratio > MAX_RATIO:
-        raise zipfile.BadZipFile(
-            f"{quote_value(member.filename)} unpacks to {member.file_size / _MEGABYTE:.0f} MB, {ratio:.0f} times its "
-            f"size; at most {MAX_RATIO} times is read, so save it without compression"
-        )
 
 
 def _read_status(path: Path, below: Path | None) -> os.stat_result:

@@ -39,8 +39,6 @@ def find_place_issues(folder: Path, remedy: str, name: str = _NAME) -> Iterator[
             folder_swap.try_to_write(place, target.relative_to(place) / name)
     except PermissionError:
         yield Issue(str(_find_existing(folder)), f"may not be written; change its mode, or {remedy}.")
-    except FileExistsError as error:
-        yield folder_swap.describe_obstacle(error, folder)
     except OSError as error:
         path = folder if name == _NAME else folder / name
         yield Issue(str(path), f"cannot be written ({error.strerror or error}); {remedy}.")

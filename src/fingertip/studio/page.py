@@ -145,16 +145,6 @@ def render_locked() -> bytes:
     return render_document("fingertip studio", body, read_asset("page.css"), ())
 
 
-def render_way_in(url: str) -> str:
-    """Render a page that leads to another one at once, without telling it where from."""
-    return (
-        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>fingertip studio</title>'
-        '<meta name="referrer" content="no-referrer">'
-        f'<meta http-equiv="refresh" content="0; url={url}"></head>'
-        f'<body><p><a href="{url}">Open the studio</a></p></body></html>\n'
-    )
-
-
 def _render_bar() -> Markup:
     buttons = (button(label, data_download=name) for name, (label, _) in DOWNLOADS.items() if label)
     return element(

@@ -15,13 +15,11 @@ import os
 import secrets
 import socket
 import sys
-import threading
 import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import SplitResult, parse_qs, urlsplit
 
@@ -30,7 +28,7 @@ from fingertip.design.files import flatten
 from fingertip.foundation.errors import DesignError, FingertipError, Issue, StudioError
 from fingertip.foundation.tables import UnusableTomlError, check_values
 from fingertip.studio import answers
-from fingertip.studio.page import render_locked, render_studio, render_way_in
+from fingertip.studio.page import render_locked, render_studio
 from fingertip.studio.worker import NewestWinsWorker, SupersededError
 
 ADDRESS = "127.0.0.1"
@@ -38,17 +36,9 @@ ADDRESS = "127.0.0.1"
 TOKEN_HEADER = "X-Fingertip-Token"
 """Header of a request that carries the token. A page of another origin cannot set it without being asked first."""
 MAX_PORT = 65535
-_MAX_BODY_BYTES = 1_000_000
-_MAX_VALUES, _MAX_THREADS = 1000, 100
-"""Largest number of values in a request, far above that of parameters, and of threads that hold connections."""
 _TIMEOUT_S = 60.0
 """Time after which a connection that sends nothing is closed [s]."""
 _HTML = "text/html; charset=utf-8"
-_STATUS_OF_REFUSAL = {
-    HTTPStatus.NOT_IMPLEMENTED: HTTPStatus.METHOD_NOT_ALLOWED,
-    HTTPStatus.HTTP_VERSION_NOT_SUPPORTED: HTTPStatus.BAD_REQUEST,
-}
-"""Status that Python gives a request, as if the server were to blame -> status that blames the request."""
 _HEADERS = {
     "Cache-Control": "no-store",
     "Content-Security-Policy": "frame-ancestors 'none'",
@@ -67,7 +57,6 @@ class StudioServer(ThreadingHTTPServer):
 
     def __init__(self, design: Design, port: int) -> None:
         self.design = design
-        self.way_in: Path | None = None
         self.token = secrets.token_urlsafe(24)
         if not 0 <= port <= MAX_PORT:
             message = f"{port} is no port; choose 1024 to {MAX_PORT}, or 0 for any free one."
@@ -93,25 +82,10 @@ class StudioServer(ThreadingHTTPServer):
     def url(self) -> str:
         return f"http://{self.hosts[0]}/?token={self.token}"
 
-    def verify_request(self, request: Any, client_address: Any) -> bool:
-        """Refuse connections beyond a number, which may be half open; those that send nothing end by themselves."""
-        return threading.active_count() <= _MAX_THREADS
-
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Print an exception that nobody expected; not that of a connection, which ends where its page is closed."""
         if not isinstance(sys.exc_info()[1], OSError):
             super().handle_error(request, client_address)
-
-    def write_way_in(self, folder: Path) -> Path:
-        """Write a page of this user alone that leads the browser to the studio, until the first page was asked for.
-
-        A browser is started with the name of that file: everybody on this machine can read the words of a command.
-        """
-        path = folder / "studio.html"
-        path.touch(0o600)
-        path.write_text(render_way_in(self.url), encoding="utf-8")
-        self.way_in = path
-        return path
 
     def server_close(self) -> None:
         super().server_close()
@@ -144,7 +118,6 @@ class _Reply(NamedTuple):
 class _Handler(BaseHTTPRequestHandler):
     server: StudioServer
     protocol_version = "HTTP/1.1"
-    default_request_version = "HTTP/1.0"  # a request line that cannot be read gets a reply with a status
     timeout = _TIMEOUT_S
 
     def do_GET(self) -> None:
@@ -155,12 +128,6 @@ class _Handler(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *args: Any) -> None:
         """Print nothing: the terminal is for messages to people."""
-
-    def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
-        """Refuse what is no request of HTTP, or one of a method that no page of this server uses."""
-        status = _STATUS_OF_REFUSAL.get(HTTPStatus(code), HTTPStatus(code))
-        self._send(_make_json({"error": f"This is no request that the studio answers ({status.phrase})."}, status))
-        self.close_connection = True
 
     def _reply(self, answer: Callable[[], _Reply]) -> None:
         try:
@@ -185,8 +152,6 @@ class _Handler(BaseHTTPRequestHandler):
             raise _RefusedRequestError(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
         if not self._is_token(parse_qs(address.query).get("token", [""])[0]):
             return _Reply(HTTPStatus.FORBIDDEN, _HTML, render_locked())
-        if self.server.way_in:  # it has been used
-            self.server.way_in.unlink(missing_ok=True)
         return _Reply(HTTPStatus.OK, _HTML, self.server.page)
 
     def _answer(self) -> _Reply:
@@ -238,17 +203,9 @@ class _Handler(BaseHTTPRequestHandler):
     def _read_content(self) -> _Request:
         if self.headers.get_content_type() != "application/json":
             raise _RefusedRequestError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "The request must be application/json.")
-        length = self.headers.get("Content-Length", "")
-        if not (length.isascii() and length.isdigit()):
-            raise _RefusedRequestError(HTTPStatus.LENGTH_REQUIRED, "The request states not its length.")
-        if len(length) > len(str(_MAX_BODY_BYTES)) or int(length) > _MAX_BODY_BYTES:
-            message = f"The request is longer than {_MAX_BODY_BYTES} bytes."
-            raise _RefusedRequestError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, message)
         data = b""
         with contextlib.suppress(OSError):  # time is up, or the page was closed
-            data = self.rfile.read(int(length))
-        if len(data) < int(length):
-            raise _RefusedRequestError(HTTPStatus.REQUEST_TIMEOUT, "The request did not come to its end.")
+            data = self.rfile.read(int(self.headers["Content-Length"]))
         try:
             content = json.loads(data)
             json.dumps(content, ensure_ascii=False).encode()  # not every text of JSON can be written
@@ -259,8 +216,6 @@ class _Handler(BaseHTTPRequestHandler):
         tables, client, field = content.get("tables"), content.get("client"), content.get("field", "")
         if not isinstance(tables, dict) or not isinstance(client, str) or not isinstance(field, str):
             raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The request holds not both tables and a client.")
-        if sum(len(each) if isinstance(each, dict) else 1 for each in tables.values()) > _MAX_VALUES:
-            raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The request holds more values than a design has.")
         try:
             check_values(tables)
         except UnusableTomlError as error:

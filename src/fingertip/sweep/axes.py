@@ -170,8 +170,6 @@ def _parse_axis(name: str, field: str, entry: Any, sampled: bool, declared: Fiel
             raise SweepError(Issue(field, f"lists {len(entry)} values; at most {MAX_STEPS}, or give a range."))
         if (nested := next((value for value in entry if not isinstance(value, get_args(Value))), None)) is not None:
             raise SweepError(Issue(field, f"{quote_value(nested)} is no value of a parameter; list numbers or texts."))
-        if (huge := next((value for value in entry if type(value) is int and not _is_finite(value)), None)) is not None:
-            raise SweepError(Issue(field, f"{quote_value(huge)} is beyond every float; list smaller numbers."))
         seen = set[Value]()
         for value in entry:
             if value in seen:

@@ -3,9 +3,6 @@
 There is one writer, the sweep itself; anyone may read at the same time. The journal is SQLite's rollback journal, not
 its write-ahead log, so that the folder may be on a network drive, and holds a single file while no sweep runs.
 Whatever was committed survives a kill -9; the rest is computed again.
-
-A folder may come from a stranger, and SQLite does what a database says: its tables may be views that never end, which
-are refused. All rows may share one long text of a small file: what is read is at most as long as the file.
 """
 
 from __future__ import annotations
@@ -27,18 +24,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.foundation.errors import OutputError, SweepError, raise_issues
-from fingertip.foundation.input_files import TOML_LIMIT
 from fingertip.foundation.output_set import find_place_issues
 from fingertip.sweep.axes import Value
-from fingertip.sweep.database_file import (
-    FILE,
-    MAX_TEXT_BYTES,
-    connect,
-    lock_sweep,
-    make_damage_error,
-    make_error,
-    translated_errors,
-)
+from fingertip.sweep.database_file import FILE, connect, lock_sweep, make_damage_error, make_error, translated_errors
 from fingertip.sweep.plan import SweepPlan
 
 FORMAT = "2"
@@ -53,8 +41,6 @@ MAX_REASON_LENGTH = 4000
 """Maximum length of a reason that is written [characters]."""
 _MAX_FIELD_LENGTH = 200
 """Maximum length of the name of a parameter or check [characters]. A table keeps that room for each row."""
-_PLAN_RATIO = 8
-"""Maximum length of a plan, in files of the largest size that is read. A number, such as 1e9, is written out in it."""
 _TEXTS = (str, bytes)
 _MIN_OUTPUT, _MAX_OUTPUT = 1e-100, 1e100
 """Bounds of the size of an output that is neither 0 nor infinite. Statistics square it."""
@@ -192,7 +178,7 @@ class SweepDatabase:
         if not is_sound or tables != {"meta": _META_TABLE, "sqlite_autoindex_meta_1": None}:
             raise make_damage_error(self.folder, "it holds other tables than a sweep")
         query = "SELECT key, value FROM meta WHERE key IN ('format', 'plan')"
-        meta = dict(self._fetch(query, longest=_PLAN_RATIO * TOML_LIMIT.value))
+        meta = dict(self._fetch(query))
         if meta.get("format") != FORMAT:
             problem = f"was written in format {meta.get('format')!r}, but this version reads {FORMAT!r}"
             raise make_error(self.folder, f"{problem}; run the sweep again in another folder.")
@@ -304,29 +290,18 @@ class SweepDatabase:
     def _read_pages(self, columns: str) -> Iterator[list[Any]]:
         """Read rows page by page in order of the points; between two pages the writer can write."""
         query = f"SELECT {columns} FROM rows WHERE point > ? ORDER BY point LIMIT {_PAGE_ROWS}"
-        last, length, size = -1, 0, 0
-        while True:
-            page = []
-            for row in self._fetch(query, last):
-                length += sum(len(value) for value in row if isinstance(value, _TEXTS))
-                if length > size and length > (size := (self.folder / FILE).stat().st_size):
-                    raise make_damage_error(self.folder, "its rows hold more text than the file is long")
-                page.append(row)
-            if not page:
-                return
+        last = -1
+        while page := list(self._fetch(query, last)):
             yield page
             last = page[-1][0]
 
-    def _fetch(self, query: str, *parameters: Any, longest: int = MAX_TEXT_BYTES) -> Iterator[Any]:
-        """Read rows whose texts have a maximum length [bytes]. A longer one is refused before it is in memory."""
+    def _fetch(self, query: str, *parameters: Any) -> Iterator[Any]:
         with translated_errors(self.folder):
-            self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, longest)
             yield from self._connection.execute(query, parameters)
 
     @contextlib.contextmanager
     def _transaction(self) -> Iterator[sqlite3.Connection]:
         """Write all or nothing: a sweep exists completely or not at all."""
         with translated_errors(self.folder), self._connection:
-            self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _PLAN_RATIO * TOML_LIMIT.value)
             self._connection.execute("BEGIN IMMEDIATE")
             yield self._connection

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from fingertip.foundation import extras
 from fingertip.foundation.errors import FingertipError, Issue, TraceError, shorten
-from fingertip.foundation.input_files import RECORDING_LIMIT, check_archive, check_member
+from fingertip.foundation.input_files import RECORDING_LIMIT
 from fingertip.foundation.workers import call_within_limits
 from fingertip.slip.traces.trace import COLUMNS, max_table_bytes, shape_message
 
@@ -113,7 +113,6 @@ def _read_npy(path: Path, wanted: Collection[str]) -> dict[str, Any]:
 
 def _read_npz(path: Path, wanted: Collection[str]) -> dict[str, Any]:
     def claim(name: str) -> Claim:
-        check_member(archive.getinfo(members[name]))
         with archive.open(members[name]) as member:
             return _read_npy_header(member)
 
@@ -122,7 +121,6 @@ def _read_npz(path: Path, wanted: Collection[str]) -> dict[str, Any]:
             return np.lib.format.read_array(member, allow_pickle=False)
 
     with path.open("rb") as file:
-        check_archive(file)
         archive = zipfile.ZipFile(file)
         members = {name.removesuffix(".npy"): name for name in archive.namelist()}
         return dict.fromkeys(members) | _load_numbers(path, members.keys() & set(wanted), claim, load)

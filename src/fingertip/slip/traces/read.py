@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, identify_kind
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TomlFileError, TraceError, gather, raise_issues
-from fingertip.foundation.input_files import check_archive
 from fingertip.foundation.numerics import Array
 from fingertip.slip.traces.array_files import KINDS, RATE, load_arrays
 from fingertip.slip.traces.csv_file import read_csv
@@ -83,9 +82,8 @@ def identify(path: Path) -> str:
 def _identify_zip(path: Path) -> str:
     """Return the kind of a ZIP archive, by the names in it; of a damaged one, by its own name."""
     try:
-        with path.open("rb") as file:
-            check_archive(file)
-            names = zipfile.ZipFile(file).namelist()
+        with zipfile.ZipFile(path) as archive:
+            names = archive.namelist()
     except (zipfile.BadZipFile, ValueError, NotImplementedError, struct.error):
         return _ENDINGS.get(path.suffix.lower(), "npz")
     if any(name.startswith("xl/") or name == "content.xml" for name in names):

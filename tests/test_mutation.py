@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from tests.conftest import ROOT
-from tools.mutation.mutants import read_equivalent
+from tools.mutation.mutants import list_modules, read_equivalent
 
 
 def test_equivalent_mutants_fit_a_line_of_their_module_and_say_why() -> None:

@@ -8,10 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.foundation import folder_swap
-from fingertip.foundation.errors import OutputError
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats, compiled
-from fingertip.foundation.output_set import SetWriter
 from tests.conftest import run_fingertip, run_python
 
 

@@ -37,7 +37,7 @@ def test_a_band_is_found_from_a_value_that_fails_or_not_at_all() -> None:
 
 def test_bands_are_described_with_their_unit() -> None:
     assert describe_bands("hand.length_limit_mm", [(0.0, 0.0), (54.0, 150.0)]) == "0 or 54 to 150 mm"
-    assert describe_bands("board.cutoff_hz", [(0.01, 100.0)]) == "above 0, at most 100 Hz"
+    assert describe_bands("force_curve.conductance_us", [(0.01, 100.0)]) == "above 0, at most 100 uS"
 
 
 def test_probing_stops_when_nobody_waits() -> None:

@@ -109,7 +109,7 @@ def fit_design(
         """Add the loads that a fit holds with the values of a remedy; None if no fit follows. Parts follow loads."""
         for _ in range(_ROUNDS):
             trial = tables.with_values(values)
-            found, weak = find_fit(trial, given, guessed, holds, checks=_FEW, is_described=False)
+            found, weak = find_fit(trial, given, guessed, holds, checks=_FEW, is_remedy=True)
             if found:
                 return dict(values)
             named.update({broken.rule.field: broken for broken in weak if broken.rule.field not in named})
@@ -135,12 +135,12 @@ def find_fit(
     progress: Progress = lambda share: None,
     checks: int = _CHECKS,
     is_early: bool = False,
-    is_described: bool = True,
+    is_remedy: bool = False,
 ) -> tuple[Fit | None, Sequence[BrokenRule]]:
     """Find a design that passes as `fit_design` does; or else what is too weak in one that passes all rules.
 
-    A search that gives up early moves no wish in place of what a whole one would have found. A fit that is not
-    described names no moves, and values may move further than they need.
+    A search that gives up early moves no wish in place of what a whole one would have found. A fit that only
+    proves a remedy names no moves, and its values may move further than they need.
     """
     derived = {**DERIVED, **{name: (0.8 * value, 1.2 * value) for name in guessed if (value := tables.value(name))}}
     weak: Sequence[BrokenRule] = ()
@@ -158,7 +158,7 @@ def find_fit(
             search = _Search(tables, free, holds)
             nearer = search.find_passing(values, progress, checks)
             values = search.move_back(nearer) if nearer is not None else values
-            strong = search.strengthen(values, is_least=is_described) if nearer is not None else None
+            strong = search.strengthen(values, is_least=not is_remedy) if nearer is not None else None
             if strong is None:
                 found = holds.judge(tables.with_values(values))
                 weak = [broken for broken in found if broken.rule.field not in free] or found
@@ -166,7 +166,7 @@ def find_fit(
                     continue
                 break
             values = strong
-        return search.describe(values) if is_described else Fit(tables.with_values(values), ()), ()
+        return Fit(tables.with_values(values), ()) if is_remedy else search.describe(values), ()
     return None, weak
 
 

@@ -237,7 +237,7 @@ def connect_cables(circuit: Circuit, board: Board) -> Circuit:
     *grounds, _ = list_pins(GND)  # no wire leads to the mounting pads
     moved = {("J3", *list_pins(POWER_IN)): HOST_SUPPLY, ("J3", grounds[-1]): HOST_GROUND}
     nets = [Net(net.name, tuple(node for node in net.nodes if node not in moved)) for net in circuit.nets]
-    nets += [Net(name, (node,)) for node, name in moved.items()]
+    nets += [Net(name, ((reference, pin),)) for (reference, pin), name in moved.items()]
     cabled = replace(circuit, nets=tuple(nets))
     wire_ohm = board.cable_m * WIRE_OHM_PER_M + 2.0 * CONTACT_OHM
     ends = [(HOST_SUPPLY, POWER_IN, wire_ohm + REGULATOR_OHM), (HOST_GROUND, GND, wire_ohm / len(grounds))]

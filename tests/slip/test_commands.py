@@ -322,6 +322,10 @@ def test_a_wrong_value_is_refused_without_a_word_on_the_rate(tmp_path):
     assert run("detect", tmp_path / "t.csv", "--detector", "fast").stderr.count("error: ") == 2
 
 
+def test_a_stream_is_warned_of_at_its_end() -> None:
+    assert "samples are at the limits of the ADC range" in run("detect", "-", lines=csv(T, np.full(len(T), 3.3))).stderr
+
+
 def test_detect_file_in_python_returns_warnings(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, np.full(len(T), 2.3)))
     design = Design(detector={"threshold_v": 0.001})

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,7 @@ from fingertip.foundation.interruption import INTERRUPTIONS, exit_code
 from fingertip.slip.detectors.registry import DEFAULT
 
 if TYPE_CHECKING:
-    from fingertip.design import Design
+    from fingertip.detection.live import StreamDetection
 
 
 @command
@@ -62,6 +63,7 @@ def detect(
     the design's board, simulated for the voltage.
     """
     from fingertip.design.files import load_tables
+    from fingertip.detection.live import detect_stream
     from fingertip.detection.recordings import detect_file
     from fingertip.foundation import extras
     from fingertip.foundation.output_set import add_to_set, check_set
@@ -78,24 +80,23 @@ def detect(
     # A window from --set is for this recording's rate, a window from a design file for that file's rate.
     keep_window = "detector.window_samples" in load_tables([], changes or ()).changed
     named, channels = _parse_columns(columns or [])
-    reading: dict[str, Any] = {
-        "rate_hz": rate_hz,
-        "scale": scale,
-        "columns": named,
-        "time_scale": _parse_time_scale(time_scale),
-        "keep_window": keep_window,
-        "progress": console.progress,
-    }
+    time_scale_s = _parse_time_scale(time_scale)
     if is_stream:
         _refuse_without_recording({"--plot": plot, "--calibrate": calibrate, "--floors": floors})
-        _follow_standard_input(console, loaded, detector, reading | {"channels": channels})
+        begin = functools.partial(
+            detect_stream, sys.stdin.buffer, loaded, detector, rate_hz=rate_hz, scale=scale, time_scale=time_scale_s,
+            columns=named, channels=channels, keep_window=keep_window, progress=console.progress,
+        )  # fmt: skip
+        _follow_standard_input(console, detector, begin)
         return
     if channels:
         message = f"names {len(channels)} voltages; give one, or pass the lines to - in place of a file."
         raise TraceError(Issue("--column", message))
     calibrate_s, adapt_to_file = _parse_interval(calibrate), False if design else None
     found = detect_file(
-        trace, loaded, detector, calibrate_s=calibrate_s, floors=floors, adapt_to_file=adapt_to_file, **reading,
+        trace, loaded, detector, rate_hz=rate_hz, calibrate_s=calibrate_s, floors=floors, scale=scale,
+        time_scale=time_scale_s, columns=named, adapt_to_file=adapt_to_file, keep_window=keep_window,
+        progress=console.progress,
     )  # fmt: skip
     console.warn(found.warnings)
     if plot is not None:
@@ -142,15 +143,13 @@ def _refuse_without_recording(options: Mapping[str, object]) -> None:
     raise_issues(TraceError, (Issue(name, message) for name, value in options.items() if value is not None))
 
 
-def _follow_standard_input(console: Console, design: Design, detector: str, reading: Mapping[str, Any]) -> None:
+def _follow_standard_input(console: Console, detector: str, begin: Callable[[], StreamDetection]) -> None:
     """Detect slip in standard input until it ends, is wrong or is interrupted; report the transitions up to then."""
-    from fingertip.detection.live import detect_stream
-
     transitions: list[dict[str, Any]] = []
     data: dict[str, Any] = {"detector": detector, "transitions": transitions}
     any_on = False
     try:
-        found = detect_stream(sys.stdin.buffer, design, detector, **reading)
+        found = begin()
         data["signals"] = list(found.signals.columns)
         console.progress(f"detector {detector}, {found.signals.describe()}")
         console.warn(found.warnings)

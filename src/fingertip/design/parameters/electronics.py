@@ -32,7 +32,7 @@ class Board(ParameterTable):
         0.5, "m", (0.05, 5),
         "Length of the cables of a board of several fingers, for which their crosstalk is computed.",
     )  # fmt: skip
-    cutoff_hz: float = quantity(67.0, "Hz", (0.0001, 10000), "Cutoff frequency of the third-order Butterworth high-pass.")
+    cutoff_hz: float = quantity(67.0, "Hz", (0.0001, 10000), "Cutoff of the third-order Butterworth high-pass.")
     capacitor_uf: float = quantity(
         0.1, "uF", (1e-6, 1000), "Filter capacitors C1 = C2 = C3: C0G up to 0.1 uF; the article has 1 uF."
     )

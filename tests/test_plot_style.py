@@ -1,19 +1,15 @@
-"""Style of the plots: colours that differ in grey and for colour-blind readers, and stand in one module."""
+"""Style of the plots: colours that differ in grey and for colour-blind readers."""
 
 from __future__ import annotations
 
 import itertools
-import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-import fingertip
 from fingertip.foundation.display import AREAS, SERIES, TRUTH, new_figure, to_png
 from fingertip.lab.report.plots import COLOURS, OTHER_COLOUR
 
-SOURCE = Path(fingertip.__file__).parent
 XYZ = np.array(
     [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]]
 )
@@ -60,16 +56,6 @@ def test_colours_of_curves_differ_for_everybody() -> None:
     assert set(COLOURS.values()) | {OTHER_COLOUR} == set(SERIES)
     own = {name: colour for name, colour in COLOURS.items() if name != "incipient"}  # a threshold of fast
     assert len(own) + 1 == len(SERIES), "each detector has a colour of its own"
-
-
-def test_colours_of_plots_stand_in_one_module() -> None:
-    found = {
-        f"{path.relative_to(SOURCE)}: {colour}"
-        for path in SOURCE.rglob("*.py")
-        if "foundation.display import" in (text := path.read_text(encoding="utf-8"))
-        for colour in re.findall(r'"#[0-9a-fA-F]{6}"', text)
-    }
-    assert found == set()
 
 
 def test_a_name_is_no_formula_and_the_ticks_of_a_logarithmic_axis_are() -> None:

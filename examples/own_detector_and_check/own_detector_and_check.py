@@ -9,7 +9,7 @@ import numpy as np
 
 from fingertip.cad.verification.check import Check, Solids
 from fingertip.design import Design
-from fingertip.slip.detectors.noise import input_noise_v
+from fingertip.slip.detectors.input_noise import input_noise_v
 from fingertip.slip.detectors.registry import Detector, DetectorOutput, DetectorType
 
 MEAN_S, NOISE_RATIO = 0.01, 2.5

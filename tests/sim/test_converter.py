@@ -24,7 +24,7 @@ from fingertip.sim.signal.converter import (
     simulate_replay_level,
 )
 from fingertip.sim.signal.grid import Grid, SampleClock, Sampler, count_samples, draw_noise, open_stream
-from fingertip.slip.detectors.noise import DEVIATIONS
+from fingertip.slip.detectors.input_noise import DEVIATIONS
 from tests.designs import ARTICLE, article_design, load_article
 from tests.oracles.filter_formulas import envelope_pin_transfer, tactile_pin_transfer
 

@@ -18,7 +18,7 @@ from fingertip.detection.warnings import settings_warnings, threshold_warnings
 from fingertip.foundation.errors import TraceError
 from fingertip.sim.signal.converter import SimulatedBoardDetector
 from fingertip.slip.detectors.analog_and_digital import AnalogDetector, ChainSettings, SlipChain, high_pass, noise_level
-from fingertip.slip.detectors.noise import NoiseLevel, quantised_noise_v
+from fingertip.slip.detectors.input_noise import NoiseLevel, quantised_noise_v
 from fingertip.slip.detectors.registry import make_detector
 from fingertip.slip.scored_detection import detect
 from fingertip.slip.traces.trace import Trace

@@ -16,7 +16,7 @@ from fingertip.design.formulas.filter import signal_ground_ratio
 from fingertip.foundation.errors import join_words
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
-from fingertip.slip.detectors.noise import NoiseLevel
+from fingertip.slip.detectors.input_noise import NoiseLevel
 from fingertip.slip.detectors.registry import DEFAULT, DetectorOutput, find_detector_type
 from fingertip.slip.scored_detection import Detection
 from fingertip.slip.traces.trace import Trace

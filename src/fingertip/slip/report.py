@@ -10,7 +10,7 @@ import numpy as np
 from fingertip.foundation import display as style
 from fingertip.slip.detectors.analog_and_digital import ChainOutput
 from fingertip.slip.detectors.fast import FastOutput
-from fingertip.slip.detectors.noise import NoiseLevel
+from fingertip.slip.detectors.input_noise import NoiseLevel
 from fingertip.slip.detectors.registry import find_detector_type
 from fingertip.slip.force import ForceScale
 from fingertip.slip.scored_detection import Detection, find_ratio

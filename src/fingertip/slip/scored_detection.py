@@ -15,7 +15,7 @@ from fingertip.foundation.validation import find_not_positive
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.analog_and_digital import SlipChain, noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastOutput, Floors
-from fingertip.slip.detectors.noise import NoiseLevel
+from fingertip.slip.detectors.input_noise import NoiseLevel
 from fingertip.slip.force import MEAN_S, Force, ForceScale
 from fingertip.slip.traces.trace import RawTrace, Trace
 from fingertip.slip.traces.truth import Interval, Score, intervals, score

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
 from fingertip.slip.detectors import fast_coefficients
-from fingertip.slip.detectors.noise import input_noise_v
+from fingertip.slip.detectors.input_noise import input_noise_v
 
 SHORT_S, LONG_S = 0.006, 0.02
 """Time constants of the energies and movements [s]."""

@@ -103,7 +103,7 @@ def find_own_mode_hz(design: Design) -> float:
 @lru_cache(maxsize=256)
 def _survey(form: PadForm) -> PadSurvey:
     shares = tuple(_share(form, Pose(tilt), FORCE_N) for tilt in TILTS_DEG)
-    turn_on = tuple(_find_turn_on(form, tilt, share) for tilt, share in zip(TILTS_DEG, shares, strict=True))
+    turn_on = tuple(find_turn_on_n(form, tilt) for tilt in TILTS_DEG)
     rolled = _share(form, Pose(ROLLED_TILT_DEG, ROLL_DEG), FORCE_N)
     low, high, firm = find_contacts(form, Pose(ROLLED_TILT_DEG), (0.9 * FORCE_N, 1.1 * FORCE_N, FIRM_N), math.inf)
     stiffness = (high.force_n - low.force_n) / (high.depth_mm - low.depth_mm)
@@ -118,13 +118,15 @@ def try_contacts(form: PadForm, pose: Pose, *forces_n: float, grid_mm: float = G
         return []
 
 
+@lru_cache(maxsize=256)
 def _share(form: PadForm, pose: Pose, force_n: float) -> float:
     found = try_contacts(form, pose, force_n)
     return found[0].share if found else 0.0
 
 
-def _find_turn_on(form: PadForm, tilt_deg: float, share: float) -> float:
-    """Find the force of which the sensor's share, with what is there at rest, is its turn-on, from the share at 1 N."""
+def find_turn_on_n(form: PadForm, tilt_deg: float) -> float:
+    """Find the force [N] of which the sensor's share, with what is there at rest, is its turn-on; maybe infinite."""
+    share = _share(form, Pose(tilt_deg), FORCE_N)
     force, missing = math.inf, max(0.0, form.turn_on_n - find_rest_n(form))
     for _ in range(_TURN_ON_STEPS):
         if share <= missing / MAX_TURN_ON_N:

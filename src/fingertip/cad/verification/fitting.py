@@ -10,7 +10,7 @@ from typing import cast
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.overhang import MAX_LEDGE_MM, OVERHANG_DEG
 from fingertip.cad.verification.mold import palmar_error_mm, palmar_error_share
-from fingertip.cad.verification.skin import MAX_REST_N
+from fingertip.cad.verification.skin import MAX_REST_N, WANTED_TURN_ON_N
 from fingertip.cad.verification.strength import BoneStrength, assess_strength, list_load_points
 from fingertip.cad.verification.verify import check
 from fingertip.design import Design
@@ -21,6 +21,7 @@ from fingertip.design.rules.ruleset import BrokenRule, Limit, Ruleset, find_viol
 from fingertip.foundation.errors import DesignError
 from fingertip.pad.layer import find_rest_n
 from fingertip.pad.pad_geometry import PadForm
+from fingertip.pad.survey import find_turn_on_n
 
 _TOLERANCE_MM = 0.01
 """Tolerance of the meshes that are cut, which is that of a build unless another is asked for."""
@@ -112,6 +113,14 @@ def platform_enters_the_mold(design: DesignTables) -> Limit:
 def pad_touches_near_the_sensor(design: DesignTables) -> Limit:
     reach = _BESIDE_SENSOR * design.dimensions.sensor.active_diameter_mm / 2
     return Limit(reach - math.sin(_TILT) * design.skin.crown_radius_mm, "lets a plate touch beside the sensor")
+
+
+@_CROWN.at_most("skin.crown_offset_mm", pad_touches_before_the_collar, pad_touches_near_the_sensor)
+def tilted_pad_turns_the_sensor_on(design: DesignTables) -> Limit:
+    """Little silicone over the sensor spreads a touch beside it less than most do."""
+    force_n = find_turn_on_n(PadForm.of_design(cast(Design, design)), -math.degrees(_TILT))
+    share = WANTED_TURN_ON_N / max(force_n, WANTED_TURN_ON_N)
+    return Limit(design.skin.crown_offset_mm * share, "lets a plate turn the sensor on too late")
 
 
 @_SKIN.at_most("skin.bump_height_mm", when=lambda design: design.skin.bump_height_mm)

@@ -38,7 +38,7 @@ _SECTIONS = 24
 )
 def check_skin(design: Design, solids: Solids) -> Iterator[Check]:
     tolerance_mm, mesh = solids.evaluator.tolerance_mm, solids.mesh("skin")
-    minimum = design.skin.min_thickness_mm - tolerance_mm
+    minimum = design.skin.min_thickness_mm - 2 * tolerance_mm  # facets of both surfaces deviate
     yield Check("skin.min_thickness", min_thickness(design, solids.evaluator), minimum, "mm", "at least")
     deviation = max_facet_deviation(design.dimensions.outer, mesh.vertices, mesh.triangles)
     yield Check("skin.surface_deviation", deviation, tolerance_mm, "mm")

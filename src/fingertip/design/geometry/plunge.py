@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from fingertip.design.geometry.dimensions import Dimensions
     from fingertip.design.parameters import Tables
 
+_SAFE = 1.01
+"""Factor on the estimate, which is up to 0.8 % below what sections of the solids give."""
 LOWERING_S = 30.0
 """Time in which the core is lowered [s]."""
 _SECTIONS, _ARC_POINTS, _CHORDS, _FLAT_POINTS = 12, 4, 8, 4
@@ -43,7 +45,7 @@ def estimate_pressure_kpa(design: Tables, dims: Dimensions, pour_z: float) -> fl
             gaps, cubes = gaps + gap * along, cubes + gap**3 * along
         fallen += 12.0 * (area + gaps / 2) / cubes * length / _SECTIONS
     speed = (length * dims.shrinkage - pour_z) / LOWERING_S
-    return 1e-3 * design.silicone.material.viscosity_pa_s.high * speed * fallen / dims.shrinkage
+    return _SAFE * 1e-3 * design.silicone.material.viscosity_pa_s.high * speed * fallen / dims.shrinkage
 
 
 def _outline_core(dims: Dimensions, inset: float, z: float) -> list[Point]:

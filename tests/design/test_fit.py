@@ -102,4 +102,5 @@ def test_a_load_that_no_fit_makes_a_finger_hold_is_refused_with_one_that_does() 
 def test_most_designs_near_bundled_ones_are_fitted_and_remedies_pass() -> None:
     found = [judge(number, "few", 11)[0] for number in range(20)]
     assert found.count("fitted") >= 16
-    assert "remedy fails" not in found
+    found += [judge(number, "begun", 20261129)[0] for number in (377, 416, 472)]  # checks failed that no rule foresaw
+    assert set(found) <= {"fitted", "sizes refused", "loads refused"}

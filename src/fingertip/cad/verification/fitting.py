@@ -115,14 +115,6 @@ def pad_touches_near_the_sensor(design: DesignTables) -> Limit:
     return Limit(reach - math.sin(_TILT) * design.skin.crown_radius_mm, "lets a plate touch beside the sensor")
 
 
-@_CROWN.at_most("skin.crown_offset_mm", pad_touches_before_the_collar, pad_touches_near_the_sensor)
-def tilted_pad_turns_the_sensor_on(design: DesignTables) -> Limit:
-    """Little silicone over the sensor spreads a touch beside it less than most do."""
-    force_n = find_turn_on_n(PadForm.of_design(cast(Design, design)), -math.degrees(_TILT))
-    share = WANTED_TURN_ON_N / max(force_n, WANTED_TURN_ON_N)
-    return Limit(design.skin.crown_offset_mm * share, "lets a plate turn the sensor on too late")
-
-
 @_SKIN.at_most("skin.bump_height_mm", when=lambda design: design.skin.bump_height_mm)
 def bump_rests_lightly(design: DesignTables) -> Limit | None:
     """The force at rest is proportional to the height of the bump."""
@@ -145,6 +137,14 @@ def mold_is_true_over_the_sensor(design: DesignTables) -> Limit:
     built = cast(Design, design)
     least = palmar_error_mm(built) / palmar_error_share(built)
     return Limit(least, "is too thin for the error with which the mold holds its core")
+
+
+@_BONE.at_most("skin.crown_offset_mm", when=lambda design: design.dimensions.crown)
+def tilted_pad_turns_the_sensor_on(design: DesignTables) -> Limit:
+    """Little silicone over the sensor spreads a touch beside it less than most do."""
+    force_n = find_turn_on_n(PadForm.of_design(cast(Design, design)), -math.degrees(_TILT))
+    share = WANTED_TURN_ON_N / max(force_n, WANTED_TURN_ON_N)
+    return Limit(design.skin.crown_offset_mm * share, "lets a plate turn the sensor on too late")
 
 
 @_JOINT.at_most("strength.grip_force_n", when=lambda design: design.strength.min_grip_factor)

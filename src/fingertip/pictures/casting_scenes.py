@@ -19,7 +19,7 @@ from fingertip.cad.shapes.finger import cavity
 from fingertip.casting.sheet import CastingSheet
 from fingertip.design import Design
 from fingertip.design.geometry.dimensions import KNOT_WIRES
-from fingertip.design.geometry.mold_layout import BELT_MM, GAP_MM, PLATE_LEDGE_MM, PLATE_MM, STRAP_Y_MM
+from fingertip.design.geometry.mold_layout import BELT_MM, GAP_MM, NOTCH_MM, PLATE_LEDGE_MM, PLATE_MM, STRAP_Y_MM
 from fingertip.design.geometry.solids import Box, Point3, Solid, cylinder, difference, intersection, scaled, union
 from fingertip.design.interfaces.interface import middle_y
 from fingertip.design.interfaces.rigid import Post, Socket
@@ -47,10 +47,11 @@ def print_parts(bench: Bench, sheet: CastingSheet) -> Scene:
     names: dict[str, dict[str, Point3]] = {
         "mold_palmar": {
             "cup, half\nmarked PAD": (-m.half_width, -2.0, 0.8 * m.foot_z), "hollow": (0.0, -6.0, middle),
-            "notch of the rim": (-m.notch_x, -m.palmar_height, GAP_MM), "foot": (-m.half_width / 2, 0.0, m.foot_z),
+            "notch of the rim": (-m.notch_x, 3.0 - m.palmar_height, GAP_MM + NOTCH_MM[1]),
+            "foot": (-m.half_width / 2, 0.0, m.foot_z - 1.5),
         },
         "mold_dorsal": {
-            "cup, other half": (m.half_width, m.dorsal_height, 0.6 * m.foot_z),
+            "cup, other half": (0.9 * m.half_width, m.dorsal_height, 0.6 * m.foot_z),
             "groove for a ridge": (0.0, m.ridge_begins[1] + 2.0, GAP_MM),
         },
         "core": {

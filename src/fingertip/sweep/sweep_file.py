@@ -35,7 +35,7 @@ MAX_SAMPLED_VALUES = 20_000_000
 class SweepFile(BaseModel):
     """Contents of a sweep file."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip sweep")
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, title="fingertip sweep")
 
     name: str = Field("sweep", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="Name of the output folder.")
     outputs: list[str] = Field(description="Outputs computed for each point; [] checks only the design rules.")

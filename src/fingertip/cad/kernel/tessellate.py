@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design.geometry import solids
-from fingertip.design.geometry.conic import ELLIPSE, ConicBody, CrossSection
+from fingertip.design.geometry.conic import ELLIPSE, ConicBody, CrossSection, list_arc_points
 from fingertip.design.geometry.profile import Control, Span, arc_point, conic_point
 from fingertip.foundation.numerics import Array
 
@@ -131,8 +131,8 @@ def _superconic(body: ConicBody, tolerance: float) -> tuple[Array, Triangles]:
     halves = ((section.palmar, section.palmar_weight), (section.dorsal, section.dorsal_weight))
     share = tolerance / 2 if body.tip else tolerance  # on the tip the deviations of both directions add up
     n = max(arc_segments(a, b * largest, w, share) for b, w in halves)
-    dorsal = [arc_point(i / n, section.dorsal_weight) for i in range(n + 1)]
-    palmar = [arc_point(i / n, section.palmar_weight) for i in range(n + 1)]
+    dorsal = list_arc_points(n, section.dorsal_weight)
+    palmar = list_arc_points(n, section.palmar_weight)
     # Outline at scale 1, counter-clockwise from the right: dorsal right, dorsal left, palmar left, palmar right.
     unit = (
         [(section.half_width * x, section.dorsal * y) for x, y in dorsal]

@@ -301,7 +301,7 @@ class _Search:
         return values
 
     def strengthen(self, values: Values, is_least: bool) -> dict[str, float] | None:
-        """Make a design that passes all rules strong enough; None if no move does. `is_least` moves no more than needed."""
+        """Make a design that passes all rules strong enough, or return None; `is_least` moves no more than needed."""
         if self._holds is None or not self._holds.judge(self._tables.with_values(values)):
             return dict(values)
         strong, tables = dict(values), self._tables.with_values(values)

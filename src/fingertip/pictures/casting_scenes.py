@@ -43,7 +43,7 @@ rubber band, and distance of two rows of parts [mm]."""
 def print_parts(bench: Bench, sheet: CastingSheet) -> Scene:
     """Show the printed parts, those of the mold in front, and name what the steps name of them."""
     m, bone, middle, (_, head_y, head_z) = bench.design.mold_layout, bench.design.bone, bench.dims.sensor_z, bench.head
-    ring = 0.0, bone.groove_depth_mm - bench.dims.bone_outline.section.palmar, bone.groove_distance_mm
+    ring = bench.dims.bone_outline.section.half_width - bone.groove_depth_mm, 0.0, bone.groove_distance_mm
     names: dict[str, dict[str, Point3]] = {
         "mold_palmar": {
             "cup, half\nmarked PAD": (-m.half_width, -2.0, 0.8 * m.foot_z), "hollow": (0.0, -6.0, middle),
@@ -55,7 +55,7 @@ def print_parts(bench: Bench, sheet: CastingSheet) -> Scene:
             "groove for a ridge": (0.0, m.ridge_begins[1] + 2.0, GAP_MM),
         },
         "core": {
-            "core: plate with\nthree ridges": (m.half_width, 0.0, -PLATE_MM / 2),
+            "core: plate with\nthree ridges": (0.9 * m.half_width, -m.palmar_height, -PLATE_MM / 2),
             "ridge": (m.half_width - 1.0, 0.0, 1.5), "ring groove": ring, "round dent": (0.0, head_y, head_z),
         },
         "bone": {"bone": (0.0, bench.dims.bone_outline.section.dorsal, middle)},
@@ -151,8 +151,8 @@ def solder(bench: Bench, sheet: CastingSheet) -> Scene:
         Camera.from_angles(20, 55),
         Label(f"head: {heads} mm wide", (0.0, y, z)),
         Label(f"film: {lengths} mm long,\nhead and tail", (0.0, y, (z + end) / 2)),
-        Label("solder here,\non the metal leg", (half, y, legs_end + 1.5)),
-        Label("either wire, straight on", (-half, y, legs_end - 12.0)),
+        Label("either wire, straight on", (half, y, legs_end - 12.0)),
+        Label("solder here,\non the metal leg", (-half, y, legs_end + 3.0)),
     )  # fmt: skip
 
 

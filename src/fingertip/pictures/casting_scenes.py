@@ -36,7 +36,7 @@ _CUT = Camera.looking_from((-1.0, -0.35, -0.3), _UP)
 _FROM_PALM = Camera.from_angles(28, -42)
 _VARNISH, _WOOD, _BAND, _BLACK = (0.93, 0.80, 0.35), (0.80, 0.66, 0.45), (0.75, 0.35, 0.30), (0.15, 0.15, 0.17)
 _COAT_MM, _LIFT_MM, _TAB_PITCH_MM, _BAND_MM, _ROW_MM = 0.9, 20.0, 2.54, 1.0, 50.0
-"""Thickness with which a coat is drawn at the tip, height of the core above the cup, pitch of the legs, thickness of a
+"""Thickness with which a coat is drawn, height of the core above the cup, pitch of the legs, thickness of a
 rubber band, and distance of two rows of parts [mm]."""
 
 
@@ -92,8 +92,7 @@ def _banded_cup(bench: Bench) -> list[Shown]:
 
 def _coated(bench: Bench) -> Solid:
     """Build a coat on the wall of the cavity, thick enough to be seen."""
-    hollow = cavity(bench.design)
-    return difference(hollow, scaled(hollow, 1.0 - _COAT_MM / bench.design.skin.length_mm))
+    return difference(cavity(bench.design), cavity(bench.design, _COAT_MM))
 
 
 def _stick(bench: Bench, at: tuple[float, float], low: float, high: float) -> Shown:
@@ -141,49 +140,53 @@ def solder(bench: Bench, sheet: CastingSheet) -> Scene:
     (_, y, z), end, tail = bench.head, dims.tail_end_z, dims.sensor.tail_width_mm / 2
     legs_end = end - bench.design.sensor.tab_length_mm
     head = cylinder("y", (z, 0.0), y, y + thickness, dims.sensor.head_diameter_mm / 2)
-    leads = union(*(cylinder("z", (x, y + wire), legs_end - 16.0, legs_end + 2.5, wire) for x in (-half, half)))
+    black, red = (cylinder("z", (x, y + wire), legs_end - 16.0, legs_end + 2.5, wire) for x in (-half, half))
     lengths, heads = (" to ".join(f"{size:g}" for size in sizes) for sizes in (sheet.length_mm, sheet.head_mm))
     return Scene(
         (
             bench.solid(union(head, Box((-tail, y, end), (tail, y + thickness, z))), Paint.SENSOR),
-            bench.solid(_legs(bench, y), Paint.STEEL), bench.solid(leads, Paint.WIRE),
+            bench.solid(_legs(bench, y), Paint.STEEL), bench.solid(red, Paint.WIRE), bench.solid(black, _BLACK),
         ),
         Camera.from_angles(20, 55),
-        Label(f"head: {heads} mm wide", (0.0, y, z)),
-        Label(f"film: {lengths} mm long,\nhead and tail", (0.0, y, (z + end) / 2)),
-        Label("either wire, straight on", (half, y, legs_end - 12.0)),
+        Label(f"head:\n{heads} mm", (0.0, y, z)),
+        Label(f"film, head and tail:\n{lengths} mm", (0.0, y, (z + end) / 2)),
+        Label("wire, straight on", (half, y, legs_end - 12.0)),
         Label("solder here,\non the metal leg", (-half, y, legs_end + 3.0)),
     )  # fmt: skip
 
 
 def lay_in(bench: Bench, sheet: CastingSheet) -> Scene:
-    """Show the sensor above its bed, and the knot of its wires over their hole."""
-    dims, lift, (x, y, z) = bench.dims, 12.0, bench.head
+    """Show the knot of the wires over their hole, and the sensor as far from its bed as the wires let it."""
+    dims, (x, y, z), half, back = bench.dims, bench.head, _TAB_PITCH_MM / 2, bench.dims.pocket_depth
     radius = KNOT_WIRES * bench.design.sensor.wire_diameter_mm / 2
-    middle = (dims.pocket_depth - dims.flat_depth - radius, dims.channel_exit_z + radius)
-    knot, low = cylinder("x", middle, -radius, radius, radius), (0.0, -lift, 0.0)
-    legs = _legs(bench, dims.pocket_depth - 0.5)
+    knot_y, knot_z = back - dims.flat_depth - radius, dims.channel_exit_z + radius
+    low = (0.0, knot_y - sheet.knot_mm - back, knot_z - dims.tail_end_z + bench.design.sensor.tab_length_mm)
+    red, black = (cylinder("y", (knot_z, side), knot_y - sheet.knot_mm, knot_y, 0.5) for side in (-half, half))
+    knot = union(red, cylinder("x", (knot_y, knot_z), -radius, radius, radius))
     return Scene(
-        (bench.part("bone"), bench.sensor(low), bench.solid(knot, Paint.WIRE), bench.solid(legs, Paint.STEEL, low)),
-        _FROM_PALM,
-        Label("legs apart, each\nwith either wire", (0.0, dims.pocket_depth - lift, dims.tail_end_z - 2.0)),
-        Label("sensor, paper peeled\noff its other side", (x, y - lift, z)),
+        (
+            bench.part("bone"), bench.sensor(low), bench.solid(_legs(bench, back), Paint.STEEL, low),
+            bench.solid(knot, Paint.WIRE), bench.solid(black, _BLACK),
+        ), _FROM_PALM,
+        Label("legs apart, each\nwith either wire", (half, knot_y - sheet.knot_mm, knot_z + 2.0)),
+        Label("sensor, paper peeled\noff its other side", (x, y + low[1], z + low[2])),
         Label("round bed", (x, y, z + dims.sensor.head_diameter_mm / 2)),
         Label("trough", (0.0, y + 1.0, dims.tail_end_z / 2)),
-        Label("knot in both wires,\nover their hole\nto the back", (0.0, *middle)),
-        Arrow((x, y - 0.85 * lift, z), (x, y - 0.2 * lift, z)),
+        Label("knot in both wires,\nover their hole\nto the back", (0.0, knot_y, knot_z)),
+        Arrow((x, y + 0.85 * low[1], z + 0.85 * low[2]), (x, y + 0.2 * low[1], z + 0.2 * low[2])),
     )  # fmt: skip
 
 
 def mix(bench: Bench, sheet: CastingSheet) -> Scene:
     batch, (first, second) = sheet.batch, sheet.batch.components
     level = 1000.0 * batch.total_g / batch.density_g_cm3 / (math.pi * CUP_RADIUS_MM**2)
-    share, scale = batch.a_g / batch.total_g, Box((-40.0, -35.0, -10.0), (40.0, 35.0, 0.0))
+    first_level, scale = batch.a_g / batch.total_g * level, Box((-40.0, -35.0, -10.0), (40.0, 35.0, 0.0))
+    added = bench.solid(cylinder("z", (0.0, 0.0), first_level, level, CUP_RADIUS_MM - 0.5), Paint.PAPER)
     return Scene(
-        (*bench.cup(level), bench.solid(scale, Paint.STEEL), _stick(bench, (8.0, 10.0), 2.0, 90.0)),
+        (*bench.cup(first_level), added, bench.solid(scale, Paint.STEEL), _stick(bench, (8.0, 10.0), 2.0, 90.0)),
         Camera.looking_from((0.15, -1.0, 0.22), (0.0, 0.0, 1.0)),
-        Label(f"then {batch.b_g:g} g of {second}:\n{batch.total_g:g} g in all", (CUP_RADIUS_MM, 0.0, level)),
-        Label(f"first {batch.a_g:g} g of {first}", (-CUP_RADIUS_MM, 0.0, share * level)),
+        Label(f"then {batch.b_g:g} g of {second}:\n{batch.total_g:g} g in all", (CUP_RADIUS_MM - 0.5, 0.0, level)),
+        Label(f"first {batch.a_g:g} g of {first}", (-CUP_RADIUS_MM / 2, 1.0 - CUP_RADIUS_MM, first_level / 2)),
         Label("scale, set to zero\nwith the empty cup", (40.0, -35.0, -5.0)),
         Label("stir for three minutes", (8.0, 10.0, 60.0)),
     )
@@ -207,14 +210,14 @@ def coat(bench: Bench, sheet: CastingSheet) -> Scene:
 
 
 def pour(bench: Bench, sheet: CastingSheet) -> Scene:
-    m, y = bench.design.mold_layout, 0.6 * bench.dims.outer.section.dorsal
+    m, y = bench.design.mold_layout, bench.dims.outer.section.dorsal - 1.0
     z, far = m.pour_z * bench.dims.shrinkage, 2 * m.foot_z
     silicone = intersection(cavity(bench.design), Box((-far, -far, z), (far, far, far)))
     stream = bench.solid(cylinder("z", (0.5, y), -35.0, z + 0.5, 0.8), Paint.SILICONE)
     return Scene(
         (*_cup(bench, cut=True), bench.solid(silicone, Paint.SILICONE, cut=True), stream), _CUT,
-        Label("thin stream, from a\nhand's breadth above", (0.5, y, -25.0)),
-        Label(f"until it weighs\n{sheet.batch.in_cup_g:g} g more", (0.0, 0.0, z)),
+        Label("thin stream, down the\nhalf without PAD", (0.5, y, -25.0)),
+        Label(f"until the scale reads\n{sheet.batch.in_cup_g:g} g more", (0.0, 0.0, z)),
         Label("half marked PAD\n(cup drawn cut)", (0.0, -m.palmar_height, m.foot_z / 2)),
     )  # fmt: skip
 
@@ -232,7 +235,7 @@ def lower(bench: Bench, sheet: CastingSheet) -> Scene:
         (*_banded_cup(bench), *shown), _FROM_BELOW,
         Label("silicone comes out\nof all four notches", (m.notch_x, face, GAP_MM + 1.0)),
         Label("hold it here,\nat both ends", (x + depth, face / 2, top / 2)),
-        Label("third band, when it sits,\nover plate and foot", (-x / 2, y, foot + _BAND_MM)),
+        Label("third band, around\nplate and foot", (-x / 2, y, foot + _BAND_MM)),
         Label("ridge in its groove,\nthree times", (m.half_width, 0.0, 1.2)),
         Arrow((-8.0, -4.0, top - 18.0), (-8.0, -4.0, top - 3.0)),
     )  # fmt: skip
@@ -250,10 +253,9 @@ def open_cup(bench: Bench, sheet: CastingSheet) -> Scene:
         ),
         Camera.looking_from((1.0, -0.4, -0.25), _UP),
         Label("skin, still on the core", (0.0, -2.0, tip - 7.0)),
-        Label("bump inside", (0.0, -bench.dims.outer.section.palmar, bench.dims.sensor_z - 6.0)),
         Label("fin: cut it off", (m.cavity_half_width + 0.4, 0.0, tip / 2 - 6.0)),
         Label("1: half marked PAD,\nstraight off", (m.half_width, low + 5.0, m.foot_z / 2)),
-        Label("if it sticks, turn\nthe knife in here", (m.half_width, -apart - 0.6, m.foot_z - 3.0)),
+        Label("slot for the knife", (m.half_width, -apart - 0.6, m.foot_z - 3.0)),
         Label("2: lift the core\nout of the groove", (m.half_width, m.dorsal_height, -PLATE_MM / 2 - 6.0)),
         Arrow((0.0, low + 4.0, edge), (0.0, low - 10.0, edge)),
         Arrow((0.0, 0.0, -PLATE_MM - 8.0), (0.0, 0.0, -PLATE_MM - 18.0)),
@@ -263,12 +265,13 @@ def open_cup(bench: Bench, sheet: CastingSheet) -> Scene:
 def pull_on(bench: Bench, sheet: CastingSheet) -> Scene:
     dims, bone, (_, y, z) = bench.dims, bench.design.bone, bench.head
     out, groove = bench.design.skin.length_mm * 1.15, bone.groove_distance_mm + bone.groove_width_mm / 2
-    section = dims.bone_outline.section
+    section, fold, dorsal = dims.bone_outline.section, groove + 2.5, dims.outer.section.dorsal
+    rib = 0.0, 2.0 * dorsal - section.dorsal, out + 2.0 * fold - groove
     return Scene(
-        (*bench.assembled_bone(), bench.part("skin", (0.0, 0.0, out), cut=True)), View.CUT_FROM_BELOW,
-        Label("inner rib, comes to lie\nin the ring groove", (0.0, section.dorsal - 0.4, out + groove)),
+        (*bench.assembled_bone(), *bench.turned_up_skin(out + fold, out)), View.CUT_FROM_BELOW,
+        Label("edge turned up\n(skin drawn cut)", (0.0, dorsal, out + fold)),
+        Label("inner rib, comes to lie\nin the ring groove", rib),
         Label("bump, comes to lie\non the sensor's head", (0.0, y, out + z)),
-        Label("half of the skin, to\nshow its inside", (0.0, dims.outer.section.dorsal - 0.5, out + z)),
         Label("ring groove", (bone.groove_depth_mm - section.half_width, 1.0, groove)),
         Label("step, where the\nedge of the skin ends", (-dims.collar.section.half_width, 0.0, 0.0)),
         Label("keep the sensor dry", (0.0, y, z - 5.0)),
@@ -280,14 +283,14 @@ def connect(bench: Bench, sheet: CastingSheet) -> Scene:
     """Show the finger as it is held, pad up, with its wires, which come out of the back."""
     dims, z, kohm = bench.dims, bench.dims.channel_exit_z, sheet.divider_kohm
     y, far = dims.bone_outline.section.dorsal, dims.collar.section.half_width + 16.0
-    red, black = (cylinder("x", (y, z + beside), 0.0, far + 6.0 * beside, 0.6) for beside in (0.7, -0.7))
-    black_to = f"black wire to A0 (Pico: GP26,\npin 31); {kohm or 0:g} kohm from\nA0 to GND (Pico: pin 33)"
+    red, black = (cylinder("x", (y, z + beside), 0.0, far + 4.0 * beside, 0.6) for beside in (1.2, -1.2))
+    black_to = f"black wire to A0 (GP26,\npin 31), {kohm or 0:g} kohm from\nthere to GND (pin 33)"
     mount, labels = _show_mount(bench, sheet)
     return Scene(
         (*bench.assembled_bone(), *mount, bench.solid(red, Paint.WIRE), bench.solid(black, _BLACK)),
         Camera.from_angles(18, -55),
-        Label("red wire to 3V3 (Pico:\nADC_VREF, pin 35)" if kohm else "to the board", (far + 4.0, y, z + 0.7)),
-        *([Label(black_to, (far - 8.0, y, z))] if kohm else []),
+        Label("red wire to 3V3 (Pico:\nADC_VREF, pin 35)" if kohm else "to the board", (far + 4.0, y, z + 1.2)),
+        *([Label(black_to, (far - 6.0, y, z - 1.2))] if kohm else []),
         *labels,
         Label("press here, to try it", bench.head),
     )

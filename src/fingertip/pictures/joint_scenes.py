@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.shapes.bench import BAR_MM
+from fingertip.cad.shapes.bench import BAND_NOTCH_MM, BAR_MM, NOTCH_DEPTH_MM, NOTCHES_MM, bars
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.sheet import CastingSheet
 from fingertip.design.geometry.joint import Joint, TendonAnchor
-from fingertip.design.geometry.solids import Box, cylinder, difference, union
+from fingertip.design.geometry.solids import Box, Prism, cylinder, difference, union
 from fingertip.pictures.raster import Camera
 from fingertip.pictures.scene import Arrow, Bench, Label, Scene, Shown
 
@@ -52,24 +52,30 @@ def _end_z(bench: Bench) -> float:
     return _joint(bench).low_z - BAR_MM
 
 
+def _pull(bench: Bench) -> tuple[list[Shown], list[Label | Arrow]]:
+    """Show the loop of the tendon behind the stub, and the pull at it."""
+    x, y, end = _anchor(bench).strand_x, _anchor(bench).y, _end_z(bench) - 8.0
+    strands = (cylinder("z", (side, y), end, end + 8.0, 0.5) for side in (-x, x))
+    knot = union(cylinder("x", (y, end), -x, x, 0.5), cylinder("x", (y, end), -1.5, 1.5, 1.5), *strands)
+    label = Label("knot close behind\nthe stub: pull here", (0.0, y, end))
+    return [bench.solid(knot, _LINE)], [label, Arrow((0.0, y - 3.0, end), (0.0, y - 3.0, end - 12.0))]
+
+
 def _tendon(bench: Bench) -> Shown:
     """Show the tendon: across the back, down both sides, and along both palmar corners past the end of the stub."""
     anchor, back, radius = _anchor(bench), bench.dims.bone_outline.section.dorsal, _anchor(bench).line / 2
-    lines = [cylinder("x", (back, anchor.z), -anchor.strand_x, anchor.strand_x, radius)]
-    for x in (-anchor.strand_x, anchor.strand_x):
-        lines.append(cylinder("y", (anchor.z, x), anchor.y, back, radius))
-        lines.append(cylinder("z", (x, anchor.y), _end_z(bench) - 8.0, anchor.z, radius))
-    return bench.solid(union(*lines), _LINE)
+    across, sides = anchor.strand_x, (-anchor.strand_x, anchor.strand_x)
+    down = (cylinder("y", (anchor.z, x), anchor.y, back, radius) for x in sides)
+    along = (cylinder("z", (x, anchor.y), _end_z(bench) - 8.0, anchor.z, radius) for x in sides)
+    return bench.solid(union(cylinder("x", (back, anchor.z), -across, across, radius), *down, *along), _LINE)
 
 
-def _band(bench: Bench, notch_mm: float) -> Shown:
-    """Show the band from the tendon at the bone's back along the stub to a pair of notches."""
-    back, half, low = bench.dims.bone_outline.section.dorsal + 1.0, 3.0, _joint(bench).low_z - notch_mm
-    high, into = _anchor(bench).z + 1.0, _BAND_MM
-    outer = Box((-half - 1.0, back, low), (half + 1.0, back + into, high))
-    return bench.solid(
-        difference(outer, Box((-half, back - 1.0, low + 1.0), (half, back + into + 1.0, high - 1.0))), _BAND
-    )
+def _band(bench: Bench, end_z: float, end_half: float) -> Prism:
+    """Build the band from the tendon over the back to a height where it is so wide."""
+    low, begin, half, side = bars(bench.design)[1].high[1], _anchor(bench).z + 1.0, 4.0, 1.0
+    outer = (end_z, -end_half), (begin, -half), (begin, half), (end_z, end_half)
+    z, top, x, y = end_z + side, begin - side, end_half - side, half - side
+    return Prism("y", outer, low, low + _BAND_MM, (((z, x), (top, y), (top, -y), (z, -x)),))
 
 
 def pin(bench: Bench, sheet: CastingSheet) -> Scene:
@@ -87,10 +93,10 @@ def pin(bench: Bench, sheet: CastingSheet) -> Scene:
 
 def tendon(bench: Bench, sheet: CastingSheet) -> Scene:
     anchor, back = _anchor(bench), bench.dims.bone_outline.section.dorsal
-    x = anchor.strand_x
+    x, loose = anchor.strand_x, bench.solid(_band(bench, _joint(bench).low_z - 8.0, 4.0), _BAND)
     return Scene(
-        (*_finger(bench), bench.part("hand_stub"), _pin(bench), _tendon(bench), _band(bench, 8.0)), _FROM_BACK,
-        Label("tendon in its groove,\nthrough the band", (0.0, back, anchor.z)),
+        (*_finger(bench), bench.part("hand_stub"), _pin(bench), _tendon(bench), loose), _FROM_BACK,
+        Label("tendon in its groove,\nthrough the band", (-0.8 * x, back, anchor.z)),
         Label("down the side, around\nthe round shoulder", (-x, (back + anchor.y) / 2, anchor.z)),
         Label("through the hole\nof the stub", (-x, anchor.y, _joint(bench).low_z)),
         Label("out along the slot", (-x, anchor.y, _end_z(bench) - 5.0)),
@@ -98,36 +104,30 @@ def tendon(bench: Bench, sheet: CastingSheet) -> Scene:
 
 
 def band(bench: Bench, sheet: CastingSheet) -> Scene:
-    back = bench.dims.bone_outline.section.dorsal
+    (half, back, _), low = bars(bench.design)[1].high, bars(bench.design)[1].low[1]
+    z, begin, into = _joint(bench).low_z - NOTCHES_MM[0] - BAND_NOTCH_MM / 2, _anchor(bench).z, half - NOTCH_DEPTH_MM
+    around = Box((-half - 0.5, low - 1.0, z - 1.0), (half + 0.5, back + _BAND_MM, z + 1.0))
+    within = Box((-into, low, z - 2.0), (into, back + 2 * _BAND_MM, z + 2.0))
+    stretched = bench.solid(union(_band(bench, z - 1.0, half), difference(around, within)), _BAND)
     return Scene(
-        (*_finger(bench), bench.part("hand_stub"), _pin(bench), _tendon(bench), _band(bench, 28.0)), _FROM_BACK,
-        Label("band, over the back\nof the joint", (0.0, back + _BAND_MM, _joint(bench).axis_z)),
-        Label("around the stub, in a\npair of notches", (0.0, back, _joint(bench).low_z - 28.0)),
-        Arrow((0.0, back + 8.0, _joint(bench).axis_z), (0.0, back + 8.0, _joint(bench).axis_z - 18.0)),
+        (*_finger(bench), bench.part("hand_stub"), _pin(bench), _tendon(bench), stretched), _FROM_BACK,
+        Label("band, over the back\nof the joint", (-0.5 * half - 1.0, back + _BAND_MM, (begin + z) / 2)),
+        Label("around the stub, in a\npair of notches", (-half - 0.5, 0.0, z)),
+        Arrow((0.0, back + 8.0, begin - 10.0), (0.0, back + 8.0, begin - 28.0)),
     )  # fmt: skip
 
 
 def zero(bench: Bench, sheet: CastingSheet) -> Scene:
-    x, y, end = _anchor(bench).strand_x, _anchor(bench).y, _end_z(bench) - 8.0
-    knot = bench.solid(union(cylinder("x", (y, end), -x, x, 0.5), cylinder("x", (y, end), -1.5, 1.5, 1.5)), _LINE)
-    return Scene(
-        (*_finger(bench), bench.part("hand_stub"), _pin(bench), _tendon(bench), knot), _FROM_PALM,
-        Label("held straight", bench.head),
-        Label("knot close behind the stub", (0.0, y, end)),
-        Label(f"pull here, with at most\n{sheet.mount.pull_n:g} N", (0.0, y, end - 1.0)),
-        Arrow((0.0, y, end - 3.0), (0.0, y, end - 14.0)),
-    )  # fmt: skip
+    knot, pull = _pull(bench)
+    shown = (*_finger(bench), bench.part("hand_stub"), _pin(bench), _tendon(bench), *knot)
+    return Scene(shown, _FROM_PALM, Label("held straight", bench.head), *pull)
 
 
 def travel(bench: Bench, sheet: CastingSheet) -> Scene:
-    joint, end, shown = _joint(bench), _end_z(bench), _finger(bench, bent_deg=sheet.mount.travel_deg)
-    bent = f"bent by {sheet.mount.travel_deg:g} degrees:\nmust stop here"
-    return Scene(
-        (*shown, bench.part("hand_stub"), _pin(bench)), Camera.from_angles(0, 0),
-        Label(bent, (0.0, joint.axis_y - joint.radius, joint.low_z)),
-        Label("comes back by\nits band (not drawn)", (0.0, joint.axis_y + joint.radius, joint.axis_z)),
-        Arrow((0.0, joint.axis_y - joint.radius, end - 2.0), (0.0, joint.axis_y - joint.radius, end - 14.0)),
-    )  # fmt: skip
+    joint, (knot, pull) = _joint(bench), _pull(bench) if bench.dims.anchor else ([], [])
+    shown = (*_finger(bench, bent_deg=sheet.mount.travel_deg), bench.part("hand_stub"), _pin(bench), *knot)
+    stop = "must stop here" if sheet.mount.travel_deg else "must turn freely"
+    return Scene(shown, Camera.from_angles(0, 0), Label(stop, (0.0, joint.axis_y - 1.0, joint.low_z)), *pull)
 
 
 JOINT_SCENES = {"pin": pin, "tendon": tendon, "band": band, "zero": zero, "travel": travel}

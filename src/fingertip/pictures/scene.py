@@ -7,7 +7,7 @@ another label.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -21,10 +21,11 @@ from fingertip.design import Design
 from fingertip.design.geometry.solids import Box, Point3, Solid, cylinder, difference
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
+from fingertip.pictures.section import spread
 
 Pixel: TypeAlias = tuple[float, float]
 
-_WIDTH_PX, _MARGIN_PX, _PADDING_PX = 900, 200, 24
+_WIDTH_PX, MARGIN_PX, _PADDING_PX = 900, 200, 24
 """Width of a picture, of the margin on each side that holds labels, and the distance of everything from the edge."""
 _MAX_HEIGHT_PX = 560
 _FONT_PX, _LINE_PX = 16, 20
@@ -67,7 +68,7 @@ def draw_scene(scene: Scene) -> bytes:
     ends = np.array([end for arrow in scene.arrows for end in (arrow.start_mm, arrow.end_mm)]).reshape(-1, 3)
     arrows = Mesh(ends, np.zeros((0, 3), dtype=np.int32))
     centre, size = bounds([*(item.mesh for item in scene.shown), arrows], scene.camera)
-    room = _WIDTH_PX - 2 * _MARGIN_PX, _MAX_HEIGHT_PX - 2 * _PADDING_PX
+    room = _WIDTH_PX - 2 * MARGIN_PX, _MAX_HEIGHT_PX - 2 * _PADDING_PX
     scale = min(room[0] / size[0], room[1] / size[1])
     height = int(size[1] * scale) + 2 * _PADDING_PX
     lines = (sum(label.text.count("\n") + 2 for label in _labels_on(scene, side, centre)) for side in (-1, 1))
@@ -87,7 +88,8 @@ def draw_scene(scene: Scene) -> bytes:
         _draw_arrow(pen, place(arrow.start_mm), place(arrow.end_mm))
     for side in (-1, 1):
         entries = [(place(label.point_mm), label.text) for label in _labels_on(scene, side, centre)]
-        for y, (tip, text) in zip(_spread(entries, height), entries, strict=True):
+        sizes = [_LINE_PX * (text.count("\n") + 1.6) for _, text in entries]
+        for y, (tip, text) in zip(spread(sizes, [tip[1] for tip, _ in entries], height), entries, strict=True):
             x = _PADDING_PX if side < 0 else _WIDTH_PX - _PADDING_PX
             pen.multiline_text(
                 (x, y), text, fill=_INK, font=font, anchor="lm" if side < 0 else "rm", spacing=_LINE_PX - _FONT_PX,
@@ -104,21 +106,6 @@ def _labels_on(scene: Scene, side: int, centre: Array) -> list[Label]:
     right, up = scene.camera.axes[:2]
     chosen = [label for label in scene.labels if (1 if (np.array(label.point_mm) - centre) @ right > 0 else -1) == side]
     return sorted(chosen, key=lambda label: -float(np.array(label.point_mm) @ up))
-
-
-def _spread(entries: Sequence[tuple[Pixel, str]], height: int) -> list[float]:
-    """Find heights of labels near those of their points, in the same order, such that none overlaps the next [px]."""
-    halves = [_LINE_PX * (text.count("\n") + 1.6) / 2 for _, text in entries]
-    heights: list[float] = []
-    lowest = _PADDING_PX / 2
-    for (tip, _), half in zip(entries, halves, strict=True):
-        heights.append(max(tip[1], lowest + half))
-        lowest = heights[-1] + half
-    highest = height - _PADDING_PX / 2
-    for i in reversed(range(len(heights))):
-        heights[i] = min(heights[i], highest - halves[i])
-        highest = heights[i] - halves[i]
-    return heights
 
 
 def _draw_arrow(pen: Pen, start: Pixel, end: Pixel) -> None:
@@ -180,6 +167,17 @@ class Bench:
 
     def sensor(self, shift: Point3 = (0.0, 0.0, 0.0)) -> Shown:
         return self.solid(sensor_body(self.design), Paint.SENSOR, shift)
+
+    def turned_up_skin(self, fold_z: float, shift_z: float) -> list[Shown]:
+        """Show half of the skin, shifted, its edge turned inside out up to a height there."""
+        outer, skin = self.dims.outer.section, PARTS["skin"]
+        whole = self.evaluator.manifold(skin.solid(self.design)).translate((0.0, 0.0, shift_z))
+        half = whole.trim_by_plane((1.0, 0.0, 0.0), 0.0)
+        tip, edge = (to_canonical_mesh(half.trim_by_plane((0.0, 0.0, way), way * fold_z)) for way in (1.0, -1.0))
+        x, y, z = edge.vertices.T
+        out = 2.0 / np.hypot(x / outer.half_width, y / np.where(y < 0.0, outer.palmar, outer.dorsal)) - 1.0
+        turned = Mesh(np.stack((x * out, y * out, 2.0 * fold_z - z), axis=1), edge.triangles)
+        return [Shown(tip, skin.colour), Shown(turned, skin.colour)]
 
     def assembled_bone(self) -> list[Shown]:
         return [self.part("bone"), self.sensor()]

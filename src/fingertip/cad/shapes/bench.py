@@ -69,7 +69,7 @@ GUIDE_MM, _BACK_MM, _SLACK_MM = 10.0, 3.0, 0.7
 """Length of the guide, its distance behind the shoulder, and its gap around the tendon [mm]."""
 MOUTH_MM, _CHORDS = 1.2, 4
 """Radius at which the mouth of the guide is rounded [mm], and chords of its arc."""
-_NOTCHES_MM, _BAND_NOTCH_MM, _NOTCH_DEPTH_MM = (26.0, 34.0), 3.0, 1.5
+NOTCHES_MM, BAND_NOTCH_MM, NOTCH_DEPTH_MM = (26.0, 34.0), 3.0, 1.5
 """Distances of the notches from the shoulder, their width and depth [mm]."""
 
 
@@ -133,9 +133,9 @@ def without_ways(design: Design) -> Solid:
     near = Box((-half, shoulder.low[1], root - TANGENT_STEP_MM), (half, dorsal, z + reach))
     whole = union(bar, shoulder, intersection(knuckle(design, joint, ramp), near))
     notches = [
-        Box((x, y, root - far - _BAND_NOTCH_MM), (x + _NOTCH_DEPTH_MM + 1.0, dorsal + 1.0, root - far))
-        for far in _NOTCHES_MM
-        for x in (half - _NOTCH_DEPTH_MM, -half - 1.0)
+        Box((x, y, root - far - BAND_NOTCH_MM), (x + NOTCH_DEPTH_MM + 1.0, dorsal + 1.0, root - far))
+        for far in NOTCHES_MM
+        for x in (half - NOTCH_DEPTH_MM, -half - 1.0)
     ]
     bore = cylinder("x", (joint.axis_y, joint.axis_z), -half - 1.0, half + 1.0, stub_bore_radius(joint))
     return difference(whole, bore, *notches)

@@ -174,11 +174,11 @@ def skin(design: Design) -> Solid:
     return difference(skin_outline(design), skin_interior(design))
 
 
-def skin_outline(design: Design) -> Solid:
-    """Build the skin with all that lies in it."""
-    return SuperconicSolid(design.dimensions.outer)
+def skin_outline(design: Design, inset_mm: float = 0.0) -> Solid:
+    """Build the skin with all that lies in it, smaller by an inset."""
+    return SuperconicSolid(inset_body(design.dimensions.outer, inset_mm))
 
 
-def cavity(design: Design) -> Solid:
+def cavity(design: Design, inset_mm: float = 0.0) -> Solid:
     """Build the cavity of the mold: the outer surface, enlarged to allow for the silicone's shrinkage."""
-    return scaled(skin_outline(design), design.dimensions.shrinkage)
+    return scaled(skin_outline(design, inset_mm), design.dimensions.shrinkage)

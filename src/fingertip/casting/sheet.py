@@ -249,7 +249,7 @@ def _list_things(design: Design, batch: Mixture, mount: Mount, printed: str, pri
     }
     sizes = {
         "silicone_g": batch.total_g, "printed_g": printed_g, "divider_kohm": design.board.divider_ohm / 1e3,
-        "bolts": mount.bolts, "pin_mm": mount.pin_mm, "pin_length_mm": design.dimensions.pin_length,
+        "bolts": mount.bolts, "pin_mm": mount.pin_mm, "pin_length_mm": 2 * math.ceil(design.dimensions.pin_length / 2),
         "tendon_mm": mount.tendon_mm, "tendon_n": mount.tendon_n,
     }  # fmt: skip
     needs = {"board" if design.board.has_filter else "divider", mount.interface}

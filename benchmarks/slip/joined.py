@@ -28,6 +28,8 @@ PEAK_S = 0.1
 """Time around the start of the motion in which the friction has its peak [s]."""
 SLIDE_S, MIN_REST_S = 3.0, 1.0
 """Duration of a joined slide, and least of a stretch without slip [s]."""
+SLIDING_S = 0.3
+"""Time after the robot's start from which a slide is joined [s]: until then it speeds up and shears the skin."""
 SEED, JUDGING, TUNING = 89, 60, 120
 """Draw of the slides: those that judge were not looked at while the detector was made."""
 
@@ -47,10 +49,10 @@ class Judged:
     end_s: float = 0.0
 
 
-def read_joined(folder: Path, judging: bool) -> Iterator[Judged]:
+def read_joined(folder: Path, judging: bool, sliding_s: float = SLIDING_S) -> Iterator[Judged]:
     """Read the stage's recording and the slides that judge, or those for tuning, from anywhere below a folder.
 
-    Raises TraceError.
+    A slide is joined `sliding_s` [s] after the robot's start. Raises TraceError.
     """
     stages, slides = sorted(folder.rglob("data_temp.mat")), sorted(folder.rglob("raw_data/mat*/mat*_bio.csv"))
     if not stages or len(slides) < JUDGING + TUNING:
@@ -65,7 +67,7 @@ def read_joined(folder: Path, judging: bool) -> Iterator[Judged]:
     for run in runs:
         yield from _take_still(run)
         for kind, strength in STRENGTHS.items():
-            yield from _join(rest, run, kind, strength)
+            yield from _join(rest, run, kind, strength, sliding_s)
 
 
 def _start_anywhere(stage: Run) -> Iterator[Judged]:
@@ -103,11 +105,11 @@ def _take_still(run: Run) -> Iterator[Judged]:
                 yield Judged(kind, f"{run.name}, {one.onset_s:.2f} s", run.rate_hz, part)
 
 
-def _join(rest: Array, run: Run, kind: str, strength: float) -> Iterator[Judged]:
+def _join(rest: Array, run: Run, kind: str, strength: float, sliding_s: float) -> Iterator[Judged]:
     moves = intervals(np.arange(len(run.values)) / run.rate_hz, (np.abs(run.speed_mm_s) > MOVING_MM_S) & run.touches)
-    long = [one for one in moves if one.end_s - one.onset_s >= SLIDE_S]
+    long = [one for one in moves if one.end_s - one.onset_s >= sliding_s + SLIDE_S]
     if long:
-        begin, count = round(long[0].onset_s * run.rate_hz), round(SLIDE_S * run.rate_hz)
+        begin, count = round((long[0].onset_s + sliding_s) * run.rate_hz), round(SLIDE_S * run.rate_hz)
         slide = run.values[begin : begin + count] - run.values[begin]
         at = len(rest) // 6 * 2
         values = rest[: at + count].copy()

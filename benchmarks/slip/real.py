@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.slip.competitors import COMPETITORS, Competitor
-from benchmarks.slip.joined import STRENGTHS, Judged, read_joined
+from benchmarks.slip.joined import SLIDING_S, STRENGTHS, Judged, read_joined
 from benchmarks.slip.mix import EARLY_S
 from benchmarks.slip.mix_signals import LabelledSignal, Slide
 from benchmarks.slip.recordings import MIN_QUIET_S, SETTLING_S, Recording, draw_held_out
@@ -85,11 +85,12 @@ def main(words: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--judging", action="store_true", help="take the slides on which nothing was tuned")
+    parser.add_argument("--sliding", type=float, default=SLIDING_S, help="time after the robot's start [s]; 0: with it")
     parser.add_argument("--detectors", nargs="+", default=list(COMPETITORS), choices=list(COMPETITORS))
     parser.add_argument("--factors", nargs="+", type=float, help="of the thresholds; counts held-out alarms too")
     options = parser.parse_args(words)
     try:
-        signals = list(read_joined(options.folder, options.judging))
+        signals = list(read_joined(options.folder, options.judging, options.sliding))
     except (FingertipError, OSError) as error:
         sys.exit(str(error))
     columns = ["detector", "stage", *STRENGTHS, "null test", *(HELD_OUT if options.factors else ())]

@@ -117,13 +117,14 @@ def chord_between(a: tuple[float, float], b: tuple[float, float]) -> Chord:
 def nearest_chord(point: tuple[float, float], polyline: list[Chord]) -> tuple[float, Chord]:
     """Distance [mm] to the nearest chord, and that chord: of equally near ones the first by its start (x, y)."""
     px, py = point
-    nearest, closest = polyline[0], math.inf
+    nearest, closest = polyline[0], math.inf  # the square of the distance, which takes less time
     for chord in polyline:
         ax, ay, dx, dy, squared_length = chord
         # Foot of the perpendicular, clamped to the chord.
         t = ((px - ax) * dx + (py - ay) * dy) / squared_length if squared_length else 0.0
         t = 0.0 if t < 0.0 else 1.0 if t > 1.0 else t
-        distance = math.hypot(ax + t * dx - px, ay + t * dy - py)
-        if distance < closest or (distance == closest and chord < nearest):
-            nearest, closest = chord, distance
-    return closest, nearest
+        x, y = ax + t * dx - px, ay + t * dy - py
+        squared = x * x + y * y
+        if squared < closest or (squared == closest and chord < nearest):
+            nearest, closest = chord, squared
+    return math.sqrt(closest), nearest

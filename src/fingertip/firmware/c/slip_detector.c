@@ -123,7 +123,7 @@ static enum vibration hear(slip_state *state, slip_real score, slip_real upper, 
     state->heard_square += share * (now * now - state->heard_square);
     mean = state->heard_mean;
     is_steady = state->heard_square - mean * mean < SLIP_STEADY_RATIO * mean * mean;
-    state->heard = state->incipient || is_steady ? R(0.0)
+    state->heard = state->on || is_steady ? R(0.0)
         : greater(state->heard + (score - SLIP_HEARD_SCORE), R(0.0));
     if (!is_steady) {
         state->steady = 0;
@@ -266,7 +266,8 @@ static void tick(slip_state *state, slip_real slope) {
         state->incipient = score > state->smooth_score || state->heard >= SLIP_EVIDENCE;
     }
     state->on = state->incipient
-        && (state->on || score > on_score || (vibration == SURE && state->on_ticks >= SLIP_SURE_TICKS));
+        && (state->on || score > on_score
+            || (vibration == SURE && (state->on_ticks >= SLIP_SURE_TICKS || state->heard >= SLIP_EVIDENCE)));
     if (state->on) {
         state->after = SLIP_AFTER_TICKS;
     } else if (state->after > 0) {

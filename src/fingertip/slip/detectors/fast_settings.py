@@ -32,7 +32,7 @@ STAY_SCORE = -1.0
 """Score above which slip stays incipient or ON, and the floors stand still."""
 STAY_RATIO = 2.0
 """Ratio of an energy of 20 ms to its floor above which vibration is heard, and slip stays ON if the trees allow it."""
-HEARD_SCORE = -1.4
+HEARD_SCORE = -1.75
 """Score from which heard vibration speaks for slip; what it exceeds it by is summed up (`fast_state.EVIDENCE`)."""
 SCORE_S = 0.1
 """Time constant with which the score is smoothed while ON and vibration is heard [s]."""

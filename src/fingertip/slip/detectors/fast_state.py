@@ -48,10 +48,10 @@ STEADY_ON_TICKS = 200.0
 """Ticks for which a tone must last before it ends ON: a slide is steady for shorter times."""
 UNHEARD_TICKS = 80.0
 """Ticks without vibration that ON outlasts: a weak slide falls below `stay_ratio` at times."""
-SURE_TICKS = 30.0
+SURE_TICKS = 60.0
 """Ticks after which incipient slip is ON if its vibration lasts."""
-EVIDENCE = 40.0
-"""Sum of what scores exceed `FastCoefficients.heard_score` by at which slip is incipient: 15 to 40 ticks on slides."""
+EVIDENCE = 55.0
+"""Sum of what scores exceed `FastCoefficients.heard_score` by at which slip is ON: 15 to 40 ticks on slides."""
 HOLD_SCORE = -2.0
 """Smoothed score above which vibration that lasts stays slip: of weak slides it is -1.6, of a hand's tremor -2.4."""
 AFTER_TICKS = 250.0
@@ -197,9 +197,8 @@ def hear(
     mean = state[HEARD_MEAN]
     is_steady = state[HEARD_SQUARE] - mean * mean < STEADY_RATIO * mean * mean
     state[STEADY] = state[STEADY] + 1.0 if is_steady else 0.0
-    is_sum = state[INCIPIENT] == 0.0 and not is_steady
-    state[HEARD] = max(state[HEARD] + (score - c.heard_score), 0.0) if is_sum else 0.0
     is_on = state[ON] > 0.0
+    state[HEARD] = 0.0 if is_on or is_steady else max(state[HEARD] + (score - c.heard_score), 0.0)
     state[UNHEARD] = 0.0 if is_heard or wide > c.stay_ratio else state[UNHEARD] + 1.0
     if has_ended or state[STEADY] > (STEADY_ON_TICKS if is_on else 0.0):
         return 0
@@ -225,7 +224,8 @@ def decide(
     else:
         state[SMOOTH_SCORE] = on_score - c.incipient_margin
         state[INCIPIENT] = 1.0 if score > state[SMOOTH_SCORE] or state[HEARD] >= EVIDENCE else 0.0
-    is_sure = score > on_score or (vibration == SURE and state[ON_TICKS] >= SURE_TICKS)
+    lasts = state[ON_TICKS] >= SURE_TICKS or state[HEARD] >= EVIDENCE
+    is_sure = score > on_score or (vibration == SURE and lasts)
     is_on = state[INCIPIENT] > 0.0 and (state[ON] > 0.0 or is_sure)
     state[ON] = 1.0 if is_on else 0.0
     state[AFTER] = AFTER_TICKS if is_on else max(state[AFTER] - 1.0, 0.0)

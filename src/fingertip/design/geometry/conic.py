@@ -103,8 +103,7 @@ class ConicBody:
 
     def half_width_at(self, y: float, z: float) -> float:
         """Return the half width [mm] of the body at (y, z) [mm]; 0 outside it."""
-        palmar = palmar_scale(self.spans, z) if self.crown else None
-        return self.section.half_width_at(y, self.scale_at(z), palmar)
+        return self.section.half_width_at(y, self.scale_at(z), palmar_scale(self.spans, z) if self.crown else None)
 
     def dorsal_height_at(self, x: float, z: float) -> float:
         """Return the height y [mm] of the dorsal side at (x, z) [mm]; 0 outside it."""

@@ -365,19 +365,24 @@ def slip_voltage(seconds: float = 0.6) -> np.ndarray:
     return 4.3 - press + np.where((time > 0.2) & (time < 0.4), shake, 0.0)
 
 
-def test_step_switches_when_the_exponential_mean_crosses_the_threshold():
-    """The envelope steps to a constant v, so m = v (1 - exp(-t / tau))."""
-    n = 400
-    level = np.full(n, 0.05)
-    level[0] = 0.0
-    filtered = np.full(n, 0.05)  # max(u, 0) = v: slope 0
-    filtered[0] = 0.0
-    mean_v, on = simulate_comparator(PLAIN, PIN_BOARD, STEP_S, filtered, level)
-    # Over the first sample the cubic climbs from 0 to 0.05 with slopes 0: half of it, on average.
-    exact = STEP_S / 2 - 0.015 * math.log(1 - 0.02 / 0.05)
-    since_s = np.arange(1, n) * STEP_S - STEP_S / 2
-    assert mean_v[1:] == pytest.approx(0.05 * (1 - np.exp(-since_s / 0.015)), abs=2e-6)
-    assert np.array_equal(on, np.arange(n) > exact / STEP_S)
+@pytest.mark.every_case
+@pytest.mark.parametrize(("start_v", "filtered_v"), [(0.0, 0.05), (0.06, -0.3), (0.06, 0.01)])
+def test_comparator_switches_when_the_mean_of_an_exponential_envelope_crosses_its_threshold(start_v, filtered_v):
+    """E = end + (start - end) exp(-t / T), end = max(u, 0): the mean has the same term, and one with its own tau."""
+    decay_s, end_v, tau_s, time_s = (
+        float(PIN_BOARD.envelope_decay_s),
+        max(filtered_v, 0.0),
+        0.015,
+        np.arange(400) * STEP_S,
+    )
+    falling = np.exp(-time_s / decay_s)
+    share = decay_s / (decay_s - tau_s)
+    exact_v = end_v + (start_v - end_v) * (share * falling + (1 - share) * np.exp(-time_s / tau_s))
+    level_v = end_v + (start_v - end_v) * falling
+    mean_v, on = simulate_comparator(PLAIN, PIN_BOARD, STEP_S, np.full(400, filtered_v), level_v)
+    assert mean_v == pytest.approx(exact_v, abs=1e-8)
+    assert np.array_equal(on, exact_v > 0.02 if start_v < end_v else exact_v >= 0.015)
+    assert np.diff(on).sum() == 1
 
 
 def test_mean_and_output_equal_those_of_a_finer_grid():

@@ -214,8 +214,8 @@ def make_scene(**tables) -> ManipulationFile:
     return ManipulationFile(**tables)
 
 
-@pytest.mark.parametrize("delay_s", [0.0, 0.015, 0.0333])
-def test_a_controller_sees_every_sample_once_and_its_commands_give_what_they_give_in_advance(delay_s):
+@pytest.mark.parametrize(("delay_s", "rate_hz"), [(0.0, 2000), (0.015, 10_000), (0.0333, 2000)])
+def test_a_controller_sees_every_sample_once_and_its_commands_give_what_they_give_in_advance(delay_s, rate_hz):
     """Whatever part of the future is computed before a command is known, and whatever it does to what it sees."""
     seen, commands = [], []
 
@@ -230,24 +230,25 @@ def test_a_controller_sees_every_sample_once_and_its_commands_give_what_they_giv
 
     outputs = ["voltage_v", "force_n", "envelope_v", "sampled_envelope_v"]
     scene = make_scene(grasp={"kind": "pinch"}, hand={"delay_s": delay_s}, outputs=outputs)
-    result = run_manipulation(DESIGN, scene, ReactingController(), 1)
+    design = Design(detector={"sample_rate_hz": rate_hz})
+    result = run_manipulation(design, scene, ReactingController(), 1)
     signals, plan = result.signals, result.plan
     period, delay = scene.hand.count_points(BASE_HZ)
-    count = Grid().count_points(plan.duration_s, DESIGN.detector.sample_rate_hz) - 1
-    stepper = ManipulationStepper(DESIGN, scene, plan, PAD, 1, frozenset(outputs), Grid())
+    count = Grid().count_points(plan.duration_s, design.detector.sample_rate_hz) - 1
+    stepper = ManipulationStepper(design, scene, plan, PAD, 1, frozenset(outputs), Grid())
     stepper.advance(delay_commands(np.array(commands).T, 0, count, period, delay))
     whole = HandSignals.join(stepper.chunks)
     assert len(commands) == math.ceil(count / period)
     for name in (*outputs, "object_m", "closing_m"):
         assert np.array_equal(signals.find(name), whole.find(name)), name
-    rows = {name: [each[name] for each in seen] for name in seen[0]}
+    rows, each_time = {name: [each[name] for each in seen] for name in seen[0]}, rate_hz // 100
     assert set(rows) == {"time_s", "voltage_v", "closing_m", "planned_m", "envelope_v"}
     assert rows["time_s"] == pytest.approx(0.01 * np.arange(len(seen)))
     assert np.array_equal(np.stack(rows["planned_m"], axis=1), plan.planned_m(np.array(rows["time_s"])))
-    assert np.array_equal(np.stack(rows["closing_m"], axis=1), signals.closing_m[:, ::20][:, : len(seen)])
+    assert np.array_equal(np.stack(rows["closing_m"], axis=1), signals.closing_m[:, ::each_time][:, : len(seen)])
     for name, field in (("voltage_v", "voltage_v"), ("envelope_v", "sampled_envelope_v")):
         found = np.concatenate(rows[name], axis=1)
-        assert np.array_equal(found, signals.find(field)[:, : 20 * len(seen) - 19]), name
+        assert np.array_equal(found, signals.find(field)[:, : each_time * (len(seen) - 1) + 1]), name
     assert np.abs(found - signals.find("envelope_v")[:, : found.shape[1]]).max() > 1e-3
 
 

@@ -149,8 +149,12 @@ def test_a_force_is_detected_with_thresholds_from_a_quiet_part(tmp_path):
     words = ("detect", tmp_path / "t.csv", "--column", "voltage_v=force_n")
     assert "thresholds are in volts, but this column is a force" in run(*words).stderr
     for detector in ("digital", "fft", "fast"):
-        onset = single_onset(run(*words, "--calibrate", "0:0.4", "--detector", detector, "--json"))
-        assert 0.5 < onset < 0.535
+        options = "--calibrate", "0:0.4", "--detector", detector, "--json"
+        done, small = (run(*words, *options, "--scale", scale) for scale in (1, 1e-3))
+        assert 0.5 < single_onset(done) < 0.535
+        done, small = (json.loads(each.stdout) for each in (done, small))
+        assert small["intervals"] == done["intervals"], "a force is in any unit"
+        assert small["threshold_v"] == pytest.approx(1e-3 * done["threshold_v"], rel=0.01)
 
 
 def test_a_recording_that_begins_in_slip_is_decided_with_the_floors_of_a_rest(tmp_path):

@@ -439,6 +439,9 @@ def test_a_file_names_errors_of_its_own_and_no_others(tmp_path: Path) -> None:
     path = tmp_path / "new" / "a.csv"
     with pytest.raises(FileNotFoundError, match="other"), open_atomic(path):
         (tmp_path / "other").read_bytes()
+    for error in (ValueError("no file"), OSError("no name")):
+        with pytest.raises(type(error), match=str(error)), open_atomic(path):
+            raise error
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, before[1]))  # fails as a full disk does
     try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
 from fingertip.sim.contact.tangential import Mount
 from fingertip.sim.runs.files import Hand
 from fingertip.sim.runs.grasp_loop import Grasp, HeldObject, Pin, refine
-from fingertip.sim.runs.hand import Motors, delay_commands, plan_motion
+from fingertip.sim.runs.hand import Motors, delay_commands, plan_motion, thumb_force_n
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.grid import BASE_HZ, Grid
@@ -368,3 +369,14 @@ def test_an_object_that_no_hand_holds_is_refused_with_remedies_that_pass():
         assert caught.value.issues[-1].field == f"{table}.{name}".removeprefix(".")
         assert "--seed" in [issue.field for issue in caught.value.issues]
         tables |= {table: {name: float(remedy.split()[2])}} if table else {}
+
+
+def test_a_friction_that_holds_no_object_is_refused_with_the_least_that_does():
+    """Nothing but rounding up to three digits is between the remedy and the strongest thumb."""
+    friction = {"static_friction": 0.0006, "kinetic_friction": 0.0005}
+    with pytest.raises(TraceError, match=r"not even one of 0\.005 kg") as caught:
+        run_manipulation(DESIGN, make_scene(surface=friction, grasp={"max_margin": 20.0}), None, 1)
+    given = dict(re.findall(r"(\w+)=([\d.e-]+)", caught.value.issues[0].message))
+    held_by = {name: float(given[name]) for name in friction}
+    held = make_scene(surface=held_by, grasp={"max_margin": 20.0}, object={"mass_kg": float(given["mass_kg"])})
+    assert 0.99 < thumb_force_n(held, 1.0) / Hand.model_json_schema()["properties"]["max_force_n"]["maximum"] <= 1.0

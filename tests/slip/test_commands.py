@@ -159,12 +159,12 @@ def test_a_force_is_detected_with_thresholds_from_a_quiet_part(tmp_path):
 
 def test_a_recording_that_begins_in_slip_is_decided_with_the_floors_of_a_rest(tmp_path):
     rest, slip = np.random.default_rng(3).normal(2.3, [[4e-4], [4e-3]], (2, 4000))
-    for name, volts in (("rest", rest), ("short", rest[:800]), ("slip", slip)):
+    for name, volts in (("rest", rest[:1001]), ("short", rest[:1000]), ("slip", slip)):
         (tmp_path / name).with_suffix(".csv").write_text(csv(np.arange(len(volts)) / 2000, volts))
     words = ("detect", tmp_path / "slip.csv", "--detector", "fast", "--json")
     assert json.loads(run(*words).stdout)["intervals"] == []
     assert json.loads(run(*words, "--floors", tmp_path / "rest.csv").stdout)["intervals"][0]["onset_s"] < 0.1
-    assert "--floors: the rest lasts 0.4 s" in run(*words, "--floors", tmp_path / "short.csv").stderr
+    assert "--floors: the rest lasts 0.499 s" in run(*words, "--floors", tmp_path / "short.csv").stderr
     found = run(*words, "--detector", "digital", "--floors", tmp_path / "rest.csv")
     assert "--floors: are not learned by digital" in found.stderr
 

@@ -400,16 +400,6 @@ def test_mean_and_output_equal_those_of_a_finer_grid():
     assert np.abs(mean_v - fine_v[::many]).max() < 2e-5
 
 
-def test_hysteresis_keeps_the_output_on():
-    time = np.arange(4000) * STEP_S
-    level = 0.0175 + 0.002 * np.sin(2 * math.pi * 2 * time)  # between both thresholds
-    dipped = np.where((time > 0.5) & (time < 0.6), 0.06, level)
-    assert not simulate_comparator(PLAIN, PIN_BOARD, STEP_S, level, level)[1].any()
-    once = simulate_comparator(PLAIN, PIN_BOARD, STEP_S, dipped, dipped)[1]
-    assert np.diff(once).sum() == 1
-    assert once[-1]
-
-
 @pytest.mark.full
 def test_netlist_in_ngspice_switches_at_the_same_moments(tmp_path):
     """The deck has real diodes, amplifiers of 3 MHz and a switch; a source replaces its first stage."""

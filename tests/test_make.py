@@ -76,14 +76,14 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
     assert verify_sets(made) == (len(files_below(made)) - len([*made.rglob(".gitattributes")]) - len(manifests), [])
 
 
-@pytest.mark.full
 def test_own_file_in_any_set_is_found_before_anything_is_written(tmp_path: Path) -> None:
-    for name in ("bone.stl", "print/bone.stl", "steps/01-print.png", "board/bom.csv", "signal/trace.csv"):
+    names = "bone.stl", "print/bone.stl", "steps/01-print.png", "board/bom.csv", "signal/trace.csv"
+    for name, design in (*dict.fromkeys(names, "fsr400").items(), ("firmware/slip_lamp/slip_lamp.ino", "first_finger")):
         folder = tmp_path / name.replace("/", "_")
         (folder / name).parent.mkdir(parents=True)
         (folder / name).write_bytes(b"mine")
         with pytest.raises(OutputError, match="was not written by fingertip"):
-            make(Design.load("fsr400"), folder, formats=["stl"])
+            make(Design.load(design), folder, formats=["stl"])
         assert files_below(folder) == {name: b"mine"}
 
 

@@ -96,9 +96,3 @@ def test_lines_break_between_words_below_the_last_column() -> None:
         "                       anti-aliasing pole",
     ]
     assert fit_width("x" * 70, 60) == "x" * 70
-
-
-def test_a_command_that_went_names_what_does_its_work() -> None:
-    done = run_fingertip("bench", "solvers")
-    assert done.returncode == 2
-    assert done.stderr.startswith("error: fingertip bench: `fingertip accuracy` ")

@@ -40,11 +40,8 @@ GROUND_V = 1.65
 
 
 @pytest.mark.parametrize(
-    ("pin", "design"),
-    [(ADC_TACTILE, ARTICLE), (ADC_TACTILE, FAST), (ADC_ENVELOPE, FAST), (ADC_ENVELOPE, ARTICLE),
-     (ADC_FILTERED, CONTROLLER)],
-    ids=str,
-)  # fmt: skip
+    ("pin", "design"), [(ADC_TACTILE, ARTICLE), (ADC_ENVELOPE, FAST), (ADC_FILTERED, CONTROLLER)], ids=str
+)
 def test_tones_have_the_gain_of_the_transfer_function(pin, design):
     rate, interface = design.detector.sample_rate_hz, board_values(design).adc_interface
     if design is CONTROLLER:  # a suppressor lies in parallel

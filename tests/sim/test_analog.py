@@ -173,6 +173,7 @@ def test_amplifiers_limit_the_output_and_delay_small_signals():
     strong = 50 * (burst() - 4.0)
     clipped = simulate_board(REAL, STEP_S, strong)
     assert clipped.filtered_v.max() == 3.5
+    assert clipped.steps < 9500, "moments of clipping are found to a nanosecond, and no closer"
     assert clipped.clips[300:600].mean() > 0.2 > clipped.clips[:200].max() == 0.0
     # The first stage lags by the inverse of its bandwidth, 4 MHz over its gain, at a slope of some 800 V/s.
     ideal, real = (simulate_board(board, STEP_S, burst(), 1e-6) for board in (BOARD, REAL))

@@ -76,7 +76,6 @@ def test_stream_needs_no_more_memory_for_a_longer_scene():
 
 @pytest.mark.parametrize("suffix", ["csv", "npz"])
 def test_trace_in_chunks_has_the_bytes_of_the_whole(suffix, monkeypatch):
-    """Text takes ten times the memory of numbers, so that rows are written some at a time."""
     scene = SceneFile.load(list_bundled_files(SCENE)["contact"]).model_copy(update={"outputs": [*SCENE_OUTPUTS]})
     result = run_scene(DESIGN, scene, 1)
     path, out = Path(f"trace.{suffix}"), io.BytesIO()

@@ -76,15 +76,21 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
     assert verify_sets(made) == (len(files_below(made)) - len([*made.rglob(".gitattributes")]) - len(manifests), [])
 
 
-@pytest.mark.full
-def test_own_file_in_any_set_is_found_before_anything_is_written(tmp_path: Path) -> None:
-    for name in ("bone.stl", "print/bone.stl", "steps/01-print.png", "board/bom.csv", "signal/trace.csv"):
-        folder = tmp_path / name.replace("/", "_")
-        (folder / name).parent.mkdir(parents=True)
-        (folder / name).write_bytes(b"mine")
-        with pytest.raises(OutputError, match="was not written by fingertip"):
-            make(Design.load("fsr400"), folder, formats=["stl"])
-        assert files_below(folder) == {name: b"mine"}
+@pytest.mark.every_case
+@pytest.mark.parametrize(
+    ("name", "design"),
+    [
+        ("bone.stl", "fsr400"), ("board/bom.csv", "fsr400"), ("signal/trace.csv", "fsr400"),
+        ("firmware/slip_lamp/slip_lamp.ino", "first_finger"),
+        *(pytest.param(name, "fsr400", marks=pytest.mark.full) for name in ("print/bone.stl", "steps/01-print.png")),
+    ],
+)  # fmt: skip
+def test_own_file_in_any_set_is_found_before_anything_is_written(tmp_path: Path, name: str, design: str) -> None:
+    (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+    (tmp_path / name).write_bytes(b"mine")
+    with pytest.raises(OutputError, match="was not written by fingertip"):
+        make(Design.load(design), tmp_path, formats=["stl"])
+    assert files_below(tmp_path) == {name: b"mine"}
 
 
 @pytest.mark.full

@@ -345,15 +345,6 @@ def test_set_of_another_kind_is_not_replaced(tmp_path: Path) -> None:
     assert files_in(tmp_path) == OLD
 
 
-def test_sets_of_different_parameters_in_one_folder_are_found(tmp_path: Path) -> None:
-    SetWriter(tmp_path, "parts", "finger", "a").write({"bone.stl": b"1"})
-    writer(tmp_path / "board", "a").write(OLD)
-    assert verify_sets(tmp_path)[1] == []
-    writer(tmp_path / "board", "b").write(NEW)
-    (difference,) = verify_sets(tmp_path)[1]
-    assert difference.startswith(f"{tmp_path / 'board'}: was made from other parameters than {tmp_path}")
-
-
 def test_folder_without_manifest_takes_equal_files_and_explains_others(tmp_path: Path) -> None:
     writer(tmp_path, "old").write(OLD)
     (tmp_path / MANIFEST).unlink()
@@ -439,6 +430,9 @@ def test_a_file_names_errors_of_its_own_and_no_others(tmp_path: Path) -> None:
     path = tmp_path / "new" / "a.csv"
     with pytest.raises(FileNotFoundError, match="other"), open_atomic(path):
         (tmp_path / "other").read_bytes()
+    for error in (ValueError("no file"), OSError("no name")):
+        with pytest.raises(type(error), match=str(error)), open_atomic(path):
+            raise error
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, before[1]))  # fails as a full disk does
     try:

@@ -71,6 +71,8 @@ def test_steps_tell_what_a_worker_did_until_its_end(tmp_path: Path) -> None:
     with Worker(tmp_path) as worker:
         worker.send(os.getcwd)
         assert worker.receive() == str(tmp_path)
+        worker.send(eval, "__import__('sys').path[-1]")
+        assert worker.receive() == str(Path(workers.__file__).parents[2]), "where a script finds this package"
         worker.send(*report_and("time.sleep(0.1); os._exit(3)"))
         assert worker.receive(until="first") is None
         time.sleep(0.3)  # as on a busy machine: the report and the end are taken together

@@ -86,8 +86,18 @@ def test_trials_have_their_labels_and_lost_samples_are_counted(tmp_path: Path) -
 
 
 def test_a_folder_is_given_away_when_all_is_filled_in_and_somebody_agreed(tmp_path: Path) -> None:
-    lines = [HEADER, *(format_line(i, 1.0 + 1e-4 * (i % 7), 0) for i in range(4000))]
-    record_over_a_terminal(tmp_path, lines, Plan(1, pace=PACE))
+    lines = b"".join([HEADER, *(format_line(i, 1.0 + 1e-4 * (i % 7), 0) for i in range(4000))])
+    words = ("--trials", "1", "--force-n", "1.5", "--surface", "paper", "--stroke-mm", "25", "--onset-error-ms", "3")
+    record = ("record", "first_finger", "--port", "-", "--pace", str(PACE), "--temperature-c", "21", *words)
+    assert run_fingertip(*record, given=lines.decode(), PWD=str(tmp_path)).returncode == 0
+    (tmp_path / "out/first_finger/measured").mkdir()
+    (tmp_path / "out/first_finger/measured/recordings.txt").write_text("of somebody else")
+    beside = run_fingertip("validate", "--recordings", "out/first_finger/recordings", PWD=str(tmp_path))
+    assert "out/first_finger/measured/recordings.txt" in beside.stderr
+    tmp_path /= "out/first_finger/recordings"
+    labels = read_recordings(tmp_path)[0].labels
+    assert (labels.force_n, labels.surface, labels.temperature_c) == (1.5, "paper", 21.0)
+    assert (labels.stroke_m, labels.onset_error_s) == (0.025, 0.003)
     done = run_fingertip("check", str(tmp_path))
     assert done.returncode == 1
     assert "nobody agrees" in done.stdout

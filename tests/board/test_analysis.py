@@ -286,6 +286,9 @@ def test_anti_aliasing_poles_agree_with_the_closed_forms(name: str) -> None:
         found = network.drive(source).restrict(pin).response(FREQUENCIES, {source: 1.0}, pin)[:, 0]
         expected = np.array([formula(f, interface) for f in FREQUENCIES.tolist()])
         assert np.abs(found / expected - 1).max() < 1e-9
+    limits, r6_ohm = board_values(design).voltage_limits, 2e3 if name == "article" else 0.0  # behind a blocked diode
+    assert limits.tactile_pin_ohm == pytest.approx(interface.first_ohm + interface.second_ohm, rel=1e-9)
+    assert limits.output_pin_ohm == pytest.approx(interface.output_ohm + r6_ohm, rel=1e-4)
 
 
 # Noise, ripple, offsets, thresholds and operating point

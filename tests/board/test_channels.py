@@ -25,7 +25,7 @@ from fingertip.board.parts.circuit import HOST_CONNECTOR as HOST
 from fingertip.board.parts.circuit import SENSOR_CONNECTOR
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, GND, POWER_IN
 from fingertip.catalogues.electronics import NAMES
-from fingertip.catalogues.output_files import CHANNEL_SHEET, LAYOUT, SCHEMATIC
+from fingertip.catalogues.output_files import CHANNEL_SHEET, DECK, LAYOUT, SCHEMATIC
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.firmware.fingers import plan_fingers
@@ -105,6 +105,8 @@ def test_empty_places_are_neither_bought_nor_counted(channels: int) -> None:
     assert {channel for channel, _ in bought} == {*range(channels + 1)}
     files = board_files(load(channels))
     assert files[SCHEMATIC].count(b"(dnp yes)") == 2 * (PLACES - channels)  # a sheet and its socket
+    touching = re.findall(r"^C\d\d f(\d)_\S+ f(\d)_", files[DECK].decode(), re.MULTILINE)
+    assert touching == [(str(k), str(k + 1)) for k in range(1, channels) for _ in range(5)], "wires side by side"
     empty = [part for part in circuit.components if not part.is_fitted]
     assert files[LAYOUT].count(b" dnp)") == len(empty)
     single = board_circuit(values)

@@ -39,7 +39,7 @@ from fingertip.sim import SceneFile
 from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.registry import DETECTORS
 from fingertip.slip.traces.trace import Trace
-from tests.designs import ARTICLE, article_design
+from tests.designs import ARTICLE
 from tools.onsets import measure_onsets_ms
 
 SCENES = [scene for scene, _ in itertools.islice(article_trials(), 200)]
@@ -172,19 +172,6 @@ def test_presets_state_a_detector_that_passes_and_that_none_ranks_before(name, k
     result = run_campaign(design, CampaignPlan(120, 0.5), detectors, (1.0,))
     assert find_better(result, kind) is None
     assert [requirement.message for requirement in check_detection(result, kind) if not requirement.passed] == []
-
-
-def far_design(cutoff_hz: float) -> Design:
-    fast = {"capacitor_uf": 0.47, "envelope_capacitor_uf": 0.39, "band_limit_hz": 2000.0}  # what the amplifiers can do
-    board = {"cutoff_hz": cutoff_hz, **(fast if cutoff_hz > 100 else {})}
-    return article_design(board=board, detector={"adc_bits": 8})
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("cutoff_hz", [5.0, 340.0])
-def test_designs_far_from_the_articles_can_be_validated(cutoff_hz):
-    result = run_campaign(far_design(cutoff_hz), CampaignPlan(1, 0.5), scales=(1.0,))
-    assert set(result.detectors) == set(DETECTORS)
 
 
 @pytest.mark.full

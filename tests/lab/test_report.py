@@ -20,10 +20,11 @@ from fingertip.design import Design
 from fingertip.lab import validation as lab
 from fingertip.lab.campaign.closed_loop import NO_CONTROL, evaluate_manipulation, summarise
 from fingertip.lab.campaign.plan import CampaignPlan, Case
-from fingertip.lab.campaign.run import CampaignResult, DetectorResult, TrialResult
+from fingertip.lab.campaign.run import SCALES, CampaignResult, DetectorResult, TrialResult
 from fingertip.lab.validation import Validation, check_closed_loop, check_detection
 from fingertip.sim.runs.grip import GripDecision
 from fingertip.sim.simulation import article_trials
+from fingertip.slip.detectors.registry import DETECTORS
 from tests.approved import check_figures, check_text, list_data
 from tests.figures import describe_figure, keep_figures
 
@@ -109,6 +110,17 @@ def test_figures_are_the_approved_ones(validation: Validation) -> None:
     assert [*names] == [name for name in lab.FILES if name.endswith(".png")]
     lines = (line for name, f in zip(names, figures, strict=True) for line in (name, *describe_figure(f)))
     check_figures(APPROVED / "figures.txt", lines, 1e-3, 1e-9)
+
+
+def test_a_board_is_judged_with_all_detectors_and_a_divider_with_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Any] = []
+    monkeypatch.setattr(lab, "run_campaign", lambda _, __, *rest: asked.append(rest[:2]) or campaign())
+    monkeypatch.setattr(lab, "run_closed_loop", lambda _, *rest: asked.append(rest) or closed_loop())
+    monkeypatch.setattr(lab, "compare_with_board", lambda *_: asked.append("board"))
+    for variant, trials in (("precision", 12), ("divider", 11)):
+        lab.validate(Design.load("fsr400", changes=[f"board.variant={variant}"]), CampaignPlan(trials, 1.0), "fast")
+    of_board, of_divider = [(tuple(DETECTORS), SCALES), (("analog", "incipient", "fast"), 3)], [(("fast",), (1.0,))]
+    assert asked == [*of_board, *of_divider, (("fast",), 1), "board"]
 
 
 def test_command_writes_the_report_and_ends_with_1_if_a_requirement_is_missed(

@@ -6,6 +6,7 @@ import itertools
 import json
 import math
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,12 +18,14 @@ from fingertip.board.kicad.sexpr import read_expression
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.parts import parts_by_name, shapes_of_parameters
 from fingertip.catalogues.output_files import SCHEMATIC
+from fingertip.foundation.output_set import SetWriter
 from fingertip.page import markdown_sheets
 from fingertip.page.board_section import draw_response
 from fingertip.page.html import Markup, code, element, figure, table
 from fingertip.page.layout_svg import list_pads, render_back
 from fingertip.page.model_section import Item, scene_json
 from fingertip.page.schematic_svg import find_way, first, list_bodies, numbers, points
+from fingertip.page.sources import _read_current_set
 from fingertip.page.svg import Axis, Frame, format_tick, number
 from fingertip.page.trial_section import _reduce
 from tests.conftest import ROOT
@@ -162,3 +165,13 @@ def test_whatever_a_parameter_changes_is_highlighted(path: str, design: Design) 
     changed = {name for name, part in parts_by_name(design).items() if part.solid(other) != part.solid(design)}
     assert changed <= moved
     assert bool(changed) == (path.partition(".")[0] not in ("board", "detector"))
+
+
+def test_a_set_is_shown_as_it_was_made_and_no_archive_of_it(tmp_path: Path) -> None:
+    shown = {"README.md": b"# Board", "bom.csv": b"R1"}
+    SetWriter(tmp_path / "board", "board", "finger", "now").write(shown | {"gerbers.zip": b"zip"})
+    assert _read_current_set(tmp_path, "board", "now") == shown
+    assert _read_current_set(tmp_path, "steps", "now") == "The files in steps/ are missing"
+    assert _read_current_set(tmp_path, "board", "then") == "The files in board/ were made from other parameters"
+    (tmp_path / "board" / "bom.csv").write_bytes(b"R2")
+    assert _read_current_set(tmp_path, "board", "now") == "The files in board/ were changed after they were written"

@@ -11,11 +11,13 @@ import pytest
 
 from fingertip import Design
 from fingertip.cad.kernel.mesh import Mesh
+from fingertip.design.finger_set import load_set
 from fingertip.pad.response import Pad
 from fingertip.robot.contact import FORCES_N, ContactLaw, TactileMesh, fit_contact
 from fingertip.robot.formats import Placed, render_model
 from fingertip.robot.model import Body, FingerModel, Strand, measure_inertia
 from fingertip.sim.contact.materials import SURFACES
+from fingertip.tasks.robot import _place
 from tests.robot.test_model import numbers
 
 CORNERS = np.array([[x, y, z] for x in (0.0, 10.0) for y in (0.0, 10.0) for z in (0.0, 10.0)])
@@ -113,3 +115,12 @@ def test_the_contact_holds_the_forces_of_the_pad_by_the_formula_of_mujoco() -> N
     friction, radius_m = SURFACES["smooth"].friction.mu_c, Pad.from_design(Design.load("fsr400")).patch_radius_m(1.0)
     assert law.torsion_m == pytest.approx(2 / 3 * friction * radius_m), "a disk under even pressure"
     assert numbers(geom.get("friction")) == pytest.approx([friction, law.torsion_m, 1e-4])
+
+
+def test_fingers_stand_about_the_middle_with_five_millimetres_between_the_widest_skins() -> None:
+    hand = load_set("adult_hand")
+    step_m = 1e-3 * (5.0 + max(design.skin.width_mm for design in hand.designs.values()))
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        places_m = _place(replace(hand, side=side))
+        assert list(places_m.values()) == pytest.approx([sign * i * step_m for i in range(-2, 3)])
+        assert list(places_m) == [finger for finger, _ in hand.fingers]

@@ -124,7 +124,10 @@ def test_terminal_names_values_as_the_set_takes_them(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("fingertip.tasks.make_set.make_set", lambda *args, **options: result)
     fingers = FingerSet("hand", "right", (Form(THUMB, NAMES[:1]), Form(FINGER, NAMES[1:])))
     monkeypatch.setattr("fingertip.design.finger_set.load_set", lambda *args: fingers)
-    text = " ".join(CliRunner().invoke(app, ["make", "adult_hand"]).output.split())
+    text, boards = (
+        " ".join(CliRunner().invoke(app, ["make", "adult_hand"]).output.split()) for result.board in ("", "b")
+    )
+    assert [" days; one board for all fingers look at" in each for each in (text, boards)] == [False, True]
     assert "--set fingers.thumb.strength.grip_force_n=9;" in text
     assert "--set fingers.index.sensor.distance_from_tip_mm=10.35" in text
     assert "warning: set fingers.thumb.detector.adc_bits=12" in text

@@ -115,13 +115,6 @@ def test_agrees_with_ngspice():
     assert ours.envelope_v.max() > 0.5
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-5])
-def test_error_stays_below_the_tolerance(tolerance):
-    voltage = burst()
-    exact = simulate_board(BOARD, STEP_S, voltage, 1e-10).envelope_v
-    assert np.abs(simulate_board(BOARD, STEP_S, voltage, tolerance).envelope_v - exact).max() < tolerance
-
-
 @pytest.mark.full
 def test_error_falls_with_the_fourth_power_of_the_step():
     """The diode conducts nearly all the time, so that the stages of SDIRK4 determine the error."""
@@ -180,6 +173,7 @@ def test_amplifiers_limit_the_output_and_delay_small_signals():
     strong = 50 * (burst() - 4.0)
     clipped = simulate_board(REAL, STEP_S, strong)
     assert clipped.filtered_v.max() == 3.5
+    assert clipped.steps < 9500, "moments of clipping are found to a nanosecond, and no closer"
     assert clipped.clips[300:600].mean() > 0.2 > clipped.clips[:200].max() == 0.0
     # The first stage lags by the inverse of its bandwidth, 4 MHz over its gain, at a slope of some 800 V/s.
     ideal, real = (simulate_board(board, STEP_S, burst(), 1e-6) for board in (BOARD, REAL))
@@ -342,8 +336,8 @@ def test_any_chunks_give_the_same_bits(parts):
         chunks = [stream.process(row[a:b]) for a, b in itertools.pairwise(cuts)]
         assert np.array_equal(np.concatenate([filtered for filtered, _ in chunks]), whole.filtered_v)
         assert np.array_equal(np.concatenate([envelope_v for _, envelope_v in chunks]), whole.envelope_v)
-    with pytest.raises(TraceError, match="voltage_v: nan at sample 2"):
-        stream.process(np.array([1.0, 1.0, math.nan]))
+    with pytest.raises(TraceError, match=r"voltage_v: nan at sample 1 \(and 1 more after it\)"):
+        stream.process(np.array([1.0, math.nan, math.inf]))
 
 
 PIN_DESIGN = article_design(board={"variant": "comparator"})
@@ -365,19 +359,24 @@ def slip_voltage(seconds: float = 0.6) -> np.ndarray:
     return 4.3 - press + np.where((time > 0.2) & (time < 0.4), shake, 0.0)
 
 
-def test_step_switches_when_the_exponential_mean_crosses_the_threshold():
-    """The envelope steps to a constant v, so m = v (1 - exp(-t / tau))."""
-    n = 400
-    level = np.full(n, 0.05)
-    level[0] = 0.0
-    filtered = np.full(n, 0.05)  # max(u, 0) = v: slope 0
-    filtered[0] = 0.0
-    mean_v, on = simulate_comparator(PLAIN, PIN_BOARD, STEP_S, filtered, level)
-    # Over the first sample the cubic climbs from 0 to 0.05 with slopes 0: half of it, on average.
-    exact = STEP_S / 2 - 0.015 * math.log(1 - 0.02 / 0.05)
-    since_s = np.arange(1, n) * STEP_S - STEP_S / 2
-    assert mean_v[1:] == pytest.approx(0.05 * (1 - np.exp(-since_s / 0.015)), abs=2e-6)
-    assert np.array_equal(on, np.arange(n) > exact / STEP_S)
+@pytest.mark.every_case
+@pytest.mark.parametrize(("start_v", "filtered_v"), [(0.0, 0.05), (0.06, -0.3), (0.06, 0.01)])
+def test_comparator_switches_when_the_mean_of_an_exponential_envelope_crosses_its_threshold(start_v, filtered_v):
+    """E = end + (start - end) exp(-t / T), end = max(u, 0): the mean has the same term, and one with its own tau."""
+    decay_s, end_v, tau_s, time_s = (
+        float(PIN_BOARD.envelope_decay_s),
+        max(filtered_v, 0.0),
+        0.015,
+        np.arange(400) * STEP_S,
+    )
+    falling = np.exp(-time_s / decay_s)
+    share = decay_s / (decay_s - tau_s)
+    exact_v = end_v + (start_v - end_v) * (share * falling + (1 - share) * np.exp(-time_s / tau_s))
+    level_v = end_v + (start_v - end_v) * falling
+    mean_v, on = simulate_comparator(PLAIN, PIN_BOARD, STEP_S, np.full(400, filtered_v), level_v)
+    assert mean_v == pytest.approx(exact_v, abs=1e-8)
+    assert np.array_equal(on, exact_v > 0.02 if start_v < end_v else exact_v >= 0.015)
+    assert np.diff(on).sum() == 1
 
 
 def test_mean_and_output_equal_those_of_a_finer_grid():
@@ -393,16 +392,6 @@ def test_mean_and_output_equal_those_of_a_finer_grid():
     assert np.diff(on).sum() == np.diff(fine_on).sum() >= 2
     assert np.array_equal(on, fine_on[::many])
     assert np.abs(mean_v - fine_v[::many]).max() < 2e-5
-
-
-def test_hysteresis_keeps_the_output_on():
-    time = np.arange(4000) * STEP_S
-    level = 0.0175 + 0.002 * np.sin(2 * math.pi * 2 * time)  # between both thresholds
-    dipped = np.where((time > 0.5) & (time < 0.6), 0.06, level)
-    assert not simulate_comparator(PLAIN, PIN_BOARD, STEP_S, level, level)[1].any()
-    once = simulate_comparator(PLAIN, PIN_BOARD, STEP_S, dipped, dipped)[1]
-    assert np.diff(once).sum() == 1
-    assert once[-1]
 
 
 @pytest.mark.full

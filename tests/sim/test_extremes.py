@@ -12,7 +12,7 @@ from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.lab.accuracy import extremes
 from fingertip.lab.accuracy.extremes import Draw
-from fingertip.lab.accuracy.report import EXTREMES
+from fingertip.lab.accuracy.report import EXTREMES, _describe_cases
 from fingertip.pad.layer import find_contacts
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import Backing, Pad
@@ -53,6 +53,12 @@ def test_too_many_refusals_inside_the_bounds_are_a_failure(monkeypatch):
     few, many = extremes.try_families(20)[0], extremes.try_families(200)[0]
     assert (few.refused_inside, many.refused_inside) == (0.1, 0.01)
     assert (few.is_passed, many.is_passed, len(few.wrong)) == (False, True, 0)
+    assert [*_describe_cases(few)] == ["f: 1 refused by f"]
+
+
+@pytest.mark.parametrize("number", [9, 39])
+def test_a_board_driven_by_ten_volts_comes_to_what_a_finer_tolerance_gives(number):
+    assert extremes.board(Draw("board", number)) < 0.1
 
 
 def test_bristles_that_slide_within_a_step_stay_within_sliding():

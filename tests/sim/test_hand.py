@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+import re
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
 from fingertip.sim.contact.tangential import Mount
 from fingertip.sim.runs.files import Hand
 from fingertip.sim.runs.grasp_loop import Grasp, HeldObject, Pin, refine
-from fingertip.sim.runs.hand import Motors, delay_commands, plan_motion
+from fingertip.sim.runs.hand import Motors, delay_commands, plan_motion, thumb_force_n
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.grid import BASE_HZ, Grid
@@ -215,44 +215,45 @@ def make_scene(**tables) -> ManipulationFile:
     return ManipulationFile(**tables)
 
 
-@pytest.mark.parametrize("delay_s", [0.0, 0.015, 0.0333])
-def test_commands_of_a_controller_give_what_the_same_commands_give_in_advance(delay_s):
-    """Whatever part of the future is computed before a command is known."""
+@pytest.mark.parametrize(("delay_s", "rate_hz"), [(0.0, 2000), (0.015, 10_000), (0.0333, 2000)])
+def test_a_controller_sees_every_sample_once_and_its_commands_give_what_they_give_in_advance(delay_s, rate_hz):
+    """Whatever part of the future is computed before a command is known, and whatever it does to what it sees."""
+    seen, commands = [], []
 
     class ReactingController:
-        def __init__(self):
-            self.commands = []
-
         def step(self, observation):
-            self.commands.append(observation.planned_m + 0.1 * abs(observation.voltage_v[:, -1] - 2.5) * 1e-3)
-            assert observation.closing_m.shape == (2,)
-            return self.commands[-1]
+            arrays = {name: array for name, array in vars(observation).items() if isinstance(array, np.ndarray)}
+            seen.append({name: array.copy() for name, array in arrays.items()} | {"time_s": observation.time_s})
+            commands.append(observation.planned_m + 0.1 * abs(observation.voltage_v[:, -1] - 2.5) * 1e-3)
+            for array in arrays.values():
+                array[...] = 99.0
+            return commands[-1]
 
-    outputs, controller = ["voltage_v", "force_n", "envelope_v"], ReactingController()
+    outputs = ["voltage_v", "force_n", "envelope_v", "sampled_envelope_v"]
     scene = make_scene(grasp={"kind": "pinch"}, hand={"delay_s": delay_s}, outputs=outputs)
-    result = run_manipulation(DESIGN, scene, controller, 1)
+    design = Design(detector={"sample_rate_hz": rate_hz})
+    result = run_manipulation(design, scene, ReactingController(), 1)
+    signals, plan = result.signals, result.plan
     period, delay = scene.hand.count_points(BASE_HZ)
-    count = Grid().count_points(result.plan.duration_s, DESIGN.detector.sample_rate_hz) - 1
-    stepper = ManipulationStepper(DESIGN, scene, result.plan, PAD, 1, frozenset(outputs), Grid())
-    stepper.advance(delay_commands(np.array(controller.commands).T, 0, count, period, delay))
-    signals = HandSignals.join(stepper.chunks)
-    assert len(controller.commands) == math.ceil(count / period)
+    count = Grid().count_points(plan.duration_s, design.detector.sample_rate_hz) - 1
+    stepper = ManipulationStepper(design, scene, plan, PAD, 1, frozenset(outputs), Grid())
+    stepper.advance(delay_commands(np.array(commands).T, 0, count, period, delay))
+    whole = HandSignals.join(stepper.chunks)
+    assert len(commands) == math.ceil(count / period)
+    # What moves the motors up to a sample was commanded one delay before, or nothing yet.
+    at = np.ceil((signals.time_s - delay_s) / 0.01 - 1e-6).astype(int) - 1
+    assert np.array_equal(signals.command_m, np.where(at < 0, 0.0, np.array(commands).T[:, np.maximum(at, 0)]))
     for name in (*outputs, "object_m", "closing_m"):
-        assert np.array_equal(result.signals.find(name), signals.find(name)), name
-
-
-@pytest.mark.full
-def test_command_takes_effect_after_the_delay():
-    class StepController:
-        def step(self, observation):
-            return np.full(2, 0.01 if observation.time_s >= 0.1 else 0.0)
-
-    for delay in (0.0, 0.02, 0.0215):
-        result = run_manipulation(
-            DESIGN, make_scene(grasp={"kind": "pinch"}, hand={"delay_s": delay}), StepController(), 1
-        )
-        moving = np.flatnonzero(result.signals.closing_m[0])[0]
-        assert result.time_s[moving] == pytest.approx(0.1 + delay + 0.0005)
+        assert np.array_equal(signals.find(name), whole.find(name)), name
+    rows, each_time = {name: [each[name] for each in seen] for name in seen[0]}, rate_hz // 100
+    assert set(rows) == {"time_s", "voltage_v", "closing_m", "planned_m", "envelope_v"}
+    assert rows["time_s"] == pytest.approx(0.01 * np.arange(len(seen)))
+    assert np.array_equal(np.stack(rows["planned_m"], axis=1), plan.planned_m(np.array(rows["time_s"])))
+    assert np.array_equal(np.stack(rows["closing_m"], axis=1), signals.closing_m[:, ::each_time][:, : len(seen)])
+    for name, field in (("voltage_v", "voltage_v"), ("envelope_v", "sampled_envelope_v")):
+        found = np.concatenate(rows[name], axis=1)
+        assert np.array_equal(found, signals.find(field)[:, : each_time * (len(seen) - 1) + 1]), name
+    assert np.abs(found - signals.find("envelope_v")[:, : found.shape[1]]).max() > 1e-3
 
 
 def test_weight_shears_the_pad_and_reduces_the_sensor_reading():
@@ -285,33 +286,6 @@ def test_knock_frees_a_marginal_grip_and_not_a_firm_one():
     for run in (loose, firm):
         onset = run.time_s[run.output("slip")[0]][0]
         assert run.plan.knock_s < onset < run.plan.knock_s + 0.03
-
-
-@pytest.mark.full
-def test_controller_receives_samples_and_encoders_only():
-    observations = []
-
-    class RecordingController:
-        def step(self, observation):
-            names = ("voltage_v", "envelope_v", "closing_m")
-            observations.append(replace(observation, **{name: getattr(observation, name).copy() for name in names}))
-            command = observation.planned_m.copy()
-            for array in (observation.voltage_v, observation.closing_m, observation.planned_m, observation.envelope_v):
-                array[...] = 99.0  # must not change the simulation
-            return command
-
-    scene = make_scene(grasp={"kind": "pinch"}, outputs=["voltage_v", "envelope_v", "sampled_envelope_v"])
-    result = run_manipulation(DESIGN, scene, RecordingController(), 1)
-    voltage = np.concatenate([observation.voltage_v for observation in observations], axis=1)
-    assert np.array_equal(voltage, result.output("voltage_v")[:, : voltage.shape[1]])
-    assert {observation.voltage_v.shape for observation in observations[1:]} == {(2, 20)}
-    assert [observation.time_s for observation in observations[:3]] == [0.0, 0.01, 0.02]
-    closing_m = np.stack([observation.closing_m for observation in observations], axis=1)
-    assert np.array_equal(closing_m, result.signals.closing_m[:, ::20][:, : closing_m.shape[1]])
-    assert set(vars(observations[0])) == {"time_s", "voltage_v", "closing_m", "planned_m", "envelope_v", "filtered_v"}
-    envelope_v = np.concatenate([observation.envelope_v for observation in observations], axis=1)
-    assert np.array_equal(envelope_v, result.output("sampled_envelope_v")[:, : voltage.shape[1]])
-    assert np.abs(envelope_v - result.output("envelope_v")[:, : voltage.shape[1]]).max() > 1e-3
 
 
 def test_manipulations_of_the_article():
@@ -384,3 +358,14 @@ def test_an_object_that_no_hand_holds_is_refused_with_remedies_that_pass():
         assert caught.value.issues[-1].field == f"{table}.{name}".removeprefix(".")
         assert "--seed" in [issue.field for issue in caught.value.issues]
         tables |= {table: {name: float(remedy.split()[2])}} if table else {}
+
+
+def test_a_friction_that_holds_no_object_is_refused_with_the_least_that_does():
+    """Nothing but rounding up to three digits is between the remedy and the strongest thumb."""
+    friction = {"static_friction": 0.0006, "kinetic_friction": 0.0005}
+    with pytest.raises(TraceError, match=r"not even one of 0\.005 kg") as caught:
+        run_manipulation(DESIGN, make_scene(surface=friction, grasp={"max_margin": 20.0}), None, 1)
+    given = dict(re.findall(r"(\w+)=([\d.e-]+)", caught.value.issues[0].message))
+    held_by = {name: float(given[name]) for name in friction}
+    held = make_scene(surface=held_by, grasp={"max_margin": 20.0}, object={"mass_kg": float(given["mass_kg"])})
+    assert 0.99 < thumb_force_n(held, 1.0) / Hand.model_json_schema()["properties"]["max_force_n"]["maximum"] <= 1.0

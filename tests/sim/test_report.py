@@ -148,15 +148,6 @@ def test_plan_names_the_stages_and_evaluations_of_the_simulation(name: str) -> N
     assert all(f"{stage.name} " in text for stage, text in zip(plan.stages, plan.as_text()[2:], strict=False))
 
 
-def test_rows_are_written_some_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Text takes ten times the memory of numbers; where the rows are cut changes no byte."""
-    time_s, columns = np.arange(20) / 2000, {"voltage_v": np.linspace(-1.0, 1.0, 20)}
-    whole = encode_trace(time_s, columns, Path("t.csv"))
-    monkeypatch.setattr("fingertip.sim.trace_file._ROWS", 7)
-    assert encode_trace(time_s, columns, Path("t.csv")) == whole
-    assert len(whole.splitlines()) == 21
-
-
 def test_summary_merges_slips_as_detection_does() -> None:
     time = np.arange(2000) / 2000
     slip = ((time >= 0.1) & (time < 0.2)) | ((time >= 0.24) & (time < 0.3)) | ((time >= 0.5) & (time < 0.6))

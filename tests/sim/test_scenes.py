@@ -148,6 +148,11 @@ def test_parameters_are_listed_with_their_values_units_and_descriptions():
     names = {row["name"] for row in rows}
     assert {name.split(".")[0] for name in names} == set(SceneFile.model_fields)
     assert all(row["description"] for row in rows)
+    bounds = {row["name"]: row["bounds"] for row in rows}
+    assert bounds.items() >= {
+        "hold.min_force_n": ">= 0.001, <= 4", "contact.length_m": "> 0, <= 1", "scene": "",
+        "surface.load_law": "named | hertz | proportional",
+    }.items()  # fmt: skip
     assert all(row["unit"] for row in rows if row["name"].endswith(("_s", "_n", "_hz", "_m", "_v")))
 
 

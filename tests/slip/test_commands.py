@@ -149,18 +149,22 @@ def test_a_force_is_detected_with_thresholds_from_a_quiet_part(tmp_path):
     words = ("detect", tmp_path / "t.csv", "--column", "voltage_v=force_n")
     assert "thresholds are in volts, but this column is a force" in run(*words).stderr
     for detector in ("digital", "fft", "fast"):
-        onset = single_onset(run(*words, "--calibrate", "0:0.4", "--detector", detector, "--json"))
-        assert 0.5 < onset < 0.535
+        options = "--calibrate", "0:0.4", "--detector", detector, "--json"
+        done, small = (run(*words, *options, "--scale", scale) for scale in (1, 1e-3))
+        assert 0.5 < single_onset(done) < 0.535
+        done, small = (json.loads(each.stdout) for each in (done, small))
+        assert small["intervals"] == done["intervals"], "a force is in any unit"
+        assert small["threshold_v"] == pytest.approx(1e-3 * done["threshold_v"], rel=0.01)
 
 
 def test_a_recording_that_begins_in_slip_is_decided_with_the_floors_of_a_rest(tmp_path):
     rest, slip = np.random.default_rng(3).normal(2.3, [[4e-4], [4e-3]], (2, 4000))
-    for name, volts in (("rest", rest), ("short", rest[:800]), ("slip", slip)):
+    for name, volts in (("rest", rest[:1001]), ("short", rest[:1000]), ("slip", slip)):
         (tmp_path / name).with_suffix(".csv").write_text(csv(np.arange(len(volts)) / 2000, volts))
     words = ("detect", tmp_path / "slip.csv", "--detector", "fast", "--json")
     assert json.loads(run(*words).stdout)["intervals"] == []
     assert json.loads(run(*words, "--floors", tmp_path / "rest.csv").stdout)["intervals"][0]["onset_s"] < 0.1
-    assert "--floors: the rest lasts 0.4 s" in run(*words, "--floors", tmp_path / "short.csv").stderr
+    assert "--floors: the rest lasts 0.499 s" in run(*words, "--floors", tmp_path / "short.csv").stderr
     found = run(*words, "--detector", "digital", "--floors", tmp_path / "rest.csv")
     assert "--floors: are not learned by digital" in found.stderr
 

@@ -104,11 +104,11 @@ def change(path: Path, source: str, name: str, occurrence: int, kinds: dict[str,
     """Change a source; None if it stays as it is."""
     from cosmic_ray.mutating import mutate_code
 
-    code = mutate_code(source, kinds[name](), occurrence)
     try:
+        code = mutate_code(source, kinds[name](), occurrence)
         if code is None or ast.dump(ast.parse(code)) == ast.dump(ast.parse(source)):  # 1e300 and 1e+300 are one number
             return None
-    except SyntaxError:  # an operator without its operand
+    except (SyntaxError, AttributeError):  # an operator without its operand, an exception of another module
         return None
     # Where a line goes, cosmic-ray takes the blank lines before it too.
     old, new = list_lines(source), list_lines(code)

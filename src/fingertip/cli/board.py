@@ -188,7 +188,7 @@ def _write(console: Console, design: Design, options: _Options) -> tuple[Path, d
     for note in notes:
         console.progress(note)
     if options.fab:
-        paths += task.write_fabrication(design, folder, console.progress, force=force)
+        paths += task.write_fabrication(design, folder, console.progress, force)
     # Fabrication files of an earlier design may be left in the folder.
     differences = task.fabrication_differences(design, folder)
     console.warn(f"{difference} Do not send these files to a board house." for difference in differences)

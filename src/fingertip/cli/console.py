@@ -245,9 +245,8 @@ def fit_width(text: str, width: int) -> str:
             lines.append(line)
             continue
         begin = _LAST_COLUMN.match(line[: width // 2])
-        start = len(begin[1]) if begin else len(line) - len(line.lstrip()) + 2
-        whole: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False, "replace_whitespace": False}
-        lines += textwrap.wrap(line, width, subsequent_indent=" " * start, **whole)
+        start = " " * (len(begin[1]) if begin else len(line) - len(line.lstrip()) + 2)
+        lines += textwrap.wrap(line, width, subsequent_indent=start, break_long_words=False, break_on_hyphens=False)
     return "\n".join(lines)
 
 

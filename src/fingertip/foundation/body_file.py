@@ -100,7 +100,7 @@ def _read_stl(data: bytes) -> tuple[Array, NDArray[np.int64], bytes]:
     if len(pieces) > bodies:
         raise ValueError("is inside out, or has a hollow without a mouth; turn it, or open the hollow")
     found: Any = solid.to_mesh64()
-    return np.asarray(found.vert_properties)[:, :3], np.asarray(found.tri_verts, dtype=np.int64), b""
+    return np.asarray(found.vert_properties), np.asarray(found.tri_verts, dtype=np.int64), b""
 
 
 def _read_step(data: bytes) -> tuple[Array, NDArray[np.int64], bytes]:

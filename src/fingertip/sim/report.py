@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.foundation.display import SERIES, TEXT_COLOUR, TRUTH, new_figure, style_axes, to_png
+from fingertip.foundation.files import round_for_output
 from fingertip.sim.contact.materials import SurfaceTable
 from fingertip.sim.runs.manipulation import ManipulationResult
 from fingertip.sim.runs.scene import SceneRecord, SceneResult
@@ -42,7 +43,7 @@ def as_data(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
         "speed_m_s": result.scene.knock.speed_m_s,
         "mass_kg": target.mass_kg,
         "grasp": result.scene.grasp.kind,
-        "fingers": {name: round(f, 6) for name, f in zip(result.fingers, plan.force_n.tolist(), strict=True)},
+        "fingers": dict(zip(result.fingers, map(round_for_output, plan.force_n.tolist()), strict=True)),
         "knock_s": round(plan.knock_s, 7) if plan.pin else None,
         "held": result.lost_s is None,
         "lost_s": None if result.lost_s is None else round(result.lost_s, 7),

@@ -169,13 +169,7 @@ def write_board(
     return plan.write(progress)
 
 
-def write_fabrication(
-    design: Design,
-    out: str | Path | None = None,
-    progress: Callable[[str], None] = lambda message: None,
-    *,
-    force: bool = False,
-) -> tuple[Path, ...]:
+def write_fabrication(design: Design, folder: Path, progress: Callable[[str], None], force: bool) -> tuple[Path, ...]:
     """Write the fabrication files to the folder `fab` of a board's folder, all or none. Requires KiCad.
 
     `made_from.sha256` beside them records which board files they were made from, in the format of `sha256sum --check`.
@@ -183,7 +177,6 @@ def write_fabrication(
     """
     from fingertip.board.fabrication.fabrication_files import fabrication_files  # noqa: PLC0415
 
-    folder = output_files.BOARD.folder(design, out)
     writer = check_fabrication(design, folder, force=force)
     values = board_values(design)
     circuit, sources = board_circuit(values, design.board.channels), board_files(design)

@@ -220,7 +220,7 @@ class SceneFile(PathTables, _SceneTables):
             message = f"{tap.interval_s:g} s lets {tap.count} taps last more than {MAX_TAPS_S:g} s; at most {most:g} s."
             yield Issue("tap.interval_s", message), {"tap.interval_s", "tap.count"}
         minimum = hold.min_force_n * (hold.share if hold.mode == "grasp" else 1.0)
-        if 0.0 > self.load_change.by_n <= -minimum:
+        if self.load_change.by_n <= -minimum:
             message = f"{self.load_change.by_n:g} N ends the contact; it must be above {-minimum:g} N; "
             message += "to end the contact, set load_change.by_n=0 and hold.release=true."
             yield Issue("load_change.by_n", message), {"load_change.by_n", "hold.min_force_n", "hold.share"}

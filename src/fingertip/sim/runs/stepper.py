@@ -120,7 +120,7 @@ class ManipulationStepper:
     def select_window(self, point: int, period: int) -> tuple[slice, Array]:
         """Select the samples of the last chunk in the period before one of its points, and the closing there [m]."""
         before = self._clock.count_until(self._points - 1) - len(self.chunks[-1].time_s)
-        first, end = (max(self._clock.count_until(at) - before, 0) for at in (point - period, point))
+        first, end = (self._clock.count_until(at) - before for at in (point - period, point))
         return slice(first, end), self._closing_m[:, point - self._points].copy()
 
     def _record(self, closing: Array, command: Array, drives: list[FingerDrive], moved: GraspMotion) -> None:

@@ -132,13 +132,11 @@ class Integrator:
         self._width = self.state_count + (4 if board.amplifiers else 2) + board.is_curved
 
     def steady_state(self, i: int, voltage_v: float) -> tuple[Array, Array]:
-        """State for a constant input: (envelope, level of the next step, output), and the circuit's states."""
+        """State for a constant input, which no filter passes: that of the envelope, and the circuit's."""
         z = np.zeros(self._width)
         z[: self.state_count] = self._steady_state[i] * voltage_v
         z[self.state_count] = voltage_v
-        carried = np.zeros(envelope_loop.CARRIED)
-        carried[envelope_loop.OUTPUT] = envelope_loop.dot(self._output_rows[i].tolist(), 0, z.tolist(), len(z))
-        return carried, z
+        return np.zeros(envelope_loop.CARRIED), z
 
     def integrate(
         self, i: int, carried: Array, z: Array, before: Array, after: Array, bend: Array, filtered_v: Array,

@@ -189,9 +189,6 @@ def _readout_loop(
             for i in range(len(steady)):
                 z[f, i] = steady[i] * last_v[f]
             z[f, states] = last_v[f]
-            carried[f, envelope_loop.OUTPUT] = 0.0
-            for i in range(states + 1):
-                carried[f, envelope_loop.OUTPUT] += output_rows[i] * z[f, i]
         _FILTER(
             board, board_v, board_v, bend_v[first:end], step_columns, output_rows, watched_rows, carried[f], z[f],
             z_next, tables, filtered_v, envelope_v, rows[10, first:end], statistics,

@@ -135,6 +135,9 @@ def test_what_cannot_be_is_refused():
 def test_the_map_of_shares_is_what_small_balls_give():
     """A force on a small place, found directly and as the pressure under the active area (reciprocity)."""
     x, dz, shares = layer.map_shares(STRAIGHT)
+    assert x[0] == -x[-1], "a sensor in its middle"
+    area_mm2 = math.pi * STRAIGHT.active_radius_mm**2
+    assert shares.sum() * layer.GRID_MM**2 == pytest.approx(area_mm2, rel=0.03), "all that presses on it reaches bone"
     for across, along in ((0.0, 0.0), (0.0, 3.0), (2.0, -2.0), (0.0, -5.0)):
         pose = Pose(0.0, 0.0, "sphere", 1.5, along, across)
         ball = find_contacts(STRAIGHT, pose, (0.02,))[0]

@@ -43,8 +43,9 @@ from fingertip.documents.finger_set import (
 )
 from fingertip.firmware.fingers import plan_set
 from fingertip.firmware.sources import GRIP_SOURCE, library_sources
-from fingertip.foundation.errors import DesignError, FingertipError
+from fingertip.foundation.errors import DesignError, FingertipError, OutputError
 from fingertip.foundation.output_set import SetWriter
+from fingertip.tasks.make_set import make_set
 from fingertip.tasks.verification import verify_sets
 from tests.approved import check_text
 from tests.conftest import ROOT, run_fingertip
@@ -394,6 +395,48 @@ def test_a_set_is_compared_with_its_own_and_each_form_with_its_own(folder: Path)
     _, found = verify_sets(folder / "out")
     told = "was made from other parameters than"
     assert found == [f"{folder}/out/index/signal: {told} {folder}/out/index; make both again."]
+
+
+def test_forms_and_board_are_made_with_the_options_of_the_set(
+    sheets: list[FormSheets], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What `make`, `plan_board` and the picture take time for is left out."""
+    asked, fingers = list[object](), FingerSet("hand", "right", tuple(each.form for each in sheets))
+
+    def make(design: Design, folder: Path, *, progress: object, **options: object) -> SimpleNamespace:
+        asked.append((design.name, folder, options))
+        return SimpleNamespace(parts=SimpleNamespace(design=design, passed=design.name != "adult_thumb"))
+
+    def plan(design: Design, folder: Path, **options: object) -> SimpleNamespace:
+        asked.append((design.name, folder, options))
+        return SimpleNamespace(write=lambda progress: (folder / "bringup.md", folder / "a.kicad_pcb"))
+
+    collected = {each.form.design.name: each for each in sheets}
+    for name, stand_in in {
+        "make": make, "plan_board": plan, "_collect": lambda fingers, form, made: collected[form.design.name],
+        "draw_finger": lambda *args: b"", "_refuse_early": lambda fingers: None,
+    }.items():  # fmt: skip
+        monkeypatch.setattr(f"fingertip.tasks.make_set.{name}", stand_in)
+    out = tmp_path / "hand"
+    made = make_set(fingers, out, formats=("stl",), force=True)
+    wanted = [(name, out / name, {"formats": ("stl",), "force": True}) for name in collected]
+    assert asked == [*wanted, ("hand", out / "board", {"force": True, "bring_up": True, "top": out})]
+    assert ([form.parts.passed for form in made.forms], made.passed) == ([False, *[True] * 4], False)
+    assert made.sheets == set_sheets(fingers, sheets, has_board=True)
+    page = (out / "index.html").read_text()
+    links = {link for link in re.findall('href="([^"#]+)"', page) if "/" in link and ":" not in link}
+    own = {f"{name}/{file}" for name in collected for file in ("index.html", collected[name].casting.plate)}
+    assert links == {*own, "board/bringup.md"}
+    assert "Checks of adult_thumb failed: do not print" in page
+    assert fingers.board_design
+    assert Design.load(out / "board_design.toml").identity() == fingers.board_design.identity()
+    for place in ("board/bringup.md", "adult_little/index.html"):
+        (out / place).parent.mkdir(exist_ok=True)
+        (out / place).write_text("mine")
+        with pytest.raises(OutputError, match=place):
+            make_set(fingers, out)
+        (out / place).unlink()
+    assert len(asked) == 6, "nothing was made of what is refused"
 
 
 @pytest.mark.full

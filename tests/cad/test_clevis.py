@@ -11,7 +11,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
-from fingertip.design.formulas.stress_and_knock import pin_peak
+from fingertip.design.formulas.stress_and_knock import OF_CHORDS, pin_peak, shoulder_in_bending
 from fingertip.design.geometry.outlines import eye_corners
 from fingertip.design.geometry.solids import cylinder, union
 from fingertip.design.interfaces import clevis, clevis_solids, interface_of
@@ -93,6 +93,16 @@ def test_pressure_on_a_horn_balances_the_pull_at_both_ends_of_its_strand() -> No
     on_part = horn.stress_per_n * 0.7 * design.dimensions.anchor.horn_radius * math.pi / 2 / 1000
     for share in (np.cos(angles), np.sin(angles)):
         assert on_part * share.sum() == pytest.approx(clevis.tendon_force_per_n(design, 25.0) / 2, rel=1e-5)
+
+
+def test_eyes_without_stops_have_the_factor_of_a_shoulder_within_two_fillets_of_the_base() -> None:
+    design = load("adult_finger", "hand.travel_deg=0", "hand.axis_height_mm=6", "bone.base_length_mm=16.5")
+    section, joint = design.dimensions.collar.section, design.dimensions.joint
+    assert joint
+    factor = OF_CHORDS * shoulder_in_bending(section.dorsal + section.palmar, 2 * (5.4 - 0.3), 1.5)
+    for out_mm, wanted in ((-0.1, 1.0), (0.0, factor), (2.9, factor), (3.1, 1.0)):
+        found = interface_of(design).stress_factors(design, joint.shoulder_z - out_mm)
+        assert (found.width, found.height) == pytest.approx((1.0, wanted)), "as wide as the base"
 
 
 @pytest.mark.parametrize("name", ["adult_finger", "child_finger"])

@@ -42,6 +42,10 @@ def test_the_turn_on_is_where_the_share_gives_the_sensor_its_own_turn_on():
     for tilt, force in zip(TILTS_DEG, survey.turn_on_n, strict=True):
         share = find_contacts(form, Pose(tilt), (force,))[0].share
         assert force * share == pytest.approx(design.force_curve.turn_on_n, rel=0.01)
+    data = survey.to_dict()
+    row, digits = data.pop("tilts")[TILTS_DEG.index(2.0)], {"stiffness_n_per_mm": 3}
+    assert data == {name: round(getattr(survey, name), digits.get(name, 4)) for name in data}
+    assert row == {"tilt_deg": 2.0, "share": round(survey.shares[2], 4), "turn_on_n": round(survey.turn_on_n[2], 3)}
     half, one, twice = (contact.depth_mm for contact in find_contacts(form, Pose(2.0), (0.5, 1.0, 2.0)))
     power = math.log(4.0) / math.log(twice / half)
     assert survey.stiffness_n_per_mm == pytest.approx(power / one, rel=0.01), "dF/dd of a power is power F / d"

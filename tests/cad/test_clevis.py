@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import random
 
 import numpy as np
 import pytest
+from manifold3d import CrossSection
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
@@ -14,7 +16,7 @@ from fingertip.design import Design
 from fingertip.design.formulas.stress_and_knock import OF_CHORDS, pin_peak, shoulder_in_bending
 from fingertip.design.geometry.outlines import eye_corners
 from fingertip.design.geometry.solids import cylinder, union
-from fingertip.design.interfaces import clevis, clevis_solids, interface_of
+from fingertip.design.interfaces import clevis, clevis_rules, clevis_solids, interface_of
 from fingertip.design.new_design import PRESETS
 from tests.cad.part_checks import run_all_checks
 from tests.conftest import design_file
@@ -51,6 +53,25 @@ def test_profile_between_the_stops_never_meets_the_shoulder(travel_deg: float) -
     for angle in (0.0, math.radians(travel_deg)):
         reached = max(-y * math.sin(angle) - z * math.cos(angle) for y, z in corners)
         assert reached == pytest.approx(4.0)
+
+
+def test_travel_is_free_where_hand_and_finger_do_not_overlap() -> None:
+    """Base, collar and hand as quadrants of the middle plane, the hand's turned about the axis of the joint."""
+    quadrant, draw, found = CrossSection.square((200.0, 200.0)), random.Random(7).uniform, list[bool]()
+    whole = load("adult_finger")
+    for _ in range(60):
+        sizes = {"hand.axis_height_mm": draw(2.0, 14.0), "bone.collar_length_mm": draw(0.8, 6.0)}
+        design = whole.with_values(sizes | {"bone.base_length_mm": draw(8.0, 25.0)})
+        dims, joint = design.dimensions, design.dimensions.joint
+        assert joint
+        base = quadrant.translate((-dims.base_flat_depth, joint.shoulder_z))
+        finger = base + quadrant.translate((-dims.collar.section.palmar, -design.bone.collar_length_mm))
+        hand = quadrant.translate((-design.hand.axis_height_mm, -joint.radius - 200.0))
+        for angle_deg in (0.0, 30.0, 60.0, 75.0, 90.0):
+            shared = finger ^ hand.rotate(-angle_deg).translate((joint.axis_y, joint.axis_z))
+            found.append(clevis_rules._is_clear(design, joint, angle_deg))
+            assert found[-1] == (shared.area() < 1e-3)
+    assert 0.1 < sum(found) / len(found) < 0.9
 
 
 def test_forces_of_the_joint_follow_from_its_levers() -> None:

@@ -121,7 +121,7 @@ def test_what_should_act_on_the_share_does():
 
 def test_what_cannot_be_is_refused():
     for pose, field in (
-        (Pose(place_mm=90.0, object="cylinder", radius_mm=5.0), "place_mm"),
+        (Pose(place_mm=16.0, object="cylinder", radius_mm=5.0), r"place_mm: at 16 the cylinder meets x = 0.0, z = 33"),
         (Pose(-30.0), "tilt_deg"),
         (Pose(roll_deg=85.0), "roll of 85 degrees"),
     ):

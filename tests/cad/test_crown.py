@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -64,18 +63,9 @@ def test_the_pad_follows_two_circles_on_its_taper(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", FORMS)
-def test_the_profile_has_no_kink_and_leaves_width_and_dorsal_side_alone(name: str) -> None:
+def test_a_crown_leaves_width_and_dorsal_side_alone(name: str) -> None:
     body = outer(name)
     straight = ConicBody(body.section, body.stations, body.tip)
-    for first, second in pairwise(body.spans):
-        assert (first.z[2], first.scale[2], first.palmar[2]) == (second.z[0], second.scale[0], second.palmar[0])
-        into, out = (
-            (after - before) / (high - low)
-            for (low, high), (before, after) in (
-                (first.z[1:], first.palmar[1:]), (second.z[:2], second.palmar[:2]),
-            )
-        )  # fmt: skip
-        assert out == pytest.approx(into, abs=2e-4)
     for span in body.spans:
         assert span.z[2] - span.z[0] >= 1e-3
         for t in np.linspace(0.0, 1.0, 9)[:-1]:

@@ -13,7 +13,6 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from manifold3d import Error, Manifold, Mesh64
 
 from fingertip.cad.files.step_process import StepJob, StepProcess
 from fingertip.cad.report import Build
@@ -54,7 +53,7 @@ def test_build_writes_exactly_the_expected_files_without_a_date(built: Build) ->
 
 
 @pytest.mark.full
-def test_libraries_find_the_same_valid_solid_of_the_expected_genus_in_stl_and_3mf(built: Build) -> None:
+def test_trimesh_finds_the_same_valid_solid_of_the_expected_genus_in_stl_and_3mf(built: Build) -> None:
     for name in NAMES:
         meshes = [load(built, name, file_format) for file_format in ("stl", "3mf")]
         for mesh in meshes:
@@ -63,12 +62,6 @@ def test_libraries_find_the_same_valid_solid_of_the_expected_genus_in_stl_and_3m
             assert mesh.body_count == 1
             assert 1 - mesh.euler_number / 2 == PARTS[name].genus(built.design)
             assert all((mesh.faces[:, i] != mesh.faces[:, i - 1]).all() for i in range(3))
-            faces = np.array(mesh.faces, dtype=np.uint64, order="C")
-            solid = Manifold(Mesh64(np.array(mesh.vertices, order="C"), faces))
-            assert solid.status() == Error.NoError
-            assert len(solid.decompose()) == 1
-            assert solid.genus() == PARTS[name].genus(built.design)
-            assert solid.volume() == pytest.approx(mesh.volume, rel=1e-9)
             assert mesh.volume > 0
         stl, packed = meshes
         assert len(stl.faces) == len(packed.faces)

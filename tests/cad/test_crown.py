@@ -103,12 +103,9 @@ def test_both_kernels_and_an_integral_agree_in_volume(name: str) -> None:
     body = outer(name)
     z = np.linspace(0.0, body.spans[-1].z[2], 20001)
     section = body.section
-    palmar, dorsal = (
-        ConicBody(type(section)(section.half_width, *heights, section.palmar_weight, section.dorsal_weight), ())
-        for heights in ((section.palmar, 0.0), (0.0, section.dorsal))
-    )
+    palmar, dorsal = (section_area(section._replace(**{side: 0.0})) for side in ("dorsal", "palmar"))
     scales = np.array([(body.scale_at(h), body.palmar_scale_at(h)) for h in z])
-    areas = scales[:, 0] * (section_area(palmar.section) * scales[:, 1] + section_area(dorsal.section) * scales[:, 0])
+    areas = scales[:, 0] * (palmar * scales[:, 1] + dorsal * scales[:, 0])
     expected = float(np.trapezoid(areas, z))
     assert brep.volume(brep.BrepEvaluator().solid(SuperconicSolid(body))) == pytest.approx(expected, rel=1e-5)
     assert MeshEvaluator(0.002).manifold(SuperconicSolid(body)).volume() == pytest.approx(expected, rel=3e-4)

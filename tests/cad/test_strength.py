@@ -203,7 +203,6 @@ def test_flange_bends_as_a_plate_between_base_and_bolts():
     assert found.weakest.z_mm == -24.5
     assert found.weakest.stress_per_n == pytest.approx(math.hypot(sideways, upwards))
     thick = strength_of(bone=flange | {"flange_thickness_mm": 4.0})
-    assert thick.grip_safety_factor > found.grip_safety_factor
     assert thick.weakest.z_mm > -22.0  # the base breaks first
 
 

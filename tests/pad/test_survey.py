@@ -114,15 +114,6 @@ def test_rows_of_the_elements_stand_below_that_of_the_layer_model(bonded, shares
 
 
 @pytest.mark.full
-def test_silicone_that_no_contact_suits_leaves_a_line_and_no_worst():
-    found = run_fingertip(
-        "pad", "fsr400", "--fem", "--set", "silicone.product=own", "--set", "silicone.modulus_mpa=0.01"
-    )
-    assert found.returncode == 0, found.stderr
-    assert "worst of these" not in found.stdout
-
-
-@pytest.mark.full
 def test_finite_elements_confirm_what_the_layer_model_promises():
     """The figures that the form of the default design was chosen for, by the second model on two meshes."""
     found = json.loads(run_fingertip("pad", "fsr400", "--refine", "--json").stdout)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import math
 import re
 import shlex
@@ -441,12 +440,10 @@ def test_a_set_is_made_whole_and_again_with_the_same_bytes(folder: Path) -> None
     for finger in ("index", "ring"):
         text += f'[fingers.{finger}]\ndesign = "child_finger"\n'
     write_set(folder, text)
-    done = run_fingertip("make", "mine.toml", "--formats", "stl,3mf", "--json", "--quiet")
+    done = run_fingertip("make", "mine.toml", "--formats", "stl,3mf", "--quiet")
     assert done.returncode == 0, done.stderr
-    result = json.loads(done.stdout)
     out = folder / "out/pair"
     assert sorted(path.name for path in out.iterdir() if path.is_dir()) == ["board", "child_finger"]
-    assert (result["totals"]["fingers"], result["plan"]["days"]) == (2, 3)
     board = run_fingertip("board", out / "board_design.toml", "--check", "--out", out / "board")
     assert board.returncode == 0, board.stdout + board.stderr
     assert "| ring, pin 10 |" in (out / "acceptance.md").read_text()

@@ -223,6 +223,10 @@ def test_flange_with_two_rows_has_the_sizes_that_a_section_shows_and_four_bolts_
     assert {tuple(np.round(at[:2], 2)) for size in rows for at in (size.start, size.end)} <= set(centres)
     assert flange.genus(design) == sizes["bolt holes of the flange"].count == len(bores) == 4
     assert flange.bolt(design) == Bolt(3.0, 10.0, 4.0, 4), "4 mm, a wall of 2.5 mm and a nut of 2.4 mm (ISO 4032)"
+    shoulders = zip((width, height), base_size(design.dimensions), strict=True)
+    factors = [1.15 * shoulder_in_bending(*sizes, design.bone.foot_radius_mm) for sizes in shoulders]
+    assert flange.stress_factors(design, -23.0) == StressFactors(*map(pytest.approx, factors)), "1.15 of chords"
+    assert flange.stress_factors(design, -23.1) == StressFactors(), "in the plate"
     (stress,) = flange.local_stresses(design, 20.0)
     strips = zip((size.value for size in rows), base_size(design.dimensions), (height, width), strict=True)
     wanted = [47.0 / span * (span - base) / 2 / (across * 4.0**2 / 6) for span, base, across in strips]

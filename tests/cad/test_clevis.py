@@ -57,13 +57,12 @@ def test_profile_between_the_stops_never_meets_the_shoulder(travel_deg: float) -
 
 def test_travel_is_free_where_hand_and_finger_do_not_overlap() -> None:
     """Base, collar and hand as quadrants of the middle plane, the hand's turned about the axis of the joint."""
-    quadrant, draw, found = CrossSection.square((200.0, 200.0)), random.Random(7).uniform, list[bool]()
-    whole = load("adult_finger")
+    whole, draw, found = load("adult_finger"), random.Random(7).uniform, list[bool]()
+    quadrant = CrossSection.square((200.0, 200.0))
     for _ in range(60):
         sizes = {"hand.axis_height_mm": draw(2.0, 14.0), "bone.collar_length_mm": draw(0.8, 6.0)}
         design = whole.with_values(sizes | {"bone.base_length_mm": draw(8.0, 25.0)})
         dims, joint = design.dimensions, design.dimensions.joint
-        assert joint
         base = quadrant.translate((-dims.base_flat_depth, joint.shoulder_z))
         finger = base + quadrant.translate((-dims.collar.section.palmar, -design.bone.collar_length_mm))
         hand = quadrant.translate((-design.hand.axis_height_mm, -joint.radius - 200.0))
@@ -119,7 +118,6 @@ def test_pressure_on_a_horn_balances_the_pull_at_both_ends_of_its_strand() -> No
 def test_eyes_without_stops_have_the_factor_of_a_shoulder_within_two_fillets_of_the_base() -> None:
     design = load("adult_finger", "hand.travel_deg=0", "hand.axis_height_mm=6", "bone.base_length_mm=16.5")
     section, joint = design.dimensions.collar.section, design.dimensions.joint
-    assert joint
     factor = OF_CHORDS * shoulder_in_bending(section.dorsal + section.palmar, 2 * (5.4 - 0.3), 1.5)
     for out_mm, wanted in ((-0.1, 1.0), (0.0, factor), (2.9, factor), (3.1, 1.0)):
         found = interface_of(design).stress_factors(design, joint.shoulder_z - out_mm)

@@ -202,8 +202,6 @@ def test_flange_bends_as_a_plate_between_base_and_bolts():
     upwards = arm / 6.0 * (12.0 - height) / 2 / (28.0 * 1.5**2 / 6)
     assert found.weakest.z_mm == -24.5
     assert found.weakest.stress_per_n == pytest.approx(math.hypot(sideways, upwards))
-    thick = strength_of(bone=flange | {"flange_thickness_mm": 4.0})
-    assert thick.weakest.z_mm > -22.0  # the base breaks first
 
 
 def test_flange_with_two_rows_has_the_sizes_that_a_section_shows_and_four_bolts_that_pull():
@@ -218,7 +216,7 @@ def test_flange_with_two_rows_has_the_sizes_that_a_section_shows_and_four_bolts_
     found = [sizes[f"{name} of the flange"].value for name in ("width", "height", "bolt holes")]
     assert found == pytest.approx([width, height, np.ptp(bores[0], axis=0)[0]], abs=0.003)
     centres = [tuple(np.round((ring.min(axis=0) + ring.max(axis=0)) / 2, 2)) for ring in bores]
-    rows = [sizes[f"spacing of the {name}"] for name in ("bolt holes", "rows")]
+    rows = sizes["spacing of the bolt holes"], sizes["spacing of the rows"]
     assert [size.value for size in rows] == pytest.approx(np.ptp(centres, axis=0))
     assert {tuple(np.round(at[:2], 2)) for size in rows for at in (size.start, size.end)} <= set(centres)
     assert flange.genus(design) == sizes["bolt holes of the flange"].count == len(bores) == 4

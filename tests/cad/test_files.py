@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import re
@@ -106,6 +107,8 @@ def test_report_agrees_with_the_files(built: Build) -> None:
     assert report["checks"]
     for name, entry in report["parts"].items():
         assert entry["volume_mm3"] == pytest.approx(load(built, name, "stl").volume, abs=1e-6)
+        for file_format, file in entry["files"].items():
+            assert entry["sha256"][file_format] == hashlib.sha256((built.folder / file).read_bytes()).hexdigest()
     for check in report["checks"]:
         assert set(check) == {"name", "value", "limit", "unit", "relation", "passed"}
     assert not re.search(r"\.\d{7,}(e[-+]?\d+)?,?$", text, re.MULTILINE), "numbers have six decimals"

@@ -109,6 +109,8 @@ def test_faces_of_a_part_are_tagged_and_frames_are_places_of_cadquery(name: str)
         parts["bone"].ctx.tags["channel"].vals()
     )
     assert time.process_time() - begin <= 0.05
+    walls = sorted(face.geomType() for face in parts["bone"].ctx.tags["channel"].vals())
+    assert walls == ["CYLINDER", "CYLINDER", "TORUS"], "two straight pieces and the bend between them"
     tags = {part: set(workplane.ctx.tags) for part, workplane in parts.items()}
     ends = {"cheek_left", "cheek_right"} if design.bone.interface == "clevis" else {"post"}
     assert tags == {

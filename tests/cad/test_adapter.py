@@ -18,6 +18,7 @@ from fingertip.cad.shapes import finger
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
 from fingertip.design.geometry.solids import difference
+from fingertip.design.interfaces import adapter
 from fingertip.design.interfaces.adapter import place_adapter
 from fingertip.foundation.errors import DesignError
 from fingertip.tasks.build import build
@@ -146,6 +147,12 @@ def test_an_adapter_off_its_place_is_refused_with_the_one_that_passes(tmp_path: 
     ):
         with pytest.raises(DesignError, match=reason):
             load(path, **{f"adapter_{axis}_mm": place_mm})
+    centred = load(path)
+    section, flat = centred.dimensions.bone_outline.section, centred.dimensions.base_flat_depth
+    heights = np.linspace(-flat, section.dorsal, 4001)
+    end_mm2 = 2 * np.mean([section.half_width_at(y) for y in heights]) * (flat + section.dorsal)
+    reach_mm, *_, share = adapter._measure(centred)
+    assert (reach_mm, share) == pytest.approx((0.0, SIZE[0] * SIZE[1] / end_mm2), abs=2e-3)
     (tmp_path / "d.toml").write_text('bone.interface = "file"\nbone.adapter_file = "../bar.stl"')
     with pytest.raises(DesignError, match="is no name of a file beside the design file"):
         Design.load(tmp_path / "d.toml")

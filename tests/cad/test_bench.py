@@ -78,15 +78,6 @@ def test_every_check_of_the_stub_passes(knuckle: str) -> None:
     assert checks["hand_stub.clearance"].value == pytest.approx(JOINTED[knuckle].bone.joint_clearance_mm, abs=0.03)
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("knuckle", JOINTED)
-def test_the_stub_is_the_same_in_both_kernels(knuckle: str) -> None:
-    brep = pytest.importorskip("fingertip.cad.kernel.brep")
-    solid, evaluator = bench.hand_stub(JOINTED[knuckle]), MeshEvaluator(0.005)
-    measured = brep.BrepEvaluator().solid(solid)
-    assert brep.volume(measured) == pytest.approx(evaluator.manifold(solid).volume(), rel=1e-4)
-
-
 def test_the_stub_has_the_sizes_of_the_hand() -> None:
     """A section through the pin shows the tongue, one behind the mouth of the guide both ways of the tendon."""
     design = JOINTED["tongue"]

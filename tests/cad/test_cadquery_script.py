@@ -266,6 +266,9 @@ def test_scripts_name_what_they_make(scripts: Path) -> None:
         "# Cable channel: from the floor of the trough by one bend to the dorsal side of the base\ncable_channel = ",
     ):
         assert f"\n{line}" in text
+    stated = re.findall(r"(?m)^# (\w+)$|^(\w+?)_\w+ = ", text.partition("# Parameters")[2].partition("# Fixed for")[0])
+    tables = dict.fromkeys(table.capitalize() for _, table in stated if table)
+    assert [heading for heading, _ in stated if heading] == list(tables), "one heading above each table's parameters"
     assert not run_python("-m", "ruff", "check", "-q", "--isolated", "--select", "F", str(scripts)).stdout
     texts = {path.name: path.read_text() for path in scripts.glob("*.py")}
     assert set(texts) == {*(f"{name}.cq.py" for name in (*NAMES, "sensor", "finger")), *MODULES}

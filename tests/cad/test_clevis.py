@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
+import random
 
 import numpy as np
 import pytest
+from manifold3d import CrossSection
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
-from fingertip.design.formulas.stress_and_knock import pin_peak
+from fingertip.design.formulas.stress_and_knock import OF_CHORDS, pin_peak, shoulder_in_bending
 from fingertip.design.geometry.outlines import eye_corners
 from fingertip.design.geometry.solids import cylinder, union
-from fingertip.design.interfaces import clevis, clevis_solids, interface_of
+from fingertip.design.interfaces import clevis, clevis_rules, clevis_solids, interface_of
 from fingertip.design.new_design import PRESETS
 from tests.cad.part_checks import run_all_checks
 from tests.conftest import design_file
@@ -51,6 +53,24 @@ def test_profile_between_the_stops_never_meets_the_shoulder(travel_deg: float) -
     for angle in (0.0, math.radians(travel_deg)):
         reached = max(-y * math.sin(angle) - z * math.cos(angle) for y, z in corners)
         assert reached == pytest.approx(4.0)
+
+
+def test_travel_is_free_where_hand_and_finger_do_not_overlap() -> None:
+    """Base, collar and hand as quadrants of the middle plane, the hand's turned about the axis of the joint."""
+    whole, draw, found = load("adult_finger"), random.Random(7).uniform, list[bool]()
+    quadrant = CrossSection.square((200.0, 200.0))
+    for _ in range(60):
+        sizes = {"hand.axis_height_mm": draw(2.0, 14.0), "bone.collar_length_mm": draw(0.8, 6.0)}
+        design = whole.with_values(sizes | {"bone.base_length_mm": draw(8.0, 25.0)})
+        dims, joint = design.dimensions, design.dimensions.joint
+        base = quadrant.translate((-dims.base_flat_depth, joint.shoulder_z))
+        finger = base + quadrant.translate((-dims.collar.section.palmar, -design.bone.collar_length_mm))
+        hand = quadrant.translate((-design.hand.axis_height_mm, -joint.radius - 200.0))
+        for angle_deg in (0.0, 30.0, 60.0, 75.0, 90.0):
+            shared = finger ^ hand.rotate(-angle_deg).translate((joint.axis_y, joint.axis_z))
+            found.append(clevis_rules._is_clear(design, joint, angle_deg))
+            assert found[-1] == (shared.area() < 1e-3)
+    assert 0.1 < sum(found) / len(found) < 0.9
 
 
 def test_forces_of_the_joint_follow_from_its_levers() -> None:
@@ -93,6 +113,15 @@ def test_pressure_on_a_horn_balances_the_pull_at_both_ends_of_its_strand() -> No
     on_part = horn.stress_per_n * 0.7 * design.dimensions.anchor.horn_radius * math.pi / 2 / 1000
     for share in (np.cos(angles), np.sin(angles)):
         assert on_part * share.sum() == pytest.approx(clevis.tendon_force_per_n(design, 25.0) / 2, rel=1e-5)
+
+
+def test_eyes_without_stops_have_the_factor_of_a_shoulder_within_two_fillets_of_the_base() -> None:
+    design = load("adult_finger", "hand.travel_deg=0", "hand.axis_height_mm=6", "bone.base_length_mm=16.5")
+    section, joint = design.dimensions.collar.section, design.dimensions.joint
+    factor = OF_CHORDS * shoulder_in_bending(section.dorsal + section.palmar, 2 * (5.4 - 0.3), 1.5)
+    for out_mm, wanted in ((-0.1, 1.0), (0.0, factor), (2.9, factor), (3.1, 1.0)):
+        found = interface_of(design).stress_factors(design, joint.shoulder_z - out_mm)
+        assert (found.width, found.height) == pytest.approx((1.0, wanted)), "as wide as the base"
 
 
 @pytest.mark.parametrize("name", ["adult_finger", "child_finger"])

@@ -22,17 +22,11 @@ from fingertip.cad.verification.strength import (
 )
 from fingertip.cli.check import describe_cause
 from fingertip.design import Design
-from fingertip.design.formulas.stress_and_knock import (
-    PIN,
-    PRESSED_N,
-    Springs,
-    StressFactors,
-    hole_in_tension,
-    shoulder_in_bending,
-)
+from fingertip.design.formulas.stress_and_knock import PIN, Springs, StressFactors, hole_in_tension, shoulder_in_bending
+from fingertip.design.geometry.solids import Difference
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis_solids import stop_height_mm
-from fingertip.design.interfaces.interface import base_size
+from fingertip.design.interfaces.interface import Bolt, base_size
 from tests.conftest import run_fingertip
 
 DESIGN = Design()
@@ -123,13 +117,13 @@ ROUND = {"post_width_mm": 7.0, "post_height_mm": 7.0, "post_length_mm": 8.0} | {
 
 
 def test_knock_on_the_bone_alone_on_the_pad_alone_and_on_both() -> None:
-    """The spring F = v sqrt(k m); the pad F = c d^2, whose energy is F d / 3; and the balance of energies for both."""
+    """The spring F = v sqrt(k m); the pad F = c d^2, stated at 50 N, whose energy is F d / 3; and both energies."""
     mass_kg, speed_m_s = 0.4, 0.5
     bone = Springs(0.0, 30.0)
     assert bone.force_n(mass_kg, speed_m_s) == pytest.approx(0.5 * math.sqrt(30e3 * 0.4))
     assert bone.speed_m_s(mass_kg, bone.force_n(mass_kg, speed_m_s)) == pytest.approx(speed_m_s)
     pad = Springs(1.2, 1e9)
-    constant = PRESSED_N / 1.2e-3**2
+    constant = 50.0 / 1.2e-3**2
     depth_m = (3 * 0.05 / constant) ** (1 / 3)
     assert pad.force_n(mass_kg, speed_m_s) == pytest.approx(constant * depth_m**2, rel=1e-4)
     both = Springs(1.2, 30.0)
@@ -208,9 +202,33 @@ def test_flange_bends_as_a_plate_between_base_and_bolts():
     upwards = arm / 6.0 * (12.0 - height) / 2 / (28.0 * 1.5**2 / 6)
     assert found.weakest.z_mm == -24.5
     assert found.weakest.stress_per_n == pytest.approx(math.hypot(sideways, upwards))
-    thick = strength_of(bone=flange | {"flange_thickness_mm": 4.0})
-    assert thick.grip_safety_factor > found.grip_safety_factor
-    assert thick.weakest.z_mm > -22.0  # the base breaks first
+
+
+def test_flange_with_two_rows_has_the_sizes_that_a_section_shows_and_four_bolts_that_pull():
+    changes = ("interface=flange", "base_length_mm=27", "flange_spacing_y_mm=12", "flange_height_mm=18")
+    design = Design.load(changes=[f"bone.{change}" for change in changes])
+    flange, sizes = interface_of(design), {size.name: size for size in interface_of(design).sizes(design)}
+    (plate, _), holes = flange.shapes(design)
+    outline, *bores = sorted(
+        MeshEvaluator(0.001).manifold(Difference(plate, holes)).slice(-25.0).to_polygons(), key=len
+    )
+    width, height = np.ptp(outline, axis=0)
+    found = [sizes[f"{name} of the flange"].value for name in ("width", "height", "bolt holes")]
+    assert found == pytest.approx([width, height, np.ptp(bores[0], axis=0)[0]], abs=0.003)
+    centres = [tuple(np.round((ring.min(axis=0) + ring.max(axis=0)) / 2, 2)) for ring in bores]
+    rows = sizes["spacing of the bolt holes"], sizes["spacing of the rows"]
+    assert [size.value for size in rows] == pytest.approx(np.ptp(centres, axis=0))
+    assert {tuple(np.round(at[:2], 2)) for size in rows for at in (size.start, size.end)} <= set(centres)
+    assert flange.genus(design) == sizes["bolt holes of the flange"].count == len(bores) == 4
+    assert flange.bolt(design) == Bolt(3.0, 10.0, 4.0, 4), "4 mm, a wall of 2.5 mm and a nut of 2.4 mm (ISO 4032)"
+    shoulders = zip((width, height), base_size(design.dimensions), strict=True)
+    factors = [1.15 * shoulder_in_bending(*sizes, design.bone.foot_radius_mm) for sizes in shoulders]
+    assert flange.stress_factors(design, -23.0) == StressFactors(*map(pytest.approx, factors)), "1.15 of chords"
+    assert flange.stress_factors(design, -23.1) == StressFactors(), "in the plate"
+    (stress,) = flange.local_stresses(design, 20.0)
+    strips = zip((size.value for size in rows), base_size(design.dimensions), (height, width), strict=True)
+    wanted = [47.0 / span * (span - base) / 2 / (across * 4.0**2 / 6) for span, base, across in strips]
+    assert stress.stress_per_n == pytest.approx(math.hypot(*wanted), rel=1e-3)
 
 
 @pytest.mark.full

@@ -94,11 +94,6 @@ def test_own_silicone_has_the_figures_of_the_design() -> None:
     assert compute_batch(own, 100.0).b_g == pytest.approx(1.25 * 114.0 / 21.0)
 
 
-def test_own_figures_are_ignored_for_a_product_of_the_catalogue() -> None:
-    design = Design.load(changes=["silicone.parts_a=3", "silicone.product=dragon_skin_30"])
-    assert parts_by_weight(design.silicone.material) == (1.0, 1.0)
-
-
 def test_unknown_silicone_is_refused_with_the_nearest_name() -> None:
     with pytest.raises(DesignError, match=r"material: there is no 'sylgard'; did you mean sylgard_184\?"):
         Design().with_silicone("sylgard")

@@ -14,6 +14,7 @@ import pytest
 from fingertip.cad.verification.skin import check_pad
 from fingertip.cli import app
 from fingertip.design import Design
+from fingertip.foundation.errors import Issue, TraceError
 from fingertip.pad.fem_elastic import stiffness
 from fingertip.pad.fem_mesh import extrude, quadratic_plan
 from fingertip.pad.layer import find_contacts
@@ -41,6 +42,13 @@ def test_the_turn_on_is_where_the_share_gives_the_sensor_its_own_turn_on():
     for tilt, force in zip(TILTS_DEG, survey.turn_on_n, strict=True):
         share = find_contacts(form, Pose(tilt), (force,))[0].share
         assert force * share == pytest.approx(design.force_curve.turn_on_n, rel=0.01)
+    data = survey.to_dict()
+    row, digits = data.pop("tilts")[TILTS_DEG.index(2.0)], {"stiffness_n_per_mm": 3}
+    assert data == {name: round(getattr(survey, name), digits.get(name, 4)) for name in data}
+    assert row == {"tilt_deg": 2.0, "share": round(survey.shares[2], 4), "turn_on_n": round(survey.turn_on_n[2], 3)}
+    half, one, twice = (contact.depth_mm for contact in find_contacts(form, Pose(2.0), (0.5, 1.0, 2.0)))
+    power = math.log(4.0) / math.log(twice / half)
+    assert survey.stiffness_n_per_mm == pytest.approx(power / one, rel=0.01), "dF/dd of a power is power F / d"
 
 
 @pytest.mark.parametrize("turn_on_n", [0.0, 5e-324, 1e-6])
@@ -79,35 +87,30 @@ def test_command_page_and_picture_show_the_survey(tmp_path):
     assert "add that" in run_fingertip("pad", "article", "--friction", "0.3").stderr
 
 
-def test_rows_of_the_elements_stand_below_that_of_the_layer_model(monkeypatch, capsys):
-    """Shares of 0.51 and, on the finer mesh, 0.52, refused at the first tilt."""
+@pytest.mark.parametrize(("bonded", "shares"), [("false", ("0.90", "0.63")), ("true", ("0.40", "0.28"))])
+def test_rows_of_the_elements_stand_below_that_of_the_layer_model(bonded, shares, monkeypatch, capsys):
+    """Shares that say half of the mesh's edges, refused at the first tilt, with strains that say the tilt."""
 
-    def press(form, is_fine):
-        found = SimpleNamespace(
-            share=0.52 if is_fine else 0.51, depth_mm=1.0, strain=0.05, bond_shear_mpa=0.1, bond_tension_mpa=0.1
-        )
-        return [None, *[found] * (len(TILTS_DEG) - 1)]
+    def press(model, pose, forces_n, friction=0.0):
+        if pose.tilt_deg == TILTS_DEG[0]:
+            raise TraceError(Issue("tilt_deg", "too far"))
+        assert (model.is_half, forces_n, friction) == (True, (1.0,), 0.0 if bonded == "true" else 0.3)
+        part = dict.fromkeys(("depth_mm", "bond_shear_mpa", "bond_tension_mpa"), 0.1)
+        yield SimpleNamespace(share=model.size.edge_mm / 2, strain=pose.tilt_deg / 100, **part)
 
-    monkeypatch.setattr(import_module("fingertip.cli.pad"), "_press", press)
-    expected = [
-        ["the same, finite elements", "-", *["0.51"] * (len(TILTS_DEG) - 1)],
-        ["finite elements, edges 0.7", "-", *["0.52"] * (len(TILTS_DEG) - 1)],
-    ]
-    for count, option in enumerate(("--fem", "--refine"), start=1):
-        with suppress(SystemExit):
-            app(["pad", "fsr400", option])
-        first, *rows = [re.split("  +", row) for row in capsys.readouterr().out.splitlines()[2:5]]
-        assert first[0] == "share of 1 N"
-        assert [row for row in rows if "finite elements" in row[0] or row in expected] == expected[:count]
-
-
-@pytest.mark.full
-def test_silicone_that_no_contact_suits_leaves_a_line_and_no_worst():
-    found = run_fingertip(
-        "pad", "fsr400", "--fem", "--set", "silicone.product=own", "--set", "silicone.modulus_mpa=0.01"
-    )
-    assert found.returncode == 0, found.stderr
-    assert "worst of these" not in found.stdout
+    elements = import_module("fingertip.pad.fem_contact")
+    monkeypatch.setattr(elements, "PadModel", lambda form, size, is_half: SimpleNamespace(size=size, is_half=is_half))
+    patch = lambda model, pose: SimpleNamespace(press=lambda force_n: next(press(model, pose, (force_n,))))  # noqa: E731
+    monkeypatch.setattr(elements, "Patch", patch)
+    monkeypatch.setattr(import_module("fingertip.pad.fem_large_strain"), "press_large_strain", press)
+    with suppress(SystemExit):
+        app(["pad", "fsr400", "--refine", "--set", f"skin.bonded={bonded}"])
+    text = capsys.readouterr().out
+    first, *rows = [re.split("  +", row) for row in text.splitlines()[2:5]]
+    assert first[0] == "share of 1 N"
+    titles = ("the same, finite elements", "finite elements, edges 0.7")
+    assert rows == [[title, "-", *[share] * (len(TILTS_DEG) - 1)] for title, share in zip(titles, shares, strict=True)]
+    assert ("strain 20%" in text) == ("not small" in text) == (bonded == "true")
 
 
 @pytest.mark.full

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import math
 import re
 import shlex
@@ -43,8 +42,9 @@ from fingertip.documents.finger_set import (
 )
 from fingertip.firmware.fingers import plan_set
 from fingertip.firmware.sources import GRIP_SOURCE, library_sources
-from fingertip.foundation.errors import DesignError, FingertipError
+from fingertip.foundation.errors import DesignError, FingertipError, OutputError
 from fingertip.foundation.output_set import SetWriter
+from fingertip.tasks.make_set import make_set
 from fingertip.tasks.verification import verify_sets
 from tests.approved import check_text
 from tests.conftest import ROOT, run_fingertip
@@ -399,23 +399,57 @@ def test_a_set_is_compared_with_its_own_and_each_form_with_its_own(folder: Path)
     assert found == [f"{folder}/out/index/signal: {told} {folder}/out/index; make both again."]
 
 
+def test_forms_and_board_are_made_with_the_options_of_the_set(
+    sheets: list[FormSheets], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What `make`, `plan_board` and the picture take time for is left out."""
+    asked, fingers = list[object](), FingerSet("hand", "right", tuple(each.form for each in sheets))
+
+    def note(design: Design, folder: Path, *, progress: object = None, **options: object) -> SimpleNamespace:
+        asked.append((design.name, folder, options))
+        parts = SimpleNamespace(design=design, passed=design.name != "adult_thumb")
+        return SimpleNamespace(parts=parts, write=lambda progress: (folder / "bringup.md", folder / "a.kicad_pcb"))
+
+    collected = {each.form.design.name: each for each in sheets}
+    for name, stand_in in {
+        "make": note, "plan_board": note, "_collect": lambda fingers, form, made: collected[form.design.name],
+        "draw_finger": lambda *args: b"", "_refuse_early": lambda fingers: None,
+    }.items():  # fmt: skip
+        monkeypatch.setattr(f"fingertip.tasks.make_set.{name}", stand_in)
+    out = tmp_path / "hand"
+    made = make_set(fingers, out, formats=("stl",), force=True)
+    wanted = [(name, out / name, {"formats": ("stl",), "force": True}) for name in collected]
+    assert asked == [*wanted, ("hand", out / "board", {"force": True, "bring_up": True, "top": out})]
+    assert ([form.parts.passed for form in made.forms], made.passed) == ([False, *[True] * 4], False)
+    assert made.sheets == set_sheets(fingers, sheets, has_board=True)
+    page = (out / "index.html").read_text()
+    links = {link for link in re.findall('href="([^"#]+)"', page) if "/" in link and ":" not in link}
+    own = {f"{name}/{file}" for name in collected for file in ("index.html", collected[name].casting.plate)}
+    assert links == {*own, "board/bringup.md"}
+    assert "Checks of adult_thumb failed: do not print" in page
+    assert Design.load(out / "board_design.toml") == fingers.board_design
+    for place in ("board/bringup.md", "adult_little/index.html"):
+        (out / place).parent.mkdir(exist_ok=True)
+        (out / place).write_text("mine")
+        with pytest.raises(OutputError, match=place):
+            make_set(fingers, out)
+        (out / place).unlink()
+    assert len(asked) == 6, "nothing was made of what is refused"
+
+
 @pytest.mark.full
 def test_a_set_is_made_whole_and_again_with_the_same_bytes(folder: Path) -> None:
     text = 'name = "pair"\n'
     for finger in ("index", "ring"):
         text += f'[fingers.{finger}]\ndesign = "child_finger"\n'
     write_set(folder, text)
-    done = run_fingertip("make", "mine.toml", "--formats", "stl,3mf", "--json", "--quiet")
+    done = run_fingertip("make", "mine.toml", "--formats", "stl,3mf", "--quiet")
     assert done.returncode == 0, done.stderr
-    result = json.loads(done.stdout)
     out = folder / "out/pair"
     assert sorted(path.name for path in out.iterdir() if path.is_dir()) == ["board", "child_finger"]
-    assert (result["totals"]["fingers"], result["plan"]["days"]) == (2, 3)
-    assert (out / "child_finger" / result["fingers"][0]["plate"]).exists()
     board = run_fingertip("board", out / "board_design.toml", "--check", "--out", out / "board")
     assert board.returncode == 0, board.stdout + board.stderr
     assert "| ring, pin 10 |" in (out / "acceptance.md").read_text()
-    assert "do not print these parts" not in (out / "index.html").read_text()
     assert run_fingertip("check", "out/pair").returncode == 0
     before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
     assert run_fingertip("make", "mine.toml", "--formats", "stl,3mf", "--quiet").returncode == 0

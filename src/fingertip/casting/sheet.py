@@ -171,8 +171,8 @@ class CastingSheet:
     lowering_s: float
     height_mm: tuple[float, float]
     """Least and largest height from the foot of the cup to the top of the seated core's plate [mm]."""
-    tilts_mm: tuple[float, float]
-    """Largest difference of this height between edge and edge, for a skin that is right to 5 % and to 10 % [mm]."""
+    tilt_mm: float
+    """Largest difference of this height between edge and edge, for a skin that is right to 10 % [mm]."""
     length_mm: tuple[float, float]
     head_mm: tuple[float, float]
     """Least and largest length of the sensor's film, and width of its head, that this bone takes [mm]."""
@@ -208,7 +208,7 @@ def casting_sheet(design: Design, evaluator: MeshEvaluator) -> CastingSheet:
         divider_kohm=design.board.divider_ohm / 1e3 if design.board.variant == "divider" else None,
         lowering_s=LOWERING_S,
         height_mm=(math.ceil(10 * seat.low) / 10, math.floor(10 * seat.high) / 10),
-        tilts_mm=(math.floor(100 * seat.tilts[0]) / 100, math.floor(100 * seat.tilts[1]) / 100),
+        tilt_mm=math.floor(100 * seat.tilt) / 100,
         length_mm=(body.length_mm - SHORTER_MM, body.length_mm + LONGER_MM),
         head_mm=(round(body.head_diameter_mm - HEAD_MM, 1), round(body.head_diameter_mm + HEAD_MM, 1)),
         knot_mm=max(_LEAST_KNOT_MM, math.ceil(to_hole_mm + 1.0)),

@@ -24,8 +24,6 @@ X, Z, PALM = range(3)
 """Axes of points, nodes and displacements."""
 MAX_ANGLE_DEG = 60.0
 """Largest tilt and roll. Beyond, objects touch tip or side rather than the pad."""
-_LOWEST_MM = 1.2
-"""Height above the parting plane below which the surface is too steep to be pressed [mm]."""
 _ROUND = 0.8
 """Part of its radius up to which an object is round. Beyond, it goes on along the tangent."""
 _BONE_MM = np.arange(-60.0, 60.0, 0.5)
@@ -81,11 +79,9 @@ class Touch:
         touch = cls(pose, radius, slopes, form.sensor_z_mm)
         clear = touch._rise(surface)[0] - surface[:, PALM]
         point, height = surface[np.argmin(clear)], -float(clear.min())
-        is_beside = not (is_plate or np.linalg.norm(touch._off_axis(point[None])) <= _ROUND * radius)
-        if is_beside or point[PALM] < _LOWEST_MM:
-            name, value = ("tilt_deg", pose.tilt_deg) if is_plate else ("place_mm", pose.place_mm)
-            where = f"at {value:g} the {pose.object} meets x = {point[X]:.1f}, z = {point[Z]:.1f} mm, beside the pad"
-            raise _refuse(name, f"{where}; choose one nearer to 0.")
+        if not (is_plate or np.linalg.norm(touch._off_axis(point[None])) <= _ROUND * radius):
+            where = f"the {pose.object} meets x = {point[X]:.1f}, z = {point[Z]:.1f} mm, beside the pad"
+            raise _refuse("place_mm", f"at {pose.place_mm:g} {where}; choose one nearer to 0.")
         rigid = _rigid_points(form)
         travel = float((height + touch._rise(rigid)[0] - rigid[:, PALM]).min()) / math.hypot(1.0, *slopes)
         if travel <= 0.0:

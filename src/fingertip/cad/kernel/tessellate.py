@@ -57,7 +57,7 @@ def _count_chords(first: Control, second: Control, weight: float, tolerance: flo
     """Count the chords that a conic arc between three control points, given by their coordinates, needs."""
     n = 2
     while (deviation := _chord_deviation(first, second, weight, n)) > tolerance:
-        n = max(n + 1, math.ceil(n * math.sqrt(deviation / tolerance)))
+        n = math.floor(n * math.sqrt(deviation / tolerance)) + 1
     return n
 
 

@@ -127,8 +127,8 @@ class SeatLimits(NamedTuple):
 
     low: float
     high: float
-    tilts: tuple[float, float]
-    """Largest differences between its palmar and its dorsal edge at which 5 and 10 % of the palmar skin may be lost."""
+    tilt: float
+    """Largest difference between its palmar and its dorsal edge, at which 10 % of the palmar skin may be lost."""
 
 
 def palmar_limits(design: Design) -> SeatLimits:
@@ -139,9 +139,9 @@ def palmar_limits(design: Design) -> SeatLimits:
     layout, thickness, flank = design.mold_layout, design.skin.thickness_palmar_mm, design.mold_layout.flanks[0]
     hidden = worst_motion(design, (0.0, 0.0, flank.point_mm[2]))
     lever = (design.dimensions.sensor_z - flank.point_mm[2]) / (layout.palmar_height + layout.dorsal_height)
-    tilts = tuple(error * max(0.0, _SHARE_PER_MM * thickness - hidden) / lever for error in _ERRORS_MM)
+    tilt = _ERRORS_MM[1] * max(0.0, _SHARE_PER_MM * thickness - hidden) / lever
     height = layout.overall_height
-    return SeatLimits(height - _ERRORS_MM[1] * math.sqrt(2.0), height + _RISE_MM, (tilts[0], tilts[1]))
+    return SeatLimits(height - _ERRORS_MM[1] * math.sqrt(2.0), height + _RISE_MM, tilt)
 
 
 def plunge_pressure_kpa(design: Design, evaluator: MeshEvaluator) -> float:

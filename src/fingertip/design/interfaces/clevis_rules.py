@@ -186,21 +186,19 @@ def _leaves_horns(design: DesignTables, joint: Joint, angle_deg: float) -> bool:
 
 
 def _is_clear(design: DesignTables, joint: Joint, angle_deg: float) -> bool:
-    """Return whether the hand's shoulder touches neither base, collar nor skin at an angle, in the middle plane."""
+    """Return whether the hand's shoulder touches neither base nor collar at an angle, in the middle plane.
+
+    The skin lies distal to both, where the shoulder does not come without them.
+    """
     dims = design.dimensions
     angle = math.radians(angle_deg)
     sine, cosine = math.sin(angle), math.cos(angle)
     # The knuckle is round on its distal side alone: the corner of its root rises above it beyond a right angle.
     if joint.radius * (sine - cosine) > joint.shoulder_z - joint.axis_z + SLACK:
         return False
-    # The finger as nested outlines, each from one height on: the palmar edge of base, collar and skin.
+    # The finger as nested outlines, each from one height on: the palmar edges of base and collar.
     foot = -design.bone.collar_length_mm
-    outline = (
-        (joint.shoulder_z, -dims.base_flat_depth),
-        (foot, -dims.collar.section.palmar),
-        (0.0, -dims.base_palmar_height),
-        *([(dims.crown.z, -design.skin.semi_axis_palmar_mm)] if dims.crown else []),
-    )
+    outline = ((joint.shoulder_z, -dims.base_flat_depth), (foot, -dims.collar.section.palmar))
     palmar = -design.hand.axis_height_mm  # of the hand, from its axis
     # The shoulder's palmar corner in the frame of the bone.
     y = joint.axis_y + palmar * cosine - joint.radius * sine

@@ -230,8 +230,8 @@ def socket_within_base(design: DesignTables) -> Violation | None:
     wall, diameter = design.bone.wall_mm, design.bone.socket_diameter_mm
     if design.bone.interface != "socket" or interface.base_holds_circle(design, (diameter - SLACK) / 2 + wall):
         return None
-    highest = interface.base_size(design.dimensions)[1] / 2
-    room = 2 * bisect(lambda radius: interface.base_holds_circle(design, radius), 0.0, highest, halvings=30)[0]
+    _, height = interface.base_size(design.dimensions)
+    room = 2 * bisect(lambda radius: interface.base_holds_circle(design, radius), 0.0, height, halvings=30)[0]
     return Violation(f"{diameter:g} mm leaves less than {wall:g} mm of base around it", at_most(room - 2 * wall))
 
 

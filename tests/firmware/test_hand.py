@@ -19,9 +19,8 @@ from fingertip.firmware.sources import GRIP_SOURCE, library_settings
 from fingertip.foundation import jit
 from fingertip.foundation.errors import FingertipError
 from fingertip.sim.runs.grip import ForceCurve, GripLaw, GripSettings
-from fingertip.slip.detectors import fast_state
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
-from fingertip.slip.detectors.fast_settings import FAULT_S, TICK_S
+from fingertip.slip.detectors.fast_settings import FAULT_S
 from fingertip.slip.force import ForceScale
 from tests.conftest import run_fingertip
 from tests.firmware.conftest import require_arm, require_gcc
@@ -154,7 +153,7 @@ def test_glitches_of_any_size_change_little_output(trials: list[tuple[Recording,
             seen.append(found.is_replaced[at + 1])
     changed_s, is_seen = np.array(changed), np.array(seen)
     print(f"{np.mean(changed_s > 0):.3f} change something, worst {1e3 * changed_s.max():.0f} ms, of {len(changed_s)}")
-    assert changed_s.max() <= fast_state.SURE_TICKS * TICK_S  # vibration that lasts as long decides without the trees
+    assert changed_s.max() <= 0.03
     assert np.mean(changed_s > FAULT_S / 2) <= 0.003
     assert is_seen.mean() > 0.7
 

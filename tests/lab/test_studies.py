@@ -181,7 +181,7 @@ def test_a_finer_step_changes_little() -> None:
     assert 0.0 < errors["force_n"] < 1e-4
     assert errors["voltage_v"] <= 1.001 * Design().detector.adc_step_v  # a rounding that falls to the other side
     assert 0.0 < errors["envelope_v"] < 2e-3
-    assert shifts_samples["fast"] <= 1.0
+    assert shifts_samples["fast"] < 4.5  # one tick of the trees
     same, _ = compare_grids(Design(), Case("slip", SHORT, 3), ("fast",), 1)
     assert set(same.values()) == {0.0}
 

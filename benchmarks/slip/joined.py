@@ -31,7 +31,7 @@ SLIDE_S, MIN_REST_S = 3.0, 1.0
 SLIDING_S = 0.3
 """Time after the robot's start from which a slide is joined [s]: until then it speeds up and shears the skin."""
 SEED, JUDGING, TUNING = 89, 60, 120
-"""Draw of the slides: those that judge were not looked at while the detector was made."""
+"""Draw of the slides: constants of the detector were chosen on those for tuning alone."""
 
 
 @dataclass(frozen=True, eq=False)

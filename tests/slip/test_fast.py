@@ -391,7 +391,7 @@ def test_vibration_that_lasts_keeps_what_the_trees_began(kind: str, lasts: bool)
 
 
 def test_trees_that_nearly_say_slip_for_long_are_taken_at_their_word() -> None:
-    """A score 1 above `HEARD_SCORE` adds up to incipient slip in 55 ticks of vibration that is heard."""
+    """A score 1 above `HEARD_SCORE` adds up to ON in 55 ticks of vibration that is heard."""
     model = replace(ask_one_question(), threshold=3.0, incipient_threshold=2.0)
     model = replace(model, leaves=np.full(NODES + 1, fast_settings.HEARD_SCORE + 1.0))
     detector = FastDetector(FastSettings(RATE_HZ, NOISE_V), model)

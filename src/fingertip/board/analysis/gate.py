@@ -174,8 +174,10 @@ def _check_currents(
         if (data := current.output.data) is None:
             continue
         linear_a, limit_a = vibration_v * float(np.abs(current.filter_s).max()), data.output_current_a
-        if current.diode_s.any():
-            linear_a += peak_a or vibration_v * float(np.abs(current.diode_s).max())
+        if board.variant != "article":
+            linear_a = vibration_v * float(np.abs(current.filter_s + current.diode_s).max())
+        elif current.diode_s.any():
+            linear_a += peak_a
         if current.output.net == VMID:
             linear_a += _constant_current_a(circuit, supply.signal_ground, rails)
             limit_a *= amplifiers.MID_RAIL_RATIO

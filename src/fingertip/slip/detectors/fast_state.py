@@ -51,7 +51,7 @@ UNHEARD_TICKS = 80.0
 SURE_TICKS = 60.0
 """Ticks after which incipient slip is ON if its vibration lasts."""
 EVIDENCE = 55.0
-"""Sum of what scores exceed `FastCoefficients.heard_score` by at which slip is ON: 15 to 40 ticks on slides."""
+"""Sum of what scores exceed `FastCoefficients.heard_score` by at which slip is ON: 14 to 55 ticks on slides."""
 HOLD_SCORE = -2.0
 """Smoothed score above which vibration that lasts stays slip: of weak slides it is -1.6, of a hand's tremor -2.4."""
 AFTER_TICKS = 250.0

@@ -278,8 +278,6 @@ def test_outputs_for_a_controller():
     assert output.incipient[first]
     early = IncipientDetector(SETTINGS).process(volts)
     assert np.array_equal(early.on, output.incipient)
-    assert early.threshold_v[first] / output.threshold_v[first] == pytest.approx(0.782, abs=0.001)
-    assert early.statistic_v[np.argmax(early.on)] >= early.threshold_v[np.argmax(early.on)]
     assert np.flatnonzero(output.incipient)[0] <= first
     assert output.statistic_v == pytest.approx(output.confidence * output.threshold_v)
     assert detector.noise_v == pytest.approx(NOISE_V, rel=0.3)
@@ -390,14 +388,13 @@ def test_vibration_that_lasts_keeps_what_the_trees_began(kind: str, lasts: bool)
         assert detector.threshold_v != floor_v
 
 
-def test_trees_that_nearly_say_slip_for_long_are_taken_at_their_word() -> None:
-    """A score 1 above `HEARD_SCORE` adds up to ON in 55 ticks of vibration that is heard."""
-    model = replace(ask_one_question(), threshold=3.0, incipient_threshold=2.0)
-    model = replace(model, leaves=np.full(NODES + 1, fast_settings.HEARD_SCORE + 1.0))
-    detector = FastDetector(FastSettings(RATE_HZ, NOISE_V), model)
+def test_on_follows_the_mean_score() -> None:
+    """The mean rises from -4 to a score of 1 by a tenth of the rest at each tick, and exceeds 0 at the 16th."""
+    model = replace(ask_one_question(), threshold=0.0, incipient_threshold=0.5, leaves=np.full(NODES + 1, 1.0))
+    detector = FastDetector(FastSettings(RATE_HZ, 1000 * NOISE_V), model)
     assert not detector.process(4.0 + white_noise(4000)).incipient.any()
-    output = detector.process(4.0 + 6.0 * white_noise(1000, 7))
-    assert 0.11 <= np.argmax(output.on) / RATE_HZ < 0.2
+    output = detector.process(4.0 + 6000.0 * white_noise(1000, 7))
+    assert np.argmax(output.on) - np.argmax(output.incipient) == 15 * 4
 
 
 @pytest.mark.parametrize("score", [-0.5, -2.0])

@@ -120,8 +120,8 @@ def test_a_broken_wire_leaves_the_tactile_voltage(level_v):
     detector = make_detector("fast", CONTROLLER)
     on = detector.process(volts, dead).on
     assert not on[:2400].any()
-    assert 2400 <= np.flatnonzero(on)[0] < 2440
-    assert on[2440:].mean() > 0.95
+    assert 2400 <= np.flatnonzero(on)[0] < 2460
+    assert on[2460:].mean() > 0.95
     (warning,) = (text for text in filtered_warnings(Trace(np.arange(len(volts)), volts, filtered_v=dead), CONTROLLER))
     assert "is the board's pin S connected?" in warning
 

@@ -32,7 +32,7 @@ from tools.detector_training.signals import DISTURBANCES_FROM, FIRST_SEED, MANIP
 TREES = 88
 ROUNDS = 4
 LEARNING_RATE = 0.2
-THRESHOLD, NOISE_RISE, INCIPIENT_THRESHOLD = 2.2, 0.3, 0.85
+THRESHOLD, NOISE_RISE, INCIPIENT_THRESHOLD = 0.1, 0.3, 1.0
 """Score above which slip is ON, its rise in more noise than stated, and score above which slip may begin. They were
 chosen on tuning seeds of `benchmarks/slip_robustness.py` and on drawn signals with other seeds than the fit's."""
 ROUND_THRESHOLD, ROUND_INCIPIENT_THRESHOLD = 1.4, 0.7

@@ -26,7 +26,7 @@ ONSET_S = 0.08
 """Time after the onset in which rows count most [s]: there the delay is decided."""
 AFTER_S = 0.1
 """Time after a slip in which rows do not count [s]: the energy decays."""
-ONSET_WEIGHT, SLIP_WEIGHT, EVENT_WEIGHT, QUIET_WEIGHT, CREEP_WEIGHT = 3.0, 0.3, 2.0, 0.25, 0.3
+ONSET_WEIGHT, SLIP_WEIGHT, EVENT_WEIGHT, QUIET_WEIGHT, CREEP_WEIGHT = 3.0, 1.0, 2.0, 0.25, 0.3
 BURST_FACTOR = 2.0
 """Factor of the weights of a burst: slip that the simulation of contact did not make."""
 ALARM_FACTORS = ((-3.0, 3.0), (-1.0, 14.0))
@@ -123,7 +123,8 @@ def collect(
     known: list[Array] = []
     with compiled():
         for number, item in enumerate(signals):
-            signal, settings = item.signal, replace(FastSettings.from_design(item.design), suspects_jumps=False)
+            signal = item.signal
+            settings = replace(FastSettings.from_design(item.design), suspects_jumps=False, mean_s=0.0)
             if settings.filtered:
                 cutoff_hz = settings.cutoff_hz * (1 + rng.uniform(-CUTOFF_ERROR, CUTOFF_ERROR))
                 gain = settings.filtered.gain * (1 + rng.uniform(-GAIN_ERROR, GAIN_ERROR))

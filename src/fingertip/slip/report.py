@@ -9,7 +9,6 @@ import numpy as np
 
 from fingertip.foundation import display as style
 from fingertip.slip.detectors.analog_and_digital import ChainOutput
-from fingertip.slip.detectors.fast import FastOutput
 from fingertip.slip.detectors.input_noise import NoiseLevel
 from fingertip.slip.detectors.registry import find_detector_type
 from fingertip.slip.force import ForceScale
@@ -276,9 +275,6 @@ def _draw_statistic(axes: Axes, trace: Trace, detection: Detection) -> None:
         trace.time_s, 1000 * output.threshold_v, color="black", linestyle="--", linewidth=1,
         label=detection.threshold.describe(),
     )  # fmt: skip
-    if isinstance(output, FastOutput) and detection.detector == "fast":
-        early = 1000 * output.incipient_threshold_v
-        axes.plot(trace.time_s, early, color="black", linestyle=":", linewidth=1, label="threshold of incipient")
     # The envelope of contacts and releases is much larger than the statistic, so the axis is scaled to the statistic.
     axes.set_ylim(0.0, max(2500 * float(np.nanmax(output.threshold_v)), 1350 * float(np.max(output.statistic_v))))
     axes.set_ylabel(f"{detection.threshold.quantity} [mV]" if envelope is None else "envelope [mV]")

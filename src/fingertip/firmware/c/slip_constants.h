@@ -137,16 +137,15 @@
 #define SLIP_FADE_RATIO $FADE_RATIO
 #define SLIP_STEADY_RATIO $STEADY_RATIO
 
-/* Scores: before the first tree; of confidence 0; for ON; by how much less for incipient slip; rise in noise; for staying; smoothing; of vibration that speaks for slip, and its sum; of a hold. */
+/* Scores: before the first tree; of confidence 0; for ON; by how much less for incipient slip; rise in noise; for staying; smoothing of the mean, and while a flag is set; of a hold. */
 #define SLIP_OFFSET $OFFSET
 #define SLIP_LOWEST_SCORE $LOWEST_SCORE
 #define SLIP_ON_SCORE $THRESHOLD
 #define SLIP_INCIPIENT_MARGIN $INCIPIENT_MARGIN
 #define SLIP_NOISE_RISE $NOISE_RISE
 #define SLIP_STAY_SCORE $STAY_THRESHOLD
-#define SLIP_SCORE_SMOOTHING $SCORE_SMOOTHING
-#define SLIP_HEARD_SCORE $HEARD_SCORE
-#define SLIP_EVIDENCE $EVIDENCE
+#define SLIP_MEAN_SMOOTHING $MEAN_SMOOTHING
+#define SLIP_HOLD_SMOOTHING $HOLD_SMOOTHING
 #define SLIP_HOLD_SCORE $HOLD_SCORE
 
 /* 1 if the tactile voltage falls with the force, -1 if it rises. */

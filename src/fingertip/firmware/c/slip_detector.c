@@ -105,14 +105,14 @@ enum vibration { NONE, LASTS, SURE };
 
 /* Follow vibration from the moment it is heard: whether it may be what made slip incipient, and is no knock. `upper` and
  * `wide` are the energies of 20 ms over their floors, `now` is the wide one of 6 ms. */
-static enum vibration hear(slip_state *state, slip_real score, slip_real upper, slip_real wide, slip_real now,
-                           bool is_fading, bool has_ended) {
+static enum vibration hear(slip_state *state, slip_real upper, slip_real wide, slip_real now, bool is_fading,
+                           bool has_ended) {
     const bool is_heard = upper > SLIP_STAY_RATIO && state->settling == 0;
     slip_real share = R(1.0) / SLIP_STEADY_TICKS, mean;
     bool is_steady;
     if (!is_heard && !state->incipient) {
         state->heard_ticks = state->steady = 0;
-        state->heard = state->heard_mean = state->heard_square = R(0.0);
+        state->heard_mean = state->heard_square = R(0.0);
         return NONE;
     }
     if (state->heard_ticks < SLIP_STEADY_COUNT) {
@@ -123,8 +123,6 @@ static enum vibration hear(slip_state *state, slip_real score, slip_real upper, 
     state->heard_square += share * (now * now - state->heard_square);
     mean = state->heard_mean;
     is_steady = state->heard_square - mean * mean < SLIP_STEADY_RATIO * mean * mean;
-    state->heard = state->on || is_steady ? R(0.0)
-        : greater(state->heard + (score - SLIP_HEARD_SCORE), R(0.0));
     if (!is_steady) {
         state->steady = 0;
     } else if (state->steady <= SLIP_STEADY_ON_TICKS) {
@@ -246,9 +244,10 @@ static void tick(slip_state *state, slip_real slope) {
     excess = greater(wide_floor / (SLIP_NOISY_RATIO * state->min_floor) - R(1.0),
                      slow_floor / (SLIP_NOISY_RATIO * SLIP_WIDE_SHARE * SLIP_MIN_INPUT_FLOOR) - R(1.0));
     on_score = SLIP_ON_SCORE + SLIP_NOISE_RISE * greater(R(0.0), lesser(excess, R(1.0)));
-    state->confidence = greater(R(0.0), (score - SLIP_LOWEST_SCORE) / (on_score - SLIP_LOWEST_SCORE));
+    state->mean_score += SLIP_MEAN_SMOOTHING * (score - state->mean_score);
+    state->confidence = greater(R(0.0), (state->mean_score - SLIP_LOWEST_SCORE) / (on_score - SLIP_LOWEST_SCORE));
 
-    vibration = hear(state, score, row[1], row[3], row[2], is_fading, has_ended);
+    vibration = hear(state, row[1], row[3], row[2], is_fading, has_ended);
     is_moving = greatest > SLIP_MOVING_RATIO * slow_floor && state->settling == 0;
     may_learn = is_learned(state, row[1], row[3], is_moving);
     /* Decision: OFF until the floors are learned; slip that has begun stays while its energy does. */
@@ -257,17 +256,17 @@ static void tick(slip_state *state, slip_real slope) {
         state->incipient = false;
     } else if (state->incipient) {
         if (state->unheard == 0) { /* silence says nothing, and a strong slip no more than a weak one */
-            state->smooth_score += SLIP_SCORE_SMOOTHING * (lesser(score, SLIP_STAY_SCORE) - state->smooth_score);
+            state->smooth_score += SLIP_HOLD_SMOOTHING * (lesser(score, SLIP_STAY_SCORE) - state->smooth_score);
         }
         state->incipient = score > SLIP_STAY_SCORE || (is_strong && state->smooth_score > SLIP_STAY_SCORE)
             || (vibration != NONE && state->smooth_score > SLIP_HOLD_SCORE);
     } else {
         state->smooth_score = on_score - SLIP_INCIPIENT_MARGIN;
-        state->incipient = score > state->smooth_score || state->heard >= SLIP_EVIDENCE;
+        state->incipient = score > state->smooth_score || state->mean_score > on_score;
     }
     state->on = state->incipient
-        && (state->on || score > on_score
-            || (vibration == SURE && (state->on_ticks >= SLIP_SURE_TICKS || state->heard >= SLIP_EVIDENCE)));
+        && (state->on || state->mean_score > on_score
+            || (vibration == SURE && state->on_ticks >= SLIP_SURE_TICKS));
     if (state->on) {
         state->after = SLIP_AFTER_TICKS;
     } else if (state->after > 0) {
@@ -579,6 +578,7 @@ void slip_init(slip_state *state) {
     state->step = state->filtered_step = R(INFINITY);
     state->still = SLIP_STILL_SAMPLES;
     state->mean_move = SLIP_FILTERED_JUMP_LIMIT;
+    state->mean_score = SLIP_LOWEST_SCORE;
     state->settling = SLIP_SETTLING_TICKS;
     state->floor_ticks = -SLIP_SETTLE_TICKS;
 }

@@ -64,8 +64,8 @@ typedef struct slip_state {
     slip_real min_floor, min_upper_floor;                    /* lower bounds of the first two [V^2] */
     slip_real floor_ticks, on_ticks, lasting_ticks;          /* time of learning, of ON, of upper energy [ticks] */
     slip_real mean, mean_square;                             /* of the wide energy while ON */
-    slip_real smooth_score, confidence;                      /* confidence: from 1 on, slip turns ON */
-    slip_real heard_mean, heard_square, heard;               /* of the wide energy while heard; sum of its scores */
+    slip_real smooth_score, mean_score, confidence;          /* confidence: from 1 on, slip turns ON */
+    slip_real heard_mean, heard_square;                      /* of the wide energy while heard */
     slip_real ring[SLIP_RING];                               /* `slow` at every second tick [V] */
     int32_t last_tactile_code, rest_code;                    /* last sample and rest as codes of the converter */
     uint16_t limited;                                        /* samples for which the filtered signal is not used */

@@ -66,8 +66,6 @@ class FastOutput(DetectorOutput):
     """Statistic over threshold: from 1 on, slip turns ON."""
     incipient: NDArray[np.bool_]
     """True if slip may have begun: earlier than `on`, with more false alarms, and true as long as `on` is."""
-    incipient_threshold_v: Array
-    """Threshold of the statistic above which `incipient` begins, in the stated noise [V]."""
     is_replaced: NDArray[np.bool_]
     """True for 50 ms after a sample that was no voltage, or a glitch: the last one was used in its place."""
     is_outside: NDArray[np.bool_]
@@ -173,18 +171,12 @@ class FastDetector(Detector):
         m = self._model
         LOOP(self.coefficients, m.features, m.thresholds, m.leaves, stride, samples, filtered, self._state, rows, *out)
         wide, confidence, level, flags = out
-        early, bits = self._early_share * level, flags.astype(np.int8)
+        bits = flags.astype(np.int8)
         on, incipient, is_replaced, is_outside = (
             np.asarray(bits & int(flag) > 0)
             for flag in (fast_state.IS_ON, fast_state.IS_INCIPIENT, fast_state.IS_REPLACED, fast_state.IS_OUTSIDE)
         )
-        return FastOutput(confidence * level, level, on, wide, confidence, incipient, early, is_replaced, is_outside)
-
-    @property
-    def _early_share(self) -> float:
-        """Threshold of `incipient` over that of ON, in the stated noise."""
-        c = self.coefficients
-        return 1 - c.incipient_margin / (c.threshold - c.lowest_score)
+        return FastOutput(confidence * level, level, on, wide, confidence, incipient, is_replaced, is_outside)
 
     def _start(self, voltage_v: float, filtered_v: float | None) -> None:
         """Take the first sample for constant inputs until then: there is no difference, and nothing in the bands."""
@@ -195,6 +187,7 @@ class FastDetector(Detector):
         with_filtered = filtered_v is not None and settings.filtered is not None
         self.coefficients = c = fast_settings.compute_coefficients(settings, self._model, with_filtered)
         state[fast_state.INPUT] = voltage_v if abs(voltage_v) <= c.number_limit else 0.0
+        state[fast_state.MEAN_SCORE] = c.lowest_score
         state[fast_state.STEP] = state[fast_state.FILTERED_STEP] = math.inf
         state[fast_state.REST] = filtered_v if filtered_v is not None and abs(filtered_v) <= c.number_limit else 0.0
         state[fast_state.LEVEL] = state[fast_state.REST]
@@ -224,15 +217,11 @@ class FastDetector(Detector):
 class IncipientDetector(FastDetector):
     """Detector `fast` at its early operating point: ON from the first signs of slip."""
 
-    @property
-    def threshold_v(self) -> float:
-        return self._early_share * super().threshold_v
-
     def process(self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None = None) -> FastOutput:
         return self.select(super().process(voltage_v, filtered_v))
 
     def select(self, output: FastOutput) -> FastOutput:
-        return replace(output, on=output.incipient, threshold_v=output.incipient_threshold_v)
+        return replace(output, on=output.incipient)
 
     def step(self, voltage_v: float, filtered_v: float | None = None) -> bool:
         super().step(voltage_v, filtered_v)

@@ -74,8 +74,8 @@ class FastCoefficients(NamedTuple):
     noise_rise: float
     stay_threshold: float
     stay_ratio: float
-    heard_score: float
-    score_smoothing: float
+    mean_smoothing: float
+    hold_smoothing: float
     statistic_gain: float
     """Threshold in volts, divided by the root of the wide floor."""
     number_limit: float

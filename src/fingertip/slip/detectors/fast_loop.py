@@ -47,6 +47,7 @@ from fingertip.slip.detectors.fast_state import (
     LEVEL,
     LIMITED,
     MEAN_MOVE,
+    MEAN_SCORE,
     MOVE_S,
     MOVING_RATIO,
     NET_LONG,
@@ -291,11 +292,13 @@ def _fast_loop(
             excess = wide_floor / (NOISY_RATIO * c.min_floor) - 1.0
             input_excess = slow_floor / (NOISY_RATIO * c.wide_share * c.min_input_floor) - 1.0
             on_score = c.threshold + c.noise_rise * min(max(excess, input_excess, 0.0), 1.0)
-            confidence = max((score - c.lowest_score) / (on_score - c.lowest_score), 0.0)
+            mean_score = state[MEAN_SCORE] + c.mean_smoothing * (score - state[MEAN_SCORE])
+            state[MEAN_SCORE] = mean_score
+            confidence = max((mean_score - c.lowest_score) / (on_score - c.lowest_score), 0.0)
             has_ended = not wide_short > DECAY_RATIO * wide_long
             is_strong = (rows[at + 1] > c.stay_ratio or rows[at + 3] > c.stay_ratio) and not has_ended
             is_fading = not rows[at + 8] > FADE_RATIO
-            vibration = hear(c, score, rows[at + 1], rows[at + 3], is_fading, has_ended, rows[at + 2], state)
+            vibration = hear(c, rows[at + 1], rows[at + 3], is_fading, has_ended, rows[at + 2], state)
             is_moving = greatest > MOVING_RATIO * slow_floor and state[SETTLING] == 0.0
             may_learn = is_learned(rows[at + 1], rows[at + 3], is_moving, state)
             at += stride

@@ -32,10 +32,10 @@ STAY_SCORE = -1.0
 """Score above which slip stays incipient or ON, and the floors stand still."""
 STAY_RATIO = 2.0
 """Ratio of an energy of 20 ms to its floor above which vibration is heard, and slip stays ON if the trees allow it."""
-HEARD_SCORE = -1.75
-"""Score from which heard vibration speaks for slip; what it exceeds it by is summed up (`fast_state.EVIDENCE`)."""
-SCORE_S = 0.1
-"""Time constant with which the score is smoothed while ON and vibration is heard [s]."""
+MEAN_S = 0.018
+"""Time constant of the mean score, which decides ON: a blow has high scores for less than this [s]."""
+HOLD_S = 0.1
+"""Time constant with which the score is smoothed while a flag is set and vibration is heard [s]."""
 MIN_NOISE_SHARE = 0.5
 """Smallest noise that is learned, as a share of the stated noise: half of it was trained on."""
 MIN_NOISE_V_RTHZ = 1.26e-5
@@ -104,6 +104,8 @@ class FastSettings:
     """Samples by which its ticks come sooner: the detectors of a hand's fingers tick one sample apart."""
     suspects_jumps: bool = True
     """True if a jump waits for the next sample to confirm it. Not in the fit: all jumps of its signals are real."""
+    mean_s: float = MEAN_S
+    """Time constant of the mean score [s]: 0 in the fit, which judges each tick alone."""
 
     @classmethod
     def from_design(cls, design: Design, noise_v: float | None = None) -> FastSettings:
@@ -176,8 +178,8 @@ def compute_coefficients(
         noise_rise=settings.threshold_scale * model.noise_rise,
         stay_threshold=min(STAY_SCORE, threshold),
         stay_ratio=STAY_RATIO,
-        heard_score=LOWEST_SCORE + settings.threshold_scale * (HEARD_SCORE - LOWEST_SCORE),
-        score_smoothing=1 / (1 + SCORE_S * ticks_per_s),
+        mean_smoothing=1 / (1 + settings.mean_s * ticks_per_s),
+        hold_smoothing=1 / (1 + HOLD_S * ticks_per_s),
         statistic_gain=STATISTIC_RATIO,
         number_limit=NUMBER_RATIO * settings.noise_v,
         jump_limit=jump_ratios[0] * settings.noise_v,

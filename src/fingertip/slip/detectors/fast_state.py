@@ -50,8 +50,6 @@ UNHEARD_TICKS = 80.0
 """Ticks without vibration that ON outlasts: a weak slide falls below `stay_ratio` at times."""
 SURE_TICKS = 60.0
 """Ticks after which incipient slip is ON if its vibration lasts."""
-EVIDENCE = 55.0
-"""Sum of what scores exceed `FastCoefficients.heard_score` by at which slip is ON: 14 to 55 ticks on slides."""
 HOLD_SCORE = -2.0
 """Smoothed score above which vibration that lasts stays slip: of weak slides it is -1.6, of a hand's tremor -2.4."""
 AFTER_TICKS = 250.0
@@ -76,7 +74,7 @@ STEP, FILTERED_STEP, REST, LIMITED, FLOOR, UPPER_FLOOR, INPUT_FLOOR, FLOOR_TICKS
 ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(43, 52)
 INCIPIENT, LOW, LOW_1, LOW_2, LOW_PHASE, ROUGH, STILL, LASTING_TICKS = range(52, 60)
 REPLACED, OUTSIDE, MEAN_MOVE, INPUT_CHECK, FILTERED_CHECK, HELD = 60, 61, 62, 63, 66, 69
-HEARD_TICKS, HEARD_MEAN, HEARD_SQUARE, STEADY, HEARD, AFTER, LEVEL, STANDING, UNHEARD = range(70, 79)
+HEARD_TICKS, HEARD_MEAN, HEARD_SQUARE, STEADY, MEAN_SCORE, AFTER, LEVEL, STANDING, UNHEARD = range(70, 79)
 RING_START = 79
 STATES = RING_START + RING
 
@@ -178,17 +176,16 @@ def measure_changes(slow: float, state: MutableFloats) -> tuple[float, float, fl
 
 
 def hear(
-    c: FastCoefficients, score: float, upper: float, wide: float, is_fading: bool, has_ended: bool, wide_now: float,
+    c: FastCoefficients, upper: float, wide: float, is_fading: bool, has_ended: bool, wide_now: float,
     state: MutableFloats,
 ) -> int:  # fmt: skip
     """Follow vibration from the moment it is heard: `LASTS` if it may be what made slip incipient, `SURE` if no knock.
 
-    Of a real slide, whose friction moves the slow force, the trees say often that it is nearly slip: the sum of their
-    scores tells. `upper` and `wide` are the energies of 20 ms over their floors.
+    `upper` and `wide` are the energies of 20 ms over their floors.
     """
     is_heard = upper > c.stay_ratio and state[SETTLING] == 0.0
     if not is_heard and state[INCIPIENT] == 0.0:
-        state[HEARD] = state[HEARD_TICKS] = state[HEARD_MEAN] = state[HEARD_SQUARE] = state[STEADY] = 0.0
+        state[HEARD_TICKS] = state[HEARD_MEAN] = state[HEARD_SQUARE] = state[STEADY] = 0.0
         return 0
     state[HEARD_TICKS] += 1.0
     share = 1.0 / min(state[HEARD_TICKS], STEADY_TICKS)
@@ -198,7 +195,6 @@ def hear(
     is_steady = state[HEARD_SQUARE] - mean * mean < STEADY_RATIO * mean * mean
     state[STEADY] = state[STEADY] + 1.0 if is_steady else 0.0
     is_on = state[ON] > 0.0
-    state[HEARD] = 0.0 if is_on or is_steady else max(state[HEARD] + (score - c.heard_score), 0.0)
     state[UNHEARD] = 0.0 if is_heard or wide > c.stay_ratio else state[UNHEARD] + 1.0
     if has_ended or state[STEADY] > (STEADY_ON_TICKS if is_on else 0.0):
         return 0
@@ -216,16 +212,15 @@ def decide(
         state[INCIPIENT] = 0.0
     elif state[INCIPIENT] > 0.0:
         if state[UNHEARD] == 0.0:  # silence says nothing, and a strong slip no more than a weak one
-            state[SMOOTH_SCORE] += c.score_smoothing * (min(score, c.stay_threshold) - state[SMOOTH_SCORE])
+            state[SMOOTH_SCORE] += c.hold_smoothing * (min(score, c.stay_threshold) - state[SMOOTH_SCORE])
         smooth = state[SMOOTH_SCORE]
         stays = score > c.stay_threshold or (is_strong and smooth > c.stay_threshold)
         stays = stays or (vibration > 0 and smooth > HOLD_SCORE)
         state[INCIPIENT] = 1.0 if stays else 0.0
     else:
         state[SMOOTH_SCORE] = on_score - c.incipient_margin
-        state[INCIPIENT] = 1.0 if score > state[SMOOTH_SCORE] or state[HEARD] >= EVIDENCE else 0.0
-    lasts = state[ON_TICKS] >= SURE_TICKS or state[HEARD] >= EVIDENCE
-    is_sure = score > on_score or (vibration == SURE and lasts)
+        state[INCIPIENT] = 1.0 if score > state[SMOOTH_SCORE] or state[MEAN_SCORE] > on_score else 0.0
+    is_sure = state[MEAN_SCORE] > on_score or (vibration == SURE and state[ON_TICKS] >= SURE_TICKS)
     is_on = state[INCIPIENT] > 0.0 and (state[ON] > 0.0 or is_sure)
     state[ON] = 1.0 if is_on else 0.0
     state[AFTER] = AFTER_TICKS if is_on else max(state[AFTER] - 1.0, 0.0)

@@ -51,7 +51,7 @@ UNHEARD_TICKS = 80.0
 SURE_TICKS = 60.0
 """Ticks after which incipient slip is ON if its vibration lasts."""
 HOLD_SCORE = -2.0
-"""Smoothed score above which vibration that lasts stays slip: of weak slides it is -1.6, of a hand's tremor -2.4."""
+"""Smoothed score above which vibration that lasts stays slip: a lower one keeps a hand's tremor for longer."""
 AFTER_TICKS = 250.0
 """Ticks after ON for which floors stand: a slide falters."""
 JUMP_MOVES = 8.0

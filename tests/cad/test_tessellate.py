@@ -51,6 +51,14 @@ def test_mesh_is_closed_and_has_the_exact_volume(solid: Primitive, volume: float
     assert m.volume() > 0
 
 
+@pytest.mark.parametrize(("solid", "volume"), EXACT[1:3] + EXACT[4:])
+def test_volume_error_is_proportional_to_the_tolerance(solid: Primitive, volume: float) -> None:
+    """Chords shrink with the root of the tolerance, and the error is of second order in the chord length."""
+    errors = [abs(mesh(solid, tolerance).volume() - volume) for tolerance in (0.04, 0.01, 0.0025)]
+    for coarse, fine in itertools.pairwise(errors):
+        assert 3.0 < coarse / fine < 5.4
+
+
 @pytest.mark.every_case
 @pytest.mark.parametrize("weight", [0.5, 0.7071, 1.3, 4.0])
 @pytest.mark.parametrize("tolerance", [0.1, 0.01, 0.001])

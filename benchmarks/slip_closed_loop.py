@@ -34,8 +34,8 @@ HANDS = {
     "tremor of an able hand": (Tremor(share=0.01, voluntary_share=0.045), Servo()),
     "servo in steps of 30 mN": (Tremor(), Servo(step_n=0.03, rise_s=0.01, interval_s=0.3)),
 }
-DETECTORS = {"fast": (0.8, 0.86, 1.0, 1.2), "digital": (1.0, 2.0, 4.0), "fft": (1.0, 2.0, 4.0)}
-"""Detector -> factors of its threshold. 0.86 of that of `fast` is its early point."""
+DETECTORS = {"fast": (0.8, 1.0, 1.2), "digital": (1.0, 2.0, 4.0), "fft": (1.0, 2.0, 4.0)}
+"""Detector -> factors of its threshold."""
 OUTPUTS = ["voltage_v", "force_n", "slip", "closing_m", "object_m"]
 HOLD_S = 10.0
 _RATE_HZ = 1000.0

@@ -31,7 +31,7 @@ _STYLES = {
     "cusum": (BLUE, "<"), "recurrent": (PURPLE, "P"), "ratio": (REFERENCE, ">"),
 }  # fmt: skip
 _WITHOUT_CURVE = ("incipient",)
-"""Detectors that share the curve of `fast`: the same state machine with a lower threshold."""
+"""Detectors without a curve: `incipient` judges each score, and its threshold has one value."""
 _SHOWN_MS = 2.0, 300.0
 """Delays that the picture shows [ms]."""
 

@@ -33,8 +33,8 @@ TREES = 88
 ROUNDS = 4
 LEARNING_RATE = 0.2
 THRESHOLD, NOISE_RISE, INCIPIENT_THRESHOLD = 0.1, 0.3, 1.0
-"""Score above which slip is ON, its rise in more noise than stated, and score above which slip may begin. They were
-chosen on tuning seeds of `benchmarks/slip_robustness.py` and on drawn signals with other seeds than the fit's."""
+"""Mean score from which slip is ON, its rise in more noise than stated, and score from which slip may begin. They were
+chosen on the real slides for tuning and on a seed of the held-out signals that does not judge."""
 ROUND_THRESHOLD, ROUND_INCIPIENT_THRESHOLD = 1.4, 0.7
 """Scores of the detector of the round before: above the first, a row without slip counts as its false alarm."""
 SEEDS = {"simulated": FIRST_SEED, "drawn": DISTURBANCES_FROM, "manipulations": MANIPULATIONS_FROM}

@@ -17,7 +17,7 @@ afterwards. They stand still while the force changes, while the trees take what 
 vibration above 4 times a floor, unless it is a tone or the force has stood still for 2 s of it. They are never below
 the noise of a converter halfway between two codes.
 
-Slip is incipient from a first score on, and ON from a higher one. Both last while the energy of 20 ms is above the
+Slip is incipient from one score on, and ON from one mean score on. Both last while the energy of 20 ms is above the
 floors, short silences apart, and the trees agree on average. Only a tone, whose energy hardly varies, is unlearned.
 """
 

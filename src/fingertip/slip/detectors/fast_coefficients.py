@@ -244,7 +244,7 @@ class FastModel:
     offset: float
     """Score before the first tree."""
     threshold: float
-    """Score above which slip is ON, in the stated noise."""
+    """Mean score above which slip is ON, in the stated noise."""
     noise_rise: float
     """Rise of this threshold in more noise."""
     incipient_threshold: float

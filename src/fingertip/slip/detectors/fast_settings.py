@@ -33,7 +33,7 @@ STAY_SCORE = -1.0
 STAY_RATIO = 2.0
 """Ratio of an energy of 20 ms to its floor above which vibration is heard, and slip stays ON if the trees allow it."""
 MEAN_S = 0.018
-"""Time constant of the mean score, which decides ON: a blow has high scores for less than this [s]."""
+"""Time constant of the mean score, which decides ON: most blows have high scores for less than this [s]."""
 HOLD_S = 0.1
 """Time constant with which the score is smoothed while a flag is set and vibration is heard [s]."""
 MIN_NOISE_SHARE = 0.5

@@ -96,7 +96,7 @@ install_all() {
 }
 
 # Only a change of these files needs pip; what pip did last is noted in .venv.
-done_with=$(cat pyproject.toml constraints-hashes.txt src/fingertip/foundation/version.py | cksum)
+done_with=$(cat pyproject.toml constraints-hashes.txt src/fingertip/__init__.py | cksum)
 noted=$(cat .venv/installed 2>/dev/null || true)
 noted_level=0
 case "$noted" in "$done_with "[1-4]) noted_level=${noted##* } ;; esac

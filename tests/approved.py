@@ -19,7 +19,7 @@ from typing import Any
 
 import pytest
 
-from fingertip.foundation.version import __version__
+from fingertip import __version__
 
 _HEADING = re.compile(r"Differences from (.+):\n")
 _QUOTED = re.compile(r"'[^']*'")

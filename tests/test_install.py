@@ -102,9 +102,9 @@ c==1 \\
 def checkout(tmp_path: Path) -> Path:
     """A folder with install.sh and a .venv whose Python only notes what pip is asked for."""
     (tmp_path / ".venv/bin").mkdir(parents=True)
-    (tmp_path / "src/fingertip/foundation").mkdir(parents=True)
+    (tmp_path / "src/fingertip").mkdir(parents=True)
     (tmp_path / "install.sh").write_bytes(INSTALL.read_bytes())
-    for name in ("pyproject.toml", "src/fingertip/foundation/version.py"):
+    for name in ("pyproject.toml", "src/fingertip/__init__.py"):
         (tmp_path / name).write_text(name, encoding="utf-8")
     (tmp_path / "constraints-hashes.txt").write_text(LIST, encoding="utf-8")
     set_python(tmp_path, "cpython-311-x86_64-linux-gnu x86_64")

@@ -29,10 +29,10 @@ from benchmarks.peers.options import SOLVE_IVP
 from benchmarks.peers.scipy_solvers import Segment, System, scipy_version, solve_with_scipy
 from benchmarks.peers.spice import Spice, gain
 from benchmarks.peers.work_precision import Job, Outcome, WorkPrecision
+from fingertip import __version__
 from fingertip.design import Design
 from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.version import __version__
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.envelope_loop import wright_omega
 from fingertip.sim.signal.filter_board import simulate_board

@@ -20,10 +20,10 @@ from benchmarks.peers.native import NativeSolver, NativeSolvers
 from benchmarks.peers.options import SOLVE_IVP
 from benchmarks.peers.scipy_solvers import Segment, System, scipy_version, solve_with_scipy
 from benchmarks.peers.work_precision import Job, Outcome, WorkPrecision
+from fingertip import __version__
 from fingertip.design import Design
 from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.version import __version__
 from fingertip.pad.response import Backing, Pad
 from fingertip.sim.contact.coupled import NormalContact, integrate
 from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction

@@ -16,7 +16,7 @@ function with a check of the types of its arguments.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from fingertip.foundation.version import __version__
+__version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from fingertip.board import BoardValues, board_values

@@ -9,7 +9,7 @@ import pytest
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.components.values import VARIANT_CHANGES
-from fingertip.board.kicad.netlist import REVISION, SEVERAL_REVISION
+from fingertip.board.kicad.netlist import REVISION, SEVERAL_REVISION, symbol_fields
 from fingertip.board.kicad.project import (
     IGNORED_IN_SCHEMATIC,
     IGNORED_ON_BOARD,
@@ -21,7 +21,6 @@ from fingertip.board.kicad.project import (
     read_archive,
 )
 from fingertip.board.parts.circuit import Circuit
-from fingertip.board.parts.select_part import symbol_fields
 from fingertip.catalogues.output_files import LAYOUT, SCHEMATIC
 from fingertip.foundation.errors import BoardError
 from tests.designs import load_article

@@ -98,6 +98,11 @@ def test_a_load_that_no_fit_makes_a_finger_hold_is_refused_with_one_that_does() 
     assert assess_strength(Design(**fit.tables.model_dump()), MeshEvaluator(0.02)).grip_safety_factor >= 2.0
 
 
+def test_skin_becomes_as_thick_as_a_rough_mold_asks() -> None:
+    fit = fit_finger(tables("fsr400", **{"printer.surface_error_mm": 0.13}), ["printer.surface_error_mm"])
+    assert fit.tables.value("skin.thickness_palmar_mm") == 3.6  # its core is off by 0.360 mm, a tenth at most
+
+
 @pytest.mark.full
 def test_most_designs_near_bundled_ones_are_fitted_and_remedies_pass() -> None:
     found = [judge(number, "few", 11)[0] for number in range(20)]

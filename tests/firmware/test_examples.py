@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fingertip import __version__
 from fingertip.design import Design
 from fingertip.firmware.fingers import Fingers, plan_fingers
 from fingertip.firmware.sources import library_settings
-from fingertip.foundation.version import __version__
 from fingertip.slip.detectors.fast import FastDetector
 from fingertip.tasks.firmware import write_firmware
 from tests.firmware.conftest import INSTALL, Library

@@ -15,9 +15,9 @@ from fingertip.pad.response import Pad
 from fingertip.sim import ManipulationFile, article_manipulations, run_manipulation
 from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
 from fingertip.sim.contact.tangential import Mount
-from fingertip.sim.runs.files import Hand
 from fingertip.sim.runs.grasp_loop import Grasp, HeldObject, Pin, refine
 from fingertip.sim.runs.hand import Motors, delay_commands, plan_motion, thumb_force_n
+from fingertip.sim.runs.scene_and_manipulation_files import Hand
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.grid import BASE_HZ, Grid

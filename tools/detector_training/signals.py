@@ -25,8 +25,8 @@ from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES, nominal_duration_s
 from fingertip.sim import SceneFile
 from fingertip.sim.contact.materials import SurfaceTable
-from fingertip.sim.runs.files import DIRECTIONS
 from fingertip.sim.runs.pose import GRASP_POSE
+from fingertip.sim.runs.scene_and_manipulation_files import DIRECTIONS
 from fingertip.sim.simulation import article_trials
 from tools.detector_training.disturbances import SLOW_SLIDES, generate_disturbances
 

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fingertip import __version__
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.print_files import PrintFiles
@@ -19,7 +20,6 @@ from fingertip.catalogues.output_files import ASSEMBLY, PRINT_FOLDER
 from fingertip.design import Design
 from fingertip.foundation.display import Picture, html_table, to_dataframe
 from fingertip.foundation.files import round_for_output
-from fingertip.foundation.version import __version__
 from fingertip.pad.survey import survey_pad
 
 if TYPE_CHECKING:

@@ -16,6 +16,7 @@ from collections.abc import Callable, Sequence
 
 import typer
 
+from fingertip import __version__
 from fingertip.cli.accuracy import accuracy
 from fingertip.cli.bench import record
 from fingertip.cli.board import board
@@ -34,7 +35,6 @@ from fingertip.cli.pad import pad
 from fingertip.cli.simulate import simulate
 from fingertip.cli.sweep import sweep
 from fingertip.foundation.errors import FingertipError, Issue
-from fingertip.foundation.version import __version__
 
 app = typer.Typer(
     name="fingertip",

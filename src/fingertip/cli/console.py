@@ -20,9 +20,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import typer
 
+from fingertip import __version__
 from fingertip.foundation.errors import FingertipError, Issue, OutputError, escape_control, escape_message, shorten
 from fingertip.foundation.progress import ShareText, format_duration
-from fingertip.foundation.version import __version__
 
 if TYPE_CHECKING:
     from fingertip.design.fit import Move

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from importlib import resources
 from typing import Any
 
+from fingertip import __version__
 from fingertip.board.components.values import SUPPLIES, VARIANT_CHANGES
 from fingertip.catalogues.electronics import ControllerBoard
 from fingertip.design import Design
 from fingertip.foundation.files import encode_json
-from fingertip.foundation.version import __version__
 
 NAME = "FingertipSlip"
 _SUMMARY = "Slip detector of a prosthetic fingertip."

@@ -11,15 +11,15 @@ from importlib import resources
 from string import Template
 from typing import Any
 
+from fingertip import __version__
 from fingertip.board.analysis.board_values import find_tactile_response
 from fingertip.catalogues.electronics import HYSTERESIS
 from fingertip.catalogues.output_files import BUFFER, HAND, SCAN, TIMER
 from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
 from fingertip.firmware.fingers import CONVERSIONS, GENERIC, TASK_CONVERSIONS, Fingers
-from fingertip.foundation.version import __version__
 from fingertip.sim.runs.grip import HISTORY, LONGEST_STEP_S, MIN_PRESENT_N, ForceCurve, GripSettings
-from fingertip.slip.detectors import fast_state
+from fingertip.slip.detectors import fast_decision_and_floors, fast_state
 from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.detectors.fast_coefficients import NODES, FastModel, load_model
 from fingertip.slip.detectors.fast_settings import REST_SHARE, STILL_S, FastSettings, FilteredSignal
@@ -30,7 +30,7 @@ _COUNTS = (
 )
 """Coefficients that count samples or ticks: constants without decimals."""
 _TICKS = "LOW_TICKS STEADY_ON_TICKS AFTER_TICKS STANDING_TICKS UNHEARD_TICKS"
-"""The same among the limits of `fast_state`."""
+"""The same among the limits of the loop."""
 
 
 def real(value: float) -> str:
@@ -44,8 +44,9 @@ def _render_constants(design: Design) -> str:
     c, state, rate = detector.coefficients, detector.state, detector.coefficients.sample_rate_hz
     step_v = converter.adc_step_v
     sections: dict[str, Any] = {name: value for name, value in c._asdict().items() if isinstance(value, tuple)}
+    limits = {**vars(fast_state), **vars(fast_decision_and_floors)}
     values: dict[str, Any] = {
-        **vars(fast_state),
+        **limits,
         **{name.upper(): value for name, value in c._asdict().items()},
         **{f"{name}_{key}".upper(): term for name, one in sections.items() for key, term in one._asdict().items()},
         "FILTERED_GAIN": both.coefficients.filtered_gain,
@@ -58,8 +59,8 @@ def _render_constants(design: Design) -> str:
         "LEVEL_SHARE": 1 / (STILL_S * rate),
         "SETTLING_TICKS": round(state[fast_state.SETTLING]),
         "SETTLE_TICKS": -state[fast_state.FLOOR_TICKS],
-        **{name: round(getattr(fast_state, name)) for name in _TICKS.split()},
-        "STEADY_COUNT": round(fast_state.STEADY_TICKS),
+        **{name: round(limits[name]) for name in _TICKS.split()},
+        "STEADY_COUNT": round(limits["STEADY_TICKS"]),
         "STATED_WIDE": state[fast_state.FLOOR],
         "STATED_UPPER": state[fast_state.UPPER_FLOOR],
         "STATED_INPUT": state[fast_state.INPUT_FLOOR],

@@ -17,11 +17,11 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from fingertip import __version__
 from fingertip.foundation import folder_swap, input_files
 from fingertip.foundation.errors import InputFileError, Issue, OutputError, raise_issues
 from fingertip.foundation.files import encode_json, write_file
 from fingertip.foundation.folder_swap import Content, hash_content, is_folder, lock, output_errors, recover
-from fingertip.foundation.version import __version__
 
 _NAME = "trial"
 

@@ -9,11 +9,11 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from fingertip import __version__
 from fingertip.board.circuits.channels import split_name
 from fingertip.board.fabrication.bom import list_bom
 from fingertip.board.kicad.placement import Box, PlacedPart, Placement
 from fingertip.board.parts.circuit import Circuit, Component
-from fingertip.foundation.version import __version__
 from fingertip.pictures.drawing.primitives import Primitive, Ring, Sheet, Style, Text, line, rectangle, text_width
 
 SCALE = 5.0

@@ -8,10 +8,10 @@ slips and a trace for a detector go out. `load_simulation` reads them as ``finge
 20000.0
 """
 
-from fingertip.sim.runs.files import ManipulationFile, SceneFile
 from fingertip.sim.runs.hand import Controller, Observation
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.runs.scene import SceneRecord, SceneResult, run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
 from fingertip.sim.signal.grid import Grid
 from fingertip.sim.simulation import Simulation, Trial, article_manipulations, load_simulation, simulate
 

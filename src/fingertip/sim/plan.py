@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from fingertip.foundation import jit
-from fingertip.sim.runs.files import ManipulationFile
 from fingertip.sim.runs.manipulation import advance_as_planned, start_manipulation
 from fingertip.sim.runs.scene import COMPILE_FROM_S, SceneRun
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile
 from fingertip.sim.signal.grid import STAGES, CostMeter, StageCost
 from fingertip.sim.simulation import Simulation
 

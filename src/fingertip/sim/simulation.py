@@ -21,10 +21,10 @@ from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import FingertipError, Issue, TraceError, checked, gather, raise_issues
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES, SurfaceFile, find_profile_warnings
-from fingertip.sim.runs.files import ManipulationFile, SceneFile
 from fingertip.sim.runs.hand import Controller
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.runs.scene import SceneRecord, SceneResult, run_scene, select_columns, stream_scene
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
 from fingertip.sim.runs.timeline import SLIDE_M
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.trace_file import open_trace, write_columns

@@ -241,7 +241,7 @@ def _is_finite(value: Any) -> bool:
 
 def _load_scene_models() -> tuple[type[BaseModel], type[BaseModel]]:
     """Models of a scene and of a manipulation; they import the whole simulation, which most sweeps do not use."""
-    from fingertip.sim.runs.files import ManipulationFile, SceneFile  # noqa: PLC0415
+    from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile  # noqa: PLC0415
 
     return SceneFile, ManipulationFile
 

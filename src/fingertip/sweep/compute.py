@@ -20,7 +20,7 @@ from fingertip.sweep.sweep_file import SweepFile
 if TYPE_CHECKING:
     from fingertip.cad.kernel.mesh import Mesh
     from fingertip.design.finger_set import FingerSet
-    from fingertip.sim.runs.files import SceneFile
+    from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
     from fingertip.slip.traces.trace import Trace
     from fingertip.sweep.designs import CachedEvaluator
 

@@ -14,9 +14,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from fingertip import __version__
 from fingertip.foundation import extras
 from fingertip.foundation.errors import Issue, SweepError
-from fingertip.foundation.version import __version__
 from fingertip.foundation.workers import Pool
 
 _CONNECT_TIMEOUT_S = 4.0

@@ -34,7 +34,7 @@ from fingertip.sweep.outputs import TRACES, OutputGroup, check_outputs, find_gro
 from fingertip.sweep.sweep_file import MAX_POINTS, MAX_SAMPLED_VALUES, SweepFile
 
 if TYPE_CHECKING:
-    from fingertip.sim.runs.files import SceneFile
+    from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 
 FITTED = "fitted."
 """Beginning of the name of a column that holds what a fit has moved."""
@@ -81,7 +81,7 @@ class SweepPlan:
         issues += design_issues
         scene = None
         if scene_tables is not None:
-            from fingertip.sim.runs.files import SceneFile  # noqa: PLC0415
+            from fingertip.sim.runs.scene_and_manipulation_files import SceneFile  # noqa: PLC0415
 
             with gather(issues, "scene."):
                 scene = SceneFile(**scene_tables)

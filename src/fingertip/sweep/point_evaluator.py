@@ -30,7 +30,7 @@ from fingertip.sweep.outputs import TRACES, OutputGroup
 from fingertip.sweep.plan import FITTED, SweepPlan
 
 if TYPE_CHECKING:
-    from fingertip.sim.runs.files import SceneFile
+    from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
     from fingertip.slip.traces.trace import Trace
 
 
@@ -136,7 +136,7 @@ class PointEvaluator:
             with gather(issues):
                 fingers = build_set(self.plan.file.design["name"], self.plan.file.design["side"], built)
         if self._scene is not None:
-            from fingertip.sim.runs.files import SceneFile  # noqa: PLC0415
+            from fingertip.sim.runs.scene_and_manipulation_files import SceneFile  # noqa: PLC0415
 
             scene_changes = {n.removeprefix("scene."): v for n, v in changes.items() if n.startswith("scene.")}
             with gather(issues, "scene."):

@@ -27,8 +27,8 @@ from fingertip.page.html import Markup
 from fingertip.page.pad_section import render_pad
 from fingertip.page.render import Prepared, prepare_page
 from fingertip.pictures.drawing.draw import file_names
-from fingertip.sim.runs.files import SceneFile
 from fingertip.sim.runs.scene import run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from fingertip.sim.simulation import load_simulation
 from fingertip.sim.trace_file import encode_trace
 from fingertip.slip.detectors.registry import find_second_column

@@ -24,7 +24,7 @@ from fingertip.board.circuits.channels import find_symbol, name_sheet
 from fingertip.board.kicad.sexpr import Expression, format_expression, quote, read_expression
 from fingertip.board.parts.circuit import Circuit, Component, Symbol, reference_sort_key
 from fingertip.board.parts.nets import kicad_net_name
-from fingertip.board.parts.select_part import symbol_fields
+from fingertip.board.parts.select_part import select_part
 from fingertip.catalogues.output_files import CHANNEL_SHEET
 from fingertip.foundation.errors import join_words
 
@@ -95,6 +95,11 @@ def _component(circuit: Circuit, component: Component) -> Expression:
         ("sheetpath", *_texts(names=sheet, tstamps=tstamps)),
         *_texts(tstamps=component_uuid(circuit, own_name)),
     )
+
+
+def symbol_fields(component: Component) -> dict[str, str]:
+    """Fields of a component's symbol and footprint apart from KiCad's own: its role, and the numbers of its part."""
+    return {"Role": component.role, **(select_part(component).fields if component.rating else {})}
 
 
 def _libpart(symbol: Symbol) -> Expression:

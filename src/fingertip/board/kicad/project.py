@@ -18,9 +18,9 @@ from pathlib import Path
 from fingertip.board.circuits.channels import PLACES, find_symbol, name_part, name_sheet, split_name
 from fingertip.board.kicad import sexpr
 from fingertip.board.kicad.back_print import print_values
+from fingertip.board.kicad.netlist import symbol_fields
 from fingertip.board.kicad.placement import Placement, read_placement, read_reference
 from fingertip.board.parts.circuit import Circuit, Component, Symbol
-from fingertip.board.parts.select_part import symbol_fields
 from fingertip.catalogues.output_files import LAYOUT, PROJECT, SCHEMATIC
 from fingertip.foundation.errors import BoardError
 

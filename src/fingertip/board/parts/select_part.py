@@ -118,11 +118,6 @@ def select_part(component: Component) -> Selection:
     return Selection(part, alternate, unsure if part.lcsc else reason or NO_LCSC)
 
 
-def symbol_fields(component: Component) -> dict[str, str]:
-    """Fields of a component's symbol and footprint apart from KiCad's own: its role, and the numbers of its part."""
-    return {"Role": component.role, **(select_part(component).fields if component.rating else {})}
-
-
 def find_resistors(ohm: float, requirement: ResistorRequirement) -> Iterator[ChipResistor]:
     """Find the chip resistors that meet a requirement, each once: the table's, then those with an ordering code."""
     listed = [item for item in load_table(ChipResistor, "resistors.csv") if abs(item.ohm / ohm - 1.0) < _ROUNDING]

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import Any
 
+from fingertip import __version__
 from fingertip.foundation import extras
-from fingertip.foundation.version import __version__
 from fingertip.pictures.drawing.primitives import Arrow, Hatch, Point, Polyline, Primitive, Ring, Sheet, Style, Text
 
 _POINTS_PER_MM = 72.0 / 25.4

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from fingertip import __version__
 from fingertip.design.geometry.sizes import GENERAL, PartDrawing, general
-from fingertip.foundation.version import __version__
 from fingertip.pictures.drawing.dimensioning import TEXT_MM
 from fingertip.pictures.drawing.primitives import Polyline, Primitive, Ring, Styles, Text, line, rectangle, text_width
 

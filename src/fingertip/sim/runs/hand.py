@@ -15,7 +15,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.vibration import smoothstep
-from fingertip.sim.runs.files import GraspedObject, Hand, ManipulationFile
+from fingertip.sim.runs.scene_and_manipulation_files import GraspedObject, Hand, ManipulationFile
 from fingertip.sim.runs.timeline import OPEN_S, TrapezoidalMove, find_trigger_s
 from fingertip.sim.signal.grid import BASE_HZ
 from fingertip.sim.signal.parameters import ACCELERATION_M_S2

@@ -28,8 +28,8 @@ from fingertip.foundation.errors import Issue, TraceError, checked, raise_issues
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import round_down, round_up
 from fingertip.pad.response import Pad
-from fingertip.sim.runs.files import GraspedObject, Hand, ManipulationFile
 from fingertip.sim.runs.hand import Controller, MotionPlan, Observation, delay_commands, plan_motion, thumb_force_n
+from fingertip.sim.runs.scene_and_manipulation_files import GraspedObject, Hand, ManipulationFile
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.signal.grid import CostMeter, Grid, StageCost, report_share
 from fingertip.slip.traces.trace import Trace

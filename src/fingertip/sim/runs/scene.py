@@ -28,7 +28,7 @@ from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
 from fingertip.sim.contact.materials import SurfaceTable
 from fingertip.sim.contact.surfaces import SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
-from fingertip.sim.runs.files import DIRECTIONS, SceneFile
+from fingertip.sim.runs.scene_and_manipulation_files import DIRECTIONS, SceneFile
 from fingertip.sim.runs.timeline import CoupledPad, Timeline, UncoupledPad, build_timeline, mount_pad
 from fingertip.sim.runs.tremor import HandMotion, largest_factor
 from fingertip.sim.signal.finger import OF_BRIDGE, OF_CONTACT, Finger, FingerDrive, FingerSetup, FingerSignals

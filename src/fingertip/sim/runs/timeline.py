@@ -19,7 +19,7 @@ from fingertip.pad.response import Pad
 from fingertip.sim.contact import coupled
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion
 from fingertip.sim.contact.vibration import smoothstep, transmit
-from fingertip.sim.runs.files import Motor, SceneFile, Slide, Tap
+from fingertip.sim.runs.scene_and_manipulation_files import Motor, SceneFile, Slide, Tap
 from fingertip.sim.signal.bridge import Bridge, reads_whole_finger
 from fingertip.sim.signal.finger import FingerDrive, FingerSetup
 from fingertip.sim.signal.grid import CostMeter, Grid

@@ -16,6 +16,7 @@ import math
 
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.slip.detectors.fast_coefficients import FastCoefficients
+from fingertip.slip.detectors.fast_decision_and_floors import decide, hear, is_learned, learn_floors, unlearn_tone
 from fingertip.slip.detectors.fast_state import (
     AFTER,
     BEGUN,
@@ -88,15 +89,10 @@ from fingertip.slip.detectors.fast_state import (
     WIDE_LONG,
     WIDE_SHORT,
     check_sample,
-    decide,
     evaluate_trees,
     filter_second,
     find_lowest,
-    hear,
-    is_learned,
-    learn_floors,
     measure_changes,
-    unlearn_tone,
 )  # fmt: skip
 
 

@@ -137,11 +137,11 @@
 #define SLIP_FADE_RATIO $FADE_RATIO
 #define SLIP_STEADY_RATIO $STEADY_RATIO
 
-/* Scores: before the first tree; of confidence 0; for ON; by how much less for incipient slip; rise in noise; for staying; smoothing of the mean, and while a flag is set; of a hold. */
+/* Scores: before the first tree; of confidence 0; for ON; by how much more for incipient slip; rise in noise; for staying; smoothing of the mean, and while a flag is set; of a hold. */
 #define SLIP_OFFSET $OFFSET
 #define SLIP_LOWEST_SCORE $LOWEST_SCORE
 #define SLIP_ON_SCORE $THRESHOLD
-#define SLIP_INCIPIENT_MARGIN $INCIPIENT_MARGIN
+#define SLIP_INCIPIENT_RISE $INCIPIENT_RISE
 #define SLIP_NOISE_RISE $NOISE_RISE
 #define SLIP_STAY_SCORE $STAY_THRESHOLD
 #define SLIP_MEAN_SMOOTHING $MEAN_SMOOTHING

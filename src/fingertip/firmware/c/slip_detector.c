@@ -261,7 +261,7 @@ static void tick(slip_state *state, slip_real slope) {
         state->incipient = score > SLIP_STAY_SCORE || (is_strong && state->smooth_score > SLIP_STAY_SCORE)
             || (vibration != NONE && state->smooth_score > SLIP_HOLD_SCORE);
     } else {
-        state->smooth_score = on_score - SLIP_INCIPIENT_MARGIN;
+        state->smooth_score = on_score + SLIP_INCIPIENT_RISE;
         state->incipient = score > state->smooth_score || state->mean_score > on_score;
     }
     state->on = state->incipient

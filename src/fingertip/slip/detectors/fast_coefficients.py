@@ -70,7 +70,7 @@ class FastCoefficients(NamedTuple):
     offset: float
     lowest_score: float
     threshold: float
-    incipient_margin: float
+    incipient_rise: float
     noise_rise: float
     stay_threshold: float
     stay_ratio: float

@@ -43,7 +43,7 @@ UNHEARD_TICKS = 80.0
 """Ticks without vibration that ON outlasts: a weak slide falls below `stay_ratio` at times."""
 SURE_TICKS = 60.0
 """Ticks after which incipient slip is ON if its vibration lasts."""
-HOLD_SCORE = -2.0
+HOLD_SCORE = -1.8
 """Smoothed score above which vibration that lasts stays slip: a lower one keeps a hand's tremor for longer."""
 AFTER_TICKS = 250.0
 """Ticks after ON for which floors stand: a slide falters."""
@@ -93,7 +93,7 @@ def decide(
         stays = stays or (vibration > 0 and smooth > HOLD_SCORE)
         state[INCIPIENT] = 1.0 if stays else 0.0
     else:
-        state[SMOOTH_SCORE] = on_score - c.incipient_margin
+        state[SMOOTH_SCORE] = on_score + c.incipient_rise
         state[INCIPIENT] = 1.0 if score > state[SMOOTH_SCORE] or state[MEAN_SCORE] > on_score else 0.0
     is_sure = state[MEAN_SCORE] > on_score or (vibration == SURE and state[ON_TICKS] >= SURE_TICKS)
     is_on = state[INCIPIENT] > 0.0 and (state[ON] > 0.0 or is_sure)

@@ -174,7 +174,7 @@ def compute_coefficients(
         offset=model.offset,
         lowest_score=LOWEST_SCORE,
         threshold=threshold,
-        incipient_margin=settings.threshold_scale * (model.threshold - model.incipient_threshold),
+        incipient_rise=settings.threshold_scale * (model.incipient_threshold - model.threshold),
         noise_rise=settings.threshold_scale * model.noise_rise,
         stay_threshold=min(STAY_SCORE, threshold),
         stay_ratio=STAY_RATIO,

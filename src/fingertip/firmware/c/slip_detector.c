@@ -262,7 +262,7 @@ static void tick(slip_state *state, slip_real slope) {
             || (vibration != NONE && state->smooth_score > SLIP_HOLD_SCORE);
     } else {
         state->smooth_score = on_score + SLIP_INCIPIENT_RISE;
-        state->incipient = score > state->smooth_score || state->mean_score > on_score;
+        state->incipient = score > state->smooth_score || lesser(score, state->mean_score) > on_score;
     }
     state->on = state->incipient
         && (state->on || state->mean_score > on_score

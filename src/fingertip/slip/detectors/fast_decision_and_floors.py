@@ -94,7 +94,8 @@ def decide(
         state[INCIPIENT] = 1.0 if stays else 0.0
     else:
         state[SMOOTH_SCORE] = on_score + c.incipient_rise
-        state[INCIPIENT] = 1.0 if score > state[SMOOTH_SCORE] or state[MEAN_SCORE] > on_score else 0.0
+        is_begun = score > state[SMOOTH_SCORE] or min(score, state[MEAN_SCORE]) > on_score
+        state[INCIPIENT] = 1.0 if is_begun else 0.0
     is_sure = state[MEAN_SCORE] > on_score or (vibration == SURE and state[ON_TICKS] >= SURE_TICKS)
     is_on = state[INCIPIENT] > 0.0 and (state[ON] > 0.0 or is_sure)
     state[ON] = 1.0 if is_on else 0.0

@@ -362,7 +362,7 @@ def test_vibration_that_lasts_keeps_what_the_trees_began(kind: str, lasts: bool)
     also in 0.2 s of silence and for 0.5 s after it; a tone and what fades do not.
     """
     model = replace(ask_one_question(), threshold=20.0, incipient_threshold=-1.5)
-    model = replace(model, thresholds=np.full(NODES, 100.0), leaves=np.where(model.leaves > 0, -1.4, -1.9))
+    model = replace(model, thresholds=np.full(NODES, 100.0), leaves=np.where(model.leaves > 0, -1.4, -1.7))
     detector = FastDetector(FastSettings(RATE_HZ, NOISE_V), model)
     detector.process(4.0 + white_noise(4000))
     time_s = np.arange(2000) / RATE_HZ

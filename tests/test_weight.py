@@ -8,7 +8,7 @@ import pytest
 
 from tests.conftest import ROOT
 
-CEILINGS = {"src": 61_760, "modules": 364, "tests": 33_000, "approved": 14_000, "moved": 2_570, "templates": 301}
+CEILINGS = {"src": 61_760, "modules": 364, "tests": 33_000, "approved": 14_000, "moved": 2_400, "templates": 289}
 MOVED = ("slip/mix.py", "slip/mix_signals.py", "slip/__main__.py", "peers/__main__.py", "command.py")
 """What of `benchmarks` was in the wheel before."""
 

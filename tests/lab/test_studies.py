@@ -26,7 +26,6 @@ from tools.article.protocol import (
     DEVICES,
     MOVED_M,
     ProtocolStudy,
-    compute_spectra,
     find_encoder_zero_s,
     study_article_protocol,
     study_windows,
@@ -39,7 +38,6 @@ from tools.article.sensitivity import (
     Variation,
     change_converter,
     measure_envelope_v,
-    study_accelerations,
     study_assumptions,
 )
 from tools.article.steps import COMPARED, _find_shift_s, _pool_shifts, compare_grids, study_sampling_rates
@@ -250,36 +248,10 @@ def test_longer_window_is_later_and_has_fewer_contact_alarms():
 
 
 @pytest.mark.full
-def test_skin_attenuates_high_frequencies():
-    embedded, bare = compute_spectra(ARTICLE)
-    assert embedded.share_above(200.0) < 0.02 < bare.share_above(200.0)
-    assert embedded.share_above(20.0) == pytest.approx(1.0)
-    # above 600 Hz the density is that of the ADC's noise and quantisation
-    noise = float(np.median(embedded.power_v2_hz[embedded.frequency_hz > 600]))
-    assert noise * 1000 == pytest.approx(4e-4**2 + (20 / 65536) ** 2 / 12, rel=0.3)
-
-
-@pytest.mark.full
-def test_larger_acceleration_shortens_the_delay_of_the_bound_and_of_the_chain():
-    """`fast` takes an abrupt start for a knock until it has lasted."""
-    slow, fast = (
-        {
-            row.detector: row
-            for row in study_accelerations(ARTICLE, 24, accelerations_m_s2=(a,), detectors=("digital", "fast"))
-        }
-        for a in (1.0, 10.0)
-    )
-    assert set(slow) == {"bound", "digital", "fast"}
-    assert all(fast[name].median_s < slow[name].median_s for name in ("bound", "digital"))
-    assert fast["fast"].median_s < 0.035
-
-
-@pytest.mark.full
-def test_a_higher_sampling_rate_lowers_the_bound_and_does_not_lengthen_the_delay():
+def test_a_higher_sampling_rate_does_not_lengthen_the_delay():
     slow, own, quick = study_sampling_rates(ARTICLE, 12, 0.5, rates_hz=(1000.0, 10_000.0))
     assert (slow.sample_rate_hz, own.sample_rate_hz, quick.sample_rate_hz) == (1000.0, 2000.0, 10_000.0)
     assert slow.found_share == own.found_share == quick.found_share == 1.0
-    assert slow.bound_median_s > own.bound_median_s > quick.bound_median_s
     assert slow.median_s >= own.median_s >= quick.median_s - 0.002
     assert max(slow.alarms_per_minute, own.alarms_per_minute, quick.alarms_per_minute) < 0.6  # at most one alarm
     wide = article_design(detector={"window_samples": 1200})  # 12 000 at 20 kHz would be too many
@@ -292,7 +264,6 @@ def test_all_studies_of_a_design():
         studies = study(Design.load("fsr400"), CampaignPlan(8, 1.0))
     assert studies.files().keys() >= {"studies.txt", "studies.md"}
     found = studies.results
-    assert 0.0 < found.bound_s(0.5) < 0.03  # of one band; `fast` sees the slow force too
     assert len(found.variations) == 1 + len(VARIATIONS)
     assert found.steps.trials == 4
     # `fast` misses the goal in one of ten (docs/accuracy.md).

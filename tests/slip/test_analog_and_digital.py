@@ -18,13 +18,12 @@ from fingertip.detection.warnings import settings_warnings, threshold_warnings
 from fingertip.foundation.errors import TraceError
 from fingertip.sim.signal.converter import SimulatedBoardDetector
 from fingertip.slip.detectors.analog_and_digital import AnalogDetector, ChainSettings, SlipChain, high_pass, noise_level
-from fingertip.slip.detectors.input_noise import NoiseLevel, quantised_noise_v
+from fingertip.slip.detectors.input_noise import NoiseLevel
 from fingertip.slip.detectors.registry import make_detector
 from fingertip.slip.scored_detection import detect
 from fingertip.slip.traces.trace import Trace
 from tests.designs import ARTICLE
 from tests.slip.recordings import ONSET, T, V, csv, run, single_onset
-from tools.quantised_noise import mean_quantised_noise_v
 
 SETTINGS = ChainSettings.from_design(ARTICLE)
 
@@ -113,18 +112,6 @@ def test_threshold_within_the_noise_gives_a_warning():
     assert "(mean level 0.01 V, standard deviation 0.001 V); the noise-derived threshold is 0.016 V" in within
     assert "detects weaker slip" in far
     assert list(threshold_warnings(0.017, level)) == list(threshold_warnings(0.1, level, may_be_lower=False)) == []
-
-
-def test_noise_smaller_than_an_adc_step_vanishes_at_most_voltages():
-    rng = np.random.default_rng(0)
-    for noise, step in ((4e-4, 3e-4), (4e-4, 2.4e-3), (1e-4, 3e-3)):
-        at = rng.uniform(-0.5, 0.5, 400)[:, None] * step
-        codes = np.round((at + rng.normal(0, noise, (400, 2000))) / step) * step
-        drawn = float(np.sqrt(np.mean(codes.var(axis=1))))
-        assert mean_quantised_noise_v(noise, step) == pytest.approx(drawn, rel=0.04)
-        assert mean_quantised_noise_v(noise, step) < 1.01 * quantised_noise_v(noise, step)
-    assert mean_quantised_noise_v(0.0, 3e-4) == 0.0
-    assert mean_quantised_noise_v(1e-2, 3e-4) == quantised_noise_v(1e-2, 3e-4)
 
 
 def test_unsuitable_settings_give_a_warning():

@@ -1,4 +1,4 @@
-"""Plots of the studies: delay by window length (figure 5), and spectra of slip (figure 2)."""
+"""Plot of the studies: delay by window length (figure 5)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from fingertip.foundation import display as style
 from fingertip.lab.report.plots import NOTE
-from tools.article.protocol import Spectrum, WindowResult
+from tools.article.protocol import WindowResult
 
 
 def plot_windows(rows: Sequence[WindowResult]) -> bytes:
@@ -31,20 +31,4 @@ def plot_windows(rows: Sequence[WindowResult]) -> bytes:
         axes.set_ylim(bottom=0)
         axes.set_xlabel("window length [ms]; dotted: the article's")
         style.style_axes(axes)
-    return style.to_png(figure)
-
-
-def plot_spectra(spectra: Sequence[Spectrum]) -> bytes:
-    """Plot the power spectral densities, one row per sensor; returns a PNG."""
-    figure = style.new_figure(10, 6)
-    rows = figure.subplots(len(spectra), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
-    for axes, one in zip(rows, spectra, strict=True):
-        axes.semilogy(one.frequency_hz, one.power_v2_hz, color=style.BLUE, linewidth=1)
-        shares = ", ".join(f"{100 * one.share_above(f):.1f} % above {f} Hz" for f in (67, 100, 200))
-        axes.set_title(f"{one.label}: power above 20 Hz: {shares}", loc="left", fontsize=10)
-        axes.set_ylabel("power density [V\u00b2/Hz]")
-        axes.axvline(67, color=style.TEXT_COLOUR, linestyle=":", linewidth=1)
-        style.style_axes(axes)
-    rows[-1].set_xlim(0, 400)
-    rows[-1].set_xlabel(f"frequency [Hz]; dotted: the article's cutoff ({NOTE})")
     return style.to_png(figure)

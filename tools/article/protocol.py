@@ -1,9 +1,9 @@
-"""The article's own protocol (III.C, IV.A), and simulated counterparts of its figures 2 and 5.
+"""The article's own protocol (III.C, IV.A), and a simulated counterpart of its figure 5.
 
 The protocol has the article's trials, board, window and threshold, and its zero of time: the slippage onset as a
 robot's encoders show it at 100 Hz. The article states no smallest motion, so three are tried. Its threshold was chosen
 empirically and is not stated either; here it follows from the noise of each board's own output. Nothing is tuned to its
-figures. Figure 2 shows spectra of slip, figure 5 the length of the window.
+figures. Figure 5 shows the length of the window.
 """
 
 from __future__ import annotations
@@ -15,17 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, run_closed_loop, summarise
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.lab.campaign.run import DetectorResult, TrialResult, evaluate, run_cases, simulate_trace, surface
 from fingertip.lab.divider import with_variant
-from fingertip.pad.response import Pad
-from fingertip.sim import run_scene
 from fingertip.sim.runs.timeline import TrapezoidalMove
 from fingertip.sim.signal.converter import simulate_quiescent_level
 from fingertip.sim.signal.grid import open_stream
-from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.traces.truth import ENCODER_HZ, encoder_band_s
 from tools.article.boards import with_article_board
@@ -154,57 +150,12 @@ def pool(device: str, threshold_v: float, moved_m: float, trials: Sequence[Trial
     )
 
 
-SEGMENT_S = 0.512
-RESONANCES_HZ = {"embedded": 90.0, "bare": 230.0}
-"""Resonance of an embedded and of a bare sensor's pad [Hz]: about where the article's spectra end."""
-_AVERAGED = 5
-
 WINDOWS_S = (0.005, 0.01, 0.02, 0.03, 0.05, 0.1)
 """Window lengths [s]. The article shows 10 ms and more, uses 30 ms, and calls 20 to 100 ms acceptable."""
 WINDOW_DETECTOR = "digital"
 """Detector of the window study. The article's figure shows its board's output; the simulated board of variant article,
 with a bare diode, passes no contact."""
 CONTACTS = ("contact", "release", "load change")
-
-
-@dataclass(frozen=True, eq=False)
-class Spectrum:
-    label: str
-    frequency_hz: Array
-    power_v2_hz: Array
-    """One-sided power spectral density of the voltage [V^2/Hz], mean of a few trials."""
-
-    def share_above(self, frequency_hz: float) -> float:
-        """Fraction of the power from 20 Hz on that lies above a frequency [Hz]."""
-        kept = self.frequency_hz >= 20.0
-        above = self.frequency_hz >= frequency_hz
-        total = float(self.power_v2_hz[kept].sum())
-        return float(self.power_v2_hz[above].sum()) / total if total else 0.0
-
-
-def compute_spectra(design: Design) -> list[Spectrum]:
-    """Compute the spectra of slip on the medium surface at 4 cm/s, from the middle of the slide."""
-    rate = design.detector.sample_rate_hz
-    count = round(SEGMENT_S * rate)
-    window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(count) / count)
-    slide = next(s for s, _ in article_trials() if s.contact.surface == "medium" and s.slide.speed_m_s == 0.04)
-    spectra = []
-    for label, resonance_hz in RESONANCES_HZ.items():
-        pad = Pad.from_design(design)
-        mass_kg = pad.backing.mass_kg * (pad.resonance_hz(1.0) / resonance_hz) ** 2
-        mount = slide.mount.model_copy(update={"mass_kg": mass_kg})
-        scene = slide.model_copy(update={"mount": mount, "outputs": ["voltage_v", "slip"]})
-        total = np.zeros(count // 2 + 1)
-        for seed in range(HELD_OUT_FROM, HELD_OUT_FROM + _AVERAGED):
-            trace = run_scene(design, scene, seed).trace
-            assert trace.slip is not None
-            slipping = np.flatnonzero(trace.slip)
-            start = max(0, int(slipping[0] + slipping[-1] - count) // 2)
-            segment = trace.voltage_v[start : start + count]
-            total += np.abs(np.fft.rfft((segment - segment.mean()) * window)) ** 2
-        density = 2 * total / _AVERAGED / rate / float(window @ window)
-        spectra.append(Spectrum(label, np.arange(count // 2 + 1) * rate / count, density))
-    return spectra
 
 
 @dataclass(frozen=True)

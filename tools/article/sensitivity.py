@@ -3,12 +3,6 @@
 Among them are effects that real fingers show and that the trials leave out by default: a pad that averages the surface
 over its contact patch, stick-slip, noise that is not white, mains hum, and converters of microcontrollers. Their levels
 are assumptions that nobody has verified.
-
-The acceleration of the surface changes the delay most. The article gives a trapezoidal velocity profile, 4 cm at 4, 6
-or 8 cm/s, and that 4 cm at 4 cm/s "lasted one second" (figure 9). An acceleration a adds ``v / a`` to that second: 40
-ms at the 1 m/s2 assumed here, 4 ms at 10 m/s2, and both round to one second. Vibration in the fingertip's band needs a
-speed of ``f lambda``, frequency times wavelength, so slip with a larger acceleration is found sooner by the chain and
-by the bound. `fast` takes an abrupt start for a knock until it has lasted.
 """
 
 from __future__ import annotations
@@ -28,51 +22,7 @@ from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, Case
 from fingertip.pad.response import Backing
 from fingertip.sim import SceneFile, run_scene
 from fingertip.slip.detectors.analog_and_digital import noise_level
-from fingertip.slip.detectors.registry import DETECTORS
-from tools.article.bounds import compute_bounds_s
-from tools.article.steps import generate_limited_cases, generate_trials
-
-ACCELERATIONS_M_S2 = (0.5, 1.0, 2.0, 5.0, 10.0)
-ASSUMED_M_S2 = 1.0
-BOUND = "bound"
-"""Name that stands for a detector in the rows of Lorden's bound."""
-
-
-@dataclass(frozen=True)
-class AccelerationResult:
-    """Result of one detector, or of the bound, at one acceleration; delays are infinite if too few slips were found."""
-
-    acceleration_m_s2: float
-    detector: str
-    found_share: float
-    median_s: float
-    p90_s: float
-
-
-def study_accelerations(
-    design: Design,
-    trials: int = 24,
-    accelerations_m_s2: Sequence[float] = ACCELERATIONS_M_S2,
-    detectors: Sequence[str] = tuple(DETECTORS),
-) -> list[AccelerationResult]:
-    """Run the same trials at each acceleration, with the design's thresholds."""
-    trials_at_1 = list(generate_trials(trials))
-    results = []
-    for a in accelerations_m_s2:
-        cases = []
-        for case in trials_at_1:
-            slide = case.scene.slide.model_copy(update={"acceleration_m_s2": a})
-            cases.append(replace(case, scene=case.scene.model_copy(update={"slide": slide})))
-        bounds = compute_bounds_s(design, cases)
-        rows = [(BOUND, bounds, len(bounds))]
-        found = campaign.run_cases(design, cases, dict.fromkeys(detectors, (1.0,)))
-        rows += [(name, pooled.delays_s, pooled.slips) for name, (pooled,) in found.items()]
-        for name, delays_s, count in rows:
-            share = sum(map(math.isfinite, delays_s)) / count
-            median_s, p90_s = (campaign.quantile_s(delays_s, count, q) for q in (0.5, 0.9))
-            results.append(AccelerationResult(a, name, share, median_s, p90_s))
-    return results
-
+from tools.article.steps import generate_limited_cases
 
 _SCENE = "scene."
 

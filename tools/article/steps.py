@@ -27,7 +27,6 @@ from fingertip.sim import run_scene
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.grid import Grid
 from fingertip.slip.detectors.registry import DETECTORS
-from tools.article.bounds import compute_bounds_s
 
 
 def generate_limited_cases(plan: CampaignPlan) -> Iterator[Case]:
@@ -145,9 +144,6 @@ DETECTOR = "fast"
 @dataclass(frozen=True)
 class SamplingRateResult:
     sample_rate_hz: float
-    bound_median_s: float
-    """Median of Lorden's bound (`tools.article.bounds`) [s]."""
-    bound_p90_s: float
     found_share: float
     median_s: float
     """Infinite if fewer than half of the slips were found."""
@@ -166,11 +162,6 @@ def study_sampling_rates(
         except DesignError:
             continue
         (pooled,) = run_cases(adapted, list(generate_limited_cases(plan)), {DETECTOR: (1.0,)})[DETECTOR]
-        bounds = compute_bounds_s(adapted, generate_trials(trials))
-        results.append(
-            SamplingRateResult(
-                rate, quantile_s(bounds, len(bounds), 0.5), quantile_s(bounds, len(bounds), 0.9),
-                pooled.found_share, pooled.delay_s(0.5), pooled.delay_s(0.9), pooled.alarms_per_minute,
-            )
-        )  # fmt: skip
+        found = pooled.found_share, pooled.delay_s(0.5), pooled.delay_s(0.9), pooled.alarms_per_minute
+        results.append(SamplingRateResult(rate, *found))
     return results

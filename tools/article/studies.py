@@ -18,12 +18,11 @@ from fingertip.pad.response import Pad
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES
 from tools.article import plots, sensitivity, tables
 from tools.article.boards import study_article_board, study_board_variants
-from tools.article.bounds import compute_bounds_s
 from tools.article.previous_works import study_previous_works
-from tools.article.protocol import RESONANCES_HZ, compute_spectra, study_article_protocol, study_windows
+from tools.article.protocol import study_article_protocol, study_windows
 from tools.article.robustness import LEVELS_ARE_ASSUMED, format_milli, format_mn, format_mv
-from tools.article.sensitivity import study_accelerations, study_assumptions
-from tools.article.steps import GOAL_SHARE, generate_trials, study_sampling_rates, study_steps
+from tools.article.sensitivity import study_assumptions
+from tools.article.steps import GOAL_SHARE, study_sampling_rates, study_steps
 from tools.article.tables import StudyResults
 
 T = TypeVar("T")
@@ -56,7 +55,6 @@ class Studies:
         return {
             "studies.txt": text.encode(),
             "studies.md": as_markdown(self).encode(),
-            "spectra.png": plots.plot_spectra(self.results.spectra),
             "windows.png": plots.plot_windows(self.results.windows),
         }
 
@@ -64,11 +62,9 @@ class Studies:
 def estimate_stages_s(plan: CampaignPlan) -> dict[str, float]:
     """Estimate the duration of each stage [s] for its share of the progress; measured on one core."""
     return {
-        "bound": 0.02 * plan.trials,
         "assumptions": 22.0,
         "time step": 0.3 * min(MAX_STEP_TRIALS, plan.trials / 2),
-        "windows and spectra": 1.0,
-        "accelerations": 8.0,
+        "windows": 1.0,
         "sampling rates": 0.2 * min(2 * STUDY_TRIALS, plan.trials),
         "boards": 5.0,
         "the article's board": 0.1 * (plan.trials + 15 * plan.negative_minutes),
@@ -93,13 +89,10 @@ def study(
 
     repeats = 3 if plan.trials >= 12 else 1
     results = StudyResults(
-        bounds_s=run("bound", compute_bounds_s, generate_trials(plan.trials, first_seed)),
         variations=run("assumptions", study_assumptions, detector, trials),
         steps=run("time step", study_steps, min(MAX_STEP_TRIALS, (plan.trials + 1) // 2)),
         patch_radius_m=Pad.from_design(design).patch_radius_m(1.0),
-        windows=run("windows and spectra", study_windows, trials),
-        spectra=compute_spectra(design),
-        accelerations=run("accelerations", study_accelerations, trials),
+        windows=run("windows", study_windows, trials),
         rates=run("sampling rates", study_sampling_rates, min(2 * STUDY_TRIALS, plan.trials)),
         boards=run("boards", study_board_variants, trials),
         article=run("the article's board", study_article_board, plan, first_seed),
@@ -122,7 +115,6 @@ def as_markdown(studies: Studies) -> str:
         goal_missed=[row.detector for row in steps.shifts if not row.meets_goal],
         found_once=[f"{row.detector} {row.one_grid_only}" for row in steps.shifts if row.one_grid_only],
         largest_errors=[f"{row.signal} {format_milli(row.worst, row.signal)}" for row in steps.errors],
-        resonances_hz=RESONANCES_HZ,
     )
 
 

@@ -6,34 +6,25 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from fingertip.lab.campaign.run import DetectorResult, quantile_s
+from fingertip.lab.campaign.run import DetectorResult
 from fingertip.lab.report.results import format_ms
 from fingertip.slip.traces.truth import ENCODER_NOTE
 from tools.article import robustness
 from tools.article.boards import BoardResult
 from tools.article.previous_works import PreviousWorks
-from tools.article.protocol import ProtocolStudy, Spectrum, WindowResult
+from tools.article.protocol import ProtocolStudy, WindowResult
 from tools.article.protocol_table import protocol_as_lines
-from tools.article.sensitivity import ASSUMED_M_S2, AccelerationResult, VariationResult
+from tools.article.sensitivity import VariationResult
 from tools.article.steps import SamplingRateResult, StepSensitivity
-
-BOUND_LABEL = (
-    "estimate for the energy of one band alone (asymptotic); a detector that sees the slow force may be sooner"
-)
-"""Label of Lorden's bound (`tools.article.bounds`) in the tables."""
 
 
 @dataclass(frozen=True)
 class StudyResults:
-    bounds_s: Sequence[float]
-    """Lower bound on the delay of each slip [s] (`tools.article.bounds`)."""
     variations: Sequence[VariationResult]
     steps: StepSensitivity
     patch_radius_m: float
     """Radius of the pad's contact patch at 1 N [m]."""
     windows: Sequence[WindowResult]
-    spectra: Sequence[Spectrum]
-    accelerations: Sequence[AccelerationResult]
     rates: Sequence[SamplingRateResult]
     boards: Sequence[BoardResult]
     article: Mapping[str, DetectorResult]
@@ -41,18 +32,12 @@ class StudyResults:
     protocol: ProtocolStudy
     previous: PreviousWorks
 
-    def bound_s(self, fraction: float) -> float:
-        """Bound by which a fraction of the slips can be found [s]."""
-        return quantile_s(self.bounds_s, len(self.bounds_s), fraction)
-
 
 _ms = partial(format_ms, otherwise="  missed ", form="6.1f")
-_short_ms = partial(format_ms, otherwise=" missed", form="7.1f", unit="")
 
 
 def as_text(detector: str, studies: StudyResults) -> str:
-    bound = f"median {_ms(studies.bound_s(0.5)).strip()}, 90th percentile {_ms(studies.bound_s(0.9)).strip()}"
-    lines = [f"bound: {bound}; {BOUND_LABEL}", *_study_tables(studies)]
+    lines = _study_tables(studies)[1:]
     lines += robustness.variation_table(studies.variations, detector)
     lines += robustness.step_table(studies.steps)
     lines += ["", "digital by window length: median delay, alarms per minute at contacts, releases and load changes:"]
@@ -64,7 +49,7 @@ def as_text(detector: str, studies: StudyResults) -> str:
 
 
 def _study_tables(studies: StudyResults) -> list[str]:
-    """Tables of board variants, accelerations and sampling rates."""
+    """Tables of board variants and sampling rates."""
     lines = [
         "",
         "analog by board and threshold; worst: mean delay on the worst surface:",
@@ -89,22 +74,14 @@ def _study_tables(studies: StudyResults) -> list[str]:
         for name, found in studies.article.items()
     ]
     lines += protocol_as_lines(studies.protocol, studies.previous)
-    detectors = list(dict.fromkeys(row.detector for row in studies.accelerations))
-    lines += ["", "median / 90th percentile of the delay [ms] by acceleration of the surface (* assumed);"]
-    lines.append(f"bound: {BOUND_LABEL}:")
-    lines.append("m/s2    " + "".join(f"{name:>19}" for name in detectors))
-    for a in dict.fromkeys(row.acceleration_m_s2 for row in studies.accelerations):
-        rows = {row.detector: row for row in studies.accelerations if row.acceleration_m_s2 == a}
-        cells = "".join(f"  {_short_ms(rows[name].median_s)} / {_short_ms(rows[name].p90_s)}" for name in detectors)
-        lines.append(f"{a:4g}{'*' if a == ASSUMED_M_S2 else ' '}   {cells}")
     lines += [
         "",
-        f"detector fast by sampling rate; bound: {BOUND_LABEL}:",
-        f"{'rate':10}{'found':>7} {'median':>10} {'p90':>10} {'bound median':>13} {'bound p90':>11} {'alarms/min':>11}",
+        "detector fast by sampling rate:",
+        f"{'rate':10}{'found':>7} {'median':>10} {'p90':>10} {'alarms/min':>11}",
     ]
     lines += [
         f"{r.sample_rate_hz:7g} Hz {100 * r.found_share:5.1f}% {_ms(r.median_s):>10} {_ms(r.p90_s):>10} "
-        f"{_ms(r.bound_median_s):>13} {_ms(r.bound_p90_s):>11} {r.alarms_per_minute:11.2f}"
+        f"{r.alarms_per_minute:11.2f}"
         for r in studies.rates
     ]
     return lines

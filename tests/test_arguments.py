@@ -60,6 +60,7 @@ _HUGE: tuple[Callable[[Path], Any], ...] = (
         (lambda folder: fingertip.detect_file(folder / "t.csv"), "rate_hz"),
         (lambda folder: fingertip.detect_file("t.csv", columns={"voltage_v": "force_n"}), "calibrate_s: is missing"),
         (lambda folder: fingertip.Trial(speed_m_s=-1.0, seed=-1), "speed_m_s: -1 m/s is refused"),
+        (lambda folder: fingertip.Trial(speed_m_s=10**307), "speed_m_s: 1e+307 m/s is refused"),
         (lambda folder: fingertip.build(Design(), formats=["obj"]), "formats: 'obj'"),
         (lambda folder: fingertip.build(Design(), folder, parts=["hand_stub"]), "has no 'hand_stub'"),
         (lambda folder: fingertip.write_board(Design(), folder / "t.csv"), "choose another folder with out"),

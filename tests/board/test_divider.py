@@ -62,6 +62,7 @@ def test_folder_states_one_circuit(tmp_path: Path) -> None:
     assert nets["/TACTILE"] == {("J1", "2"), ("R1", "1"), ("J3", "2")}
     assert nets["VCC"] == {("J1", "1"), ("J3", "1")}
     assert nets["GND"] == {("R1", "2"), ("J3", "3")}
+    assert "\nVJ3 vcc 0 3.3\n" in (tmp_path / "slip_filter.cir").read_text(encoding="utf-8")
     words = {text.text for text in ElementTree.parse(tmp_path / "wiring.svg").iter("{http://www.w3.org/2000/svg}text")}
     assert {"ADC_VREF (pin 35)", "A0: GP26 (pin 31)", "GND (pin 33)", "10k ohm"} <= words
     assert all("pin 35" in (tmp_path / name).read_text(encoding="utf-8") for name in ("README.md", "slip_filter.net"))

@@ -18,7 +18,7 @@ from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.filter_board import simulate_board
-from fingertip.sim.signal.grid import Grid
+from fingertip.sim.signal.grid import STAGES, CostMeter, Grid, StageCost
 from fingertip.slip.scored_detection import detect
 from tests.conftest import ROOT, design_file, run_fingertip
 from tests.designs import ARTICLE, article_design
@@ -290,3 +290,11 @@ def test_grid_that_is_too_coarse_is_refused_with_one_that_passes():
         SceneRun(DESIGN, scene, grid=Grid())
     needed = int(re.findall(r"Grid\((\d)\)", str(caught.value))[0])
     assert SceneRun(DESIGN, scene, grid=Grid(needed)).grid == SceneRun(DESIGN, scene).grid
+
+
+def test_costs_of_a_stage_add_up():
+    meter = CostMeter(iter((0.0, 1.0, 5.0, 7.0)).__next__)
+    for evaluations in (3, 4):
+        with meter.stage(STAGES[1], 2, evaluations):
+            pass
+    assert meter.costs == (StageCost(STAGES[1], 2, 7, 3.0),)

@@ -36,8 +36,9 @@ def test_intervals_have_their_closed_form() -> None:
     assert mean_interval([4.0])[1:] == (-np.inf, np.inf)
 
 
-@pytest.mark.full
-@pytest.mark.parametrize(("changed", "noise_v", "felt_um"), [(CURVE, 1.2e-3, 2.48), ({}, 0.5e-3, 0.78)])
+@pytest.mark.parametrize(
+    ("changed", "noise_v", "felt_um"), [(CURVE, 1.2e-3, 2.48), pytest.param({}, 0.5e-3, 0.78, marks=pytest.mark.full)]
+)
 def test_changed_level_noise_and_curve_are_recovered(
     changed: dict[str, float], noise_v: float, felt_um: float, tmp_path: Path
 ) -> None:

@@ -239,6 +239,7 @@ def test_every_parameter_of_every_preset_follows(name: str) -> None:
     check_all(Design.load(name))
 
 
+@pytest.mark.full
 def test_wrong_number_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     true = write_script
 

@@ -43,6 +43,7 @@ def test_what_moved_is_listed_and_passes_when_it_is_typed(tmp_path: Path) -> Non
     ]
 
 
+@pytest.mark.full
 def test_a_failed_check_offers_the_fit_that_mends_it() -> None:
     words = ("check", "adult_finger", "--set", "skin.bump_radius_mm=3")
     refused = run_fingertip(*words).stdout

@@ -114,7 +114,6 @@ def running_cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[DaskCl
         cluster.kill_all()
 
 
-@pytest.mark.full
 def test_rows_equal_those_of_an_engine_without_processes(
     running_cluster: DaskCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

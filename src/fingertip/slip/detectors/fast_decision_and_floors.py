@@ -1,4 +1,4 @@
-"""Decision and floors of `fast`: what is slip, and what the floors may learn; `fast_loop` inlines the functions."""
+"""Decision and floors of `fast`: what is slip, and what the floors may learn. A `CompiledLoop` inlines them."""
 
 from __future__ import annotations
 

@@ -95,8 +95,8 @@ install_all() {
         quietly .venv/bin/python -m pip install -q --no-index --no-build-isolation -e ".$extras"
 }
 
-# Only a change of these files needs pip; what pip did last is noted in .venv.
-done_with=$(cat pyproject.toml constraints-hashes.txt src/fingertip/__init__.py | cksum)
+# Only a change of these files or of the version needs pip; what pip did last is noted in .venv.
+done_with=$({ cat pyproject.toml constraints-hashes.txt; grep '^__version__ = ' src/fingertip/__init__.py; } | cksum)
 noted=$(cat .venv/installed 2>/dev/null || true)
 noted_level=0
 case "$noted" in "$done_with "[1-4]) noted_level=${noted##* } ;; esac

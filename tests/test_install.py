@@ -139,6 +139,9 @@ def test_install_adds_what_the_present_installation_lacks(checkout: Path) -> Non
     # The dependencies change, and an earlier install.sh has left its mark.
     (checkout / "constraints-hashes.txt").write_text(LIST.replace("a==1", "a==2"), encoding="utf-8")
     assert install(checkout) == ".[usual]"
+    for content, wanted in (('__version__ = "2"\n', ".[usual]"), ('__version__ = "2"\n__all__ = []\n', "")):
+        (checkout / "src/fingertip/__init__.py").write_text(content, encoding="utf-8")
+        assert install(checkout) == wanted
     (checkout / ".venv/installed").write_text("4022803434 5704 test", encoding="utf-8")
     assert install(checkout, "test") == ".[all,test]"
     done = run_install(checkout, "tests")

@@ -37,7 +37,7 @@ _ms = partial(format_ms, otherwise="  missed ", form="6.1f")
 
 
 def as_text(detector: str, studies: StudyResults) -> str:
-    lines = _study_tables(studies)[1:]
+    lines = _study_tables(studies)
     lines += robustness.variation_table(studies.variations, detector)
     lines += robustness.step_table(studies.steps)
     lines += ["", "digital by window length: median delay, alarms per minute at contacts, releases and load changes:"]
@@ -51,7 +51,6 @@ def as_text(detector: str, studies: StudyResults) -> str:
 def _study_tables(studies: StudyResults) -> list[str]:
     """Tables of board variants and sampling rates."""
     lines = [
-        "",
         "analog by board and threshold; worst: mean delay on the worst surface:",
         f"{'board':10} {'threshold':18} {'found':>6} {'median':>9} {'p90':>9} {'< 30 ms':>7} {'worst':>9} {'/min':>5}",
     ]

@@ -26,6 +26,8 @@ STARTS_S = tuple(PLACED_S + 0.05 * k for k in range(12))
 """Moments at which the recording of the stage begins [s]: the last leaves 0.4 s of rest."""
 PEAK_S = 0.1
 """Time around the start of the motion in which the friction has its peak [s]."""
+UNDER_S, TURNS = 0.4, 5
+"""End of the rest that goes on, to and fro, below a slide [s]: vibration of the touch has decayed by then."""
 SLIDE_S, MIN_REST_S = 3.0, 1.0
 """Duration of a joined slide, and least of a stretch without slip [s]."""
 SLIDING_S = 0.3
@@ -84,7 +86,7 @@ def _start_anywhere(stage: Run) -> Iterator[Judged]:
 
 
 def _take_rest(stage: Run, rate_hz: float) -> Array:
-    """Rest of the finger on the stage, to and fro, which leaves no step where it turns."""
+    """Rest of the finger on the stage, then its last `UNDER_S` to and fro `TURNS` times, which leaves no step."""
     from scipy.signal import resample_poly
 
     still = np.abs(stage.speed_mm_s) < MOVING_MM_S
@@ -92,7 +94,8 @@ def _take_rest(stage: Run, rate_hz: float) -> Array:
     end = begin + int(np.argmin(still[begin:])) - round(PEAK_S * stage.rate_hz)
     part, up, down = stage.values[begin:end] - stage.values[begin], round(rate_hz / 100), round(stage.rate_hz / 100)
     rest = resample_poly(part, up, down)
-    return np.concatenate([rest, rest[::-1]] * 3)
+    under = rest[-round(UNDER_S * rate_hz) :]
+    return np.concatenate([rest, *[under[::-1], under] * TURNS])
 
 
 def _take_still(run: Run) -> Iterator[Judged]:
@@ -111,7 +114,7 @@ def _join(rest: Array, run: Run, kind: str, strength: float, sliding_s: float) -
     if long:
         begin, count = round((long[0].onset_s + sliding_s) * run.rate_hz), round(SLIDE_S * run.rate_hz)
         slide = run.values[begin : begin + count] - run.values[begin]
-        at = len(rest) // 6 * 2
+        at = len(rest) - 2 * TURNS * round(UNDER_S * run.rate_hz)
         values = rest[: at + count].copy()
         values[at:] += slide * strength * band_rms(rest[:at], run.rate_hz) / band_rms(slide, run.rate_hz)
         onset_s = at / run.rate_hz

@@ -50,7 +50,7 @@ def test_what_a_hand_does_is_no_slip(row: str) -> None:
 
 def test_incipient_slip_is_sooner() -> None:
     found = judge("slip at constant force")
-    assert found["incipient"].delay_s(0.5) < found["on"].delay_s(0.5) < 0.03
+    assert found["incipient"].delay_s(0.5) < found["on"].delay_s(0.5) < 0.035
     line = slip_held_out.describe("slip at constant force", "S", "on", found["on"])
     assert line.startswith("| slip at constant force | S | on | 24 of 24 [85.8, 100.0] % |")
 
@@ -85,7 +85,7 @@ def test_drawn_signals_have_their_labels_within_them(design: Design, kind: str) 
         assert 0.5 < slide.motion_s <= slide.onset_s < slide.end_s <= KINDS[kind].duration_s
         first, last = round(slide.onset_s * signal.rate_hz), round(slide.end_s * signal.rate_hz)
         inside, quiet = signal.voltage_v[first:last], signal.voltage_v[:800]
-        if kind == SLOW_SLIDES:  # their vibration may be weaker than noise, their friction is not
+        if kind in (SLOW_SLIDES, "slide after load"):  # their vibration may be weaker than noise, their friction is not
             assert inside.std() > quiet.std()
         else:
             assert np.diff(inside).std() > np.diff(quiet).std()

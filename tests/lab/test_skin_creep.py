@@ -31,6 +31,6 @@ def count_alarms(interval_s: float, step_n: float = 0.03) -> list[int]:
 @pytest.mark.full
 def test_jumps_are_slip_to_the_detector_when_they_follow_each_other_closely() -> None:
     rare, close = count_alarms(0.3), count_alarms(0.1)
-    assert sum(rare) <= 24  # of some 60 jumps
-    assert sum(count > 0 for count in close) >= 4
+    assert sum(rare) <= 6  # of some 60 jumps
+    assert sum(count > 0 for count in close) >= 2
     assert max(close) > 20

@@ -153,7 +153,7 @@ def _slide_after_load(s: Sketch) -> None:
         end_s = _load(s, at_s)
         start_s = max(at_s + 0.01, end_s + s.uniform(-0.02, 0.06))
         length_s = min(s.spread(0.3, 6.0), s.duration_s - start_s - 0.3)
-        s.slip(start_s, length_s, s.spread(0.001, 0.012))
+        s.slip(start_s, length_s, s.spread(0.0004, 0.012))
         s.events.pop()
         at_s = start_s + length_s + s.uniform(0.7, 1.5)
 
@@ -177,7 +177,7 @@ def _slow_slides(s: Sketch) -> None:
     at_s = s.uniform(*QUIET_S)
     while at_s < s.duration_s - 1.0:
         length_s = min(s.spread(0.3, 3.0), s.duration_s - at_s - 0.3)
-        rms_v = s.spread(0.0003, 0.004)
+        rms_v = s.spread(0.00015, 0.004)
         s.vibrate(at_s, length_s, 1.0, 28.0, rms_v * s.spread(1.5, 12.0), s.uniform(0.01, 0.06))
         if s.rng.random() < 0.7:
             s.slip(at_s, length_s, rms_v, creep_s=s.uniform(0.0, 0.05))
@@ -259,6 +259,7 @@ def _late_hum(s: Sketch) -> None:
     at_s, hz = s.uniform(1.0, 2.5), float(s.rng.choice([50.0, 60.0]))
     t = s.since(at_s)
     s.volts += s.spread(0.0002, 0.0012) * math.sqrt(2) * np.sin(2 * math.pi * hz * t) * np.minimum(t / 0.02, 1.0)
+    s.events.append(Interval(at_s, at_s + 0.2))
     at_s += s.uniform(0.5, 3.0)
     s.slip(at_s, min(s.uniform(0.3, 1.5), s.duration_s - at_s - 0.2), s.spread(0.003, 0.012))
 
@@ -287,8 +288,8 @@ KINDS: Mapping[str, Kind] = {
     "set-down": Kind(_set_down, 8.0, 0.3),
     "release": Kind(_release, 8.0, 0.2),
     "blows": Kind(_blows, 8.0, 0.4),
-    "vibration with a grasp": Kind(_vibration_with_the_grasp, 6.0, 0.4),
-    "late hum": Kind(_late_hum, 6.0, 0.1),
+    "vibration with a grasp": Kind(_vibration_with_the_grasp, 6.0, 0.8),
+    "late hum": Kind(_late_hum, 6.0, 0.4),
     "quiet": Kind(_quiet, 6.0, 0.1),
     SLOW_SLIDES: Kind(_slow_slides, 10.0, 1.0),
 }

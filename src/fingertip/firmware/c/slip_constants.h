@@ -86,11 +86,12 @@
 #define SLIP_LOW_TICKS $LOW_TICKS
 #define SLIP_RING $RING
 
-/* Ticks: OFF at the start; settling of the filters; averaging of the floors, at most and after a change; ON. */
+/* Ticks: OFF at the start; settling of the filters; averaging of the floors, at most, after a change, and where they fall; ON. */
 #define SLIP_SETTLING_TICKS $SETTLING_TICKS
 #define SLIP_SETTLE_TICKS $SETTLE_TICKS
 #define SLIP_MAX_FLOOR_TICKS $MAX_FLOOR_TICKS
 #define SLIP_HELD_TICKS $HELD_TICKS
+#define SLIP_FALL_TICKS $FALL_TICKS
 #define SLIP_TONE_TICKS $TONE_TICKS
 
 /* Ticks of a tone in vibration: averaging, at most; ON ends; incipient slip is ON; ON outlasts; floors stand after ON; the force does. */
@@ -102,7 +103,7 @@
 #define SLIP_AFTER_TICKS $AFTER_TICKS
 #define SLIP_STANDING_TICKS $STANDING_TICKS
 
-/* Energies of the stated noise in both bands, those of unit noise, and the lowest floors [V^2]. */
+/* Energies of the stated noise in both bands, those of unit noise, the lowest floors, and those of more noise [V^2]. */
 #define SLIP_STATED_WIDE $STATED_WIDE
 #define SLIP_STATED_UPPER $STATED_UPPER
 #define SLIP_STATED_INPUT $STATED_INPUT
@@ -111,23 +112,25 @@
 #define SLIP_MIN_FLOOR $MIN_FLOOR
 #define SLIP_MIN_UPPER_FLOOR $MIN_UPPER_FLOOR
 #define SLIP_MIN_INPUT_FLOOR $MIN_INPUT_FLOOR
+#define SLIP_NOISY_FLOOR $NOISY_FLOOR
+#define SLIP_NOISY_SLOW_FLOOR $NOISY_SLOW_FLOOR
 
 /* The same where the filtered signal is read. */
 #define SLIP_FILTERED_STATED_WIDE $FILTERED_STATED_WIDE
 #define SLIP_FILTERED_STATED_UPPER $FILTERED_STATED_UPPER
 #define SLIP_FILTERED_MIN_FLOOR $FILTERED_MIN_FLOOR
 #define SLIP_FILTERED_MIN_UPPER_FLOOR $FILTERED_MIN_UPPER_FLOOR
+#define SLIP_FILTERED_NOISY_FLOOR $FILTERED_NOISY_FLOOR
 
-/* Factors of slopes and movements, which make them compare with voltages, and the least denominator. */
+/* Factor of slopes, which makes them compare with voltages, and the least denominator. */
 #define SLIP_SLOPE_GAIN $SLOPE_GAIN
-#define SLIP_MOVE_GAIN $MOVE_GAIN
 #define SLIP_TINY $TINY
 
-/* Ratios that decide: trees are evaluated, vibration lasts, unstated noise, floors adapt, a tone, an end. */
+/* Ratios that decide: trees are evaluated, vibration lasts and weaker one does, floors adapt, a tone, an end. */
 #define SLIP_LOUD $UPPER_LOUD
 #define SLIP_LOUD_20 $UPPER_LOUD_20
 #define SLIP_LASTING_RATIO $LASTING_RATIO
-#define SLIP_NOISY_RATIO $NOISY_RATIO
+#define SLIP_WEAK_RATIO $WEAK_RATIO
 #define SLIP_MOVING_RATIO $MOVING_RATIO
 #define SLIP_CLIP_RATIO $CLIP_RATIO
 #define SLIP_UNLEARNED_RATIO $UNLEARNED_RATIO
@@ -137,7 +140,7 @@
 #define SLIP_FADE_RATIO $FADE_RATIO
 #define SLIP_STEADY_RATIO $STEADY_RATIO
 
-/* Scores: before the first tree; of confidence 0; for ON; by how much more for incipient slip; rise in noise; for staying; smoothing of the mean, and while a flag is set; of a hold. */
+/* Scores: before the first tree; of confidence 0; for ON; by how much more for incipient slip; rise in noise; for staying; smoothing of the mean, of energies of 80 ms, and while a flag is set; of a hold. */
 #define SLIP_OFFSET $OFFSET
 #define SLIP_LOWEST_SCORE $LOWEST_SCORE
 #define SLIP_ON_SCORE $THRESHOLD
@@ -145,6 +148,7 @@
 #define SLIP_NOISE_RISE $NOISE_RISE
 #define SLIP_STAY_SCORE $STAY_THRESHOLD
 #define SLIP_MEAN_SMOOTHING $MEAN_SMOOTHING
+#define SLIP_WEAK_SMOOTHING $WEAK_SMOOTHING
 #define SLIP_HOLD_SMOOTHING $HOLD_SMOOTHING
 #define SLIP_HOLD_SCORE $HOLD_SCORE
 

@@ -96,9 +96,9 @@ static slip_real evaluate_trees(const slip_real *row) {
     return score;
 }
 
-/* Move a floor by a share towards an energy, which counts as no more than some times the floor. */
-static slip_real adapt_floor(slip_real level, slip_real energy, slip_real share) {
-    return level + share * (lesser(energy, SLIP_CLIP_RATIO * level) - level);
+/* Move a floor towards an energy, which counts as no more than some times the floor: by one share up, another down. */
+static slip_real adapt_floor(slip_real level, slip_real energy, slip_real rise, slip_real fall) {
+    return level + (energy > level ? rise : fall) * (lesser(energy, SLIP_CLIP_RATIO * level) - level);
 }
 
 enum vibration { NONE, LASTS, SURE };
@@ -156,7 +156,7 @@ static bool is_learned(slip_state *state, slip_real upper, slip_real wide, bool 
 /* Decide at a tick: features, trees, ON or OFF, floors. `slope` is the squared slope of this sample [V^2]. */
 static void tick(slip_state *state, slip_real slope) {
     slip_real row[SLIP_COUNT];
-    slip_real wide_floor, upper_floor, slow_floor, greatest, peak, low, change, half_change, score, share, excess;
+    slip_real wide_floor, upper_floor, slow_floor, greatest, peak, low, change, half_change, score, share, fall, excess;
     slip_real on_score, input_noise, step_noise;
     unsigned middle, i;
     bool is_strong, is_moving, may_learn, is_held, has_ended, is_fading;
@@ -211,6 +211,9 @@ static void tick(slip_state *state, slip_real slope) {
     slow_floor = SLIP_WIDE_SHARE * greater(state->input_floor, input_noise);
     greatest *= SLIP_SLOPE_GAIN;
     slope *= SLIP_SLOPE_GAIN;
+    state->upper_mean += SLIP_WEAK_SMOOTHING * (state->upper_short - state->upper_mean);
+    state->wide_mean += SLIP_WEAK_SMOOTHING * (state->wide_short - state->wide_mean);
+    state->slope_mean += SLIP_WEAK_SMOOTHING * (slope - state->slope_mean);
     row[0] = state->upper_short / upper_floor;
     row[1] = state->upper_long / upper_floor;
     row[2] = state->wide_short / wide_floor;
@@ -218,31 +221,35 @@ static void tick(slip_state *state, slip_real slope) {
     has_ended = !(state->wide_short > SLIP_DECAY_RATIO * state->wide_long);
     is_strong = (row[1] > SLIP_STAY_RATIO || row[3] > SLIP_STAY_RATIO) && !has_ended;
     state->lasting_ticks = row[1] > SLIP_LASTING_RATIO ? state->lasting_ticks + R(1.0) : R(0.0);
+    state->weak_ticks = row[1] > SLIP_WEAK_RATIO ? state->weak_ticks + R(1.0) : R(0.0);
     if (row[0] > SLIP_LOUD || row[2] > SLIP_LOUD || row[1] > SLIP_LOUD_20 || row[3] > SLIP_LOUD_20) {
         row[4] = greatest / slow_floor;
         row[5] = change * change / slow_floor;
         row[6] = half_change * MAGNITUDE(half_change) / slow_floor;
-        row[7] = state->net_short * state->net_short / (state->total_short * state->total_short + SLIP_TINY);
-        row[8] = state->upper_short / (peak + SLIP_TINY);
-        row[9] = state->wide_long / (greatest + SLIP_TINY);
-        row[10] = state->upper_long / (greatest + SLIP_TINY);
-        row[11] = state->upper_long / (state->wide_long + SLIP_TINY);
-        row[12] = SLIP_MOVE_GAIN * state->total_short * state->total_short / wide_floor;
-        row[13] = slope / (greatest + SLIP_TINY);
-        row[14] = state->net_long * state->net_long / (state->total_long * state->total_long + SLIP_TINY);
-        row[15] = state->lasting_ticks;
-        row[16] = low / wide_floor;
-        row[17] = low / (state->wide_long + SLIP_TINY);
+        row[7] = state->upper_short / (peak + SLIP_TINY);
+        row[8] = state->wide_long / (greatest + SLIP_TINY);
+        row[9] = state->upper_long / (greatest + SLIP_TINY);
+        row[10] = state->upper_long / (state->wide_long + SLIP_TINY);
+        row[11] = slope / (greatest + SLIP_TINY);
+        row[12] = low / wide_floor;
+        row[13] = low / (state->wide_long + SLIP_TINY);
+        row[14] = state->upper_mean / upper_floor;
+        row[15] = state->wide_mean / wide_floor;
+        row[16] = state->slope_mean / slow_floor;
+        row[17] = state->slope_mean / (greatest + SLIP_TINY);
+        row[18] = state->upper_mean / (state->wide_mean + SLIP_TINY);
+        row[19] = state->upper_long / (state->upper_mean + SLIP_TINY);
+        row[20] = state->lasting_ticks;
+        row[21] = state->weak_ticks;
         score = evaluate_trees(row);
-        is_fading = !(row[8] > SLIP_FADE_RATIO);
+        is_fading = !(row[7] > SLIP_FADE_RATIO);
     } else { /* a quiet signal does not fade */
         is_fading = true;
         score = SLIP_LOWEST_SCORE;
     }
 
     /* In more noise or coarser steps than stated, more must speak for slip. */
-    excess = greater(wide_floor / (SLIP_NOISY_RATIO * state->min_floor) - R(1.0),
-                     slow_floor / (SLIP_NOISY_RATIO * SLIP_WIDE_SHARE * SLIP_MIN_INPUT_FLOOR) - R(1.0));
+    excess = greater(wide_floor / state->noisy_floor, slow_floor / SLIP_NOISY_SLOW_FLOOR) - R(1.0);
     on_score = SLIP_ON_SCORE + SLIP_NOISE_RISE * greater(R(0.0), lesser(excess, R(1.0)));
     state->mean_score += SLIP_MEAN_SMOOTHING * (score - state->mean_score);
     state->confidence = greater(R(0.0), (state->mean_score - SLIP_LOWEST_SCORE) / (on_score - SLIP_LOWEST_SCORE));
@@ -306,9 +313,10 @@ static void tick(slip_state *state, slip_real slope) {
     } else {
         state->floor_ticks += R(1.0);
         share = R(1.0) / lesser(state->floor_ticks, SLIP_MAX_FLOOR_TICKS);
-        state->floor = adapt_floor(state->floor, state->wide_long, share);
-        state->upper_floor = adapt_floor(state->upper_floor, state->upper_long, share);
-        state->input_floor = adapt_floor(state->input_floor, state->input_long, share);
+        fall = R(1.0) / lesser(state->floor_ticks, SLIP_FALL_TICKS);
+        state->floor = adapt_floor(state->floor, state->wide_long, share, fall);
+        state->upper_floor = adapt_floor(state->upper_floor, state->upper_long, share, fall);
+        state->input_floor = adapt_floor(state->input_floor, state->input_long, share, fall);
     }
     state->floor = greater(state->floor, state->min_floor);
     state->upper_floor = greater(state->upper_floor, state->min_upper_floor);
@@ -511,15 +519,6 @@ static void step(slip_state *state, slip_real change, slip_real deviation) {
     state->rough += change - slope;
     state->input_long += SLIP_LONG * (state->rough * state->rough - state->input_long);
 
-    /* Net and total movement, which are equal while the force goes one way. */
-    move = edge - state->last_edge;
-    state->last_edge = edge;
-    state->net_short += SLIP_SHORT * (move - state->net_short);
-    state->net_long += SLIP_LONG * (move - state->net_long);
-    move = MAGNITUDE(move);
-    state->total_short += SLIP_SHORT * (move - state->total_short);
-    state->total_long += SLIP_LONG * (move - state->total_long);
-
     /* Squared slope and upper energy, the greatest of each slot. */
     slope *= slope;
     state->slopes[0] = greater(slope, state->slopes[0]);
@@ -537,13 +536,14 @@ static void start(slip_state *state, bool has_filtered) {
     state->is_started = true;
     state->has_filtered = has_filtered && SLIP_FILTERED_GAIN > R(0.0);
     if (state->has_filtered) {
-        state->wide_short = state->wide_long = SLIP_FILTERED_STATED_WIDE;
-        state->upper_short = state->upper_long = SLIP_FILTERED_STATED_UPPER;
+        state->wide_short = state->wide_long = state->wide_mean = SLIP_FILTERED_STATED_WIDE;
+        state->upper_short = state->upper_long = state->upper_mean = SLIP_FILTERED_STATED_UPPER;
         if (!state->is_recalled) {
             state->floor = state->wide_long;
             state->upper_floor = state->upper_long;
         }
         state->min_floor = SLIP_FILTERED_MIN_FLOOR;
+        state->noisy_floor = SLIP_FILTERED_NOISY_FLOOR;
         state->min_upper_floor = SLIP_FILTERED_MIN_UPPER_FLOOR;
     }
     if (state->is_recalled) {
@@ -570,10 +570,11 @@ void slip_init_finger(slip_state *state, unsigned finger) {
 void slip_init(slip_state *state) {
     *state = (slip_state){0};
     /* Energies and floors start at those of the stated noise. */
-    state->wide_short = state->wide_long = state->floor = SLIP_STATED_WIDE;
-    state->upper_short = state->upper_long = state->upper_floor = SLIP_STATED_UPPER;
+    state->wide_short = state->wide_long = state->wide_mean = state->floor = SLIP_STATED_WIDE;
+    state->upper_short = state->upper_long = state->upper_mean = state->upper_floor = SLIP_STATED_UPPER;
     state->input_long = state->input_floor = SLIP_STATED_INPUT;
     state->min_floor = SLIP_MIN_FLOOR;
+    state->noisy_floor = SLIP_NOISY_FLOOR;
     state->min_upper_floor = SLIP_MIN_UPPER_FLOOR;
     state->step = state->filtered_step = R(INFINITY);
     state->still = SLIP_STILL_SAMPLES;

@@ -49,20 +49,21 @@ typedef struct slip_state {
     slip_real board_stage, board_1, board_2, restore_1_1, restore_1, restore_2;
     slip_real edge_1, edge_2, upper_1, upper_2, wide_1, wide_2, slow_1, slow_2;
     slip_real wide;                                          /* present output of the wide band [V] */
-    slip_real upper_short, upper_long, wide_short, wide_long; /* energies of 6 and 20 ms [V^2] */
+    slip_real upper_short, upper_long, upper_mean;           /* energies of 6, 20 and 80 ms [V^2] */
+    slip_real wide_short, wide_long, wide_mean, slope_mean;  /* the same, and squared slope of 80 ms [V^2] */
     slip_real input_long;                                    /* energy of the tactile voltage without slow force [V^2] */
     slip_real slow, rough;                                   /* sums of slopes since the ring's revolution, of the rest */
-    slip_real last_edge, last_filtered;                      /* below the upper edge, and filtered signal [V] */
+    slip_real last_filtered;                                 /* last filtered signal [V] */
     slip_real last_tactile_v, rest_v;                        /* last sample, and filtered signal at rest [V] */
     slip_real level;                                         /* mean code of the filtered signal, over 0.2 s */
     slip_real mean_move, held;                               /* of the filtered signal: mean of 6 ms, of a jump [V] */
-    slip_real net_short, total_short, net_long, total_long;  /* net and total movement of 6 and 20 ms [V] */
     slip_real slopes[3], peaks[3];                           /* greatest squared slope and upper energy of each slot */
     slip_real lows[3];                                       /* smallest wide energy of each slot [V^2] */
     slip_real step, filtered_step;                           /* smallest step of the converter in both inputs [V] */
     slip_real floor, upper_floor, input_floor;               /* learned noise of bands and tactile voltage [V^2] */
-    slip_real min_floor, min_upper_floor;                    /* lower bounds of the first two [V^2] */
-    slip_real floor_ticks, on_ticks, lasting_ticks;          /* time of learning, of ON, of upper energy [ticks] */
+    slip_real min_floor, min_upper_floor, noisy_floor;       /* lower bounds, and more noise than stated [V^2] */
+    slip_real floor_ticks, on_ticks;                         /* time of learning, of ON [ticks] */
+    slip_real lasting_ticks, weak_ticks;                     /* time of upper energy, and of a weaker one [ticks] */
     slip_real mean, mean_square;                             /* of the wide energy while ON */
     slip_real smooth_score, mean_score, confidence;          /* confidence: from 1 on, slip turns ON */
     slip_real heard_mean, heard_square;                      /* of the wide energy while heard */

@@ -111,7 +111,7 @@ class FastDetector(Detector):
 
     @property
     def noise_v(self) -> float:
-        """White RMS noise that has the energy of the learned wide floor [V]."""
+        """White RMS noise that has the energy of the learned wide floor, which lies below the mean [V]."""
         return math.sqrt(self._state[fast_state.FLOOR] / self.coefficients.wide_share)
 
     @classmethod
@@ -196,9 +196,9 @@ class FastDetector(Detector):
         # Energies and floors start at those of the stated noise.
         band_noise_v = fast_settings.band_noise_v(settings, with_filtered)
         wide, upper = c.wide_share * band_noise_v**2, c.upper_share * band_noise_v**2
-        for index in (fast_state.WIDE_SHORT, fast_state.WIDE_LONG, fast_state.FLOOR):
+        for index in (fast_state.WIDE_SHORT, fast_state.WIDE_LONG, fast_state.WIDE_MEAN, fast_state.FLOOR):
             state[index] = wide
-        for index in (fast_state.UPPER_SHORT, fast_state.UPPER_LONG, fast_state.UPPER_FLOOR):
+        for index in (fast_state.UPPER_SHORT, fast_state.UPPER_LONG, fast_state.UPPER_MEAN, fast_state.UPPER_FLOOR):
             state[index] = upper
         for index in (fast_state.INPUT_LONG, fast_state.INPUT_FLOOR):
             state[index] = settings.noise_v**2

@@ -67,6 +67,11 @@ class FastCoefficients(NamedTuple):
     """Lower bound of the upper band's floor [V^2]."""
     min_input_floor: float
     """Lower bound of the floor of the tactile voltage [V^2]."""
+    noisy_floor: float
+    """Floor of the wide band from which there is more noise than stated, and the threshold rises [V^2]; at twice this
+    floor it has risen to its end."""
+    noisy_slow_floor: float
+    """The same for the slow force."""
     offset: float
     lowest_score: float
     threshold: float
@@ -76,6 +81,7 @@ class FastCoefficients(NamedTuple):
     stay_ratio: float
     mean_smoothing: float
     hold_smoothing: float
+    weak_smoothing: float
     statistic_gain: float
     """Threshold in volts, divided by the root of the wide floor."""
     number_limit: float
@@ -193,11 +199,8 @@ def _filter(section: SecondOrder, samples: Sequence[float] | Array) -> Array:
     return out
 
 
-# Trained part of the detector `fast`: a sum of small decision trees, read from a table.
-#
-# `tools/detector_training/` fits the trees to simulated slips and to the wider mix of what is not slip, and writes the
-# table. Every tree is complete: it compares one feature with one threshold at each of its `DEPTH` levels. An
-# evaluation therefore takes the same number of comparisons for every input.
+# Trained part of the detector: a sum of small decision trees, which `tools/detector_training` fits. Every tree is
+# complete, so an evaluation takes the same number of comparisons for every input.
 
 TABLE = "fast_model.json"
 DEPTH = 4
@@ -212,23 +215,27 @@ FEATURES = (
     "greatest slope",
     "change over 100 ms",
     "signed change over 48 ms",
-    "net over total movement, 6 ms",
     "upper energy over its peak",
     "wide energy over greatest slope",
     "upper energy over greatest slope",
     "upper over wide energy",
-    "total movement, 6 ms",
     "slope over greatest slope",
-    "net over total movement, 20 ms",
-    "ticks of lasting upper energy",
     "smallest wide energy",
     "smallest wide energy over that of 20 ms",
+    "upper energy, 80 ms",
+    "wide energy, 80 ms",
+    "slope, 80 ms",
+    "slope of 80 ms over greatest slope",
+    "upper over wide energy, 80 ms",
+    "upper energy of 20 ms over that of 80 ms",
+    "ticks of lasting upper energy",
+    "ticks of weaker upper energy",
 )
 """Names of the features, in the order of their numbers.
 
-All but the ticks are squares or ratios of squares. The first seven, the thirteenth and the seventeenth are relative to
-the learned noise, so no feature depends on the unit of the input. "Smallest" is that of 6 ms in the last 16 to 24 ms.
-"Greatest" and "peak" are those of the last 80 to 120 ms."""
+All but the ticks are squares or ratios of squares. Those without "over" are relative to the learned noise, so no
+feature depends on the unit of the input. "Smallest" is that of 6 ms in the last 16 to 24 ms. "Greatest" and "peak" are
+those of the last 80 to 120 ms."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,6 +32,8 @@ STANDING_TICKS = 1000.0
 """Ticks of such vibration since the force moved last from which on the floors learn it all the same."""
 HELD_TICKS = 15.0
 """Ticks of averaging for which a floor stands after the force has changed: it is learned again within 0.5 s."""
+FALL_TICKS = 100.0
+"""Ticks over which a floor that falls averages: noise that has ended, as that of a touch, hides slip no longer."""
 UNLEARNED_RATIO = 0.03
 """Squared coefficient of variation of the wide energy of a tone; noise in 100 Hz has 0.25 behind 20 ms."""
 STEADY_TICKS, STEADY_RATIO = 20.0, 0.15
@@ -134,19 +136,14 @@ def learn_floors(
     c: FastCoefficients, wide_long: float, upper_long: float, input_long: float, is_moving: bool, state: MutableFloats
 ) -> None:
     """Let the floors follow the energies, the more slowly the longer they have; they stand while the force changes."""
-    floor, upper_floor, input_floor = state[FLOOR], state[UPPER_FLOOR], state[INPUT_FLOOR]
-    if is_moving:
-        state[FLOOR_TICKS] = HELD_TICKS
-    elif state[FLOOR_TICKS] < 0.0:
-        # Until the filters have settled, floors are what they show.
-        state[FLOOR_TICKS] += 1.0
-        floor, upper_floor, input_floor = wide_long, upper_long, input_long
-    else:
-        state[FLOOR_TICKS] += 1.0
-        share = 1.0 / min(state[FLOOR_TICKS], c.max_floor_ticks)
-        floor += share * (min(wide_long, CLIP_RATIO * floor) - floor)
-        upper_floor += share * (min(upper_long, CLIP_RATIO * upper_floor) - upper_floor)
-        input_floor += share * (min(input_long, CLIP_RATIO * input_floor) - input_floor)
-    state[FLOOR] = max(floor, c.min_floor)
-    state[UPPER_FLOOR] = max(upper_floor, c.min_upper_floor)
-    state[INPUT_FLOOR] = max(input_floor, c.min_input_floor)
+    ticks = state[FLOOR_TICKS] + 1.0
+    state[FLOOR_TICKS] = HELD_TICKS if is_moving else ticks
+    rise, fall = 1.0 / min(max(ticks, 1.0), c.max_floor_ticks), 1.0 / min(max(ticks, 1.0), FALL_TICKS)
+    bands = (FLOOR, wide_long, c.min_floor), (UPPER_FLOOR, upper_long, c.min_upper_floor)
+    for at, energy, least in (*bands, (INPUT_FLOOR, input_long, c.min_input_floor)):
+        floor = state[at]
+        if ticks <= 0.0 and not is_moving:
+            floor = energy  # until the filters have settled
+        elif not is_moving:
+            floor += (rise if energy > floor else fall) * (min(energy, CLIP_RATIO * floor) - floor)
+        state[at] = max(floor, least)

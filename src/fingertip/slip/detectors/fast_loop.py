@@ -25,7 +25,6 @@ from fingertip.slip.detectors.fast_state import (
     CONFIDENCE,
     CONFIRMED,
     DECAY_RATIO,
-    EDGE,
     EDGE_1,
     FADE_RATIO,
     FILTERED,
@@ -49,11 +48,7 @@ from fingertip.slip.detectors.fast_state import (
     LIMITED,
     MEAN_MOVE,
     MEAN_SCORE,
-    MOVE_S,
     MOVING_RATIO,
-    NET_LONG,
-    NET_SHORT,
-    NOISY_RATIO,
     ON,
     OUTSIDE,
     PEAK,
@@ -70,6 +65,7 @@ from fingertip.slip.detectors.fast_state import (
     SLOPE,
     SLOPE_1,
     SLOPE_2,
+    SLOPE_MEAN,
     SLOPE_S,
     SLOT,
     SLOW,
@@ -77,16 +73,18 @@ from fingertip.slip.detectors.fast_state import (
     STEP,
     STILL,
     TINY,
-    TOTAL_LONG,
-    TOTAL_SHORT,
     UPPER_1,
     UPPER_FLOOR,
     UPPER_LONG,
     UPPER_LOUD,
     UPPER_LOUD_20,
+    UPPER_MEAN,
     UPPER_SHORT,
+    WEAK_RATIO,
+    WEAK_TICKS,
     WIDE_1,
     WIDE_LONG,
+    WIDE_MEAN,
     WIDE_SHORT,
     check_sample,
     evaluate_trees,
@@ -121,17 +119,14 @@ def _fast_loop(
     upper_short, upper_long = state[UPPER_SHORT], state[UPPER_LONG]
     wide_short, wide_long = state[WIDE_SHORT], state[WIDE_LONG]
     input_long = state[INPUT_LONG]
-    last_edge, last_input, last_filtered = state[EDGE], state[INPUT], state[FILTERED]
+    last_input, last_filtered = state[INPUT], state[FILTERED]
     slow, rough, still = state[SLOW], state[ROUGH], state[STILL]
-    net_short, total_short = state[NET_SHORT], state[TOTAL_SHORT]
-    net_long, total_long = state[NET_LONG], state[TOTAL_LONG]
     slope_0, slope_1, slope_2 = state[SLOPE], state[SLOPE_1], state[SLOPE_2]
     peak_0, peak_1, peak_2, slot = state[PEAK], state[PEAK_1], state[PEAK_2], state[SLOT]
     step, filtered_step, rest, limited = state[STEP], state[FILTERED_STEP], state[REST], state[LIMITED]
     confidence, lasting_ticks, phase = state[CONFIDENCE], state[LASTING_TICKS], state[PHASE]
     replaced, outside, mean_move, held = state[REPLACED], state[OUTSIDE], state[MEAN_MOVE], state[HELD]
     slope_gain = SLOPE_S * SLOPE_S * c.sample_rate_hz * c.sample_rate_hz
-    move_gain = MOVE_S * MOVE_S * c.sample_rate_hz * c.sample_rate_hz
     at = 0
     level = c.statistic_gain * math.sqrt(state[FLOOR])
     for i in range(len(samples)):
@@ -222,14 +217,6 @@ def _fast_loop(
         rough += change - slope
         input_long += long_smoothing * (rough * rough - input_long)
 
-        # Net and total movement, which are equal while the force goes one way.
-        move = e - last_edge
-        last_edge = e
-        net_short += short_smoothing * (move - net_short)
-        net_long += long_smoothing * (move - net_long)
-        total_short += short_smoothing * (abs(move) - total_short)
-        total_long += long_smoothing * (abs(move) - total_long)
-
         # Squared slope and upper energy, the greatest of each slot.
         slope *= slope
         slope_0 = max(slope_0, slope)
@@ -258,6 +245,10 @@ def _fast_loop(
             slow_floor = c.wide_share * max(state[INPUT_FLOOR], input_noise)
             greatest *= slope_gain
             slope *= slope_gain
+            state[UPPER_MEAN] += c.weak_smoothing * (upper_short - state[UPPER_MEAN])
+            state[WIDE_MEAN] += c.weak_smoothing * (wide_short - state[WIDE_MEAN])
+            state[SLOPE_MEAN] += c.weak_smoothing * (slope - state[SLOPE_MEAN])
+            upper_mean, wide_mean, slope_mean = state[UPPER_MEAN], state[WIDE_MEAN], state[SLOPE_MEAN]
             rows[at] = upper_short / high_floor
             rows[at + 1] = upper_long / high_floor
             rows[at + 2] = wide_short / wide_floor
@@ -265,18 +256,23 @@ def _fast_loop(
             rows[at + 4] = greatest / slow_floor
             rows[at + 5] = change * change / slow_floor
             rows[at + 6] = half_change * abs(half_change) / slow_floor
-            rows[at + 7] = net_short * net_short / (total_short * total_short + TINY)
-            rows[at + 8] = upper_short / (peak + TINY)
-            rows[at + 9] = wide_long / (greatest + TINY)
-            rows[at + 10] = upper_long / (greatest + TINY)
-            rows[at + 11] = upper_long / (wide_long + TINY)
-            rows[at + 12] = move_gain * total_short * total_short / wide_floor
-            rows[at + 13] = slope / (greatest + TINY)
-            rows[at + 14] = net_long * net_long / (total_long * total_long + TINY)
+            rows[at + 7] = upper_short / (peak + TINY)
+            rows[at + 8] = wide_long / (greatest + TINY)
+            rows[at + 9] = upper_long / (greatest + TINY)
+            rows[at + 10] = upper_long / (wide_long + TINY)
+            rows[at + 11] = slope / (greatest + TINY)
+            rows[at + 12] = low / wide_floor
+            rows[at + 13] = low / (wide_long + TINY)
+            rows[at + 14] = upper_mean / high_floor
+            rows[at + 15] = wide_mean / wide_floor
+            rows[at + 16] = slope_mean / slow_floor
+            rows[at + 17] = slope_mean / (greatest + TINY)
+            rows[at + 18] = upper_mean / (wide_mean + TINY)
+            rows[at + 19] = upper_long / (upper_mean + TINY)
             lasting_ticks = lasting_ticks + 1.0 if rows[at + 1] > LASTING_RATIO else 0.0
-            rows[at + 15] = lasting_ticks
-            rows[at + 16] = low / wide_floor
-            rows[at + 17] = low / (wide_long + TINY)
+            state[WEAK_TICKS] = state[WEAK_TICKS] + 1.0 if rows[at + 1] > WEAK_RATIO else 0.0
+            rows[at + 20] = lasting_ticks
+            rows[at + 21] = state[WEAK_TICKS]
             is_loud = (
                 rows[at] > UPPER_LOUD
                 or rows[at + 2] > UPPER_LOUD
@@ -285,15 +281,14 @@ def _fast_loop(
             )
             score = evaluate_trees(rows, at, features, thresholds, leaves, c.offset) if is_loud else c.lowest_score
             # In more noise or coarser steps than stated, more must speak for slip.
-            excess = wide_floor / (NOISY_RATIO * c.min_floor) - 1.0
-            input_excess = slow_floor / (NOISY_RATIO * c.wide_share * c.min_input_floor) - 1.0
-            on_score = c.threshold + c.noise_rise * min(max(excess, input_excess, 0.0), 1.0)
+            excess = max(wide_floor / c.noisy_floor, slow_floor / c.noisy_slow_floor) - 1.0
+            on_score = c.threshold + c.noise_rise * min(max(excess, 0.0), 1.0)
             mean_score = state[MEAN_SCORE] + c.mean_smoothing * (score - state[MEAN_SCORE])
             state[MEAN_SCORE] = mean_score
             confidence = max((mean_score - c.lowest_score) / (on_score - c.lowest_score), 0.0)
             has_ended = not wide_short > DECAY_RATIO * wide_long
             is_strong = (rows[at + 1] > c.stay_ratio or rows[at + 3] > c.stay_ratio) and not has_ended
-            is_fading = not rows[at + 8] > FADE_RATIO
+            is_fading = not rows[at + 7] > FADE_RATIO
             vibration = hear(c, rows[at + 1], rows[at + 3], is_fading, has_ended, rows[at + 2], state)
             is_moving = greatest > MOVING_RATIO * slow_floor and state[SETTLING] == 0.0
             may_learn = is_learned(rows[at + 1], rows[at + 3], is_moving, state)
@@ -320,10 +315,8 @@ def _fast_loop(
     state[UPPER_SHORT], state[UPPER_LONG] = upper_short, upper_long
     state[WIDE_SHORT], state[WIDE_LONG] = wide_short, wide_long
     state[INPUT_LONG] = input_long
-    state[EDGE], state[INPUT], state[FILTERED] = last_edge, last_input, last_filtered
+    state[INPUT], state[FILTERED] = last_input, last_filtered
     state[SLOW], state[ROUGH], state[STILL] = slow, rough, still
-    state[NET_SHORT], state[TOTAL_SHORT] = net_short, total_short
-    state[NET_LONG], state[TOTAL_LONG] = net_long, total_long
     state[SLOPE], state[SLOPE_1], state[SLOPE_2] = slope_0, slope_1, slope_2
     state[PEAK], state[PEAK_1], state[PEAK_2], state[SLOT] = peak_0, peak_1, peak_2, slot
     state[STEP], state[FILTERED_STEP], state[REST], state[LIMITED] = step, filtered_step, rest, limited

@@ -32,12 +32,16 @@ STAY_SCORE = -1.0
 """Score above which slip stays incipient or ON, and the floors stand still."""
 STAY_RATIO = 2.0
 """Ratio of an energy of 20 ms to its floor above which vibration is heard, and slip stays ON if the trees allow it."""
-MEAN_S = 0.018
+MEAN_S = 0.025
 """Time constant of the mean score, which decides ON: most blows have high scores for less than this [s]."""
+WEAK_S = 0.08
+"""Time constant of the longest energies: what tells a weak slide from a motor's steps [s]."""
 HOLD_S = 0.1
 """Time constant with which the score is smoothed while a flag is set and vibration is heard [s]."""
-MIN_NOISE_SHARE = 0.5
-"""Smallest noise that is learned, as a share of the stated noise: half of it was trained on."""
+MIN_NOISE_SHARE, MIN_FILTERED_SHARE = 0.2, 0.5
+"""Smallest noise that is learned, as a share of the stated noise, from the tactile voltage and the filtered signal."""
+NOISY_RATIO = 1.5
+"""Ratio of a floor to that of the stated noise from which on more must speak for slip."""
 MIN_NOISE_V_RTHZ = 1.26e-5
 """Smallest noise density taken for stated [V/sqrt(Hz)], that of training: a slip would look like a contact."""
 LIMIT_SHARE = 0.9
@@ -133,7 +137,8 @@ def compute_coefficients(
     wide, upper = fast_coefficients.noise_energies(rate)
     tick = max(1, round(TICK_S * rate))
     ticks_per_s = rate / tick
-    least = (MIN_NOISE_SHARE * band_noise_v(settings, with_filtered)) ** 2
+    stated = band_noise_v(settings, with_filtered) ** 2
+    least = stated * (MIN_FILTERED_SHARE if with_filtered else MIN_NOISE_SHARE) ** 2
     filtered_gain, filtered_limit, filtered_rest, rest_limit = 0.0, math.inf, 0.0, math.inf
     if with_filtered and settings.filtered:
         filtered_gain = 1 / settings.filtered.gain
@@ -171,6 +176,8 @@ def compute_coefficients(
         min_floor=wide * least,
         min_upper_floor=upper * least,
         min_input_floor=(MIN_NOISE_SHARE * settings.noise_v) ** 2,
+        noisy_floor=NOISY_RATIO * wide * stated,
+        noisy_slow_floor=NOISY_RATIO * wide * settings.noise_v**2,
         offset=model.offset,
         lowest_score=LOWEST_SCORE,
         threshold=threshold,
@@ -180,6 +187,7 @@ def compute_coefficients(
         stay_ratio=STAY_RATIO,
         mean_smoothing=1 / (1 + settings.mean_s * ticks_per_s),
         hold_smoothing=1 / (1 + HOLD_S * ticks_per_s),
+        weak_smoothing=1 / (1 + WEAK_S * ticks_per_s),
         statistic_gain=STATISTIC_RATIO,
         number_limit=NUMBER_RATIO * settings.noise_v,
         jump_limit=jump_ratios[0] * settings.noise_v,

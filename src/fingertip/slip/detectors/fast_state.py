@@ -15,15 +15,10 @@ RING = 26
 """Values of the slow voltage in the ring, every second tick: 100 ms and the present one."""
 SLOPE_S = 0.01
 """Time by which slopes are multiplied, so that they compare with voltages [s]."""
-MOVE_S = 0.0005
-"""Time in which the total movement is expressed [s]."""
 UPPER_LOUD, UPPER_LOUD_20 = 2.0, 1.6
 """Ratios of the energies of 6 and 20 ms to the floors below which a signal is quiet, and no tree is evaluated."""
-LASTING_RATIO = 3.0
-"""Ratio of the upper energy of 20 ms to its floor above which vibration lasts: a knock falls below it soon."""
-NOISY_RATIO = 6.0
-"""Ratio of the floor of the wide band, or of the slow force, to its lower bound above which there is more noise than
-stated, and the threshold rises; at twice that ratio it has risen to its end. The stated noise has the ratio 4."""
+LASTING_RATIO, WEAK_RATIO = 3.0, 1.5
+"""Ratios of the upper energy of 20 ms to its floor above which vibration lasts: a knock falls below them soon."""
 MOVING_RATIO = 60.0
 """Ratio of the squared slope to the slow force's floor above which the force changes, so that floors do not adapt."""
 LOW_TICKS = 4.0
@@ -45,15 +40,14 @@ USED, REPLACED_SAMPLE, CONFIRMED, GLITCH, BEGUN = range(5)
 # Indices into the loop's state.
 BOARD_STAGE, BOARD_1, BOARD_2, RESTORE_1_1, RESTORE_1, RESTORE_2 = range(6)
 EDGE_1, EDGE_2, UPPER_1, UPPER_2, WIDE_1, WIDE_2, SLOW_1, SLOW_2 = range(6, 14)
-UPPER_SHORT, UPPER_LONG, WIDE_SHORT, WIDE_LONG, INPUT_LONG = range(14, 19)
-EDGE, SLOW, INPUT, FILTERED, NET_SHORT, TOTAL_SHORT, NET_LONG, TOTAL_LONG = range(19, 27)
-SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(27, 34)
-STEP, FILTERED_STEP, REST, LIMITED, FLOOR, UPPER_FLOOR, INPUT_FLOOR, FLOOR_TICKS, SETTLING = range(34, 43)
-ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(43, 52)
-INCIPIENT, LOW, LOW_1, LOW_2, LOW_PHASE, ROUGH, STILL, LASTING_TICKS = range(52, 60)
-REPLACED, OUTSIDE, MEAN_MOVE, INPUT_CHECK, FILTERED_CHECK, HELD = 60, 61, 62, 63, 66, 69
-HEARD_TICKS, HEARD_MEAN, HEARD_SQUARE, STEADY, MEAN_SCORE, AFTER, LEVEL, STANDING, UNHEARD = range(70, 79)
-RING_START = 79
+UPPER_SHORT, UPPER_LONG, UPPER_MEAN, WIDE_SHORT, WIDE_LONG, WIDE_MEAN, INPUT_LONG, SLOPE_MEAN = range(14, 22)
+SLOW, INPUT, FILTERED, SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(22, 32)
+STEP, FILTERED_STEP, REST, LIMITED, FLOOR, UPPER_FLOOR, INPUT_FLOOR, FLOOR_TICKS, SETTLING = range(32, 41)
+ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(41, 50)
+INCIPIENT, LOW, LOW_1, LOW_2, LOW_PHASE, ROUGH, STILL, LASTING_TICKS, WEAK_TICKS = range(50, 59)
+REPLACED, OUTSIDE, MEAN_MOVE, INPUT_CHECK, FILTERED_CHECK, HELD = 59, 60, 61, 62, 65, 68
+HEARD_TICKS, HEARD_MEAN, HEARD_SQUARE, STEADY, MEAN_SCORE, AFTER, LEVEL, STANDING, UNHEARD = range(69, 78)
+RING_START = 78
 STATES = RING_START + RING
 
 

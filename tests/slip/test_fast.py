@@ -404,6 +404,16 @@ def test_on_follows_the_mean_score() -> None:
     assert np.argmax(output.on) - np.argmax(output.incipient) == 20 * 4
 
 
+def test_more_must_speak_for_slip_in_more_noise_than_stated() -> None:
+    """The threshold rises from 4 to 5 above the lowest score where the noise has nine times the stated energy."""
+    for factor, ratio in ((1.0, 1.0), (3.0, 5.0 / 4.0)):
+        volts = 4.0 + factor * noise(6.0)
+        volts[-200:] += band_noise(0.1, 0.05)
+        models = (replace(ask_one_question(), threshold=0.0, noise_rise=rise) for rise in (0.0, 1.0))
+        low, high = (FastDetector(SETTINGS, model).process(volts).confidence[-1] for model in models)
+        assert 0.0 < low == pytest.approx(ratio * high)
+
+
 @pytest.mark.parametrize("score", [-0.5, -2.0])
 def test_floors_stand_while_the_score_is_near_slip(score: float) -> None:
     """A score above `STAY_SCORE` that is none of slip holds the floors; one below lets them learn."""

@@ -130,6 +130,7 @@ FAMILIES: dict[str, list[tuple[Any, ...]]] = {
         *((GRASPED, "--calibrate", part) for part in ("2.5:3.5", "9:9.5", "4:4.1", "0:9", "3:9", "3:6")),
         (VIBRATING, "--calibrate", "0.5:5.5", "--detector", "fast"),
         *((csv(LONG_S, WEAK_SLIDE), "--detector", "fast", *more) for more in ((), ("--calibrate", "3.2:4"))),
+        (csv(LONG_S, WEAK_SLIDE), "--detector", "digital", "--calibrate", "3.2:4"),
         *((FORCE, "--column", "voltage_v=force_n", "--detector", "fast", *more)
           for more in ((), ("--calibrate", "0:0.3"), ("--calibrate", "0:0.4"))),
     ],
@@ -141,6 +142,7 @@ FAMILIES: dict[str, list[tuple[Any, ...]]] = {
         (csv(T, np.where(np.isin(np.arange(len(T)), [400, 800, 900, 1100]), 0.3, V)), "--detector", "fast"),
         (csv(LONG_S, 2.0 + 8 * NOISE_FROM_3_S), "--detector", "fast"),
         (csv(LONG_S, 2.0 + 8 * NOISE_FROM_3_S), "--detector", "fast", "--calibrate", "4:5"),
+        (csv(LONG_S, 2.0 + 8 * NOISE_FROM_3_S), "--detector", "digital", "--calibrate", "4:5"),
         ("".join(f"T:{v:.4f},S:1.65\n" for v in V),),
         ("".join(f"12:00:00.{i:04d} -> {v:.4f}\n" for i, v in enumerate(V)),),
     ],

@@ -294,7 +294,7 @@ def test_the_hand_on_an_emulated_controller_decides_as_here(folder: Path) -> Non
             ("--controller", "nucleo_f446re"),
         ),
         (("--fingers", "2", "--controller", "due"), "has cycles while all slip for 1", ("--fingers", "1")),
-        (("--controller", "nano"), "'nano' is too slow: a sample takes at least 1.2 ms", ("--controller", "pico_2")),
+        (("--controller", "nano"), "'nano' is too slow: a sample takes at least 1.1 ms", ("--controller", "pico_2")),
         (("--controller", "none"), "'none' is not known; give teensy40", ("--controller", "teensy40")),
         (("--fingers", "2", "--inputs", "PA0,PA1,PA0,PA3"), "'PA0' is the input of T of thumb and T of index", ()),
         (("--fingers", "2", "--inputs", "PA0,PA1"), "2 inputs are not two a finger", ()),

@@ -15,9 +15,9 @@ from benchmarks.slip import scores
 from benchmarks.slip.__main__ import main
 from benchmarks.slip.baselines import adapt
 from benchmarks.slip.competitors import COMPETITORS, Competitor, load_own
-from benchmarks.slip.joined import Judged
+from benchmarks.slip.joined import PLACED_S, Judged, _join, _take_rest, band_rms
 from benchmarks.slip.mix_signals import LabelledSignal, Slide, draw_band_noise
-from benchmarks.slip.public_sets import LAYOUTS, read_layout, unfold
+from benchmarks.slip.public_sets import LAYOUTS, Run, read_layout, unfold
 from benchmarks.slip.real import judge
 from benchmarks.slip.recordings import Recording, Stretch, draw_held_out, read_folder
 from benchmarks.slip.run import read_options
@@ -204,6 +204,18 @@ def test_a_late_rise_finds_no_slip_and_each_window_of_rest_may() -> None:
     found = judge(Design(), known, [*slides, Judged("rest", "b", RATE_HZ, np.zeros(8000))], 0.9)
     assert [delay_s for delay_s, _ in found["full"]] == pytest.approx([0.1, np.inf])
     assert np.mean(found["null"]) == pytest.approx(0.2, abs=0.05)
+
+
+def test_a_slide_follows_the_rest_as_it_was_recorded() -> None:
+    rng, count = np.random.default_rng(5), round(5.0 * RATE_HZ)
+    moves, touches = 40.0 * (np.arange(count) >= 4.6 * RATE_HZ), np.ones(count, bool)
+    stage = Run("stage", RATE_HZ, rng.standard_normal(count), moves, touches)
+    rest = _take_rest(stage, RATE_HZ)
+    (one,) = _join(rest, Run("slide", RATE_HZ, rng.standard_normal(count), 40.0 * touches, touches), "half", 2.9, 0.0)
+    first, at = round(PLACED_S * RATE_HZ), round(one.onset_s * RATE_HZ)
+    assert one.values[:at] == pytest.approx(stage.values[first : first + at] - stage.values[first])
+    added = band_rms(one.values[at:] - rest[at : len(one.values)], RATE_HZ)
+    assert added == pytest.approx(2.9 * band_rms(rest[:at], RATE_HZ))
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
@@ -191,11 +191,10 @@ def test_a_loud_moment_counts_as_four_times_the_floor_and_a_quiet_one_tenfold():
     detector = FastDetector(SETTINGS, NO_TREES)
     detector.process(4.0 + noise(20.0))
     for factor, ratio in ((100.0, 1 + (4 - 1) / 1000), (0.5, 1 - 0.5 / 100)):
-        state = list(detector.state)
-        before = np.array([state[at] for at in (fast_state.FLOOR, fast_state.UPPER_FLOOR, fast_state.INPUT_FLOOR)])
-        learn_floors(detector.coefficients, *(factor * before), False, state)
-        after = [state[at] for at in (fast_state.FLOOR, fast_state.UPPER_FLOOR, fast_state.INPUT_FLOOR)]
-        assert after == pytest.approx(ratio * before, rel=1e-9)
+        before = np.array(learned_noise_v(detector))
+        energies = [factor * floor for floor in astuple(detector.floors)]
+        learn_floors(detector.coefficients, *energies, False, detector._state)
+        assert learned_noise_v(detector) == pytest.approx(math.sqrt(ratio) * before, rel=1e-9)
 
 
 def test_both_floors_follow_a_tone_that_lasts():

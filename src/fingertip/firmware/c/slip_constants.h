@@ -126,7 +126,7 @@
 #define SLIP_SLOPE_GAIN $SLOPE_GAIN
 #define SLIP_TINY $TINY
 
-/* Ratios that decide: trees are evaluated, vibration lasts and weaker one does, floors adapt, a tone, an end. */
+/* Ratios that decide: trees are evaluated, vibration lasts, weak vibration lasts, floors adapt, a tone, an end. */
 #define SLIP_LOUD $UPPER_LOUD
 #define SLIP_LOUD_20 $UPPER_LOUD_20
 #define SLIP_LASTING_RATIO $LASTING_RATIO

@@ -1,6 +1,6 @@
 """Train the recurrent network that the benchmark of slip detectors compares with. Nothing else needs PyTorch.
 
-    python -m tools.detector_training.recurrent [--trials 300] [--events 100] [--disturbances 150] [--out weights.json]
+    python -m tools.detector_training.recurrent [--trials 1350] [--events 450] [--disturbances 300] [--out weights.json]
 
 The network is small, as those of the literature that judge one tactile signal are: one layer of gated recurrent units
 (K. Cho et al., EMNLP 2014), which is fed every 2 ms. It sees signals of the same generators as the trees of `fast`.
@@ -34,9 +34,9 @@ ONSET_S, ONSET_WEIGHT = 0.06, 4.0
 def main() -> None:
     """Train, and write the weights."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--trials", type=int, default=300)
-    parser.add_argument("--events", type=int, default=100)
-    parser.add_argument("--disturbances", type=int, default=150)
+    parser.add_argument("--trials", type=int, default=1350)
+    parser.add_argument("--events", type=int, default=450)
+    parser.add_argument("--disturbances", type=int, default=300)
     parser.add_argument("--cache", type=Path, help="file that keeps the signals from one training to the next")
     parser.add_argument("--out", type=Path, default=Path(recurrent.__file__).with_name(recurrent.TABLE))
     arguments = parser.parse_args()

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import pickle
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,8 @@ import numpy as np
 from benchmarks.slip import recurrent
 from benchmarks.slip.recordings import Recording
 from fingertip.foundation.jit import compiled
-from tools.detector_training.signals import TrainingSignal, generate
+from tools.detector_training.fit import load_signals
+from tools.detector_training.signals import TrainingSignal
 
 HIDDEN = 16
 EPOCHS = 40
@@ -40,12 +40,8 @@ def main() -> None:
     parser.add_argument("--cache", type=Path, help="file that keeps the signals from one training to the next")
     parser.add_argument("--out", type=Path, default=Path(recurrent.__file__).with_name(recurrent.TABLE))
     arguments = parser.parse_args()
-    if arguments.cache and arguments.cache.exists():
-        signals: list[TrainingSignal] = pickle.loads(arguments.cache.read_bytes())
-    else:
-        signals = list(generate(arguments.trials, arguments.events, arguments.disturbances))
-        if arguments.cache:
-            arguments.cache.write_bytes(pickle.dumps(signals))
+    sizes = {name: getattr(arguments, name) for name in ("trials", "events", "disturbances")}
+    signals = load_signals(arguments.cache, sizes)
     with compiled():
         rows = [make_rows(item) for item in signals]
     print(f"{len(rows)} signals, {sum(len(row[1]) for row in rows) * recurrent.TICK_S / 60:.0f} min", flush=True)

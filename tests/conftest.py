@@ -68,18 +68,9 @@ def run_python(*arguments: str, given: str | None = None, **environment: str) ->
 def run_fingertip(
     *arguments: object, given: str | None = None, fresh: bool = False, **environment: str
 ) -> subprocess.CompletedProcess[str]:
-    """The command line, in this process: a fresh one takes half a second to start.
+    """The command line, `given` on standard input, in this process: a `fresh` one takes half a second to start.
 
-    Parameters
-    ----------
-    arguments
-        Words of the command.
-    given
-        Standard input.
-    fresh
-        Whether to start a fresh process all the same; done too where the environment is changed.
-    environment
-        Environment variables; `PWD` is the folder to run in.
+    Changes of the environment start one too, but for `PWD`, the folder to run in.
     """
     words = [str(argument) for argument in arguments]
     if fresh or environment.keys() - {"PWD"}:

@@ -1,7 +1,4 @@
-"""Reports of detections on known recordings: text, JSON, table and figures are the approved ones.
-
-After a change that is meant, `FINGERTIP_APPROVE=1 pytest tests/slip/test_report.py` writes them; then read them.
-"""
+"""Reports of detections on known recordings: text, JSON, table and figures are the approved ones."""
 
 from __future__ import annotations
 

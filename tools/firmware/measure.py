@@ -90,7 +90,7 @@ def _measure_hand(design: Design, folder: Path, target: Target, seconds: float) 
     fingers = [slip_recording(design, seconds, 2 + 2 * i).code_pairs(design) for i in range(FIVE.count)]
     codes = np.stack(fingers, axis=1)
     _, counts = run_hand_on_target(compile_target(folder, target, program="hand_on_target.c"), target, codes)
-    costs = {"flash_bytes": measure_flash(folder, target)}
+    costs = {"flash_bytes": measure_flash(folder, target, with_grip=True)}
     return costs | {"slip": round(float(np.mean(counts[len(counts) // 2 :]))), "max": round(float(counts.max()))}
 
 

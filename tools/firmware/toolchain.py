@@ -79,11 +79,10 @@ def write_sources(design: Design, folder: Path, fingers: Fingers = ONE_FINGER) -
 def compile_host(folder: Path, real: str, *options: str) -> Path:
     """Compile the library in a folder as a shared library for this machine, with float or double as its type."""
     library = folder / f"slip_{real}.so"
-    program = [str(folder / SOURCE), str(PROGRAMS / "probe.c")]
-    if (folder / GRIP_SOURCE).exists():
-        program += [str(folder / GRIP_SOURCE), str(PROGRAMS / "probe_hand.c"), "-lm"]
+    program = [str(PROGRAMS / "probe.c"), str(PROGRAMS / "probe_hand.c")]
+    program += [str(folder / SOURCE), str(folder / GRIP_SOURCE)]
     flags = [*STRICT, "-O2", "-shared", "-fPIC", f"-DSLIP_REAL={real}", f"-I{folder}", *options]
-    _run("gcc", *flags, *program, "-o", str(library))
+    _run("gcc", *flags, *program, "-lm", "-o", str(library))
     return library
 
 
@@ -105,12 +104,12 @@ def compile_object(folder: Path, target: Target, level: str = "-O2") -> tuple[Pa
     return image, {row[0].rpartition(":")[2]: int(row[1]) for row in rows}
 
 
-def measure_flash(folder: Path, target: Target, level: str = "-O2") -> int:
+def measure_flash(folder: Path, target: Target, level: str = "-O2", with_grip: bool = False) -> int:
     """Measure code and tables of the library, with the routines of the compiler that it needs [byte]."""
     image, _ = compile_object(folder, target, level)
     linked = image.with_suffix(".linked")
     needed = ["-Wl,--gc-sections", "-Wl,-eslip_process", "-Wl,-uslip_init"]
-    if (folder / GRIP_SOURCE).exists():
+    if with_grip:
         options = [*target.options, "-mthumb", level, *STRICT, f"-I{folder}", "-c", str(folder / GRIP_SOURCE)]
         _run("arm-none-eabi-gcc", *options, "-o", str(folder / "grip.o"))
         needed += ["-Wl,-uslip_grip_step", str(folder / "grip.o")]

@@ -62,7 +62,6 @@ def detect(
     The detector analog takes the board's output: the column envelope_v of the trace or, if there is none, the output of
     the design's board, simulated for the voltage.
     """
-    from fingertip.design.files import load_tables
     from fingertip.detection.live import detect_stream
     from fingertip.detection.recordings import detect_file
     from fingertip.foundation import extras
@@ -77,31 +76,27 @@ def detect(
     loaded = load_design(design, changes)
     own = loaded.detector.kind  # "fast" is what a design has that says nothing
     detector = detector or (DEFAULT if own == "fast" and loaded.board.has_filter else own)
-    # A window from --set is for this recording's rate, a window from a design file for that file's rate.
-    keep_window = "detector.window_samples" in load_tables([], changes or ()).changed
     named, channels = _parse_columns(columns or [])
     time_scale_s = _parse_time_scale(time_scale)
     if is_stream:
-        _refuse_without_recording({"--plot": plot, "--calibrate": calibrate, "--floors": floors})
+        _refuse_without_recording({"--plot": plot, "--calibrate": calibrate})
         begin = functools.partial(
             detect_stream, sys.stdin.buffer, loaded, detector, rate_hz=rate_hz, scale=scale, time_scale=time_scale_s,
-            columns=named, channels=channels, keep_window=keep_window, progress=console.progress,
+            columns=named, channels=channels, floors=floors, progress=console.progress,
         )  # fmt: skip
         _follow_standard_input(console, detector, begin)
         return
     if channels:
         message = f"names {len(channels)} voltages; give one, or pass the lines to - in place of a file."
         raise TraceError(Issue("--column", message))
-    calibrate_s, adapt_to_file = _parse_interval(calibrate), False if design else None
     found = detect_file(
-        trace, loaded, detector, rate_hz=rate_hz, calibrate_s=calibrate_s, floors=floors, scale=scale,
-        time_scale=time_scale_s, columns=named, adapt_to_file=adapt_to_file, keep_window=keep_window,
-        progress=console.progress,
+        trace, loaded, detector, rate_hz=rate_hz, calibrate_s=_parse_interval(calibrate), floors=floors, scale=scale,
+        time_scale=time_scale_s, columns=named, progress=console.progress,
     )  # fmt: skip
     console.warn(found.warnings)
     if plot is not None:
         add_to_set(plot, draw(found.trace, found.detection, trace.name), "--plot")
-    console.result(as_data(found.detection, found.noise), as_text(found.detection))
+    console.result(as_data(found.detection, found.noise) | {"warnings": found.warnings}, as_text(found.detection))
 
 
 def _parse_columns(columns: list[str]) -> tuple[dict[str, str], list[str]]:
@@ -146,7 +141,7 @@ def _refuse_without_recording(options: Mapping[str, object]) -> None:
 def _follow_standard_input(console: Console, detector: str, begin: Callable[[], StreamDetection]) -> None:
     """Detect slip in standard input until it ends, is wrong or is interrupted; report the transitions up to then."""
     transitions: list[dict[str, Any]] = []
-    data: dict[str, Any] = {"detector": detector, "transitions": transitions}
+    data: dict[str, Any] = {"detector": detector, "transitions": transitions, "warnings": console.warnings}
     any_on = False
     try:
         found = begin()

@@ -4,7 +4,6 @@ What is promised
 ----------------
 - A message ends in a remedy: a bound of its field ("at least 3.2 mm"), values of other fields ("set
   mold.wall_mm=6.3"), or the fit ("add --fit"). Consequences follow without one; the last tells what fixes them all.
-- A file of an adapter that cannot be used is refused with the reason alone.
 - The remedies of one refusal, all applied together at the values they print, give a design that passes every rule.
 - What was changed comes first. Where one changed number resolves everything, it alone is the remedy, with the nearest
   value that passes; else each blamed field gets its own bound. The last resort is to return what was changed towards

@@ -1,8 +1,7 @@
 """Adaptation of a design's detector to a recording: to its sampling rate, and to the noise of a quiet part.
 
-The quiet part is an interval during which nothing happens, in the air or in a held grasp. Its spectrum may have any
-shape: hum, drift, noise behind a low-pass filter. It is expressed as the white noise for which a detector has the
-threshold it needs.
+Nothing happens in a quiet part, in the air or in a held grasp. Its noise, of any spectrum, is expressed as the white
+noise for which a detector has the threshold it needs.
 """
 
 from __future__ import annotations
@@ -155,11 +154,11 @@ def _describe_ramp(trace: Trace, part: slice, in_volts: bool) -> str | None:
     return f"the signal moves by {moved} at {trace.time_s[part][(largest + 1) * width]:.4f} s"
 
 
-def adapt_rate(design: Design, rate_hz: float, keep_threshold: bool = False, keep_window: bool = False) -> Design:
+def adapt_rate(design: Design, rate_hz: float, keep_threshold: bool = False) -> Design:
     """Adapt a design's filters, window and threshold to another sampling rate.
 
-    The window keeps its duration. The threshold keeps its ratio to the noise-derived threshold: white noise of the same
-    RMS value leaves less behind the filters at a higher sampling rate. Raises DesignError.
+    The window keeps its duration, or its samples where the design states these and no rate. The threshold keeps its
+    ratio to the noise-derived one: of white noise less passes at a higher sampling rate. Raises DesignError.
     """
     old = design.detector
     if rate_hz == old.sample_rate_hz:
@@ -167,7 +166,7 @@ def adapt_rate(design: Design, rate_hz: float, keep_threshold: bool = False, kee
     tables = design.model_dump()
     # A rate out of bounds is refused below, as it is; its window might not even be a number.
     within_hz = min(max(rate_hz, MIN_RATE_HZ), MAX_RATE_HZ)
-    if keep_window:
+    if "window_samples" in old.model_fields_set and "sample_rate_hz" not in old.model_fields_set:
         window = old.window_samples
         # Compare the noise in windows of the same duration. This design only serves the comparison, so its window is
         # not checked against the bounds.
@@ -191,8 +190,6 @@ class Adaptation:
     """Adaptation of a design to the sampling rate of a recording, for one detector."""
 
     detector: str
-    keep_window: bool = False
-    """True if the number of samples in the window remains."""
     noise_is_measured: bool = False
     """True if the threshold follows from the noise of the recording."""
     report: Callable[[str], None] = lambda message: None
@@ -216,7 +213,7 @@ class Adaptation:
         keep_threshold = "threshold_v" in design.detector.model_fields_set
         check_rate(rate_hz)
         kind = find_detector_type(self.detector)
-        adapted = adapt_rate(design, rate_hz, keep_threshold or kind.takes_envelope, self.keep_window)
+        adapted = adapt_rate(design, rate_hz, keep_threshold or kind.takes_envelope)
         samples = adapted.detector.window_samples
         values = f"the window is {samples} samples, {1000 * samples / rate_hz:.4g} ms"
         if not self.noise_is_measured and kind.has_design_threshold:

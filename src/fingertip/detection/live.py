@@ -6,14 +6,16 @@ import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from fingertip.design import Design
 from fingertip.design.parameters.electronics import Detector as DetectorParameters
 from fingertip.detection.adaptation import Adaptation
-from fingertip.detection.recordings import find_force_scale
+from fingertip.detection.recordings import find_force_scale, read_floors
 from fingertip.detection.warnings import StreamWatch, settings_warnings
 from fingertip.foundation.errors import Issue, TraceError, shorten
 from fingertip.slip.detectors import registry
+from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.force import MEAN_S, Force, ForceScale
 from fingertip.slip.traces import sampling
 from fingertip.slip.traces.columns import bare_lines, parse_number, split_cells
@@ -67,7 +69,7 @@ def detect_stream(
     time_scale: float = 1.0,
     columns: Mapping[str, str] | None = None,
     channels: Sequence[str] = (),
-    keep_window: bool = False,
+    floors: str | Path | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> StreamDetection:
     """Detect slip in CSV lines while they arrive. The samples are read as transitions are taken.
@@ -82,7 +84,7 @@ def detect_stream(
         simulated for the voltage.
     channels
         Columns of several voltages, by name or number. Each is judged alone, without the board's columns.
-    design, detector, rate_hz, scale, time_scale, columns, keep_window, progress
+    design, detector, rate_hz, scale, time_scale, columns, floors, progress
         As for `detect_file`, but the voltage may not be the column of a force.
 
     Raises
@@ -94,7 +96,7 @@ def detect_stream(
     """
     report, design = progress or (lambda message: None), design or Design()
     kind = registry.check_detector(design, detector)
-    adaptation = Adaptation(detector, keep_window, report=report)
+    adaptation = Adaptation(detector, report=report)
     if rate_hz is not None:
         design = adaptation.to_rate(design, rate_hz)
     voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
@@ -110,7 +112,7 @@ def detect_stream(
         if found_hz := _find_rate(header, first, voltage, design.detector.sample_rate_hz):
             design = adaptation.to_rate(design, found_hz)
     second = None if channels else registry.find_second_column(design, detector)
-    found = [_Channel.open(header, design, detector, each, second, report, bool(channels)) for each in selected]
+    found = [_Channel.open(header, design, detector, each, second, report, bool(channels), floors) for each in selected]
     transitions = _follow(header, rows, found, design.detector, selected[0], report)
     signals = registry.find_signals(design, detector, len(found[0].places) > 1)
     return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)), signals)
@@ -135,7 +137,7 @@ class _Channel:
     @classmethod
     def open(
         cls, header: Header, design: Design, detector: str, voltage: ColumnMap, second: str | None,
-        report: Callable[[str], None], is_named: bool,
+        report: Callable[[str], None], is_named: bool, floors: str | Path | None,
     ) -> _Channel:  # fmt: skip
         """Create the detector and select its columns; `analog` takes the board's output if the lines contain it."""
         voltage, place = voltage.with_simulated_names(header.names), header.find_place
@@ -153,7 +155,11 @@ class _Channel:
             instance = SimulatedBoardDetector(design)
         else:
             instance = registry.make_detector(detector, design)
-        return cls(shown, places, instance, StreamWatch(design, detector, not has_second), find_force_scale(design))
+        stored = None if floors is None else read_floors(floors, design, detector, voltage, has_second)
+        if isinstance(instance, FastDetector):
+            instance.stored_floors = stored
+        watch = StreamWatch(design, detector, instance, not has_second)
+        return cls(shown, places, instance, watch, find_force_scale(design))
 
     def step(self, values: Sequence[float], time_s: float, share: float) -> Transition | None:
         """Process one sample. `share` is that of a new voltage in the mean of which the force follows."""

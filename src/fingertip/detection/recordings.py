@@ -23,7 +23,7 @@ from fingertip.slip.detectors.analog_and_digital import measure_noise_level
 from fingertip.slip.detectors.fast import Floors
 from fingertip.slip.detectors.input_noise import NoiseLevel
 from fingertip.slip.force import ForceScale
-from fingertip.slip.scored_detection import Detection
+from fingertip.slip.scored_detection import MAX_NOISE_RATIO, Detection
 from fingertip.slip.scored_detection import detect as detect_in_trace
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.sampling import check_rate, rises_as_time
@@ -146,8 +146,6 @@ def detect_file(
     scale: float = 1.0,
     time_scale: float = 1.0,
     columns: Mapping[str, str] | None = None,
-    adapt_to_file: bool | None = None,
-    keep_window: bool = False,
     origin: Origin | None = None,
     progress: Progress | None = None,
 ) -> FileDetection:
@@ -159,7 +157,8 @@ def detect_file(
         The file. The detector `analog` takes its column `envelope_v` and, if there is none, the output of the design's
         board, simulated for the voltage.
     design
-        Source of sampling rate, filters, window, threshold and board; by default the default design.
+        Source of filters, window, threshold and board, by default the default design; of the sampling rate if it
+        states one, else it is adapted to that of the file.
     detector
         Name of a detector: `digital`, `analog`, `fft` or `fast`.
     rate_hz
@@ -176,11 +175,6 @@ def detect_file(
     columns
         Name in the file for each column of a trace, such as ``{"voltage_v": "AI0"}``. The voltage may be the column of
         a force; its thresholds require `calibrate_s`.
-    adapt_to_file
-        Whether the design is adapted to the file's sampling rate; another rate is otherwise an error. By default it is
-        adapted unless `rate_hz` or the design states a rate.
-    keep_window
-        Whether the number of samples in the window remains the same when the design is adapted.
     origin
         What is known of the recording beside its columns; by default what the manifest beside the file says.
     progress
@@ -197,28 +191,24 @@ def detect_file(
     """
     path, report, design = Path(path), progress or (lambda message: None), design or Design()
     kind = registry.check_detector(design, detector)
-    if floors is not None and not ColumnMap(columns or {}).in_volts:
-        raise TraceError(Issue("--floors", "are those of a voltage, and this column is a force; leave --floors out."))
-    rest = None if floors is None else detect_file(
-        floors, design, detector, rate_hz=rate_hz, scale=scale, time_scale=time_scale, columns=columns,
-        adapt_to_file=adapt_to_file,
-    )  # fmt: skip
-    adaptation = Adaptation(detector, keep_window, calibrate_s is not None, report)
+    if floors is not None and calibrate_s is not None:
+        raise TraceError(Issue("--floors", "are not used beside --calibrate; leave --floors out."))
+    adaptation = Adaptation(detector, calibrate_s is not None, report)
     if rate_hz is not None:
         design = adaptation.to_rate(design, rate_hz)
-    elif adapt_to_file is None:
-        adapt_to_file = "sample_rate_hz" not in design.detector.model_fields_set
     column_map = ColumnMap(columns or {}, rate_hz, scale, time_scale)
     if not column_map.in_volts and calibrate_s is None and not kind.takes_envelope:
         message = "is missing: the design's thresholds are in volts, but this column is a force; give the interval "
         raise TraceError(Issue("--calibrate", message + "during which nothing happens."))
     raw = read_raw_trace(path, column_map)
-    if rate_hz is None and adapt_to_file:
+    if rate_hz is None and "sample_rate_hz" not in design.detector.model_fields_set:
         design = adaptation.to_recording(design, raw)
     trace = replace(raw.validate(design.detector), origin=origin or read_origin(path))
     quiet = None if calibrate_s is None else QuietPart.select(trace, calibrate_s, column_map.in_volts, path.name)
     recording = _Recording(path.name, trace, design, detector, column_map, quiet)
-    doubts, level, noise_v = [*raw.notes, *_doubt_signals(recording)], None, None
+    doubts, level, noise_v, stored = [*raw.notes, *_doubt_signals(recording)], None, None, None
+    if floors is not None:
+        stored = read_floors(floors, design, detector, column_map, trace.filtered_v is not None)
     if kind.takes_envelope:
         doubts += warnings.envelope_warnings(trace, design)
         recording, level = _add_board(recording, report)
@@ -227,10 +217,12 @@ def detect_file(
         if column_map.in_volts:
             found = detect_in_trace(trace, design, detector)
             doubts += warnings.calibration_warnings(noise_v, found, quiet.samples, design, quiet.describe())
-    stored = None if rest is None else _take_floors(rest, recording)
     detection = detect_in_trace(recording.trace, recording.design, detector, noise_v, stored)
     if column_map.in_volts and column_map.name_in_file("voltage_v") != column_map.name_in_file("envelope_v"):
         detection = replace(detection, scale=find_force_scale(recording.design))
+    elif not column_map.in_volts and not kind.takes_envelope:
+        force = replace(detection.threshold, force=column_map.name_in_file("voltage_v"))
+        detection = replace(detection, threshold=force)
     if quiet:
         quiet.refuse_slip(detection)
     level = level or detection.noise
@@ -274,18 +266,27 @@ FLOORS_S = 0.5
 """Time in which `fast` learns its floors [s]."""
 
 
-def _take_floors(rest: FileDetection, recording: _Recording) -> Floors:
-    """Take the floors of a rest that was recorded in the same way. Raises TraceError."""
+def read_floors(path: str | Path, design: Design, detector: str, columns: ColumnMap, with_filtered: bool) -> Floors:
+    """Read the floors of a rest that is recorded as the signal that follows it. Raises TraceError."""
+    rate_hz = design.detector.sample_rate_hz
+    rest = detect_file(
+        path, design, detector, rate_hz=rate_hz, scale=columns.scale, time_scale=columns.time_scale,
+        columns=columns.names,
+    )  # fmt: skip
     found, lasts_s = rest.detection, rest.trace.time_s[-1] - rest.trace.time_s[0]
-    one, other = ((part.design.detector.sample_rate_hz, part.trace.filtered_v is None) for part in (rest, recording))
     if found.floors is None:
         message = f"are not learned by {found.detector}; add --detector fast, or leave --floors out."
     elif lasts_s < FLOORS_S:
         message = f"the rest lasts {lasts_s:.3g} s, and fast learns for {FLOORS_S:g} s; record a longer one."
     elif found.incipient:
         message = f"the rest may hold slip at {found.incipient[0].onset_s:.4f} s; record it while nothing moves."
-    elif one != other:
-        message = f"the rest is not sampled as {recording.name}; record both at one rate and with the same columns."
+    elif (noise_v := found.learned_noise_v or 0.0) and any(warnings.noise_warnings(noise_v, design, None)):
+        message = (
+            f"the rest vibrates by {1000 * noise_v:.2g} mV, over {MAX_NOISE_RATIO:g} times the stated noise; "
+            f"record it while nothing moves, or state that noise with --set detector.noise_v={noise_v:.2g}."
+        )
+    elif (rest.trace.filtered_v is not None) != with_filtered:
+        message = "the rest has other columns than what follows it; record both with the same ones."
     else:
         return found.floors
     raise TraceError(Issue("--floors", message))
@@ -323,10 +324,10 @@ def _doubt_result(
     """Find reasons to doubt the noise, the threshold and the quiet part."""
     trace, design, quiet = recording.trace, recording.design, recording.quiet
     if recording.columns.in_volts:
-        yield from warnings.begin_warnings(detection.output, trace)
         # Noise jumps, too.
         noisy = list(warnings.noise_warnings(detection.learned_noise_v, design, noise_v))
         if not any(warnings.flat_warnings(trace.voltage_v, design)):  # a clipped signal jumps, and is named as such
+            yield from warnings.begin_warnings(detection)
             yield from noisy or warnings.glitch_warnings(detection.output, trace)
     if level:
         may_be_lower = quiet is not None or not registry.find_detector_type(recording.detector).takes_envelope

@@ -1,13 +1,9 @@
-"""Warnings of a recording and of settings for which the detectors were not made.
-
-A converter of few bits shows no noise between its steps, and a slow press as a staircase. Each step resembles the
-beginning of slip to a detector whose threshold was made for finer steps.
-"""
+"""Warnings of a recording and of settings for which the detectors were not made."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -17,8 +13,8 @@ from fingertip.foundation.errors import join_words
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.input_noise import NoiseLevel
-from fingertip.slip.detectors.registry import DEFAULT, DetectorOutput, find_detector_type
-from fingertip.slip.scored_detection import Detection
+from fingertip.slip.detectors.registry import DEFAULT, Detector, DetectorOutput, find_detector_type
+from fingertip.slip.scored_detection import MAX_NOISE_RATIO, Detection
 from fingertip.slip.traces.trace import Trace
 
 _MAX_RESIDUAL = 0.05
@@ -105,10 +101,13 @@ def _count_flat(volts: Array, limit: float) -> int:
 class StreamWatch:
     """Voltages of a stream, examined in pieces for what a recording's are: each is warned of once."""
 
-    def __init__(self, design: Design, detector: str, with_steps: bool) -> None:
+    def __init__(self, design: Design, detector: str, instance: Detector, with_steps: bool) -> None:
         self._design, self._detector = design, detector
         self._recent: list[float] = []
-        self._checks = [flat_warnings, preload_warnings, *([step_warnings] if with_steps else [])]
+        self._checks: list[Callable[..., Iterator[str]]] = [
+            flat_warnings, preload_warnings, *([step_warnings] if with_steps else []),
+            lambda *_: noise_warnings(getattr(instance, "noise_v", None), design, None),
+        ]  # fmt: skip
 
     def end(self) -> list[str]:
         """List the warnings of the last samples, at the end of the stream maybe the only ones."""
@@ -172,8 +171,6 @@ def _find_ground_v(design: Design) -> float:
 
 MAX_HUM_V = 1e-3
 """Largest RMS hum in the signals of the fit [V]."""
-MAX_NOISE_RATIO = 5.0
-"""Largest ratio of noise to stated noise in the signals of the fit."""
 _MAINS_HZ = (50, 60)
 _PIECE_S = 0.5
 """Length of a piece of which the hum is taken [s]: whole periods of either mains."""
@@ -242,8 +239,9 @@ def noise_warnings(learned_v: float | None, design: Design, measured_v: float | 
     if learned_v is not None and learned_v > MAX_NOISE_RATIO * stated_v:
         yield (
             f"fast has learned a noise of {1000 * learned_v:.2g} mV, {learned_v / stated_v:.0f} times the stated one "
-            f"of {1000 * stated_v:.2g} mV: it was fitted to {MAX_NOISE_RATIO:g} times at most, and misses weak slip. "
-            "Shield the cable. --calibrate over a quiet part ends this warning, but does not find weaker slip."
+            f"of {1000 * stated_v:.2g} mV: if something slides all the time, no slip is found. Begin while nothing "
+            f"moves, or give a rest with --floors. Else shield the cable: above {MAX_NOISE_RATIO:g} times, weak slip "
+            "is missed."
         )
 
 
@@ -285,22 +283,13 @@ def glitch_warnings(output: DetectorOutput, trace: Trace) -> Iterator[str]:
     )
 
 
-BEGIN_S, BEGIN_RATIO = 0.3, 2.0
-"""Time in which `fast` learns its first floors [s], and ratio of its threshold then to the least one from which on the
-recording is doubted to begin with rest."""
-
-
-def begin_warnings(output: DetectorOutput, trace: Trace) -> Iterator[str]:
+def begin_warnings(detection: Detection) -> Iterator[str]:
     """Warn of a recording that begins in vibration, as in the middle of a slip: `fast` took that for its noise."""
-    first = int(np.searchsorted(trace.time_s, trace.time_s[0] + BEGIN_S))
-    if not isinstance(output, FastOutput) or first >= len(trace.time_s):
-        return
-    later_v = output.threshold_v[first:]
-    rested = np.flatnonzero(later_v * BEGIN_RATIO < later_v[0])
-    if len(rested):
+    undecided = detection.undecided
+    if undecided and undecided.end_s < detection.trace.time_s[-1]:
         yield (
-            f"the recording begins in more vibration than it rests in: before {trace.time_s[first + rested[0]]:.1f} s "
-            "it cannot be told whether something slips. Begin while nothing moves, or give a rest with --floors."
+            f"the recording begins in more vibration than it rests in: before {undecided.end_s:.1f} s it cannot be "
+            "told whether something slips. Begin while nothing moves, or give a rest with --floors."
         )
 
 

@@ -39,20 +39,19 @@ class Pin:
 def render_readme(design: Design, fingers: Fingers) -> str:
     shared = {"design": design, "fingers": fingers, "packaging": packaging, "capacity": capacity}
     shared["forces"] = _describe_forces(design, fingers)
+    streamed = (*fingers.designs, design)[0]
+    shared["is_bundled"] = is_bundled = streamed.name in list_bundled_files(DESIGN)
+    shared["file"] = streamed.name if is_bundled else f"{streamed.name}.toml"
     if not design.board.has_filter:
         return render_page("board/divider_firmware.md", WIDTH, **shared)
     circuit = board_circuit(select_components(design), design.board.channels)
     rails = {GND: "ground", POWER_IN: f"{design.board.supply_v:g} V"}
     pins = circuit.list_wires(circuit.component(HOST_CONNECTOR))
     signals = name_signals(circuit, design.board.supply_v)
-    streamed = (*fingers.designs, design)[0]
-    is_bundled = streamed.name in list_bundled_files(DESIGN)
     return render_page(
         "firmware.md",
         WIDTH,
         **shared,
-        is_bundled=is_bundled,
-        file=streamed.name if is_bundled else f"{streamed.name}.toml",
         reads_filtered=FilteredSignal.from_design(design) is not None,
         power_up_s=POWER_UP_S,
         boards=capacity.list_controllers(design),

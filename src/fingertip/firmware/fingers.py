@@ -49,7 +49,7 @@ class Fingers:
 
     @property
     def is_hand(self) -> bool:
-        """True if the library holds the scan, the grip law and the example of a hand."""
+        """True if the library holds the scan and the example of a hand."""
         return self.controller is not None
 
 

@@ -231,25 +231,23 @@ def read_template(name: str) -> str:
 
 
 def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
-    """Headers and sources of a design by name: the detector, and the grip law for several fingers or with forces."""
+    """Headers and sources of a design by name: the detector, and forces with the grip law of a hand."""
     has_divider = not design.board.has_filter
     constants = f"{_render_fingers(fingers, has_divider)}\n\n{_render_constants(design)}"
+    designs, settings = fingers.designs or (design,) * fingers.count, GripSettings()
+    curves = [ForceCurve.from_design(each) for each in designs]
+    header = _insert(read_template(GRIP_HEADER), "slip_grip_constants.h", _render_grip(settings))
+    backing = f"#define SLIP_BACKING_N_PER_M {real(curves[0].pad.backing.stiffness_n_per_m)}"
+    header = _insert(header, "slip_grip_backing.h", backing)
+    command = f"#define SLIP_GRIP_MAX_COMMAND_M_S {real(settings.max_command_m_s)}"
     files = {
         HEADER: _insert(read_template(HEADER), "slip_constants.h", constants),
         SOURCE: _insert(read_template(SOURCE), "slip_trees.h", render_trees(load_model())),
+        GRIP_HEADER: _insert(header, "slip_grip_command.h", command),
+        GRIP_SOURCE: _insert(read_template(GRIP_SOURCE), "slip_grip_curve.h", _render_curves(curves, designs)),
         **{name: read_template(name) for name in (BUFFER, HAND, TIMER)},
+        **({SCAN: read_template(SCAN)} if fingers.is_hand and not has_divider else {}),
     }
-    if fingers.is_hand or has_divider:
-        designs = fingers.designs or (design,) * fingers.count
-        curves = [ForceCurve.from_design(each) for each in designs]
-        settings = GripSettings()
-        backing = f"#define SLIP_BACKING_N_PER_M {real(curves[0].pad.backing.stiffness_n_per_m)}"
-        command = f"#define SLIP_GRIP_MAX_COMMAND_M_S {real(settings.max_command_m_s)}"
-        files |= {} if has_divider else {SCAN: read_template(SCAN)}
-        header = _insert(read_template(GRIP_HEADER), "slip_grip_constants.h", _render_grip(settings))
-        header = _insert(header, "slip_grip_backing.h", backing)
-        files[GRIP_HEADER] = _insert(header, "slip_grip_command.h", command)
-        files[GRIP_SOURCE] = _insert(read_template(GRIP_SOURCE), "slip_grip_curve.h", _render_curves(curves, designs))
     return {name: text.encode() for name, text in files.items()}
 
 

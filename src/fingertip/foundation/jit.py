@@ -1,8 +1,7 @@
 """Loops over samples that run in plain Python or, where that is faster overall, compiled by numba.
 
-Plain Python needs no preparation. Compiled code is some hundred times faster per sample, but a process that uses it
-first imports numba and loads the loop. Which form runs depends on two things only: whether numba is installed, and how
-much work is asked for. It does not depend on what other code has imported.
+Compiled code is some hundred times faster per sample, but a process that uses it first imports numba and loads the
+loop. Which form runs depends on whether numba is installed, and on how much work is asked for.
 
 1. A call whose work in plain Python would take less than `CALL_S` runs plain: converting its arguments costs more.
 2. Within a `compiled()` block every other call runs compiled. Campaigns, sweeps and benchmarks use such a block.
@@ -10,14 +9,9 @@ much work is asked for. It does not depend on what other code has imported.
    included. It runs plain until that sum reaches `LOAD_S`, and compiled from then on. Once the loop is in the cache, a
    process therefore takes at most twice as long as with the better form from the start.
 
-The time in plain Python is an estimate: a constant per sample, measured once, times the number of samples. So the same
-sequence of calls always takes the same decisions. `CompiledLoop.break_even` states the rule in samples.
-
-Both forms execute the same operations in the same order, and neither contracts a product and a sum into one rounding.
-Their results have the same bits, so a stream may change from one form to the other between two chunks.
-
-The first compilation on a machine takes a second or more for each loop. The result is cached beside the source file, or
-in the user's cache folder.
+The time in plain Python is a constant per sample times the number of samples, so that the same calls always take the
+same decisions. Both forms execute the same operations in the same order, and neither contracts a product and a sum into
+one rounding: their results have the same bits. Compiled loops are cached beside the source, or in the user's folder.
 """
 
 from __future__ import annotations

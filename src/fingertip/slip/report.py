@@ -11,7 +11,6 @@ from fingertip.foundation import display as style
 from fingertip.slip.detectors.analog_and_digital import ChainOutput
 from fingertip.slip.detectors.input_noise import NoiseLevel
 from fingertip.slip.detectors.registry import find_detector_type
-from fingertip.slip.force import ForceScale
 from fingertip.slip.scored_detection import Detection, find_ratio
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import (
@@ -54,6 +53,8 @@ def as_text(detection: Detection) -> str:
     score, truth = detection.score, detection.trace.origin.truth
     width = len(truth) if score else len(DETECTED)
     lines = [f"detector {describe_detector(detection)}"]
+    if detection.undecided:
+        lines.append(f"{'undecided':{width}} {_format_interval(detection.undecided)}, nothing rested before")
     at_force = [f", at {force.describe()}" for force in detection.forces or ()] or [""] * len(detection.intervals)
     lines += [
         f"{DETECTED:{width}} {_format_interval(i)}{_format_begin(i, detection)}{force}"
@@ -126,6 +127,7 @@ def as_data(detection: Detection, noise: NoiseLevel | None) -> dict[str, Any]:
             for i, c, force in zip(detection.intervals, detection.confidences, forces, strict=True)
         ],
         "incipient": None if detection.incipient is None else [_interval_data(i) for i in detection.incipient],
+        "undecided": _interval_data(detection.undecided) if detection.undecided else None,
         "slips": None if score is None else [_interval_data(i) for i in score.slips],
         "delays_s": None if score is None else [_round(delay) for delay in score.delays_s],
         "motion_s": _round(detection.trace.origin.motion_s),
@@ -173,7 +175,7 @@ def draw(trace: Trace, detection: Detection, title: str) -> bytes:
             axes.axvspan(slip.onset_s, slip.end_s, color=style.TRUTH, alpha=0.3, linewidth=0)
         axes.grid(True, color=style.GRID_COLOUR, linewidth=0.7)
     figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
-    _draw_voltage(top, trace, detection.scale)
+    _draw_voltage(top, trace, detection)
     _draw_statistic(middle, trace, detection)
     if trace.origin.motion_s is not None:
         begin_s, end_s = encoder_band_s(trace.origin.motion_s)
@@ -240,11 +242,11 @@ def _draw_onset(axes: Axes, trace: Trace, detection: Detection, onset: Onset) ->
     axes.set_title(title, loc="left", fontsize=9, color=style.TEXT_COLOUR)
 
 
-def _draw_voltage(axes: Axes, trace: Trace, scale: ForceScale | None) -> None:
+def _draw_voltage(axes: Axes, trace: Trace, detection: Detection) -> None:
     """Draw the voltage, and beside it the true force, or the one that the voltage means within its interval."""
     axes.plot(trace.time_s, trace.voltage_v, color=style.BLUE, linewidth=0.8)
-    axes.set_ylabel("tactile voltage [V]", color=style.BLUE)
-    force_n, label = trace.force_n, "normal force [N]"
+    axes.set_ylabel(detection.threshold.force or "tactile voltage [V]", color=style.BLUE)
+    force_n, label, scale = trace.force_n, "normal force [N]", detection.scale
     if force_n is None and scale is None:
         return
     twin = axes.twinx()
@@ -277,7 +279,9 @@ def _draw_statistic(axes: Axes, trace: Trace, detection: Detection) -> None:
     )  # fmt: skip
     # The envelope of contacts and releases is much larger than the statistic, so the axis is scaled to the statistic.
     axes.set_ylim(0.0, max(2500 * float(np.nanmax(output.threshold_v)), 1350 * float(np.max(output.statistic_v))))
-    axes.set_ylabel(f"{detection.threshold.quantity} [mV]" if envelope is None else "envelope [mV]")
+    axes.set_ylabel(
+        f"{'envelope' if envelope is not None else detection.threshold.quantity} [{detection.threshold.unit}]"
+    )
 
 
 def _draw_intervals(axes: Axes, trace: Trace, detection: Detection, slips: Sequence[Interval] | None) -> None:

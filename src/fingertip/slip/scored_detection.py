@@ -35,6 +35,12 @@ class UsedThreshold:
     """Threshold at the end [V]."""
     lowest_v: float
     highest_v: float
+    force: str = ""
+    """Name of the column of a force that stands in place of the voltage."""
+
+    @property
+    def unit(self) -> str:
+        return f"thousandths of {self.force}" if self.force else "mV"
 
     @classmethod
     def of(cls, detector: str, output: registry.DetectorOutput) -> UsedThreshold:
@@ -46,9 +52,9 @@ class UsedThreshold:
     def describe(self) -> str:
         """Describe it for people, such as ``threshold 0.186 to 0.374 mV, 0.186 at the first ON``."""
         if self.highest_v - self.lowest_v <= 1e-9 * self.highest_v:  # it does not follow the noise
-            return f"threshold {1000 * self.highest_v:.3g} mV"
+            return f"threshold {1000 * self.highest_v:.3g} {self.unit}"
         first = "" if self.first_on_v is None else f", {1000 * self.first_on_v:.3g} at the first ON"
-        return f"threshold {1000 * self.lowest_v:.3g} to {1000 * self.highest_v:.3g} mV{first}"
+        return f"threshold {1000 * self.lowest_v:.3g} to {1000 * self.highest_v:.3g} {self.unit}{first}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +81,8 @@ class Detection:
     """White RMS noise that the detector has learned at the end [V]; None for detectors that learn none."""
     floors: Floors | None
     """Floors that `fast` has learned at the end; None for other detectors."""
+    undecided: Interval | None
+    """Time from the start on in which `fast` cannot tell slip from noise, because nothing rested before."""
     trace: Trace
     scale: ForceScale | None = None
     """Forces that the voltages mean; None where the curve of the sensor is not known, or the signal is in no volts."""
@@ -175,8 +183,30 @@ def detect(
         intervals(trace.time_s, output.incipient) if isinstance(output, FastOutput) else None,
         instance.noise_v if isinstance(instance, FastDetector) else None,
         instance.floors if isinstance(instance, FastDetector) else None,
+        _find_undecided(instance, output, trace),
         trace,
     )
+
+
+BEGIN_S, BEGIN_RATIO = 0.3, 2.0
+"""Time in which `fast` learns its first floors [s], and ratio of its threshold then to the least one from which on the
+recording is doubted to begin with rest."""
+MAX_NOISE_RATIO = 5.0
+"""Largest ratio of noise to stated noise in the signals of the fit."""
+
+
+def _find_undecided(detector: registry.Detector, output: registry.DetectorOutput, trace: Trace) -> Interval | None:
+    """Find the time in which what `fast` took for its noise may have been slip: until it rests, or all of it."""
+    times_s, volts = trace.time_s, trace.voltage_v if trace.filtered_v is None else trace.filtered_v
+    first = int(np.searchsorted(times_s, times_s[0] + BEGIN_S))
+    if not isinstance(detector, FastDetector) or detector.stored_floors or first >= len(times_s):
+        return None
+    if len(np.unique(volts[:first])) <= 2:  # a step of the converter, to and fro
+        return None
+    rested = np.flatnonzero(output.threshold_v[first:] * BEGIN_RATIO < output.threshold_v[first])
+    if not len(rested) and (output.on.any() or detector.noise_v <= MAX_NOISE_RATIO * detector.settings.noise_v):
+        return None
+    return Interval(float(times_s[0]), float(times_s[first + rested[0]] if len(rested) else times_s[-1]))
 
 
 def find_ratio(output: registry.DetectorOutput) -> Array:

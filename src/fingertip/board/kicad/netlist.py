@@ -2,16 +2,9 @@
 
 The same circuit gives the same bytes everywhere: there is no date and no path, and UUIDs follow from the references.
 
-KiCad's own reader requires more than the grammar shows:
-
-- a space after `export`
-- `components` before `libparts` and `nets`
-- net codes from 1 up (code 0 is dropped silently)
-- `sheetpath` with `tstamps`
-- lower-case UUIDs
-- only known children inside `libsource` and `property`
-
-Other readers require a `comment` in the title block.
+KiCad's own reader requires more than the grammar shows: a space after `export`, `components` before `libparts` and
+`nets`, net codes from 1 up (0 is dropped silently), `sheetpath` with `tstamps`, lower-case UUIDs, and only known
+children inside `libsource` and `property`. Other readers require a `comment` in the title block.
 """
 
 from __future__ import annotations

@@ -10,9 +10,6 @@ the faster attack of the board's.
 `analog` takes the envelope voltage as the ADC samples it (article, section III.A). Its threshold is the design's. It
 does not depend on the board's noise: a rectifier without bias passes next to no noise, while a precision rectifier
 passes as much as the detector `digital` sees.
-
-Every sample undergoes the same scalar operations in the same order, so the output has the same bits however the input
-is divided into chunks. The detectors are causal, and their state can be pickled between chunks.
 """
 
 from __future__ import annotations

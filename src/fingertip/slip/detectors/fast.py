@@ -11,14 +11,7 @@ from the tactile voltage. Where a stage of the board is at its limit, and on boa
 is computed from the tactile voltage instead.
 
 Every feature is relative: to the noise floors, which the detector learns, or to another feature. So the unit of the
-input does not matter, and the stated noise hardly does. The floors are learned within 0.5 s from the start, and again
-after each change of force, because a hand that holds vibrates more than one that does not. They adapt slowly
-afterwards. They stand still while the force changes, while the trees take what they see for slip or nearly so, and in
-vibration above 4 times a floor, unless it is a tone or the force has stood still for 2 s of it. They are never below
-the noise of a converter halfway between two codes.
-
-Slip is incipient from one score on, and ON from one mean score on. Both last while the energy of 20 ms is above the
-floors, short silences apart, and the trees agree on average. Only a tone, whose energy hardly varies, is unlearned.
+input does not matter, and the stated noise hardly does. docs/detector.md says when the floors learn and the flags end.
 """
 
 from __future__ import annotations

@@ -71,6 +71,7 @@ def random_signals(design: Design, count: int, seed: int = 1) -> dict[str, Recor
         "bursts": Recording(2.0 + (tactile - 2.0) * loudness, 1.5 + (filtered - 1.5) * 100.0 * loudness),
         "steps": Recording(tactile + forces, filtered + 0.1 * (forces - forces[0])),
         "slip": slip_recording(design, count / design.detector.sample_rate_hz),
+        "stuck": Recording(np.where(np.arange(count) % 5000 < 1000, 2.0, tactile), filtered),
         "codes": Recording(*(np.round(volts / step) * step for volts in (tactile, filtered))),
         "limits": Recording(tactile, np.clip(1.5 + random.normal(0.0, loudness / 10), 0.0, 3.0)),
         "broken": Recording(tactile, np.where(np.arange(count) % 9000 < 4500, 1.5, filtered)),
@@ -88,7 +89,7 @@ def either(request: pytest.FixtureRequest) -> Library:
 
 
 @pytest.mark.parametrize(
-    "name", ["noise", "bursts", "steps", "slip", "codes", "limits", "broken", "any size", "constant", "zero"]
+    "name", ["noise", "bursts", "steps", "slip", "codes", "limits", "broken", "stuck", "any size", "constant", "zero"]
 )
 def test_double_build_has_the_bits_of_python(either: Library, name: str) -> None:
     recording = random_signals(either.design, 40_000)[name]
@@ -289,6 +290,7 @@ RECALL_PROGRAM = """
 int main(void) {
     slip_state state;
     slip_floors floors = {0};
+    const slip_floors blank = {0}; /* flash that was never written */
     double tactile_v, filtered_v;
     int i, begun, on[2] = {0};
     slip_init(&state);
@@ -296,7 +298,7 @@ int main(void) {
         begun = i == 8000 || i == 9000;
         if (i == 8000) floors = slip_learned(&state);
         if (begun) slip_init(&state);
-        if (i == 9000) slip_recall(&state, floors);
+        if (begun) slip_recall(&state, i == 8000 ? blank : floors);
         if (slip_step(&state, tactile_v, filtered_v) && i >= 8000) on[i >= 9000]++;
     }
     printf("%d %d\\n", on[0], on[1]);

@@ -54,7 +54,7 @@ def test_controllers_of_the_readme_stand_in_the_manual() -> None:
     """The stand-in compiles the sketches for each core that the table gives a timer."""
     controllers = read_readme(Design.load("fsr400")).split("## Controllers")[1].split("## Wiring")[0]
     tables = re.findall(r"(?:^\|.*\n)+", controllers, re.MULTILINE)
-    assert len(tables) == 3
+    assert len(tables) == 2
     manual = (ROOT / "docs/firmware.md").read_text(encoding="utf-8")
     assert all(board.name in manual for board in load_controllers())
     timers = firmware_files(Design.load("fsr400"))["src"][TIMER].decode()

@@ -1,8 +1,4 @@
-"""Short simulations with every effect: compiled and plain loops give the same bits, and what is said is approved.
-
-Whether their numbers are right, the tests of each stage say: closed forms, independent solvers, orders of convergence.
-After a change that is meant, `FINGERTIP_APPROVE=1 pytest tests/sim/test_report.py` writes them; then read them.
-"""
+"""Short simulations with every effect: compiled and plain loops give the same bits, and what is said is approved."""
 
 from __future__ import annotations
 

@@ -193,7 +193,7 @@ def test_a_loud_moment_counts_as_four_times_the_floor_and_a_quiet_one_tenfold():
     for factor, ratio in ((100.0, 1 + (4 - 1) / 1000), (0.5, 1 - 0.5 / 100)):
         before = np.array(learned_noise_v(detector))
         energies = [factor * floor for floor in astuple(detector.floors)]
-        learn_floors(detector.coefficients, *energies, False, detector._state)
+        learn_floors(detector.coefficients, *energies, False, False, detector._state)
         assert learned_noise_v(detector) == pytest.approx(math.sqrt(ratio) * before, rel=1e-9)
 
 
@@ -417,9 +417,8 @@ def test_more_must_speak_for_slip_in_more_noise_than_stated() -> None:
 def test_floors_stand_while_the_score_is_near_slip(score: float) -> None:
     """A score above `STAY_SCORE` that is none of slip holds the floors; one below lets them learn."""
     model = ask_one_question()
-    model = replace(
-        model, leaves=np.where(model.leaves > 0, score, model.leaves), threshold=5.0, incipient_threshold=4.0
-    )
+    leaves = np.where(model.leaves > 0, score, model.leaves)
+    model = replace(model, leaves=leaves, threshold=5.0, incipient_threshold=4.0)
     detector = FastDetector(FastSettings(RATE_HZ, NOISE_V), model)
     detector.process(4.0 + white_noise(4000))
     volts = 4.0 + white_noise(1400, 4) + 0.0015 * np.sin(math.tau * 130 * np.arange(1400) / RATE_HZ)
@@ -427,6 +426,14 @@ def test_floors_stand_while_the_score_is_near_slip(score: float) -> None:
     before = detector.state[fast_state.FLOOR]
     assert not detector.process(volts[1000:]).incipient.any()
     assert (detector.state[fast_state.FLOOR] == before) == (score > STAY_SCORE)
+
+
+@pytest.mark.parametrize("stuck", [slice(1600), slice(240), slice(6000, 7000)])
+def test_a_voltage_that_stands_still_teaches_no_floor(stuck: slice) -> None:
+    """A converter hangs, or the signal is clipped; then there is noise as before, and none of it is slip."""
+    volts = 4.0 + noise(6.0)
+    volts[stuck] = 4.0
+    assert not FastDetector(SETTINGS).process(volts).incipient.any()
 
 
 @pytest.mark.parametrize(("kind", "least_s", "most_s"), [("noise", 1.5, 3.0), ("moving", 4.0, 4.1), ("tone", 0.0, 1.5)])

@@ -1,8 +1,4 @@
-"""Plot of a sweep, drawn from small data that stand here: the figure is compared whole with an approved one.
-
-It lists its lines, areas, marks and texts with their data, scales and styles. Where a number in it follows from the
-data, it was compared with them when it was approved.
-"""
+"""Plot of a sweep, drawn from small data that stand here: the figure is compared whole with an approved one."""
 
 from __future__ import annotations
 

@@ -124,7 +124,7 @@ def collect(
     with compiled():
         for number, item in enumerate(signals):
             signal = item.signal
-            settings = replace(FastSettings.from_design(item.design), suspects_jumps=False, mean_s=0.0)
+            settings = replace(FastSettings.from_design(item.design), suspects_inputs=False, mean_s=0.0)
             if settings.filtered:
                 cutoff_hz = settings.cutoff_hz * (1 + rng.uniform(-CUTOFF_ERROR, CUTOFF_ERROR))
                 gain = settings.filtered.gain * (1 + rng.uniform(-GAIN_ERROR, GAIN_ERROR))

@@ -130,7 +130,6 @@ def _write_details(error: BaseException) -> str | None:
 CHECK_FAILED = 1
 BAD_INPUT = 2
 _MAX_PRINTED = 200
-WARNING = "warning: "
 
 
 class Console:
@@ -140,7 +139,6 @@ class Console:
     def __init__(self, as_json: bool = False, quiet: bool = False, fits: bool = False) -> None:
         self.as_json, self.quiet, self.fits = as_json, quiet, fits
         self.warnings: list[str] = []
-        """Warnings so far, printed or not."""
         self._moves: list[dict[str, Any]] = []
         self._tables: list[str] = []
         self._is_terminal = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
@@ -148,8 +146,8 @@ class Console:
 
     def progress(self, message: str) -> None:
         """Print a note to stderr once, or on a terminal draw a bar for the share of long work; a log has no shares."""
-        if message.startswith(WARNING):
-            self.warnings.append(message.removeprefix(WARNING))
+        if message.startswith("warning: "):
+            self.warnings.append(message.removeprefix("warning: "))
         if self.quiet:
             return
         if not isinstance(message, ShareText):
@@ -187,7 +185,7 @@ class Console:
 
     def warn(self, warnings: Iterable[str]) -> None:
         for warning in warnings:
-            self.progress(f"{WARNING}{warning}")
+            self.progress(f"warning: {warning}")
 
     def result(self, data: Mapping[str, Any], text: str, passed: bool = True) -> None:
         """Print the result of the command to stdout: `data` as one JSON object, else `text` for people.

@@ -42,7 +42,7 @@ def detect(
         "follow from the noise there. Best in the held grasp.",
     ),
     floors: Path | None = typer.Option(
-        None, help="Recording of a rest with the same columns; fast starts with its floors, to begin within a slip."
+        None, help="Rest of 0.5 s or more, recorded the same way; fast starts with its floors, to begin within a slip."
     ),
     scale: float = typer.Option(1.0, help="Volts per unit of the file's voltage, such as 0.00030518."),
     time_scale: str = typer.Option(

@@ -69,16 +69,12 @@ class QuietPart:
 
     def describe_disturbance(self, design: Design, trace: Trace) -> str | None:
         """Describe a disturbance, from which the thresholds would follow; None if there is none."""
-        time_s, quiet_v = trace.time_s[self.samples], trace.voltage_v[self.samples]
-        sample = _find_disturbance(design, quiet_v)
+        sample = _find_disturbance(design, trace.voltage_v[self.samples])
         if sample is None:
             return None
-        within, changed = f"within {self.text} of --calibrate", np.flatnonzero(quiet_v != quiet_v[0])
-        constant = int(changed[0]) if len(changed) else len(quiet_v)
-        if constant > sample / 2:
-            message = f"the signal is constant up to {time_s[constant - 1]:.4f} s, {within}"
-            return f"{message}: a signal without noise gives no threshold; {NOISELESS_REMEDY}."
-        message = f"the signal is disturbed at {time_s[sample]:.4f} s, {within}"
+        message = (
+            f"the signal is disturbed at {trace.time_s[self.samples][sample]:.4f} s, within {self.text} of --calibrate"
+        )
         return f"{message}: thresholds may be too high; choose another part."
 
 

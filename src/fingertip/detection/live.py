@@ -94,7 +94,8 @@ def detect_stream(
     DesignError
         If `rate_hz` is out of bounds, or too low for the design's filters.
     """
-    report, design = progress or (lambda message: None), design or Design()
+    report, given = progress or (lambda message: None), design or Design()
+    design = given
     kind = registry.check_detector(design, detector)
     adaptation = Adaptation(detector, report=report)
     if rate_hz is not None:
@@ -112,7 +113,12 @@ def detect_stream(
         if found_hz := _find_rate(header, first, voltage, design.detector.sample_rate_hz):
             design = adaptation.to_rate(design, found_hz)
     second = None if channels else registry.find_second_column(design, detector)
-    found = [_Channel.open(header, design, detector, each, second, report, bool(channels), floors) for each in selected]
+    found = [_Channel.open(header, design, detector, each, second, report, bool(channels)) for each in selected]
+    for channel, each in zip(found, selected, strict=True):
+        if floors is not None:
+            stored = read_floors(floors, given, detector, each, design.detector, len(channel.places) > 1)
+            assert isinstance(channel.detector, FastDetector)  # another one was refused
+            channel.detector.stored_floors = stored
     transitions = _follow(header, rows, found, design.detector, selected[0], report)
     signals = registry.find_signals(design, detector, len(found[0].places) > 1)
     return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)), signals)
@@ -137,7 +143,7 @@ class _Channel:
     @classmethod
     def open(
         cls, header: Header, design: Design, detector: str, voltage: ColumnMap, second: str | None,
-        report: Callable[[str], None], is_named: bool, floors: str | Path | None,
+        report: Callable[[str], None], is_named: bool,
     ) -> _Channel:  # fmt: skip
         """Create the detector and select its columns; `analog` takes the board's output if the lines contain it."""
         voltage, place = voltage.with_simulated_names(header.names), header.find_place
@@ -155,9 +161,6 @@ class _Channel:
             instance = SimulatedBoardDetector(design)
         else:
             instance = registry.make_detector(detector, design)
-        stored = None if floors is None else read_floors(floors, design, detector, voltage, has_second)
-        if isinstance(instance, FastDetector):
-            instance.stored_floors = stored
         watch = StreamWatch(design, detector, instance, not has_second)
         return cls(shown, places, instance, watch, find_force_scale(design))
 

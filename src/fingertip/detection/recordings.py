@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from fingertip.design import Design
+from fingertip.design.parameters.electronics import Detector as DetectorParameters
 from fingertip.detection import warnings
 from fingertip.detection.adaptation import Adaptation, QuietPart, equivalent_noise_v
 from fingertip.foundation.errors import Issue, TraceError, join_words, shorten
@@ -189,10 +190,12 @@ def detect_file(
     MissingLibraryError
         If the file needs a package that is not installed.
     """
-    path, report, design = Path(path), progress or (lambda message: None), design or Design()
+    path, report, given = Path(path), progress or (lambda message: None), design or Design()
+    design = given
     kind = registry.check_detector(design, detector)
     if floors is not None and calibrate_s is not None:
-        raise TraceError(Issue("--floors", "are not used beside --calibrate; leave --floors out."))
+        left = "--calibrate" if ColumnMap(columns or {}).in_volts else "--floors, which are of a voltage,"
+        raise TraceError(Issue("--floors", f"are not used beside --calibrate; leave {left} out."))
     adaptation = Adaptation(detector, calibrate_s is not None, report)
     if rate_hz is not None:
         design = adaptation.to_rate(design, rate_hz)
@@ -208,7 +211,7 @@ def detect_file(
     recording = _Recording(path.name, trace, design, detector, column_map, quiet)
     doubts, level, noise_v, stored = [*raw.notes, *_doubt_signals(recording)], None, None, None
     if floors is not None:
-        stored = read_floors(floors, design, detector, column_map, trace.filtered_v is not None)
+        stored = read_floors(floors, given, detector, column_map, design.detector, trace.filtered_v is not None)
     if kind.takes_envelope:
         doubts += warnings.envelope_warnings(trace, design)
         recording, level = _add_board(recording, report)
@@ -221,8 +224,8 @@ def detect_file(
     if column_map.in_volts and column_map.name_in_file("voltage_v") != column_map.name_in_file("envelope_v"):
         detection = replace(detection, scale=find_force_scale(recording.design))
     elif not column_map.in_volts and not kind.takes_envelope:
-        force = replace(detection.threshold, force=column_map.name_in_file("voltage_v"))
-        detection = replace(detection, threshold=force)
+        unit = f"thousandths of {column_map.name_in_file('voltage_v')}"
+        detection = replace(detection, threshold=replace(detection.threshold, unit=unit))
     if quiet:
         quiet.refuse_slip(detection)
     level = level or detection.noise
@@ -248,12 +251,11 @@ def _doubt_signals(recording: _Recording) -> Iterator[str]:
     if not recording.columns.in_volts:
         return
     yield from warnings.hum_warnings(volts, design.detector.sample_rate_hz)
-    yield from warnings.polarity_warnings(volts, design)
     yield from warnings.preload_warnings(volts, design)
     if np.ptp(volts) == 0.0 and volts[0] < design.detector.adc_range_v - 1.5 * design.detector.adc_step_v:
         yield f"the voltage is constant at {volts[0]:g} V; is a sensor connected?"
     else:
-        yield from warnings.flat_warnings(volts, design)
+        yield from list(warnings.flat_warnings(volts, design)) or warnings.polarity_warnings(volts, design)
     yield from warnings.settings_warnings(design, recording.detector)
     # A filtered signal has finer steps. Thresholds follow from the recording itself after a calibration.
     if registry.find_second_column(design, recording.detector) is not None and trace.filtered_v is not None:
@@ -266,13 +268,15 @@ FLOORS_S = 0.5
 """Time in which `fast` learns its floors [s]."""
 
 
-def read_floors(path: str | Path, design: Design, detector: str, columns: ColumnMap, with_filtered: bool) -> Floors:
+def read_floors(
+    path: str | Path, design: Design, detector: str, columns: ColumnMap, used: DetectorParameters, with_filtered: bool
+) -> Floors:
     """Read the floors of a rest that is recorded as the signal that follows it. Raises TraceError."""
-    rate_hz = design.detector.sample_rate_hz
     rest = detect_file(
-        path, design, detector, rate_hz=rate_hz, scale=columns.scale, time_scale=columns.time_scale,
+        path, design, detector, rate_hz=columns.rate_hz, scale=columns.scale, time_scale=columns.time_scale,
         columns=columns.names,
     )  # fmt: skip
+    has_filtered, rate_hz = rest.trace.filtered_v is not None, rest.design.detector.sample_rate_hz
     found, lasts_s = rest.detection, rest.trace.time_s[-1] - rest.trace.time_s[0]
     if found.floors is None:
         message = f"are not learned by {found.detector}; add --detector fast, or leave --floors out."
@@ -283,10 +287,10 @@ def read_floors(path: str | Path, design: Design, detector: str, columns: Column
     elif (noise_v := found.learned_noise_v or 0.0) and any(warnings.noise_warnings(noise_v, design, None)):
         message = (
             f"the rest vibrates by {1000 * noise_v:.2g} mV, over {MAX_NOISE_RATIO:g} times the stated noise; "
-            f"record it while nothing moves, or state that noise with --set detector.noise_v={noise_v:.2g}."
+            f"record it while nothing moves; if nothing did, state the noise with --set detector.noise_v={noise_v:.2g}."
         )
-    elif (rest.trace.filtered_v is not None) != with_filtered:
-        message = "the rest has other columns than what follows it; record both with the same ones."
+    elif (has_filtered, rate_hz) != (with_filtered, used.sample_rate_hz):
+        message = f"the rest has {rate_hz:g} Hz, or other columns than what follows it; record both in the same way."
     else:
         return found.floors
     raise TraceError(Issue("--floors", message))
@@ -327,7 +331,8 @@ def _doubt_result(
         # Noise jumps, too.
         noisy = list(warnings.noise_warnings(detection.learned_noise_v, design, noise_v))
         if not any(warnings.flat_warnings(trace.voltage_v, design)):  # a clipped signal jumps, and is named as such
-            yield from warnings.begin_warnings(detection)
+            if (undecided := detection.undecided) and undecided.end_s < trace.time_s[-1]:
+                yield from warnings.begin_warnings(undecided.end_s)
             yield from noisy or warnings.glitch_warnings(detection.output, trace)
     if level:
         may_be_lower = quiet is not None or not registry.find_detector_type(recording.detector).takes_envelope

@@ -14,7 +14,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.input_noise import NoiseLevel
 from fingertip.slip.detectors.registry import DEFAULT, Detector, DetectorOutput, find_detector_type
-from fingertip.slip.scored_detection import MAX_NOISE_RATIO, Detection
+from fingertip.slip.scored_detection import BEGIN_RATIO, BEGIN_S, MAX_NOISE_RATIO, Detection
 from fingertip.slip.traces.trace import Trace
 
 _MAX_RESIDUAL = 0.05
@@ -44,11 +44,12 @@ def step_warnings(volts: Array, design: Design, detector: str) -> Iterator[str]:
     assumed = settings.adc_step_v
     if step is None or step <= max(COARSE_RATIO * settings.noise_v, (1 + _MAX_RESIDUAL) * assumed):
         return
-    learned = "" if detector == "fast" else ", or use --detector fast, which learns the steps"
+    effect, remedy = "single steps can be reported as slip", ", or use --detector fast, which learns the steps"
+    if detector == "fast":
+        effect, remedy = "weak slip is missed", ""
     yield (
         f"the voltages come in steps of {1000 * step:.3g} mV, which hide the noise of {1000 * settings.noise_v:.3g} mV "
-        f"that the thresholds assume: single steps can be reported as slip. Record with more bits or a smaller range"
-        f"{learned}."
+        f"that the thresholds assume: {effect}. Record with more bits or a smaller range{remedy}."
     )
 
 
@@ -102,11 +103,12 @@ class StreamWatch:
     """Voltages of a stream, examined in pieces for what a recording's are: each is warned of once."""
 
     def __init__(self, design: Design, detector: str, instance: Detector, with_steps: bool) -> None:
-        self._design, self._detector = design, detector
+        self._design, self._detector, self._instance = design, detector, instance
         self._recent: list[float] = []
+        self._count, self._first_v = 0, 0.0
         self._checks: list[Callable[..., Iterator[str]]] = [
             flat_warnings, preload_warnings, *([step_warnings] if with_steps else []),
-            lambda *_: noise_warnings(getattr(instance, "noise_v", None), design, None),
+            lambda *_: noise_warnings(getattr(instance, "noise_v", None), design, None), self._doubt_begin,
         ]  # fmt: skip
 
     def end(self) -> list[str]:
@@ -118,8 +120,15 @@ class StreamWatch:
                 self._checks.remove(check)
         return found
 
+    def _doubt_begin(self, *_: object) -> Iterator[str]:
+        rests = getattr(self._instance, "threshold_v", 0.0) * BEGIN_RATIO < self._first_v
+        return begin_warnings(self._count / self._design.detector.sample_rate_hz if rests else None)
+
     def add(self, volts: float) -> Sequence[str]:
         self._recent.append(volts)
+        self._count += 1
+        if self._count == round(BEGIN_S * self._design.detector.sample_rate_hz):
+            self._first_v = getattr(self._instance, "threshold_v", 0.0)
         if len(self._recent) < _RECENT:
             return ()
         found = self.end()
@@ -239,9 +248,8 @@ def noise_warnings(learned_v: float | None, design: Design, measured_v: float | 
     if learned_v is not None and learned_v > MAX_NOISE_RATIO * stated_v:
         yield (
             f"fast has learned a noise of {1000 * learned_v:.2g} mV, {learned_v / stated_v:.0f} times the stated one "
-            f"of {1000 * stated_v:.2g} mV: if something slides all the time, no slip is found. Begin while nothing "
-            f"moves, or give a rest with --floors. Else shield the cable: above {MAX_NOISE_RATIO:g} times, weak slip "
-            "is missed."
+            f"of {1000 * stated_v:.2g} mV: if something slides all the time, no slip is found. {_BEGIN} "
+            f"Else shield the cable: above {MAX_NOISE_RATIO:g} times, weak slip is missed."
         )
 
 
@@ -283,13 +291,15 @@ def glitch_warnings(output: DetectorOutput, trace: Trace) -> Iterator[str]:
     )
 
 
-def begin_warnings(detection: Detection) -> Iterator[str]:
-    """Warn of a recording that begins in vibration, as in the middle of a slip: `fast` took that for its noise."""
-    undecided = detection.undecided
-    if undecided and undecided.end_s < detection.trace.time_s[-1]:
+_BEGIN = "Begin while nothing moves, or give a rest of the same finger and board with --floors."
+
+
+def begin_warnings(end_s: float | None) -> Iterator[str]:
+    """Warn of a signal that begins in vibration, as in the middle of a slip, and rests from a time on [s]."""
+    if end_s is not None:
         yield (
-            f"the recording begins in more vibration than it rests in: before {undecided.end_s:.1f} s it cannot be "
-            "told whether something slips. Begin while nothing moves, or give a rest with --floors."
+            f"the signal begins in more vibration than it rests in: before {end_s:.1f} s it cannot be told whether "
+            f"something slips. {_BEGIN}"
         )
 
 

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from fingertip.board import board_circuit
+from fingertip.board.analysis.board_values import find_tactile_response
 from fingertip.board.circuits.channels import split_net
 from fingertip.board.components.front_end import POWER_UP_S
 from fingertip.board.components.values import select_components
@@ -14,6 +15,7 @@ from fingertip.board.parts.nets import GND, POWER_IN
 from fingertip.catalogues.electronics import NAMES
 from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design import Design
+from fingertip.design.formulas.filter import signal_ground_ratio
 from fingertip.documents.template import WIDTH, render_page
 from fingertip.documents.wiring import SKETCH_PINS, list_notes, name_signals
 from fingertip.firmware import fingers as capacity
@@ -44,7 +46,7 @@ def render_readme(design: Design, fingers: Fingers) -> str:
     shared["file"] = streamed.name if is_bundled else f"{streamed.name}.toml"
     if not design.board.has_filter:
         return render_page("board/divider_firmware.md", WIDTH, **shared)
-    circuit = board_circuit(select_components(design), design.board.channels)
+    converter, circuit = design.detector, board_circuit(select_components(design), design.board.channels)
     rails = {GND: "ground", POWER_IN: f"{design.board.supply_v:g} V"}
     pins = circuit.list_wires(circuit.component(HOST_CONNECTOR))
     signals = name_signals(circuit, design.board.supply_v)
@@ -54,6 +56,8 @@ def render_readme(design: Design, fingers: Fingers) -> str:
         **shared,
         reads_filtered=FilteredSignal.from_design(design) is not None,
         power_up_s=POWER_UP_S,
+        open_code=round((find_tactile_response(design).open_v - converter.adc_low_v) / converter.adc_step_v),
+        rest_code=round(signal_ground_ratio(design.board) * design.board.supply_v / converter.adc_step_v),
         boards=capacity.list_controllers(design),
         most_fingers=len(NAMES),
         peak_fingers=math.ceil(fingers.count / max(1, round(TICK_S * design.detector.sample_rate_hz))),

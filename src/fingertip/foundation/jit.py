@@ -5,9 +5,8 @@ loop. Which form runs depends on whether numba is installed, and on how much wor
 
 1. A call whose work in plain Python would take less than `CALL_S` runs plain: converting its arguments costs more.
 2. Within a `compiled()` block every other call runs compiled. Campaigns, sweeps and benchmarks use such a block.
-3. Elsewhere each loop adds up the time that its calls in this process would take in plain Python, the present call
-   included. It runs plain until that sum reaches `LOAD_S`, and compiled from then on. Once the loop is in the cache, a
-   process therefore takes at most twice as long as with the better form from the start.
+3. Elsewhere each loop runs plain until the time that its calls in this process would take in plain Python reaches
+   `LOAD_S`, and compiled from then on: with a loop in the cache, at most twice as long as the better form.
 
 The time in plain Python is a constant per sample times the number of samples, so that the same calls always take the
 same decisions. Both forms execute the same operations in the same order, and neither contracts a product and a sum into

@@ -27,7 +27,7 @@ class Force:
     def describe(self) -> str:
         """Describe it for people, such as ``2.1 N (0.9 to 4.8)``."""
         if self.high_n == math.inf:
-            return f"{self.force_n:.2g} N or more (at least {self.low_n:.2g})"
+            return f"{self.low_n:.2g} N or more"
         return f"{self.force_n:.2g} N ({self.low_n:.2g} to {self.high_n:.2g})"
 
     def as_data(self) -> dict[str, Any]:

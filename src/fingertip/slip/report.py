@@ -245,7 +245,7 @@ def _draw_onset(axes: Axes, trace: Trace, detection: Detection, onset: Onset) ->
 def _draw_voltage(axes: Axes, trace: Trace, detection: Detection) -> None:
     """Draw the voltage, and beside it the true force, or the one that the voltage means within its interval."""
     axes.plot(trace.time_s, trace.voltage_v, color=style.BLUE, linewidth=0.8)
-    axes.set_ylabel(detection.threshold.force or "tactile voltage [V]", color=style.BLUE)
+    axes.set_ylabel("tactile voltage [V]" if detection.threshold.unit == "mV" else "force", color=style.BLUE)
     force_n, label, scale = trace.force_n, "normal force [N]", detection.scale
     if force_n is None and scale is None:
         return

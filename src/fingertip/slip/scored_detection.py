@@ -35,12 +35,8 @@ class UsedThreshold:
     """Threshold at the end [V]."""
     lowest_v: float
     highest_v: float
-    force: str = ""
-    """Name of the column of a force that stands in place of the voltage."""
-
-    @property
-    def unit(self) -> str:
-        return f"thousandths of {self.force}" if self.force else "mV"
+    unit: str = "mV"
+    """A thousandth of the signal's unit, which may be a force."""
 
     @classmethod
     def of(cls, detector: str, output: registry.DetectorOutput) -> UsedThreshold:
@@ -189,8 +185,7 @@ def detect(
 
 
 BEGIN_S, BEGIN_RATIO = 0.3, 2.0
-"""Time in which `fast` learns its first floors [s], and ratio of its threshold then to the least one from which on the
-recording is doubted to begin with rest."""
+"""Time in which `fast` learns its first floors [s], and ratio of its threshold then to one that shows a later rest."""
 MAX_NOISE_RATIO = 5.0
 """Largest ratio of noise to stated noise in the signals of the fit."""
 
@@ -199,9 +194,8 @@ def _find_undecided(detector: registry.Detector, output: registry.DetectorOutput
     """Find the time in which what `fast` took for its noise may have been slip: until it rests, or all of it."""
     times_s, volts = trace.time_s, trace.voltage_v if trace.filtered_v is None else trace.filtered_v
     first = int(np.searchsorted(times_s, times_s[0] + BEGIN_S))
-    if not isinstance(detector, FastDetector) or detector.stored_floors or first >= len(times_s):
-        return None
-    if len(np.unique(volts[:first])) <= 2:  # a step of the converter, to and fro
+    is_flat = len(np.unique(volts[:first])) <= 2  # a step of the converter, to and fro
+    if not isinstance(detector, FastDetector) or detector.stored_floors or first >= len(times_s) or is_flat:
         return None
     rested = np.flatnonzero(output.threshold_v[first:] * BEGIN_RATIO < output.threshold_v[first])
     if not len(rested) and (output.on.any() or detector.noise_v <= MAX_NOISE_RATIO * detector.settings.noise_v):

@@ -19,11 +19,10 @@ or not. After two inversions the envelope is positive and follows the positive h
 of the peak. The comparator has an open-collector output: SLIP is low (asserted) while slip is detected and high (VCC)
 otherwise. R24 isolates the buffer of VMID from the cable, whose capacitance it could not drive.
 
-Both run on the 3.3 V of a controller. U2b buffers VMID. Q1 blocks a reversed supply: its body diode lets the first
-current through, and its channel then bridges the diode, because its gate is at ground. With a reversed supply the gate
-is at the positive end, and both block. The supply comes with the signals through J3, whose pins are in the order of
-I2C connectors (ground, 3.3 V, T, S). Behind D3 and D5 nothing but R9 and R27 leads from its pins to the amplifiers, so
-that whatever voltage another socket has at these pins drives less than a milliampere.
+Both run on the 3.3 V of a controller. U2b buffers VMID. Q1 blocks a reversed supply, whose positive end is its gate;
+otherwise its body diode lets the first current through, and its channel bridges the diode. The supply comes with the
+signals through J3, whose pins are in the order of I2C connectors (ground, 3.3 V, T, S). From its pins only R9 and R27
+lead to the amplifiers, behind D3 and D5: whatever voltage another socket has there drives less than a milliampere.
 
 A divider stands in place of a board: the sensor from the supply to a controller's pin, and one resistor from there to
 ground. T = Vs R / (R + 1 / G) for a sensor of the conductance G. It scales with the supply Vs, so that a converter that

@@ -14,9 +14,6 @@ inverting input of U2a, which holds it at the bias voltage. Its current flows th
 so that T rises with the force, from V_bias with an open sensor. The article's bridge with its AD623 has ten to twenty
 times the noise: it amplifies the 35 nV/sqrt(Hz) of the AD623 by its gain, where this stage amplifies those of U2a by
 little more than 1, because the sensor's resistance is large.
-
-All voltages scale with the supply Vs. An ADC that takes its reference from the same supply therefore measures the
-sensor alone (ratiometric measurement).
 """
 
 from __future__ import annotations

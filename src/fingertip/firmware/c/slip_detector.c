@@ -157,9 +157,9 @@ static bool is_learned(slip_state *state, slip_real upper, slip_real wide, bool 
 static void tick(slip_state *state, slip_real slope) {
     slip_real row[SLIP_COUNT];
     slip_real wide_floor, upper_floor, slow_floor, greatest, peak, low, change, half_change, score, share, fall, excess;
-    slip_real on_score, input_noise, step_noise;
+    slip_real on_score, input_noise, step_noise, raised;
     unsigned middle, i;
-    bool is_strong, is_moving, may_learn, is_held, has_ended, is_fading;
+    bool is_strong, is_moving, may_learn, is_held, has_ended, is_fading, is_silent;
     enum vibration vibration;
 
     greatest = greater(state->slopes[2], greater(state->slopes[0], state->slopes[1]));
@@ -302,6 +302,8 @@ static void tick(slip_state *state, slip_real slope) {
     if (is_held || !(may_learn || is_moving)) {
         return;
     }
+    /* A voltage that stands still shows no noise to learn. */
+    is_silent = has_ended && !state->has_filtered && state->input_long < SLIP_MIN_INPUT_FLOOR;
     if (is_moving) {
         state->floor_ticks = SLIP_HELD_TICKS;
     } else if (state->floor_ticks < R(0.0)) {
@@ -310,6 +312,8 @@ static void tick(slip_state *state, slip_real slope) {
         state->floor = state->wide_long;
         state->upper_floor = state->upper_long;
         state->input_floor = state->input_long;
+    } else if (is_silent) {
+        state->floor_ticks += R(1.0);
     } else {
         state->floor_ticks += R(1.0);
         share = R(1.0) / lesser(state->floor_ticks, SLIP_MAX_FLOOR_TICKS);
@@ -318,9 +322,10 @@ static void tick(slip_state *state, slip_real slope) {
         state->upper_floor = adapt_floor(state->upper_floor, state->upper_long, share, fall);
         state->input_floor = adapt_floor(state->input_floor, state->input_long, share, fall);
     }
-    state->floor = greater(state->floor, state->min_floor);
-    state->upper_floor = greater(state->upper_floor, state->min_upper_floor);
-    state->input_floor = greater(state->input_floor, SLIP_MIN_INPUT_FLOOR);
+    raised = is_silent ? SLIP_SILENT_RATIO : R(1.0);
+    state->floor = greater(state->floor, raised * state->min_floor);
+    state->upper_floor = greater(state->upper_floor, raised * state->min_upper_floor);
+    state->input_floor = greater(state->input_floor, raised * SLIP_MIN_INPUT_FLOOR);
 }
 
 enum check { USED, REPLACED_SAMPLE, CONFIRMED, GLITCH, BEGUN };
@@ -554,6 +559,9 @@ static void start(slip_state *state, bool has_filtered) {
 }
 
 void slip_recall(slip_state *state, slip_floors floors) {
+    if (!(floors.wide > R(0.0) && floors.upper > R(0.0) && floors.tactile > R(0.0))) {
+        return;
+    }
     state->is_recalled = true;
     state->floor = floors.wide;
     state->upper_floor = floors.upper;

@@ -12,6 +12,7 @@
 #ifndef SLIP_DETECTOR_H
 #define SLIP_DETECTOR_H
 
+#include <math.h> /* INFINITY */
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -28,7 +29,7 @@ typedef SLIP_REAL slip_real;
 
 #include "slip_constants.h"
 
-/* Codes of the converter for T and S of a finger, taken at the same time. */
+/* Codes of the converter for T and S of a finger, S right after T. */
 typedef struct slip_codes {
     uint16_t tactile, filtered;
 } slip_codes;
@@ -97,18 +98,19 @@ typedef struct slip_floors {
     slip_real wide, upper, tactile;
 } slip_floors;
 
-/* Return the floors of a detector whose signal has rested. */
+/* Return the floors of a detector whose signal has rested for 0.5 s, in the air or in a held grasp. */
 static inline slip_floors slip_learned(const slip_state *state) {
     const slip_floors floors = {state->floor, state->upper_floor, state->input_floor};
     return floors;
 }
 
-/* Prepare a detector with the floors of an earlier rest and of the same inputs, right after slip_init: a start in the
- * middle of a slip is then decided after 40 ms. Without them it cannot be told until the signal has rested. */
+/* Prepare a detector with the floors of an earlier rest and of the same inputs, right after it was initialised: a start in
+ * the middle of a slip is then decided after 40 ms. Without them it cannot be told until the signal has rested. Flash that
+ * was never written changes nothing: it holds no numbers above 0. */
 void slip_recall(slip_state *state, slip_floors floors);
 
-/* Process one sample of the tactile voltage T and of the filtered signal S of the board's connector, taken at the same
- * time [V], and return whether slip is ON. A board that gives no filtered signal is judged by T alone. */
+/* Process one sample of the tactile voltage T and of the filtered signal S of the board's connector, S right
+ * after T [V], and return whether slip is ON. A board that gives no filtered signal is judged by T alone. */
 bool slip_step(slip_state *state, slip_real tactile_v, slip_real filtered_v);
 
 /* Process one sample of T alone [V]. Use the same function for all samples of a detector. */

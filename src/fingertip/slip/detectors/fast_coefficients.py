@@ -67,6 +67,8 @@ class FastCoefficients(NamedTuple):
     """Lower bound of the upper band's floor [V^2]."""
     min_input_floor: float
     """Lower bound of the floor of the tactile voltage [V^2]."""
+    silent_floor: float
+    """Energy of a tactile voltage below which it may stand still [V^2]."""
     noisy_floor: float
     """Floor of the wide band from which there is more noise than stated, and the threshold rises [V^2]; at twice this
     floor it has risen to its end."""

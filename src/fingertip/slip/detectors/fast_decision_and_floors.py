@@ -32,6 +32,8 @@ STANDING_TICKS = 1000.0
 """Ticks of such vibration since the force moved last from which on the floors learn it all the same."""
 HELD_TICKS = 15.0
 """Ticks of averaging for which a floor stands after the force has changed: it is learned again within 0.5 s."""
+SILENT_RATIO = 25.0
+"""Ratio of the floors of the stated noise, which hold where a voltage stands still, to the lowest ones."""
 FALL_TICKS = 100.0
 """Ticks over which a floor that falls averages: noise that has ended, as that of a touch, hides slip no longer."""
 UNLEARNED_RATIO = 0.03
@@ -133,9 +135,11 @@ def is_learned(upper: float, wide: float, is_moving: bool, state: MutableFloats)
 
 
 def learn_floors(
-    c: FastCoefficients, wide_long: float, upper_long: float, input_long: float, is_moving: bool, state: MutableFloats
-) -> None:
+    c: FastCoefficients, wide_long: float, upper_long: float, input_long: float, is_moving: bool, has_ended: bool,
+    state: MutableFloats,
+) -> None:  # fmt: skip
     """Let the floors follow the energies, the more slowly the longer they have; they stand while the force changes."""
+    is_silent = has_ended and c.filtered_gain == 0.0 and input_long < c.silent_floor
     ticks = state[FLOOR_TICKS] + 1.0
     state[FLOOR_TICKS] = HELD_TICKS if is_moving else ticks
     rise, fall = 1.0 / min(max(ticks, 1.0), c.max_floor_ticks), 1.0 / min(max(ticks, 1.0), FALL_TICKS)
@@ -144,6 +148,6 @@ def learn_floors(
         floor = state[at]
         if ticks <= 0.0 and not is_moving:
             floor = energy  # until the filters have settled
-        elif not is_moving:
+        elif not is_moving and not is_silent:
             floor += (rise if energy > floor else fall) * (min(energy, CLIP_RATIO * floor) - floor)
-        state[at] = max(floor, least)
+        state[at] = max(floor, SILENT_RATIO * least if is_silent else least)

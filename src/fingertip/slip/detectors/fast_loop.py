@@ -300,7 +300,7 @@ def _fast_loop(
             # No floor learns what the trees may take for slip, nor what follows a slide.
             is_held = state[INCIPIENT] > 0.0 or state[AFTER] > 0.0 or (score > c.stay_threshold and is_settled)
             if not is_held and replaced == 0.0 and (may_learn or is_moving):
-                learn_floors(c, wide_long, upper_long, input_long, is_moving, state)
+                learn_floors(c, wide_long, upper_long, input_long, is_moving, has_ended, state)
             level = c.statistic_gain * math.sqrt(state[FLOOR])
 
         filtered[i] = w

@@ -55,11 +55,9 @@ STILL_S = 0.2
 NUMBER_RATIO = 1e6
 """Ratio to the stated noise from which on a value is no voltage."""
 JUMP_RATIO = 36.0
-"""Ratio to the stated noise of a jump between two samples that the next one must confirm: 20 mV on the default board,
-where a glitch of 10 mV changes no more than 25 ms of output, and touching an object moves 16 mV at most, mostly."""
+"""Ratio to the stated noise of a jump between two samples that the next one must confirm: a touch moves it less."""
 FILTERED_JUMP_RATIO = 1.0
-"""The same for the smallest jump of the filtered signal: 37 mV on the default board, 70 times its noise there. In slip
-it is greater (`fast_state.JUMP_MOVES`)."""
+"""The same for the smallest jump of the filtered signal, 70 times its noise; in slip, `fast_state.JUMP_MOVES` holds."""
 TRUSTED_S = 0.01
 """Time after a confirmed jump in which no jump is suspected [s]: a fast movement goes on."""
 GAP_S = 0.02
@@ -106,8 +104,8 @@ class FastSettings:
     """Tactile voltages that forces give; others are reported [V]."""
     phase: int = 0
     """Samples by which its ticks come sooner: the detectors of a hand's fingers tick one sample apart."""
-    suspects_jumps: bool = True
-    """True if a jump waits for the next sample to confirm it. Not in the fit: all jumps of its signals are real."""
+    suspects_inputs: bool = True
+    """True if the next sample must confirm a jump, and a voltage that stands still teaches nothing. Not in the fit."""
     mean_s: float = MEAN_S
     """Time constant of the mean score [s]: 0 in the fit, which judges each tick alone."""
 
@@ -147,7 +145,7 @@ def compute_coefficients(
             filtered_rest, rest_limit = settings.filtered.rest_v, REST_SHARE * settings.filtered.range_v
     lowest, highest = settings.possible_v
     threshold = LOWEST_SCORE + settings.threshold_scale * (model.threshold - LOWEST_SCORE)
-    jump_ratios = (JUMP_RATIO, FILTERED_JUMP_RATIO) if settings.suspects_jumps else (NUMBER_RATIO, NUMBER_RATIO)
+    jump_ratios = (JUMP_RATIO, FILTERED_JUMP_RATIO) if settings.suspects_inputs else (NUMBER_RATIO, NUMBER_RATIO)
     return fast_coefficients.FastCoefficients(
         *board,
         *restore,
@@ -176,6 +174,7 @@ def compute_coefficients(
         min_floor=wide * least,
         min_upper_floor=upper * least,
         min_input_floor=(MIN_NOISE_SHARE * settings.noise_v) ** 2,
+        silent_floor=(MIN_NOISE_SHARE * settings.noise_v) ** 2 * settings.suspects_inputs,
         noisy_floor=NOISY_RATIO * wide * stated,
         noisy_slow_floor=NOISY_RATIO * wide * settings.noise_v**2,
         offset=model.offset,

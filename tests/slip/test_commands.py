@@ -158,7 +158,8 @@ def test_a_force_is_detected_with_thresholds_from_a_quiet_part(tmp_path):
 
 def test_a_recording_that_begins_in_slip_is_decided_with_the_floors_of_a_rest(tmp_path):
     rest, slip = np.random.default_rng(3).normal(2.3, [[4e-4], [4e-3]], (2, 4000))
-    late, flicker = np.concatenate([slip, rest]), np.concatenate([np.where(rest > 2.3, 2.3, 2.305), rest * 0 + 2.3])
+    late = np.concatenate([slip, rest])
+    flicker = np.concatenate([np.where(rest > 2.3, 2.3, 2.305), 2.3 + (rest - 2.3) / 8])
     signals = {"rest": rest[:1001], "short": rest[:1000], "slip": slip, "late": late, "flicker": flicker}
     texts = {name: csv(np.arange(len(volts)) / 2000, volts) for name, volts in signals.items()}
     for name, text in texts.items():
@@ -171,6 +172,7 @@ def test_a_recording_that_begins_in_slip_is_decided_with_the_floors_of_a_rest(tm
         done = run("detect", "-", *words, "-q", lines=texts[name])
         assert "if something slides all the time" in json.loads(done.stdout)["warnings"][0]
     assert json.loads(run("detect", tmp_path / "flicker.csv", *words).stdout)["undecided"] is None
+    assert "begins in more" not in run("detect", "-", *words, lines=texts["flicker"]).stdout
     done = json.loads(run("detect", tmp_path / "slip.csv", *words, *rested).stdout)
     assert (done["intervals"][0]["onset_s"] < 0.1, done["undecided"], done["warnings"]) == (True, None, [])
     streamed = json.loads(run("detect", "-", *words, *rested, lines=texts["slip"]).stdout)
@@ -305,7 +307,7 @@ def test_rounded_times_are_ignored_with_the_options_in_the_message(tmp_path, rat
         (onset,) = onsets
         assert 0.5 < onset < 0.525
     live = run("detect", "-", "--rate-hz", rate, lines=csv(np.floor(1000 * t) / 1000, v)).stderr
-    assert "ignore rounded times with --column time_s=none" in live
+    assert f"ignore rounded times with --rate-hz {rate} --column time_s=none" in live
 
 
 def test_only_evenly_spaced_times_are_recognised_as_rounded():

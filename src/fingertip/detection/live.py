@@ -276,7 +276,7 @@ class _SampleClock:
         if abs(step_s * rate_hz - 1) > sampling.STEP_TOLERANCE:
             remedy = "use --rate-hz, or record without gaps"
             if step_s == 0.0:
-                remedy = "ignore rounded times with --column time_s=none and --rate-hz"
+                remedy = f"ignore rounded times with --rate-hz {rate_hz:g} --column time_s=none"
             elif self._steps:
                 remedy = f"if few samples are missing, ignore the times with --rate-hz {rate_hz:g} --column time_s=none"
             elif step_s > 0.0 and sampling.guess_time_unit(1 / step_s):

@@ -127,7 +127,7 @@ class StreamWatch:
     def add(self, volts: float) -> Sequence[str]:
         self._recent.append(volts)
         self._count += 1
-        if self._count == round(BEGIN_S * self._design.detector.sample_rate_hz):
+        if self._count == round(BEGIN_S * self._design.detector.sample_rate_hz) and len({*self._recent}) > 2:
             self._first_v = getattr(self._instance, "threshold_v", 0.0)
         if len(self._recent) < _RECENT:
             return ()

@@ -279,9 +279,8 @@ def _draw_statistic(axes: Axes, trace: Trace, detection: Detection) -> None:
     )  # fmt: skip
     # The envelope of contacts and releases is much larger than the statistic, so the axis is scaled to the statistic.
     axes.set_ylim(0.0, max(2500 * float(np.nanmax(output.threshold_v)), 1350 * float(np.max(output.statistic_v))))
-    axes.set_ylabel(
-        f"{'envelope' if envelope is not None else detection.threshold.quantity} [{detection.threshold.unit}]"
-    )
+    quantity = detection.threshold.quantity if envelope is None else "envelope"
+    axes.set_ylabel(f"{quantity} [{detection.threshold.unit}]")
 
 
 def _draw_intervals(axes: Axes, trace: Trace, detection: Detection, slips: Sequence[Interval] | None) -> None:

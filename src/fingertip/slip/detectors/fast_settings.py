@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
 from fingertip.slip.detectors import fast_coefficients
+from fingertip.slip.detectors.fast_decision_and_floors import SILENT_RATIO
 from fingertip.slip.detectors.input_noise import input_noise_v
 
 SHORT_S, LONG_S = 0.006, 0.02
@@ -38,7 +39,7 @@ WEAK_S = 0.08
 """Time constant of the longest energies: what tells a weak slide from a motor's steps [s]."""
 HOLD_S = 0.1
 """Time constant with which the score is smoothed while a flag is set and vibration is heard [s]."""
-MIN_NOISE_SHARE, MIN_FILTERED_SHARE = 0.2, 0.5
+MIN_NOISE_SHARE, MIN_FILTERED_SHARE = SILENT_RATIO**-0.5, 0.5
 """Smallest noise that is learned, as a share of the stated noise, from the tactile voltage and the filtered signal."""
 NOISY_RATIO = 1.5
 """Ratio of a floor to that of the stated noise from which on more must speak for slip."""

@@ -428,7 +428,7 @@ def test_floors_stand_while_the_score_is_near_slip(score: float) -> None:
     assert (detector.state[fast_state.FLOOR] == before) == (score > STAY_SCORE)
 
 
-@pytest.mark.parametrize("stuck", [slice(1600), slice(240), slice(6000, 7000)])
+@pytest.mark.parametrize("stuck", [slice(1600), slice(300), slice(6000, 7000)])
 def test_a_voltage_that_stands_still_teaches_no_floor(stuck: slice) -> None:
     """A converter hangs, or the signal is clipped; then there is noise as before, and none of it is slip."""
     volts = 4.0 + noise(6.0)

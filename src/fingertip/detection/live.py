@@ -116,7 +116,8 @@ def detect_stream(
     found = [_Channel.open(header, design, detector, each, second, report, bool(channels)) for each in selected]
     for channel, each in zip(found, selected, strict=True):
         if floors is not None:
-            stored = read_floors(floors, given, detector, each, design.detector, len(channel.places) > 1)
+            found_hz = design.detector.sample_rate_hz
+            stored = read_floors(floors, given, detector, each, found_hz, len(channel.places) > 1)
             assert isinstance(channel.detector, FastDetector)  # another one was refused
             channel.detector.stored_floors = stored
     transitions = _follow(header, rows, found, design.detector, selected[0], report)

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.design.parameters.electronics import Detector as DetectorParameters
 from fingertip.detection import warnings
 from fingertip.detection.adaptation import Adaptation, QuietPart, equivalent_noise_v
 from fingertip.foundation.errors import Issue, TraceError, join_words, shorten
@@ -211,7 +210,8 @@ def detect_file(
     recording = _Recording(path.name, trace, design, detector, column_map, quiet)
     doubts, level, noise_v, stored = [*raw.notes, *_doubt_signals(recording)], None, None, None
     if floors is not None:
-        stored = read_floors(floors, given, detector, column_map, design.detector, trace.filtered_v is not None)
+        adapted_hz = design.detector.sample_rate_hz
+        stored = read_floors(floors, given, detector, column_map, adapted_hz, trace.filtered_v is not None)
     if kind.takes_envelope:
         doubts += warnings.envelope_warnings(trace, design)
         recording, level = _add_board(recording, report)
@@ -269,14 +269,14 @@ FLOORS_S = 0.5
 
 
 def read_floors(
-    path: str | Path, design: Design, detector: str, columns: ColumnMap, used: DetectorParameters, with_filtered: bool
+    path: str | Path, design: Design, detector: str, columns: ColumnMap, rate_hz: float, with_filtered: bool
 ) -> Floors:
     """Read the floors of a rest that is recorded as the signal that follows it. Raises TraceError."""
     rest = detect_file(
         path, design, detector, rate_hz=columns.rate_hz, scale=columns.scale, time_scale=columns.time_scale,
         columns=columns.names,
     )  # fmt: skip
-    has_filtered, rate_hz = rest.trace.filtered_v is not None, rest.design.detector.sample_rate_hz
+    has_filtered, found_hz = rest.trace.filtered_v is not None, rest.design.detector.sample_rate_hz
     found, lasts_s = rest.detection, rest.trace.time_s[-1] - rest.trace.time_s[0]
     if found.floors is None:
         message = f"are not learned by {found.detector}; add --detector fast, or leave --floors out."
@@ -289,8 +289,8 @@ def read_floors(
             f"the rest vibrates by {1000 * noise_v:.2g} mV, over {MAX_NOISE_RATIO:g} times the stated noise; "
             f"record it while nothing moves; if nothing did, state the noise with --set detector.noise_v={noise_v:.2g}."
         )
-    elif (has_filtered, rate_hz) != (with_filtered, used.sample_rate_hz):
-        message = f"the rest has {rate_hz:g} Hz, or other columns than what follows it; record both in the same way."
+    elif (has_filtered, found_hz) != (with_filtered, rate_hz):
+        message = f"the rest has {found_hz:g} Hz, or other columns than what follows it; record both in the same way."
     else:
         return found.floors
     raise TraceError(Issue("--floors", message))

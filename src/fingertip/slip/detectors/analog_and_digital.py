@@ -1,7 +1,6 @@
 """Detectors `digital` and `analog`: the mean of an envelope over a window against a threshold (article, eq. 12).
 
-The article's chain is high-pass filter, half-wave rectifier, envelope filter, window mean and threshold. The article
-implements the first three as analog circuits; its predecessor implemented all of them in software.
+The article's chain is high-pass filter, half-wave rectifier, envelope filter (so far analog), window mean, threshold.
 
 `digital` does all in software, from the raw tactile voltage. The filters are the board's ideal filters by the bilinear
 transform, the rectifier is an ideal diode without a dead zone, and the envelope filter is a one-pole follower without

@@ -30,7 +30,8 @@ if TYPE_CHECKING:
 DISTRIBUTION = "fingertip-kit"
 """Name to pip: on the package index `fingertip` is somebody else's."""
 EXTRAS = {
-    "OCP": "cadquery", "cadquery": "cadquery", "trimesh": "mesh", "matplotlib": "plots", "scipy": "sweep",
+    "OCP": "cadquery", "cadquery": "cadquery", "trimesh": "mesh", "lxml": "mesh", "networkx": "mesh",
+    "matplotlib": "plots", "scipy": "sweep",
     "reportlab": "drawing", "numba": "fast", "pyarrow": "parquet", "nptdms": "tdms", "rosbags": "ros",
     "distributed": "cluster", "dask": "cluster", "pandas": "frames",
 }  # fmt: skip

@@ -74,6 +74,8 @@ class SetWriter:
     """True if the folder must not be swapped, because a file in it is open."""
     top: Path | None = None
     """Folder that the user has named, if this one is below it: no link in between is followed."""
+    program: str = ""
+    """Digest of the program that makes the files; empty to keep the one that the manifest records, if any."""
 
     def check(self, names: Collection[str], revisions: Revisions = _NONE) -> None:
         """Refuse to write these names if the folder cannot take them, before work starts. Raises OutputError."""
@@ -188,7 +190,15 @@ class SetWriter:
         removed = tuple(sorted(unwanted - self._foreign(unwanted)))
         kept = {name: known[name] for name in others if name not in removed} if same else {}
         hashes = {name: hash_content(data) for name, data in contents.items()}
-        manifest = Manifest(__version__, self.kind, self.design, self.parameters, kept | hashes)
+        program = self.program or (old.program if old and same else "")
+        manifest = Manifest(
+            fingertip=__version__,
+            kind=self.kind,
+            design=self.design,
+            parameters=self.parameters,
+            files=kept | hashes,
+            program=program,
+        )
         files = {**contents, **{name: revision.after for name, revision in revisions.items()}}
         # A file that keeps its content stays as it is, with its date.
         files = {name: data for name, data in files.items() if name not in revisions or data != revisions[name].before}
@@ -251,9 +261,15 @@ class Manifest:
     """Hash of the parameters that the files depend on."""
     files: Mapping[str, str]
     """Name of each file -> SHA-256 hash."""
+    program: str = ""
+    """Digest of the program that made the files; empty where it is not recorded."""
 
     def to_bytes(self) -> bytes:
-        return encode_json(asdict(self) | {"files": dict(sorted(self.files.items()))})
+        """Encode the manifest as JSON, without a program that is not recorded."""
+        data = asdict(self) | {"files": dict(sorted(self.files.items()))}
+        if not self.program:
+            del data["program"]
+        return encode_json(data)
 
 
 def read_manifest(folder: Path, below: Path | None = None) -> Manifest | None:
@@ -264,8 +280,11 @@ def read_manifest(folder: Path, below: Path | None = None) -> Manifest | None:
     """
     try:
         data = json.loads(input_files.read_input(folder / MANIFEST, input_files.PARSED_LIMIT, below=below or folder))
-        manifest = Manifest(**{name: data[name] for name in ("fingertip", "kind", "design", "parameters", "files")})
-        texts = (manifest.fingertip, manifest.kind, manifest.design, manifest.parameters)
+        manifest = Manifest(
+            **{name: data[name] for name in ("fingertip", "kind", "design", "parameters", "files")},
+            program=data.get("program", ""),
+        )
+        texts = (manifest.fingertip, manifest.kind, manifest.design, manifest.parameters, manifest.program)
         is_own = all(isinstance(text, str) for text in texts) and not input_files.find_unsafe_names(manifest.files)
         is_own &= all(_SHA256.fullmatch(digest) for digest in manifest.files.values())
     except (InputFileError, ValueError, KeyError, TypeError, AttributeError, RecursionError):

@@ -17,6 +17,7 @@ from fingertip.cli.completion import COMPLETIONS
 from fingertip.cli.console import BAD_INPUT, FAULT, Console, describe_fault, describe_path_error, discard_stdout
 from fingertip.foundation import interruption
 from fingertip.foundation.errors import DesignError, FingertipError, Issue, OutputError, raise_issues
+from fingertip.foundation.extras import describe_import_error
 
 if TYPE_CHECKING:
     from fingertip.design import Design
@@ -106,7 +107,7 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
             if interruption.find_signal(error) is not None:
                 console.clear()
                 raise typer.Exit(interruption.report(error)) from None
-            refusal = error if isinstance(error, FingertipError) else describe_path_error(error)
+            refusal = _find_refusal(error)
             if refusal and "fit" not in words:
                 texts = (_ONLY_FIT.sub(_FITTED_FILE, _OFFER.sub(".", each.message)) for each in refusal.issues)
                 issues = zip(refusal.issues, texts, strict=True)
@@ -117,6 +118,13 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
     run.__annotations__ = {parameter.name: parameter.annotation for parameter in declared}
     run.__signature__ = signature.replace(parameters=declared)  # type: ignore[attr-defined]
     return run
+
+
+def _find_refusal(error: BaseException) -> FingertipError | None:
+    """Find what an error tells the user about input, a path or a missing package; None for a fault of the program."""
+    if isinstance(error, FingertipError):
+        return error
+    return describe_path_error(error) or describe_import_error(error)
 
 
 def load_design(

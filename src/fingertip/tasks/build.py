@@ -18,7 +18,7 @@ from fingertip.cad.shapes.parts import PARTS, exact_parts, hardware, parts_by_na
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.printing import check_brep_solid
-from fingertip.cad.verification.second_opinion import second_opinions
+from fingertip.cad.verification.second_opinion import list_packages, second_opinions
 from fingertip.cad.verification.verify import VerifiedParts, verify
 from fingertip.casting.sheet import CastingSheet, casting_sheet
 from fingertip.catalogues import output_files
@@ -147,7 +147,7 @@ def plan_build(
     if "step" in formats:
         extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
     if options.verify:
-        extras.require("--verify", "trimesh", alternative="leave it out")
+        extras.require("--verify", *list_packages(formats), alternative="leave it out")
     if "cq" in formats and "bone" in names and design.bone.interface == "file":
         raise DesignError(Issue("--formats", "cq cannot hold the adapter of bone.adapter_file; leave cq out."))
     if "step" in formats and exact_parts(design, names) != names:

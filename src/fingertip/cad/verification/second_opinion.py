@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,15 @@ from fingertip.cad.verification.check import Check
 from fingertip.foundation import extras
 from fingertip.foundation.errors import InputFileError, Issue
 
+_READERS = {"3mf": ("lxml", "networkx")}
+"""Packages beside trimesh that it needs to read a format."""
 _ROUNDING_MM = 1e-6
 """Difference between two bounds that counts as none [mm]."""
+
+
+def list_packages(formats: Iterable[str]) -> tuple[str, ...]:
+    """List the packages that read meshes of these formats."""
+    return ("trimesh", *(package for name in formats for package in _READERS.get(name, ())))
 
 
 def second_opinions(contents: Mapping[str, bytes], meshes: Mapping[str, Mesh]) -> tuple[Check, ...]:
@@ -27,13 +35,14 @@ def second_opinions(contents: Mapping[str, bytes], meshes: Mapping[str, Mesh]) -
 
 def read_mesh(name: str, data: bytes) -> Any:
     """Read a mesh file as a `trimesh.Trimesh`. Raises InputFileError or MissingLibraryError."""
-    trimesh = extras.load("trimesh", "check", alternative="leave --verify and meshes out")
+    file_format = Path(name).suffix.lower().removeprefix(".")
+    extras.require(name, *list_packages([file_format]), alternative="leave --verify and meshes out")
+    trimesh = extras.load("trimesh", name)
+
     try:
-        read = trimesh.load(io.BytesIO(data), file_type=name.rpartition(".")[2].lower(), force="mesh")
+        read = trimesh.load(io.BytesIO(data), file_type=file_format, force="mesh")
         if not len(read.faces):
             raise ValueError("it holds no triangles")
-    except ImportError:
-        raise  # a package that trimesh needs for this format: the file is not at fault
     except Exception as error:
         message = f"cannot be read as a mesh ({str(error) or type(error).__name__}); export it again, in mm."
         raise InputFileError(Issue(name, message)) from None

@@ -57,9 +57,9 @@ def use_sweep(place: Installation) -> None:
 
 
 def use_fast(place: Installation) -> None:
-    done = place.fingertip("validate", "valid.toml", "--trials", "2", "--minutes", "0.2", check=True)
+    done = place.fingertip("validate", "valid.toml", "--trials", "2", "--minutes", "0.5", check=True)
     assert "compiled loops" not in done.stderr, "they are not left out"
-    place.refuses("validate", "broken.toml", "--trials", "2", "--minutes", "0.2")
+    place.refuses("validate", "broken.toml", "--trials", "2", "--minutes", "0.5")
 
 
 def use_drawing(place: Installation) -> None:

@@ -166,6 +166,7 @@ def test_best_design_file_reproduces_its_row_and_the_front_is_listed(database: S
     assert [float(line["delay_ms"]) for line in listed] == [delay_ms[point] for point in data["pareto_front"]]
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize(
     ("sweep", "base", "best"),
     [

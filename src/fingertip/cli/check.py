@@ -60,7 +60,7 @@ def check(
 
     A mesh (.stl, .3mf, .obj, .ply) of any program is checked too, and the half of a mold with the other beside it.
     """
-    folders = [path for path in designs if path.is_dir()]
+    folders = options.find_folders(designs, console)
     meshes = [path for path in designs if path.suffix.lower() in _MESHES and path not in folders]
     files = [path for path in designs if path not in (*folders, *meshes)]
     options.refuse(Issue(str(path), _NO_DESIGN) for path in files if path.suffix not in ("", ".toml") and path.exists())

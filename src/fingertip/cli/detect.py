@@ -28,7 +28,12 @@ def detect(
         help="Trace (CSV, LVM, NPZ, NPY, TDMS, MAT, Parquet, WAV) with the columns time_s, voltage_v and, if the "
         "filter board was recorded, envelope_v; - reads CSV lines from standard input as they arrive."
     ),
-    design: Path | None = typer.Option(None, help="Design file or bundled name; the default design if left out."),
+    design: Path | None = typer.Option(
+        None,
+        parser=options.parse_design,
+        metavar="PATH",
+        help="Design file or bundled name; the default design if left out.",
+    ),
     detector: str | None = typer.Option(
         None, help=f"{{detectors}}. Default: {DEFAULT}; on a divider fast; or the design's."
     ),

@@ -171,8 +171,10 @@ def make(
     sheet and page of the set.
     """
     from fingertip.design.finger_set import is_set
+    from fingertip.foundation.output_set import is_packed_set
 
-    refuse(find_file_issues("--zip", zip_file, ".zip"))
+    is_replaced = force or (zip_file is not None and is_packed_set(zip_file))
+    refuse(find_file_issues("--zip", zip_file, ".zip", kept="" if is_replaced else "add --force to overwrite it"))
     if is_set(design):
         _make_set(console, design, out, split_names(formats), force, changes or (), zip_file)
         return

@@ -66,7 +66,7 @@ def check(
     A mesh (.stl, .3mf, .obj, .ply) of any program is checked too, and the half of a mold with the other beside it.
     Beside one design, a mesh that has the name of a part is compared with that part.
     """
-    given = _sort(designs)
+    given = _sort(designs, console)
     _refuse_what_cannot_be_checked(given, junit, sarif)
 
     settings = changes or ()
@@ -104,8 +104,8 @@ class _Given:
     meshes: list[Path]
 
 
-def _sort(paths: Sequence[Path]) -> _Given:
-    folders = [path for path in paths if path.is_dir()]
+def _sort(paths: Sequence[Path], console: Console) -> _Given:
+    folders = options.find_folders(paths, console)
     meshes = [path for path in paths if path.suffix.lower() in _MESHES and path not in folders]
     files = [path for path in paths if path not in folders and path not in meshes]
     return _Given(files, folders, meshes)

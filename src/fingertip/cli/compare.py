@@ -72,10 +72,10 @@ def _load_sides(old: str, new: Path) -> tuple[_Side, _Side]:
 
 
 def _load_old(old: str, new: Path) -> _Side:
-    from fingertip.catalogues.file_kinds import list_bundled_files
+    from fingertip.catalogues.file_kinds import DESIGN, SET, is_bundled_name
 
     path = Path(old)
-    if path.exists() or path.suffix == ".toml" or old in list_bundled_files():
+    if path.exists() or path.suffix == ".toml" or is_bundled_name(old, DESIGN, SET):
         return _load_side(path)
     if not new.is_file():
         message = f"is no design and no folder; as a git revision it needs a design file beside it, and {new} is none."
@@ -84,11 +84,11 @@ def _load_old(old: str, new: Path) -> _Side:
 
 
 def _load_side(path: Path) -> _Side:
-    from fingertip.catalogues.file_kinds import list_bundled_files
+    from fingertip.catalogues.file_kinds import DESIGN, SET, is_bundled_name
     from fingertip.design.finger_set import is_set
     from fingertip.tasks.compare import read_version
 
-    if path.is_dir() and str(path) not in list_bundled_files():
+    if path.is_dir() and not is_bundled_name(path, DESIGN, SET):
         return _Side(str(path), read_version(path))
     if is_set(path):
         raise DesignError(Issue(str(path), "is a set; give the design of one finger, or the folder of one."))

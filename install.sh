@@ -79,8 +79,8 @@ make_venv() {
     python=$(find_python)
     has_uv || need_ensurepip "$python"
     say "making .venv with $("$python" --version)"
-    rm -rf .venv
-    quietly "$python" -m venv --without-pip .venv || fail "$python cannot make a venv."
+    if [ -L .venv ]; then rm .venv; fi # what it leads to is not of this folder
+    quietly "$python" -m venv --clear --without-pip .venv || fail "$python cannot make a venv."
 }
 
 add_pip() {

@@ -69,10 +69,13 @@ PYTHON = """\
 #!/bin/sh
 case "$*" in
     "--version") echo "Python 3.11.0" ;;
-    "-m venv --without-pip .venv")
+    "-c import ensurepip") [ ! -e lacks_ensurepip ] ;;
+    "-c import sys; print"*) echo python3.11-venv ;;
+    "-m venv --clear --without-pip .venv")
+        rm -rf .venv/*
         mkdir -p .venv/bin
         cp "$0" .venv/bin/python
-        echo "command = python3 -m venv --without-pip $PWD/.venv" >.venv/pyvenv.cfg
+        echo "command = python3 -m venv --clear --without-pip $PWD/.venv" >.venv/pyvenv.cfg
         ;;
     "-m pip --version") [ -e .venv/pip ] ;;
     "-m ensurepip --default-pip") touch .venv/pip ;;
@@ -187,6 +190,18 @@ def test_uv_and_pip_take_turns_in_one_folder(checkout: Path) -> None:
     assert "making" not in run_install(checkout, "test").stdout
 
 
+def test_pip_that_cannot_be_had_is_one_sentence_before_anything_is_made(checkout: Path) -> None:
+    (checkout / "lacks_ensurepip").touch()
+    (checkout / "bin/id").write_text("#!/bin/sh\necho 1000\n", encoding="utf-8")
+    (checkout / "bin/id").chmod(0o755)
+    done = run_install(checkout)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert re.fullmatch("install: python3 cannot put pip .*apt-get install python3.11-venv.*again\\.\n", done.stderr)
+    assert not (checkout / ".venv").exists()
+    (checkout / "uses_uv").touch()
+    assert len(install(checkout)) == 3, "uv needs none"
+
+
 def test_install_asks_the_program_before_it_says_installed(checkout: Path) -> None:
     install(checkout)
     assert "install: fingertip 0.1.0 is installed in .venv\n" in run_install(checkout).stdout
@@ -220,6 +235,17 @@ def test_install_makes_venv_anew_where_the_folder_was_moved_or_python_is_gone(ch
         assert install(moved) == []
         (moved / ".venv/bin/python").unlink()
         assert len(install(moved)) == 3
+
+
+def test_install_leaves_alone_what_a_link_leads_to(checkout: Path, tmp_path: Path) -> None:
+    install(checkout)
+    (checkout / ".venv").rename(tmp_path / "other")
+    (checkout / ".venv").symlink_to(tmp_path / "other")
+    (checkout / ".venv/pyvenv.cfg").write_text("command = python3 -m venv /other\n", encoding="utf-8")
+    before = sorted((tmp_path / "other").rglob("*"))
+    assert len(install(checkout)) == 3
+    assert not (checkout / ".venv").is_symlink()
+    assert sorted((tmp_path / "other").rglob("*")) == before
 
 
 def test_install_and_the_step_error_name_the_same_packages() -> None:

@@ -128,7 +128,9 @@ def test_hints_name_the_pip_of_the_running_interpreter(tmp_path: Path, monkeypat
         elsewhere.setattr(Path, "cwd", lambda: Path("/nowhere"))
         assert run_venv(tmp_path / "a b", python) == f"'{tmp_path}/a b/.venv/bin/python' -m pip install"
     monkeypatch.setattr(extras, "is_installed", lambda module: module != "pip")
-    assert run_venv(tmp_path, python, folder) == "uv pip install --python .venv/bin/python"
+    assert run_venv(tmp_path, python, folder) == ".venv/bin/python -m ensurepip && .venv/bin/python -m pip install"
+    (tmp_path / "other/uv").touch(mode=0o755)
+    assert run_venv(tmp_path, python, str(tmp_path / "other")) == "uv pip install --python .venv/bin/python"
 
 
 IMPORT_EVERYTHING = """

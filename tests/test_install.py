@@ -9,67 +9,49 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 from fingertip.foundation.extras import DISTRIBUTION, EXTRAS
+from tests.conftest import ROOT
+from tests.packages import CONSTRAINTS, asked_by_level, read_list, read_pins, read_pyproject
 from tests.tools import require_tool
-from tools.dependencies.pins import CONSTRAINTS, ROOT, canonical, names_of, read_pins, read_project
 
 INSTALL = ROOT / "install.sh"
 SCRIPTS = [INSTALL, *sorted(path for path in (ROOT / ".ci").iterdir() if path.is_file() and not path.suffix)]
 
 
-def lines() -> list[str]:
-    text = CONSTRAINTS.read_text(encoding="utf-8")
-    return [line for line in text.splitlines() if line and not line.startswith("#")]
-
-
-def pins() -> dict[str, str]:
-    return {canonical(name): version for name, version in read_pins(CONSTRAINTS.read_text(encoding="utf-8")).items()}
-
-
-def named_dependencies() -> list[str]:
-    """Dependencies of the core and of all extras, without the package itself, of which some extras consist."""
-    extras = read_project()["optional-dependencies"].values()
-    names = names_of([*read_project()["dependencies"], *(entry for extra in extras for entry in extra)])
-    return [name for name in names if name != DISTRIBUTION]
-
-
 def test_messages_name_the_extra_that_installs_each_package() -> None:
-    extras = read_project()["optional-dependencies"]
+    project = read_pyproject()["project"]
+    extras = project["optional-dependencies"]
     for module, extra in EXTRAS.items():
         package = {"OCP": "cadquery", "dask": "distributed"}.get(module, module)  # distributed brings dask
-        assert names_of(extras[extra])[0] == package
+        assert package in {canonicalize_name(Requirement(line).name) for line in extras[extra]}
     assert set(EXTRAS.values()) == set(extras) - {"usual", "all", "docs", "test"}
     named = {name for line in (*extras["usual"], *extras["all"]) for name in re.findall(r"[\w-]+", line)}
     assert named == {DISTRIBUTION, "usual", *EXTRAS.values()}
     assert extras["test"][0] == f"{DISTRIBUTION}[all,docs]"
-    assert read_project()["name"] == DISTRIBUTION
+    assert project["name"] == DISTRIBUTION
 
 
 def test_constraints_are_plain_pins_of_every_dependency() -> None:
-    wrong = [line for line in lines() if not re.fullmatch(r"[A-Za-z0-9][\w.-]*==[0-9][0-9A-Za-z.]*", line)]
-    assert wrong == []
-    names = [canonical(line.split("==")[0]) for line in lines()]
+    lines = [line for line in CONSTRAINTS.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    pin = r"[a-z0-9][a-z0-9-]*==[0-9][0-9A-Za-z.]*( ; [a-z0-9_=!<>.'() ]+)?"
+    assert [line for line in lines if not re.fullmatch(pin, line, re.IGNORECASE)] == []
+    names = [one.name for one in read_list(CONSTRAINTS)]
     assert names == sorted(set(names))
-    assert set(named_dependencies()) <= pins().keys()
-    text = CONSTRAINTS.read_text(encoding="utf-8")
-    assert not re.search(r"://|(^|\s)[/~@\\]", text), "they name no place"
+    assert {canonicalize_name(one.name) for one in asked_by_level("test")} <= read_pins().keys()
 
 
 def test_installed_versions_are_the_pinned_ones() -> None:
     if Path(sys.prefix).resolve() != ROOT / ".venv":
         pytest.skip(f"{sys.prefix} was not made by install.sh: its versions are anybody's")
-    installed = {canonical(d.metadata["Name"]): d.version for d in metadata.distributions()}
-    wrong = {name: (installed[name], pin) for name, pin in pins().items() if installed.get(name, pin) != pin}
+    pins = read_pins()
+    installed = {canonicalize_name(one.metadata["Name"]): one.version for one in metadata.distributions()}
+    wrong = {name: (installed[name], pin) for name, pin in pins.items() if installed.get(name, pin) != pin}
     assert wrong == {}
-    unpinned = set(installed) - set(pins()) - {DISTRIBUTION, "pip", "setuptools"}
-    assert unpinned == set(), "add these to constraints.txt"
-
-
-def test_every_dependency_has_a_lowest_version() -> None:
-    command = [sys.executable, str(ROOT / ".ci/lowest.py"), str(ROOT / "pyproject.toml")]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert {canonical(line.split("==")[0]) for line in done.stdout.splitlines()} == set(named_dependencies())
+    unpinned = set(installed) - set(pins) - {DISTRIBUTION, "pip", "setuptools"}
+    assert unpinned == set(), "run sh tools/lock"
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.name)
@@ -82,94 +64,188 @@ def test_script_parses(script: Path) -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
-LIST = """\
-# covers cpython-311-x86_64-linux-gnu x86_64
-a==1 \\
-    --hash=sha256:00 \\
-    --hash=sha256:11
-# end of core
-b==1 ; (python_version == "3.11") \\
-    --hash=sha256:00
-# end of usual
-c==1 \\
-    --hash=sha256:00
-# end of all
-# end of test
+# A Python that makes a .venv with itself in it, and notes what pip is asked for.
+PYTHON = """\
+#!/bin/sh
+case "$*" in
+    "--version") echo "Python 3.11.0" ;;
+    "-c import ensurepip") [ ! -e lacks_ensurepip ] ;;
+    "-c import sys; print"*) echo python3.11-venv ;;
+    "-m venv --clear --without-pip .venv")
+        rm -rf .venv/*
+        mkdir -p .venv/bin
+        cp "$0" .venv/bin/python
+        echo "command = python3 -m venv --clear --without-pip $PWD/.venv" >.venv/pyvenv.cfg
+        ;;
+    "-m pip --version") [ -e .venv/pip ] ;;
+    "-m ensurepip --default-pip") touch .venv/pip ;;
+    "-m pip "*) shift 2; . ./installer ;;
+esac
+"""
+UV = """\
+#!/bin/sh
+case "$1" in
+    --version) [ -e uses_uv ] ;;
+    pip) shift; . ./installer ;;
+esac
+"""
+# What pip or uv does: notes its arguments, and puts the program into .venv unless a file says that it fails.
+INSTALLER = """\
+echo "$@" >>asked
+case "$*" in
+    *" -e "*)
+        printf '#!/bin/sh\\n[ ! -e .venv/damaged ] && [ ! -e broken ] && echo 0.1.0\\n' >.venv/bin/fingertip
+        chmod +x .venv/bin/fingertip
+        ;;
+esac
 """
 
 
 @pytest.fixture
-def checkout(tmp_path: Path) -> Path:
-    """A folder with install.sh and a .venv whose Python only notes what pip is asked for."""
-    (tmp_path / ".venv/bin").mkdir(parents=True)
-    (tmp_path / "src/fingertip").mkdir(parents=True)
-    (tmp_path / "install.sh").write_bytes(INSTALL.read_bytes())
-    for name in ("pyproject.toml", "src/fingertip/__init__.py"):
-        (tmp_path / name).write_text(name, encoding="utf-8")
-    (tmp_path / "constraints-hashes.txt").write_text(LIST, encoding="utf-8")
-    set_python(tmp_path, "cpython-311-x86_64-linux-gnu x86_64")
-    (tmp_path / ".venv/bin/pip").write_text(f"#!{(tmp_path / '.venv/bin/python').resolve()}\n", encoding="utf-8")
-    return tmp_path
-
-
-def set_python(folder: Path, target: str, pip: str = "true") -> None:
-    """Write a Python that says what it was built for, notes what pip is asked to install, and then runs a command."""
-    program = f'[ "$1" != -c ] || echo "{target}"\n[ "$3" != install ] || {{ echo "$@" >>asked; {pip}; }}\n'
-    python = folder / ".venv/bin/python"
-    python.write_text(f"#!/bin/sh\n{program}", encoding="utf-8")
-    python.chmod(0o755)
+def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with install.sh, and programs in place of Python and uv; uv fails unless a file `uses_uv` is there."""
+    folder = tmp_path / "checkout"
+    for name, text in (
+        ("bin/python3", PYTHON),
+        ("bin/uv", UV),
+        ("installer", INSTALLER),
+        ("install.sh", INSTALL.read_text(encoding="utf-8")),
+        ("pyproject.toml", "pyproject\n"),
+        ("requirements/core.txt", "a==1\n"),
+        ("src/fingertip/__init__.py", '__version__ = "1"\n'),
+    ):
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+        path.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{folder / 'bin'}:/usr/bin:/bin")
+    monkeypatch.delenv("PYTHON", raising=False)
+    return folder
 
 
 def run_install(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     command = ["sh", str(folder / "install.sh"), *words]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
 
 
-def install(folder: Path, *words: str) -> str:
-    """Run install.sh and return what pip was asked to install at last; empty if pip was not needed."""
+def install(folder: Path, *words: str) -> list[str]:
+    """Run install.sh and return what pip or uv was asked for, line by line."""
     (folder / "asked").unlink(missing_ok=True)
     done = run_install(folder, *words)
     assert (done.returncode, done.stderr) == (0, "")
-    return (folder / "asked").read_text(encoding="utf-8").split()[-1] if (folder / "asked").exists() else ""
+    return (folder / "asked").read_text(encoding="utf-8").splitlines() if (folder / "asked").exists() else []
 
 
 def test_install_adds_what_the_present_installation_lacks(checkout: Path) -> None:
-    asked = [install(checkout, *words) for words in (["core"], [], [], ["core"], ["all"], ["test"], ["test"], [])]
-    assert asked == [".", ".[usual]", "", "", ".[all]", ".[all,test]", "", ""]
+    def asked(*words: str) -> str:
+        return (install(checkout, *words) or [""])[-1].rsplit(" ", 1)[-1]
+
+    found = [asked(*words) for words in (["core"], [], [], ["core"], ["all"], ["test"], ["test"], [])]
+    assert found == [".", ".[usual]", "", "", ".[all]", ".[all,test]", "", ""]
     # The dependencies change, and an earlier install.sh has left its mark.
-    (checkout / "constraints-hashes.txt").write_text(LIST.replace("a==1", "a==2"), encoding="utf-8")
-    assert install(checkout) == ".[usual]"
+    (checkout / "requirements/core.txt").write_text("a==2\n", encoding="utf-8")
+    assert asked() == ".[usual]"
     for content, wanted in (('__version__ = "2"\n', ".[usual]"), ('__version__ = "2"\n__all__ = []\n', "")):
         (checkout / "src/fingertip/__init__.py").write_text(content, encoding="utf-8")
-        assert install(checkout) == wanted
+        assert asked() == wanted
     (checkout / ".venv/installed").write_text("4022803434 5704 test", encoding="utf-8")
-    assert install(checkout, "test") == ".[all,test]"
+    assert asked("test") == ".[all,test]"
+
+
+def test_install_refuses_other_words(checkout: Path) -> None:
     done = run_install(checkout, "tests")
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr == "install: the words it takes are 'core', 'all' and 'test'; not 'tests'\n"
 
 
-@pytest.mark.parametrize(("words", "end"), [(["core"], "core"), ([], "usual"), (["test"], "test")])
-def test_install_compares_every_package_of_its_level(checkout: Path, words: list[str], end: str) -> None:
-    install(checkout, *words)
-    first, second = (checkout / "asked").read_text(encoding="utf-8").splitlines()
-    assert first == "-m pip install -q --no-compile --require-hashes --only-binary=:all: -r .venv/requirements.txt"
-    assert second.startswith("-m pip install -q --no-index --no-build-isolation -e .")
-    required = (checkout / ".venv/requirements.txt").read_text(encoding="utf-8")
-    assert required == LIST[: LIST.index(f"{end}\n")] + f"{end}\n"
-
-
+@pytest.mark.parametrize("uses_uv", [False, True])
 @pytest.mark.parametrize(
-    "target", ["cpython-314-x86_64-linux-gnu x86_64", "cpython-311-x86_64-linux-musl x86_64", "cpython-311-x86_64"]
+    ("words", "level", "project"),
+    [(["core"], "core", "."), ([], "usual", ".[usual]"), (["all"], "all", ".[all]"), (["test"], "test", ".[all,test]")],
 )
-def test_install_says_that_it_compares_nothing_where_there_are_no_hashes(checkout: Path, target: str) -> None:
-    set_python(checkout, target)
-    said = f"install: constraints-hashes.txt does not cover this Python ({target}): packages are installed without"
-    assert said in run_install(checkout).stdout
-    first, _ = (checkout / "asked").read_text(encoding="utf-8").splitlines()
-    assert first == "-m pip install -q --no-compile -r .venv/requirements.txt"
-    required = (checkout / ".venv/requirements.txt").read_text(encoding="utf-8").splitlines()
-    assert [line for line in required if line[0] != "#"] == ["a==1", 'b==1 ; (python_version == "3.11")']
+@pytest.mark.every_case
+def test_uv_and_pip_compare_every_package_of_the_level(
+    checkout: Path, uses_uv: bool, words: list[str], level: str, project: str
+) -> None:
+    if uses_uv:
+        (checkout / "uses_uv").touch()
+    end = " --python .venv/bin/python" if uses_uv else ""
+    assert install(checkout, *words) == [
+        f"install -q --no-compile --require-hashes --only-binary :all: -r requirements/{level}.txt{end}",
+        f"uninstall -q -y fingertip{end}",
+        f"install -q --no-index --no-build-isolation -e {project}{end}",
+    ]
+    assert (checkout / ".venv/pip").exists() != uses_uv, "uv needs no pip in .venv"
+
+
+def test_uv_and_pip_take_turns_in_one_folder(checkout: Path) -> None:
+    (checkout / "uses_uv").touch()
+    install(checkout, "core")
+    (checkout / "uses_uv").unlink()
+    assert install(checkout, "core") == []
+    assert install(checkout)[0].endswith("-r requirements/usual.txt")
+    assert (checkout / ".venv/pip").exists()
+    (checkout / "uses_uv").touch()
+    assert install(checkout, "all")[0].endswith("--python .venv/bin/python")
+    assert "making" not in run_install(checkout, "test").stdout
+
+
+def test_pip_that_cannot_be_had_is_one_sentence_before_anything_is_made(checkout: Path) -> None:
+    (checkout / "lacks_ensurepip").touch()
+    (checkout / "bin/id").write_text("#!/bin/sh\necho 1000\n", encoding="utf-8")
+    (checkout / "bin/id").chmod(0o755)
+    done = run_install(checkout)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert re.fullmatch("install: python3 cannot put pip .*apt-get install python3.11-venv.*again\\.\n", done.stderr)
+    assert not (checkout / ".venv").exists()
+    (checkout / "uses_uv").touch()
+    assert len(install(checkout)) == 3, "uv needs none"
+
+
+def test_install_asks_the_program_before_it_says_installed(checkout: Path) -> None:
+    install(checkout)
+    assert "install: fingertip 0.1.0 is installed in .venv\n" in run_install(checkout).stdout
+    (checkout / ".venv/bin/fingertip").unlink()
+    assert len(install(checkout)) == 3
+    assert install(checkout) == []
+    # Installing again does not help where pip believes that what was deleted is there.
+    (checkout / ".venv/damaged").touch()
+    assert len(install(checkout)) == 6
+    assert not (checkout / ".venv/damaged").exists()
+    assert install(checkout) == []
+
+
+def test_install_fails_if_the_program_does_not_answer(checkout: Path) -> None:
+    (checkout / "broken").touch()
+    for _ in range(2):
+        done = run_install(checkout)
+        assert done.returncode == 1
+        assert done.stderr.startswith("install: fingertip does not answer, see above:")
+        assert not (checkout / ".venv/installed").exists()
+    (checkout / "broken").unlink()
+    assert len(install(checkout)) == 3
+
+
+def test_install_makes_venv_anew_where_the_folder_was_moved_or_python_is_gone(checkout: Path) -> None:
+    install(checkout)
+    moved = checkout.rename(checkout.with_name("it's moved"))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PATH", f"{moved / 'bin'}:/usr/bin:/bin")
+        assert len(install(moved)) == 3
+        assert install(moved) == []
+        (moved / ".venv/bin/python").unlink()
+        assert len(install(moved)) == 3
+
+
+def test_install_leaves_alone_what_a_link_leads_to(checkout: Path, tmp_path: Path) -> None:
+    install(checkout)
+    (checkout / ".venv").rename(tmp_path / "other")
+    (checkout / ".venv").symlink_to(tmp_path / "other")
+    (checkout / ".venv/pyvenv.cfg").write_text("command = python3 -m venv /other\n", encoding="utf-8")
+    before = sorted((tmp_path / "other").rglob("*"))
+    assert len(install(checkout)) == 3
+    assert not (checkout / ".venv").is_symlink()
+    assert sorted((tmp_path / "other").rglob("*")) == before
 
 
 def test_install_and_the_step_error_name_the_same_packages() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tests.conftest import ROOT
-from tools.dependencies.pins import CONSTRAINTS, canonical, read_pins
+from tests.packages import read_pins
 from tools.manifest.compare import list_differences, with_nested
 from tools.manifest.outputs import Manifest, hash_folder, hash_outputs
 
@@ -13,7 +13,7 @@ RENEW = "run python -m tools.manifest.write"
 
 
 def test_manifest_is_for_the_pinned_versions() -> None:
-    pins = {canonical(name): version for name, version in read_pins(CONSTRAINTS.read_text(encoding="utf-8")).items()}
+    pins = read_pins()
     versions = Manifest.read().versions
     assert versions == {name: pins[name] for name in versions}, RENEW
 

@@ -61,8 +61,10 @@ def find_pip() -> str:
     folder, python, pip = Path(sys.executable).parent, sys.executable, shutil.which("pip")
     with contextlib.suppress(OSError, ValueError):  # the working folder is gone, or is not above
         python = str(Path(python).relative_to(Path.cwd()))
-    if not is_installed("pip"):  # in environments that uv makes
-        return f"uv pip install --python {shlex.quote(python)}"
+    if not is_installed("pip"):  # where install.sh used uv, and in environments that uv made
+        if shutil.which("uv"):
+            return f"uv pip install --python {shlex.quote(python)}"
+        return f"{shlex.quote(python)} -m ensurepip && {shlex.quote(python)} -m pip install"
     if pip and Path(pip).parent == folder:
         with contextlib.suppress(OSError), open(pip, encoding="utf-8", errors="replace") as script:
             if os.path.samefile(script.readline().removeprefix("#!").strip(), sys.executable):

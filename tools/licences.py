@@ -1,4 +1,4 @@
-"""Command `python -m tools.dependencies.licences`: write docs/licences.md from the metadata of what is installed.
+"""Command `python -m tools.licences`: write docs/licences.md from the metadata of what is installed.
 
 Run it in the .venv of `sh install.sh test`, again whenever constraints.txt changes. The page lists everything that the
 core and the extras for users bring. Metadata states the licence of a package, not of the libraries inside its wheels:
@@ -9,14 +9,18 @@ from __future__ import annotations
 
 import re
 import sys
+import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
-from tools.dependencies.needs import collect
-from tools.dependencies.pins import ROOT, canonical, names_of, read_project, users_packages
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
+from fingertip.foundation.extras import EXTRAS
+
+ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "licences.md"
 
 COPYLEFT = {
@@ -50,8 +54,8 @@ _HEADING = """\
 For whoever passes an installation on: after this page you know whose terms it must keep to.
 
 fingertip is under Apache-2.0. The packages that it needs keep their own licences. This page lists all that
-`pip install "fingertip-kit[all]"` brings, as their metadata states it. `python -m tools.dependencies.licences` makes
-the page; tests compare it with what is installed.
+`pip install "fingertip-kit[all]"` brings, as their metadata states it. `python -m tools.licences` makes the page;
+tests compare it with what is installed.
 
 The wheel of fingertip contains none of these packages: pip fetches each from its publisher. Whoever passes on an
 installation, such as a container image, also passes on these packages and must keep to their terms. Those of the LGPL
@@ -86,15 +90,36 @@ def main() -> None:
 
 def list_licences() -> list[Licence]:
     """List the licence of each package of the core and of the extras for users, by name."""
-    project = read_project()
-    groups = {"core": names_of(project["dependencies"])}
-    groups |= {extra: names_of(lines) for extra, lines in project["optional-dependencies"].items()}
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    groups = {"core": project["dependencies"]}
+    groups |= {extra: lines for extra, lines in project["optional-dependencies"].items() if extra in EXTRAS.values()}
+
     found: dict[str, str] = {}
-    for group, names in groups.items():
-        if set(names) <= set(users_packages(project)):
-            for name in collect(names):
-                found.setdefault(name, group)
+    for group, lines in groups.items():
+        for name in collect(lines):
+            found.setdefault(name, group)
+
     return [Licence(metadata.metadata(name)["Name"], read_licence(name), found[name]) for name in sorted(found)]
+
+
+def collect(requirements: Iterable[str]) -> set[str]:
+    """Collect the packages that requirements bring on this machine, with all that those ask for, by canonical name."""
+    waiting = [Requirement(line) for line in requirements]
+    done: set[tuple[str, frozenset[str]]] = set()
+    while waiting:
+        requirement = waiting.pop()
+        extras = frozenset(requirement.extras) or frozenset({""})
+        one = (canonicalize_name(requirement.name), extras)
+        if one in done:
+            continue
+
+        done.add(one)
+        for line in metadata.requires(requirement.name) or ():
+            asked = Requirement(line)
+            if asked.marker is None or any(asked.marker.evaluate({"extra": extra}) for extra in extras):
+                waiting.append(asked)
+
+    return {name for name, _ in done}
 
 
 def read_licence(name: str) -> str:
@@ -125,7 +150,9 @@ def format_page(licences: Iterable[Licence]) -> str:
     """Format the page."""
     licences = list(licences)
     special = [
-        f"- **{one.name}**: {COPYLEFT[canonical(one.name)]}." for one in licences if canonical(one.name) in COPYLEFT
+        f"- **{one.name}**: {COPYLEFT[canonicalize_name(one.name)]}."
+        for one in licences
+        if canonicalize_name(one.name) in COPYLEFT
     ]
     by_text: dict[str, list[str]] = {}
     for one in licences:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from fingertip.cli.console import Console, align_columns
-from fingertip.cli.options import command, load_design
+from fingertip.cli.options import command, load_design, parse_design
 from fingertip.foundation.errors import DesignError, Issue, gather, raise_issues
 
 if TYPE_CHECKING:
@@ -25,8 +25,10 @@ _PICTURE = "comparison.png"
 @command
 def compare(
     console: Console,
-    old: str = typer.Argument(help="Design, folder that make or build wrote, or git revision of NEW."),
-    new: Path = typer.Argument(help="Design, or folder that make or build wrote."),
+    old: Path = typer.Argument(
+        parser=parse_design, help="Design, folder that make or build wrote, or git revision of NEW."
+    ),
+    new: Path = typer.Argument(parser=parse_design, help="Design, or folder that make or build wrote."),
     out: Path | None = typer.Option(None, metavar="PATH", help=f"Folder for {_PAGE} and a picture of both."),
     force: bool = typer.Option(False, "--force", help="Overwrite files there that fingertip did not write."),
 ) -> None:
@@ -58,7 +60,7 @@ class _Side:
     made: Version | Design
 
 
-def _load_sides(old: str, new: Path) -> tuple[_Side, _Side]:
+def _load_sides(old: Path, new: Path) -> tuple[_Side, _Side]:
     """Load both sides, and raise all that is wrong with either."""
     issues: list[Issue] = []
     sides: list[_Side] = []
@@ -71,16 +73,15 @@ def _load_sides(old: str, new: Path) -> tuple[_Side, _Side]:
     return before, after
 
 
-def _load_old(old: str, new: Path) -> _Side:
+def _load_old(old: Path, new: Path) -> _Side:
     from fingertip.catalogues.file_kinds import DESIGN, SET, is_bundled_name
 
-    path = Path(old)
-    if path.exists() or path.suffix == ".toml" or is_bundled_name(old, DESIGN, SET):
-        return _load_side(path)
+    if old.exists() or old.suffix == ".toml" or is_bundled_name(old, DESIGN, SET):
+        return _load_side(old)
     if not new.is_file():
         message = f"is no design and no folder; as a git revision it needs a design file beside it, and {new} is none."
-        raise DesignError(Issue(old, message))
-    return _Side(f"{new} at {old}", _load_revision(old, new))
+        raise DesignError(Issue(str(old), message))
+    return _Side(f"{new} at {old}", _load_revision(str(old), new))
 
 
 def _load_side(path: Path) -> _Side:

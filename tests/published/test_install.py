@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import fingertip
 from tests.published.conftest import BROKEN, Installation, run
 
 pytestmark = pytest.mark.full
@@ -70,6 +71,9 @@ def test_install_script_brings_what_the_tests_need(clone: Path, uv: Path, path_w
     tests = run(clone / ".venv/bin/pytest", "-q", "tests/design", "tests/test_extras.py", cwd=clone)
     assert " passed" in tests.stdout
     assert " failed" not in tests.stdout
+    run("sh", "tools/pack_release", "dist", "first_finger", cwd=clone)  # as the job of a release does
+    packed = {path.name for path in (clone / "dist").iterdir()}
+    assert packed == {"first_finger.zip", f"fingertip_kit-{fingertip.__version__}-py3-none-any.whl"}
 
 
 def test_uvx_runs_the_wheel(wheel: Path, uv: Path, tmp_path: Path, path_without_uv: str) -> None:

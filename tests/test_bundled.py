@@ -2,24 +2,41 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import tomllib
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+import typer
 
-from fingertip.catalogues.file_kinds import DESIGN, KINDS, SCENE, SET, SURFACE, SWEEP, find_file, list_bundled_files
+from fingertip.catalogues.file_kinds import (
+    DESIGN,
+    KINDS,
+    SCENE,
+    SET,
+    SURFACE,
+    SWEEP,
+    find_file,
+    identify_kind,
+    list_bundled_files,
+    parse_source,
+)
+from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.design.finger_set import load_set
+from fingertip.design.hand_sizes import find_hand
 from fingertip.design.proportions import fill_in
 from fingertip.foundation.errors import FingertipError, SweepError
+from fingertip.foundation.output_set import SetWriter
 from fingertip.sim import ManipulationFile, SceneFile, load_simulation
 from fingertip.sim.contact.materials import SURFACES, SurfaceFile
 from fingertip.sweep.sweep_file import read_sweep_file, to_canonical_text
-from tests.conftest import ROOT
+from tests.conftest import ROOT, run_fingertip
 
 PARAMS = ROOT / "params"
 FILES = sorted(path for path in PARAMS.rglob("*.toml") if path.parent.name != "hands")  # found with --hand
@@ -63,15 +80,90 @@ def test_a_name_gives_what_the_path_gives(kind: Any, folder: Path) -> None:
     assert wrong == []
 
 
-def test_a_path_comes_before_a_name(folder: Path) -> None:
+def test_a_file_comes_before_a_name_and_a_folder_does_not(folder: Path) -> None:
     (folder / "fsr400").write_text("[skin]\nwidth_mm = 18\n")
     assert Design.load("fsr400").skin.width_mm == 18
     assert Design.load("fsr402").skin.width_mm == 27.0
     (folder / "fsr402").mkdir()
-    with pytest.raises(FingertipError, match="fsr402: is a folder, which comes before the bundled file of the same"):
-        Design.load("fsr402")
+    assert Design.load("fsr402").skin.width_mm == 27.0
+    with pytest.raises(FingertipError, match=r"^fsr402: is a folder, not a regular file; give the path of a design"):
+        Design.load("./fsr402")
     for given in ("fsr400.toml", "./fsr400", "../fsr400", "params/fsr400", "scenes/drift", "fsr400.", ""):
         assert find_file(given, DESIGN) == Path(given), "only a single word is a name"
+
+
+def test_a_folder_hides_no_bundled_file_of_its_name(folder: Path) -> None:
+    """Folders of all bundled names lie in the working folder, and beside a set and a sweep that name designs."""
+    text = {"set": 'name = "two"\n[fingers.index]\ndesign = "adult_finger"\n', "sweep": 'design = "fsr402"\n'}
+    text["sweep"] += 'scene = "drift"\noutputs = ["delay_ms"]\n[axes]\nskin.width_mm = [24.4]\n'
+    (folder / "two.toml").write_text(text["set"])
+    (folder / "map.toml").write_text(text["sweep"])
+    before = load_set("two.toml"), read_sweep_file("map.toml"), find_hand("amazing_hand")
+    bundled = list_bundled_files()
+    for name in (*bundled, "amazing_hand", "unknown"):
+        (folder / name).mkdir()
+
+    for name, path in bundled.items():
+        kind = identify_kind(path)
+        assert kind
+        assert find_file(name, kind) == path
+        assert parse_source(f"./{name}", kind) == parse_source(f"{name}/", kind) == folder / name
+        assert parse_source(name, kind) == Path(name)
+        others = [other for other in KINDS if other is not kind]
+        assert parse_source(f"./{name}", *others) == Path(name), "no file of these kinds has this name"
+    assert (load_set("two.toml"), read_sweep_file("map.toml"), find_hand("amazing_hand")) == before
+    with pytest.raises(FingertipError, match=r"^\./amazing_hand: is a folder; give the path of a hand file"):
+        find_hand("./amazing_hand")
+    with pytest.raises(FingertipError, match=r"^unknown: is a folder, not a regular file"):
+        Design.load("unknown")
+
+
+SOURCES = (
+    "make", "check", "studio", "build", "calibrate printer --half-thickness-mm 10", "calibrate sensor w.csv", "board",
+    "firmware", "simulate", "simulate drift --design", "detect t.csv --design", "validate", "record", "params", "pad",
+    "accuracy", "accuracy budget", "robot", "page", "sheet", "acceptance", "picture", "drawing", "new own --from",
+    "sweep",
+)  # fmt: skip
+"""Words of a command before a word that may be a bundled name."""
+NO_SOURCE = {"trace", "readings", "kind", "shell", "name"}
+"""Arguments that are no such word."""
+
+
+def count_sources(group: Any, words: tuple[str, ...] = ()) -> Iterator[str]:
+    for name, each in group.commands.items():
+        if hasattr(each, "commands"):
+            yield from count_sources(each, (*words, name))
+        else:
+            for one in each.params:
+                is_argument = one.param_type_name == "argument" and one.name not in NO_SOURCE
+                if is_argument or {"--design", "--from"}.intersection(one.opts):
+                    yield " ".join((*words, name))
+
+
+def test_every_command_takes_a_name_with_a_slash_as_that_of_the_folder(folder: Path) -> None:
+    for name in ("adult_finger", "board"):
+        (folder / name).mkdir()
+    named = [re.match(r"calibrate \w+|\w+", words)[0] for words in SOURCES]  # type: ignore[index]
+    assert sorted(named) == sorted(count_sources(typer.main.get_command(app)))
+    for words in SOURCES:
+        name = "board" if words == "sweep" else "adult_finger"
+        for typed in (f"./{name}", f"{name}/"):
+            done = run_fingertip(*words.split(), typed, PWD=str(folder))
+            assert (done.returncode, done.stdout) == (2, ""), words
+            said = "has no manifest.json" if words == "check" else "is a folder, not a regular file; give the path of a"
+            assert done.stderr.startswith(f"error: {folder / name}: {said}"), words
+
+
+def test_check_takes_a_bare_name_for_the_design_and_says_how_to_name_the_folder(folder: Path) -> None:
+    for name in ("adult_finger", "board"):
+        SetWriter(folder / name, "parts", name, "now").write({"bone.stl": b"bone"})
+    done = run_fingertip("check", "adult_finger", "board", PWD=str(folder))
+    assert re.match(r"adult_finger: all \d+ checks passed\n\nboard: 1 files compared", done.stdout)
+    told = "warning: adult_finger is the bundled design of this name; ./adult_finger names the folder\n"
+    assert done.stderr.count("warning") == done.stderr.count(told) == 1
+    for typed in ("./adult_finger", "adult_finger/"):
+        done = run_fingertip("check", typed, PWD=str(folder))
+        assert (done.stdout, done.stderr) == (f"{folder / 'adult_finger'}: 1 files compared, all are as written\n", "")
 
 
 def test_a_sweep_file_names_bundled_files_and_files_beside_it(folder: Path) -> None:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 import contextlib
+import re
 import sys
+import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -19,7 +23,7 @@ from fingertip.foundation.errors import MissingLibraryError
 from fingertip.lab import validation as campaign
 from fingertip.sweep.plan import SweepPlan
 from fingertip.tasks.build import build, find_formats
-from tests.conftest import design_file, run_fingertip, run_python
+from tests.conftest import ROOT, design_file, run_fingertip, run_python
 
 DESIGN = str(design_file("fsr400"))
 STEP = (
@@ -166,3 +170,37 @@ def test_only_the_exact_kernel_needs_an_extra_to_be_imported() -> None:
             "fingertip.pictures.drawing.hidden_lines: ModuleNotFoundError",
         ]
     )
+
+
+def find_imports(path: Path) -> Iterator[str]:
+    """Find the packages that a module imports, by a statement or through `extras.load`."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.partition(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            yield node.module.partition(".")[0]
+        elif isinstance(node, ast.Call) and ast.unparse(node.func) in (
+            "extras.load",
+            "load",
+            "importlib.import_module",
+        ):
+            text = ast.unparse(node.args[0])
+            if named := re.match(r"f?'(\w+)", text):
+                yield named[1]
+
+
+PACKAGES = {"PIL": "pillow", "markdown_it": "markdown-it-py"}
+"""Module -> package of the core that brings it, where their names differ."""
+BROUGHT_ALONG = {"click", "pydantic_core", "typing_extensions"}
+"""Modules that packages of the core always bring."""
+
+
+def test_every_package_that_the_source_imports_is_of_the_core_or_of_an_extra() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    core = {re.split(r"[^\w-]", line)[0].lower() for line in project["dependencies"]}
+
+    imported = {name for path in (ROOT / "src").rglob("*.py") for name in find_imports(path)}
+    others = imported - sys.stdlib_module_names - {"fingertip"} - BROUGHT_ALONG
+    of_core = {name for name in others if PACKAGES.get(name, name).lower() in core}
+    assert {PACKAGES.get(name, name).lower() for name in of_core} == core, "each package of the core is used"
+    assert others - of_core <= set(extras.EXTRAS), "name the extra that installs the package in EXTRAS"

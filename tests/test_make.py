@@ -14,8 +14,9 @@ from fingertip import Design, board_values, make
 from fingertip.catalogues.output_files import ACCEPTANCE, PART_FILES
 from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
 from fingertip.foundation import extras
-from fingertip.foundation.errors import OutputError
-from fingertip.foundation.files import write_zip
+from fingertip.foundation.errors import Issue, OutputError
+from fingertip.foundation.files import ZIP_DATE, write_zip
+from fingertip.foundation.output_set import SetWriter, is_packed_set
 from fingertip.pictures.drawing.draw import file_names
 from fingertip.tasks import make as make_files
 from fingertip.tasks.board import write_board
@@ -137,3 +138,63 @@ def test_a_folder_becomes_one_archive_without_dates_and_links(tmp_path: Path) ->
         write_zip(inside, folder)
         assert inside.read_bytes() == beside.read_bytes()
     assert zipfile.ZipFile(inside).namelist() == ["finger/print/plate.3mf"]
+
+
+def write_members(path: Path, members: dict[str, bytes], date: tuple[int, int, int, int, int, int] = ZIP_DATE) -> None:
+    with zipfile.ZipFile(path, "a") as archive:
+        for name, data in members.items():
+            archive.writestr(zipfile.ZipInfo(name, date), data)
+
+
+@pytest.mark.every_case
+@pytest.mark.parametrize(
+    "case", ["of somebody else", "without manifest", "two folders", "a file added", "no ZIP", "cut"]
+)
+def test_an_archive_is_fingertips_only_if_it_is_one_dateless_folder_with_a_manifest(case: str, tmp_path: Path) -> None:
+    folder, file = tmp_path / "finger", tmp_path / "own.zip"
+    SetWriter(folder, "parts", "finger", "now").write({"bone.stl": b"bone"})
+    write_zip(file, folder)
+    assert is_packed_set(file)
+
+    manifest = (folder / "manifest.json").read_bytes()
+    if case == "a file added":
+        write_members(file, {"finger/notes.txt": b"mine"}, (2026, 1, 1, 0, 0, 0))
+    elif case == "two folders":
+        write_members(file, {"notes/manifest.json": manifest})
+    elif case == "cut":
+        file.write_bytes(file.read_bytes()[:-30])
+    elif case == "no ZIP":
+        file.write_bytes(b"notes")
+    else:
+        file.unlink()
+        others = {"finger/manifest.json": b"{}"} if case == "of somebody else" else {"finger/manifest.txt": manifest}
+        write_members(file, others)
+    assert not is_packed_set(file)
+
+
+@pytest.mark.parametrize("design", ["fsr400", "adult_hand"])
+def test_an_archive_of_somebody_else_is_refused_before_work_and_one_of_make_is_replaced(
+    design: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def begin(*_: object, **__: object) -> None:
+        raise OutputError(Issue("work", "was begun."))
+
+    for task in ("fingertip.tasks.make.make", "fingertip.tasks.make_set.make_set"):
+        monkeypatch.setattr(task, begin)
+    SetWriter(tmp_path / "finger", "parts", "finger", "now").write({"bone.stl": b"bone"})
+    write_zip(tmp_path / "made.zip", tmp_path / "finger")
+    (tmp_path / "own.zip").write_bytes(b"of somebody else")
+    (tmp_path / "link.zip").symlink_to("made.zip")
+
+    def run(*words: str) -> str:
+        done = run_fingertip("make", design, "--quiet", *words, PWD=str(tmp_path))
+        assert done.returncode == 2
+        return done.stderr
+
+    begun = "error: work: was begun.\n"
+    for name in ("own.zip", "link.zip"):
+        said = "exists and is not overwritten; choose another file with --zip, or add --force to overwrite it."
+        assert run("--zip", name) == f"error: {name}: {said}\n"
+        assert run("--zip", name, "--force") == begun
+    assert run("--zip", "made.zip") == run("--zip", "another.zip") == begun
+    assert (tmp_path / "own.zip").read_bytes() == b"of somebody else"

@@ -90,10 +90,10 @@ def test_a_folder_is_given_away_when_all_is_filled_in_and_somebody_agreed(tmp_pa
     words = ("--trials", "1", "--force-n", "1.5", "--surface", "paper", "--stroke-mm", "25", "--onset-error-ms", "3")
     record = ("record", "first_finger", "--port", "-", "--pace", str(PACE), "--temperature-c", "21", *words)
     assert run_fingertip(*record, given=lines.decode(), PWD=str(tmp_path)).returncode == 0
-    (tmp_path / "out/first_finger/measured").mkdir()
-    (tmp_path / "out/first_finger/measured/recordings.txt").write_text("of somebody else")
-    beside = run_fingertip("validate", "--recordings", "out/first_finger/recordings", PWD=str(tmp_path))
-    assert "out/first_finger/measured/recordings.txt" in beside.stderr
+    (tmp_path / "measured").mkdir()
+    (tmp_path / "measured/recordings.txt").write_text("of somebody else")
+    compare = ("validate", "--recordings", "out/first_finger/recordings", "--out", "measured")
+    assert "measured/recordings.txt" in run_fingertip(*compare, PWD=str(tmp_path)).stderr
     tmp_path /= "out/first_finger/recordings"
     labels = read_recordings(tmp_path)[0].labels
     assert (labels.force_n, labels.surface, labels.temperature_c) == (1.5, "paper", 21.0)

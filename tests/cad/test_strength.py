@@ -20,7 +20,7 @@ from fingertip.cad.verification.strength import (
     strength_data,
     stress_gradients,
 )
-from fingertip.cli.check import describe_cause
+from fingertip.cli.check_tables import describe_cause
 from fingertip.design import Design
 from fingertip.design.formulas.stress_and_knock import PIN, Springs, StressFactors, hole_in_tension, shoulder_in_bending
 from fingertip.design.geometry.solids import Difference

@@ -13,7 +13,7 @@ from fingertip.cad.kernel.mesh import MIN_TOLERANCE_MM, MeshEvaluator
 from fingertip.cad.verification import verify as checks
 from fingertip.cad.verification.check import Check, Solids
 from fingertip.cad.verification.verify import CHECKS, list_causes, verify
-from fingertip.cli.check import describe_cause
+from fingertip.cli.check_tables import describe_cause
 from fingertip.design import Design
 from fingertip.design.parameters import PARAMETERS
 from fingertip.foundation.errors import DesignError, FingertipError

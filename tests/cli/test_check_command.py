@@ -49,7 +49,7 @@ def test_any_mesh_is_checked_and_another_file_is_told_what_check_takes(tmp_path:
         (tmp_path / f"{name}.stl").write_bytes(stl.to_bytes(mesh, name))
     done = run_fingertip("check", tmp_path / "mold_dorsal.stl", "--verbose")
     assert done.returncode == 0, done.stderr
-    assert "all 10 checks passed" in done.stdout
+    assert "all 11 checks passed" in done.stdout
     assert "mold_palmar.pull_overlap" in done.stdout
     open_mesh = Mesh(meshes[0].vertices, meshes[0].triangles[1:])
     (tmp_path / "open.stl").write_bytes(stl.to_bytes(open_mesh, "open"))

@@ -26,6 +26,7 @@ from fingertip.sim.runs.grip import GripDecision
 from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.registry import DETECTORS
 from tests.approved import check_figures, check_text, list_data
+from tests.conftest import run_fingertip
 from tests.figures import describe_figure, keep_figures
 
 APPROVED = Path(__file__).with_name("approved")
@@ -136,3 +137,45 @@ def test_command_writes_the_report_and_ends_with_1_if_a_requirement_is_missed(
         assert json.loads((tmp_path / "v/validation.json").read_text()) == found.as_data()
         first = (tmp_path / "v/validation.txt").read_text().splitlines()[0]
         assert first == found.as_verdict().splitlines()[0]
+
+
+@pytest.mark.parametrize("verbose", [False, True])
+def test_command_writes_no_file_unasked_and_says_how_to_get_the_report(
+    verbose: bool, validation: Validation, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """It once wrote its report into the folder that `fingertip make` had finished."""
+    monkeypatch.setattr(lab, "validate", lambda *_, **__: validation)
+    made = tmp_path / "out/article/report.json"
+    made.parent.mkdir(parents=True)
+    made.write_text("{}")
+    done = run_fingertip("validate", "article", *["--verbose"] * verbose, PWD=str(tmp_path))
+    assert done.stdout.startswith(validation.as_verdict())
+    assert (validation.as_text() in done.stdout) == verbose
+    assert done.stdout.splitlines()[-1] == (
+        "details: --out FOLDER writes them to files"
+        if verbose
+        else "details: --verbose prints them, and --out FOLDER writes them to files"
+    )
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == [made]
+
+    asked = run_fingertip("validate", "article", "--out", "found", PWD=str(tmp_path))
+    assert asked.stdout.splitlines()[-1] == "details: found/validation.txt, or --verbose"
+    assert {path.name for path in (tmp_path / "found").iterdir()} == {*lab.FILES, "manifest.json"}
+
+    idle = run_fingertip("validate", "article", "--force", PWD=str(tmp_path))
+    assert idle.returncode == 2
+    assert idle.stderr.startswith(
+        "error: --force: has no effect without --out, as no file is written; add --out FOLDER"
+    )
+
+
+def test_comparison_of_recordings_writes_no_file_unasked(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    found = SimpleNamespace(files=lambda: {"fitted.toml": b"x"}, as_data=dict, as_text=lambda: "measured beside it")
+    monkeypatch.setattr("fingertip.bench.compare.compare", lambda *_: found)
+    monkeypatch.setattr("fingertip.bench.trials.read_recordings", lambda _: [])
+    words = ("validate", "first_finger", "--recordings", "recordings")
+    done = run_fingertip(*words, PWD=str(tmp_path))
+    assert done.stdout == "measured beside it\nfitted design: --out FOLDER writes it, with this report\n"
+    assert not any(tmp_path.iterdir())
+    assert run_fingertip(*words, "--out", "m", PWD=str(tmp_path)).stdout.endswith("fitted design: m/fitted.toml\n")
+    assert (tmp_path / "m/fitted.toml").read_bytes() == b"x"

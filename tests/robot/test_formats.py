@@ -67,6 +67,22 @@ def test_the_joint_is_of_its_kind_with_its_stops(turns: bool, travel_deg: float,
     assert axes == ["1 0 0"] * (2 * turns)
 
 
+@pytest.mark.parametrize("turns", [True, False])
+def test_every_link_states_its_mass_and_the_stub_that_of_its_mesh(turns: bool) -> None:
+    """A cube of 10 mm weighs 2 g as the finger, and 1 g as the stub."""
+    finger = replace(FINGER, turns=turns, stub=FINGER.stub if turns else None)
+    robot, scene = read(finger, "urdf"), read(finger, "mjcf")
+    masses = {link.get("name"): float(link.find("inertial/mass").get("value")) for link in robot.iter("link")}
+    frames = dict.fromkeys(("hand_interface", "index_tip", "index_sensor"), 1e-9)
+    expected = {"index": 2e-3, **({"index_hand_stub": 1e-3} if turns else {})}
+    assert masses == pytest.approx({**frames, **expected})
+    moments = {link.get("name"): float(link.find("inertial/inertia").get("ixx")) for link in robot.iter("link")}
+    about_middle = {name: mass_kg * 0.01**2 / 6 for name, mass_kg in expected.items()}
+    assert moments == pytest.approx({**dict.fromkeys(frames, 1e-12), **about_middle})
+    in_mjcf = {body.get("name"): float(body.find("inertial").get("mass")) for body in scene.iter("body")}
+    assert in_mjcf == pytest.approx(expected)
+
+
 def test_frames_meshes_and_the_touched_pieces_are_in_their_places() -> None:
     scene = read(FINGER, "mjcf", -0.01)
     finger, stub = scene.findall("worldbody/body")

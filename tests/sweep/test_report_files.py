@@ -20,6 +20,7 @@ from fingertip.foundation.display import PALE_TEAL, RED, TEXT_COLOUR
 from fingertip.sweep.database import SweepDatabase, SweepRow
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import files
+from fingertip.sweep.report.best_design_file import name_best_design
 from fingertip.sweep.report.feasibility_plot import draw_feasibility
 from fingertip.sweep.report.files import write_csv, write_report
 from fingertip.sweep.report.plots import draw_scatter_matrix
@@ -152,13 +153,34 @@ def test_best_design_file_reproduces_its_row_and_the_front_is_listed(database: S
         assert getattr(getattr(design, section), key) == value
     row = next(row for row in database.rows() if row.point == best["point"])
     assert best["outputs"] == pytest.approx(row.outputs)
+    assert (design.name, database.plan.designs[""].name) == (best["name"], "fsr400")
+    assert best["name"] == "hand_best"
+    assert "  name = hand_best\n" in data["text"]
     heading = (out / "best.toml").read_text().splitlines()
+    assert "files do not replace those of fsr400" in heading[1]
     assert heading[0].startswith(f"# Point {best['point']} of the sweep hand.")
     assert best["point"] in data["pareto_front"]
     listed = list(csv.DictReader((out / "pareto_front.csv").read_text().splitlines()))
     assert [int(line["point"]) for line in listed] == data["pareto_front"]
     delay_ms = {row.point: row.outputs["delay_ms"] for row in database.rows()}
     assert [float(line["delay_ms"]) for line in listed] == [delay_ms[point] for point in data["pareto_front"]]
+
+
+@pytest.mark.every_case
+@pytest.mark.parametrize(
+    ("sweep", "base", "best"),
+    [
+        ("widths", "first_finger", "widths_best"),
+        ("widths", "widths_best", "widths_best2"),
+        (40 * "w", "first_finger", f"{34 * 'w'}_best"),
+        (40 * "w", f"{34 * 'w'}_best", f"{34 * 'w'}_best2"),
+    ],
+)
+def test_best_design_has_a_valid_name_that_is_not_that_of_its_base(sweep: str, base: str, best: str) -> None:
+    """A build of `best.toml` once replaced the files of the base."""
+    tables = {"name": sweep, "outputs": ["q"], "axes": {"skin.width_mm": [17]}, "design": {"name": base}}
+    assert name_best_design(SweepPlan.from_tables(tables)) == best
+    assert Design.load("first_finger", changes=[f"name={best}"]).name == best
 
 
 def count_pixels(png: bytes, *colours: int) -> list[int]:

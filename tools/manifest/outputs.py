@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
+from fingertip.foundation.output_set import MANIFEST
+
 ROOT = Path(__file__).resolve().parents[2]
 FILE = Path(__file__).with_name("bytes.json")
 
@@ -64,11 +66,16 @@ def make_outputs(names: Iterable[str], top: Path) -> dict[str, Path]:
 
 
 def hash_folder(folder: Path, other: Iterable[Path] = ()) -> dict[str, str]:
-    """Hash every file of a folder, by its path; folders of other outputs within it are left out."""
+    """Hash every file of a folder, by its path, without the folders of other outputs within it.
+
+    The manifests of its sets are left out: they list the sums of the same files, and one of the program's sources,
+    which each edit of a comment changes.
+    """
     skipped = tuple(path.resolve() for path in other)
     found = {}
     for path in sorted(folder.rglob("*")):
-        if path.is_file() and not any(path.resolve().is_relative_to(one) for one in skipped):
+        is_output = path.is_file() and path.name != MANIFEST
+        if is_output and not any(path.resolve().is_relative_to(one) for one in skipped):
             found[path.relative_to(folder).as_posix()] = hashlib.sha256(path.read_bytes()).hexdigest()
     return found
 

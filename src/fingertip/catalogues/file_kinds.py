@@ -2,7 +2,7 @@
 
 This is the one place that decides what a TOML file is. The kinds share the suffix .toml, so that only the names at
 the top level of a file tell them apart. A bare name is a single word without suffix and slash, such as fsr400. An
-existing path of the same name comes first.
+existing file of the same name comes first; a folder does not, and ./fsr400 names it.
 """
 
 from __future__ import annotations
@@ -126,16 +126,30 @@ def list_bundled_files(*kinds: FileKind) -> dict[str, Path]:
     return {name: path for name, path in files.items() if not kinds or identify_kind(path) in kinds}
 
 
+def is_bundled_name(name: str | Path, *kinds: FileKind) -> bool:
+    """Tell whether a bare name is that of a bundled file of some kinds."""
+    path = list_bundled_files().get(str(name))
+    return path is not None and identify_kind(path) in kinds
+
+
+def parse_source(typed: str, *kinds: FileKind) -> Path:
+    """Parse a word that a user typed for a file of some kinds: its path, or the bare name of a bundled one.
+
+    A path such as ./fsr400 or fsr400/ becomes absolute if it would be a bundled name without its slash, which a `Path`
+    does not keep.
+    """
+    path = Path(typed)
+    return path.absolute() if typed != str(path) and is_bundled_name(path, *kinds) else path
+
+
 def find_file(source: str | Path, *kinds: FileKind, folder: Path | None = None) -> Path:
     """Find a file that is given by path or by bare name. Raises TomlFileError."""
     name, path = str(source), (folder or Path()) / source
     if not _BARE_NAME.fullmatch(name):
         return path
     bundled, wanted = list_bundled_files().get(name), join_words((kind.describe() for kind in kinds), "or")
-    if os.path.exists(path):  # false for a name that is too long to be one, where Path.exists raises
-        if bundled and path.is_dir():
-            problem = "is a folder, which comes before the bundled file of the same name"
-            raise TomlFileError(Issue(name, f"{problem}; run this in another folder, or give the path of {wanted}."))
+    # False for a name that is too long to be one, where Path.exists raises.
+    if os.path.exists(path) and not (bundled and path.is_dir()):
         return path
     kind = identify_kind(bundled) if bundled else None
     if bundled and kind in kinds:

@@ -23,6 +23,7 @@ from fingertip.cli.board import board
 from fingertip.cli.build import build, firmware, make, robot
 from fingertip.cli.calibrate import calibrate
 from fingertip.cli.check import check
+from fingertip.cli.compare import compare
 from fingertip.cli.completion import VARIABLE, answer_shell
 from fingertip.cli.console import Console
 from fingertip.cli.design import completion, params, schema
@@ -45,7 +46,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 COMMANDS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
-    "Make a finger": (new, make, check, studio, build, calibrate),
+    "Make a finger": (new, make, check, compare, studio, build, calibrate),
     "Board, controller and slip": (board, firmware, simulate, detect, validate, record),
     "Many designs": (sweep,),
     "Look up and export": (params, pad, accuracy, robot, schema, completion),

@@ -7,14 +7,16 @@ from pathlib import Path
 import typer
 
 from fingertip.cli.console import Console
-from fingertip.cli.options import JOBS, OPTIONAL_DESIGN, command, load_design, refuse
+from fingertip.cli.options import JOBS, OPTIONAL_DESIGN, command, load_design, parse_design, refuse
 
 
 @command
 def accuracy(
     console: Console,
     design: Path | None = OPTIONAL_DESIGN,
-    of: Path | None = typer.Argument(None, metavar="DESIGN", help="Design, after the word budget."),
+    of: Path | None = typer.Argument(
+        None, parser=parse_design, metavar="DESIGN", help="Design, after the word budget."
+    ),
     cases: int = typer.Option(5000, help="Number of extreme cases, 1 to 1000000."),
     jobs: int | None = JOBS,
     out: Path = typer.Option(Path("out/accuracy"), "--out", "-o", help="Folder for accuracy.txt and .json."),

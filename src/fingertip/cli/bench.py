@@ -83,9 +83,13 @@ def compare_recordings(
     from fingertip.bench.trials import read_recordings
     from fingertip.foundation.output_set import SetWriter, hash_parameters
 
-    folder = out or Path("out") / design.name / "measured"
-    writer = SetWriter(folder, "recordings report", design.name, hash_parameters(design.identity()), force=force)
-    writer.check((compare.TEXT, compare.DATA, compare.FITTED))
+    writer = None
+    if out:
+        parameters = hash_parameters(design.identity())
+        writer = SetWriter(out, "recordings report", design.name, parameters, force=force)
+        writer.check((compare.TEXT, compare.DATA, compare.FITTED))
     found = compare.compare(design, read_recordings(recordings), detector, console.progress)
-    writer.write(found.files())
-    console.result(found.as_data(), f"{found.as_text()}\nfitted design: {folder / compare.FITTED}")
+    if writer:
+        writer.write(found.files())
+    fitted = str(out / compare.FITTED) if out else "--out FOLDER writes it, with this report"
+    console.result(found.as_data(), f"{found.as_text()}\nfitted design: {fitted}")

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from fingertip.cli.check import describe_cause, offer_fit
 from fingertip.cli.check_reports import message
+from fingertip.cli.check_tables import describe_cause, offer_fit
 from fingertip.cli.console import Console
 from fingertip.cli.options import (
     CHANGES,
@@ -20,6 +20,7 @@ from fingertip.cli.options import (
     MATERIAL,
     command,
     find_file_issues,
+    find_idle_issues,
     flag,
     load_design,
     load_fingers,
@@ -46,15 +47,34 @@ def build(
     tolerance_mm: float = typer.Option(0.01, help="Largest distance of a facet from the exact surface, in mm."),
     material: str | None = MATERIAL,
     pictures: bool = flag("Draw a picture of each casting step, for the casting sheet."),
-    verify: bool = flag("Read each STL and 3MF file with trimesh too, as a second opinion."),
+    verify: bool = flag(
+        "Read each STL and 3MF file with trimesh too, as a second opinion; with --check, make them again and compare."
+    ),
+    check: bool = flag("Write nothing; compare the folder with the design. Exit code 1: they differ."),
     force: bool = FORCE,
     changes: list[str] | None = CHANGES,
 ) -> None:
-    """Build bone, skin and mold as STL, 3MF and STEP files, check them, and write a report and a casting sheet."""
-    from fingertip.catalogues.output_files import REPORT, SHEET
+    """Build bone, skin and mold as STL, 3MF and STEP files, check them, and write a report and a casting sheet.
+
+    With --check, the folder is compared instead: were its files made from this design, by this version of the program,
+    and are they as they were written?
+    """
+    from fingertip.catalogues.output_files import PART_FILES, REPORT, SHEET
+
+    if check:
+        writing = {"--parts": parts, "--formats": formats, "--pictures": pictures, "--force": force}
+        refuse(find_idle_issues("--check", writing))
+    loaded = load_design(design, changes, console)
+    if check:
+        from fingertip.cli.check_files import compare_parts
+
+        wanted = loaded.with_silicone(material)
+        found = compare_parts(wanted, PART_FILES.folder(wanted, out), design, changes or (), verify, console)
+        console.result(found.data, found.text, found.passed)
+        return
+
     from fingertip.tasks.build import build as build_parts
 
-    loaded = load_design(design, changes, console)
     result = build_parts(
         loaded,
         out,
@@ -151,8 +171,10 @@ def make(
     sheet and page of the set.
     """
     from fingertip.design.finger_set import is_set
+    from fingertip.foundation.output_set import is_packed_set
 
-    refuse(find_file_issues("--zip", zip_file, ".zip"))
+    is_replaced = force or (zip_file is not None and is_packed_set(zip_file))
+    refuse(find_file_issues("--zip", zip_file, ".zip", kept="" if is_replaced else "add --force to overwrite it"))
     if is_set(design):
         _make_set(console, design, out, split_names(formats), force, changes or (), zip_file)
         return

@@ -28,7 +28,9 @@ calibrate = typer.Typer(
 @command
 def printer(
     console: Console,
-    design: Path = typer.Argument(help="Design file, or bundled design, whose parts were printed."),
+    design: Path = typer.Argument(
+        parser=options.parse_design, help="Design file, or bundled design, whose parts were printed."
+    ),
     half_thickness_mm: float = typer.Option(
         metavar="MM",
         help="Thickness of mold_palmar beside its hollow, between the belts, from its flat face to the outside.",
@@ -88,7 +90,9 @@ def sensor(
         help="CSV file of weighings: a column weight_g or force_n, and one of voltage_v, counts or resistance_ohm."
     ),
     design: Path | None = typer.Argument(
-        None, help="Design of the board that took the readings; the default design if left out."
+        None,
+        parser=options.parse_design,
+        help="Design of the board that took the readings; the default design if left out.",
     ),
     out: Path | None = options.CALIBRATED_DESIGN,
     force: bool = options.FORCE_CALIBRATED,

@@ -1,21 +1,23 @@
-"""Command `fingertip check`: verify designs without writing their parts, in a terminal or on a CI server."""
+"""Command `fingertip check`: verify designs, folders and meshes without writing parts, in a terminal or in CI."""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
-from fingertip.catalogues.electronics import split_finger
 from fingertip.cli import options
 from fingertip.cli.check_reports import Finding, message, to_junit, to_sarif
+from fingertip.cli.check_tables import describe_cause, format_checks, offer_fit
 from fingertip.cli.console import BAD_INPUT, Console, align_columns
 from fingertip.foundation.errors import DesignError, Issue, gather, join_words
 from fingertip.foundation.files import write_file
+from fingertip.foundation.input_files import is_safe_name
 from fingertip.foundation.progress import Work
 
 if TYPE_CHECKING:
@@ -42,7 +44,9 @@ def check(
     tolerance_mm: float = typer.Option(FINE_MM, help="Largest distance of a facet from the exact surface, in mm."),
     junit: Path | None = typer.Option(None, metavar="FILE.xml", help="JUnit report, for CI servers."),
     sarif: Path | None = typer.Option(None, metavar="FILE.sarif", help="SARIF report, for code scanning and editors."),
-    verify: bool = options.flag("Let trimesh read the STL files too, as a second opinion."),
+    verify: bool = options.flag(
+        "Let trimesh read the STL files too, as a second opinion; make the parts of a folder again and compare them."
+    ),
     margins: bool = options.flag("List the checks and rules that are nearest to their limits."),
     verbose: bool = options.VERBOSE,
     changes: list[str] | None = options.CHANGES,
@@ -56,86 +60,109 @@ def check(
     GITHUB_ACTIONS is true, each finding is an annotation of its line too.
 
     A folder that build, board or another command wrote is compared with its manifests: every file must be as written.
-    Nothing in it is changed. A folder of recordings is checked for what whoever takes it needs, and for consent.
+    Beside a design, a folder of parts must be that design's. Nothing in it is changed. A folder of recordings is
+    checked for what others need to use it, and for consent.
 
     A mesh (.stl, .3mf, .obj, .ply) of any program is checked too, and the half of a mold with the other beside it.
+    Beside one design, a mesh that has the name of a part is compared with that part.
     """
-    folders = [path for path in designs if path.is_dir()]
-    meshes = [path for path in designs if path.suffix.lower() in _MESHES and path not in folders]
-    files = [path for path in designs if path not in (*folders, *meshes)]
-    options.refuse(Issue(str(path), _NO_DESIGN) for path in files if path.suffix not in ("", ".toml") and path.exists())
-    reports = {"--junit": (junit, ".xml"), "--sarif": (sarif, ".sarif")}
-    options.refuse(*(options.find_file_issues(option, *pair) for option, pair in reports.items()), (
-        Issue(option, "reports on designs, but only folders or meshes are given; give a design too.")
-        for option, (report, _) in reports.items() if report and not files
-    ))  # fmt: skip
+    given = _sort(designs, console)
+    _refuse_what_cannot_be_checked(given, junit, sarif)
+
+    settings = changes or ()
+    loaded, refused = _load(given.files, settings, console) if given.files else ({}, {})
     data: dict[str, Any] = {"passed": True}
-    texts, refused = list[str](), dict[Path, list[Issue]]()
-    if files:
-        loaded, refused = _load(files, changes or (), console)
-        data, texts, checks = _check_designs(loaded, tolerance_mm, console, verbose, margins, changes or (), verify)
+    texts: list[str] = []
+
+    if given.files:
+        data, texts, checks = _check_designs(loaded, tolerance_mm, console, verbose, margins, settings, verify)
         findings = list(_list_findings(loaded, checks, refused))
         data |= {"passed": not findings, "issues": [vars(finding) for finding in findings]}
-        for option, path, content in (
-            ("--junit", junit, to_junit(checks, {path.as_posix(): found for path, found in refused.items()})),
-            ("--sarif", sarif, to_sarif(findings)),
-        ):
-            if path is not None:
-                write_file(path, content, option)
-        if os.environ.get("GITHUB_ACTIONS") == "true":
-            print(*(found.to_annotation() for found in findings), sep="\n", file=sys.stderr)
-    if folders:
-        data["folders"], folder_texts = _check_folders(folders)
-        texts += folder_texts
-        data["passed"] = data["passed"] and all(folder["passed"] for folder in data["folders"])
-    if meshes:
-        data["meshes"], mesh_texts = _check_meshes(meshes, verbose)
-        texts += mesh_texts
-        data["passed"] = data["passed"] and all(mesh["passed"] for mesh in data["meshes"])
+        _report(findings, checks, refused, junit, sarif)
+
+    if given.folders or given.meshes:
+        _check_files(given, loaded, tolerance_mm, settings, verify, verbose, console, data, texts)
+
     if refused:
         if texts and not console.as_json:
             console.write("\n\n".join(texts))
-        named = (
-            one if one.field == str(path) else Issue(f"{path}: {one.field}", one.message)
-            for path, found in refused.items()
-            for one in found
-        )
-        console.print_issues(DesignError(named), data)
+        console.print_issues(DesignError(_name_refusals(refused)), data)
         raise typer.Exit(BAD_INPUT)
     console.result(data, "\n\n".join(texts), data["passed"])
 
 
-def _check_meshes(paths: Sequence[Path], verbose: bool) -> tuple[list[dict[str, Any]], list[str]]:
-    from fingertip.cad.verification.second_opinion import check_file
-
-    checks = {path: check_file(path) for path in dict.fromkeys(paths)}
-    results = [
-        {"file": path.as_posix(), "passed": all(c.passed for c in found), "checks": [c.to_dict() for c in found]}
-        for path, found in checks.items()
-    ]
-    return results, [_format_table(path.as_posix(), found, verbose, "mend the mesh") for path, found in checks.items()]
+# --- what is given ----------------------------------------------------------------------------------------------------
 
 
-def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[str]]:
-    from fingertip.bench.trials import DESIGN, check_recordings, list_trials
-    from fingertip.tasks.verification import verify_sets
+@dataclass(frozen=True)
+class _Given:
+    """Arguments of the command by their kind."""
 
-    results, texts = [], []
-    for folder in folders:
-        if list_trials(folder) and (folder / DESIGN).exists():
-            trials, faults, notes = check_recordings(folder)
-            found = {"passed": not faults, "trials": trials, "faults": faults, "notes": notes}
-            results.append({"folder": folder.as_posix(), **found})
-            verdict = "must be mended before it is given away" if faults else "may be given away"
-            texts.append("\n".join([*faults, *notes, f"{folder}: {trials} trials; the folder {verdict}"]))
-            continue
-        count, differences = verify_sets(folder)
-        result = {"passed": not differences, "files": count, "differences": differences}
-        results.append({"folder": folder.as_posix(), **result})
-        number = len(differences)
-        verdict = f"{number} difference{'s' if number > 1 else ''}" if differences else "all are as written"
-        texts.append("\n".join([*differences, f"{folder}: {count} files compared, {verdict}"]))
-    return results, texts
+    files: list[Path]
+    """Files and bundled names of designs and sets."""
+    folders: list[Path]
+    meshes: list[Path]
+
+
+def _sort(paths: Sequence[Path], console: Console) -> _Given:
+    folders = options.find_folders(paths, console)
+    meshes = [path for path in paths if path.suffix.lower() in _MESHES and path not in folders]
+    files = [path for path in paths if path not in folders and path not in meshes]
+    return _Given(files, folders, meshes)
+
+
+def _refuse_what_cannot_be_checked(given: _Given, junit: Path | None, sarif: Path | None) -> None:
+    """Refuse files that are no designs, names that are no file names, and reports that cannot be written."""
+    reports = {"--junit": (junit, ".xml"), "--sarif": (sarif, ".sarif")}
+    options.refuse(
+        (Issue(str(path), _NO_DESIGN) for path in given.files if path.suffix not in ("", ".toml") and path.exists()),
+        _find_unsafe_names([*given.files, *given.meshes]),
+        *(options.find_file_issues(option, *pair) for option, pair in reports.items()),
+        (
+            Issue(option, "reports on designs, but only folders or meshes are given; give a design too.")
+            for option, (report, _) in reports.items()
+            if report and not given.files
+        ),
+    )
+
+
+def _find_unsafe_names(paths: Sequence[Path]) -> Iterator[Issue]:
+    """Find files whose names a report or another system would read as something else."""
+    for path in paths:
+        if path.exists() and not is_safe_name(path.name):
+            yield Issue(str(path), "has a name that not every system can store or print; rename it.")
+
+
+def _load(
+    files: Sequence[Path], changes: Sequence[str], console: Console
+) -> tuple[dict[str, tuple[Path, Design]], dict[Path, list[Issue]]]:
+    """Load the designs by name, or by file where two have the same name; return them, and what refuses the others."""
+    from fingertip.design.files import load_tables
+    from fingertip.design.finger_set import is_set
+
+    load_tables((), changes)  # reports invalid changes once instead of once per file
+
+    loaded: list[tuple[str, Path, Design]] = []
+    refused: dict[Path, list[Issue]] = {}
+    for file in dict.fromkeys(files):
+        issues: list[Issue] = []
+        with gather(issues):
+            if is_set(file):
+                forms = options.load_fingers(file, changes, console).forms
+                loaded += ((f"{file.as_posix()}: {form.design.name}", file, form.design) for form in forms)
+            else:
+                loaded.append((file.as_posix(), file, options.load_design(file, changes, console, may_be_empty=False)))
+        if issues:
+            refused[file] = issues
+
+    names = [design.name for _, _, design in loaded]
+    designs = {
+        design.name if names.count(design.name) == 1 else label: (file, design) for label, file, design in loaded
+    }
+    return designs, refused
+
+
+# --- designs ----------------------------------------------------------------------------------------------------------
 
 
 def _check_designs(
@@ -157,28 +184,93 @@ def _check_designs(
         work.begin(label)
         console.warn(f"{label}: {doubt}" for doubt in design.force_curve.find_doubt(design.sensor.model))
         made = check(design, tolerance_mm=tolerance_mm)
-        checks_by_design[label] = (*made.checks, *(second_opinions(made.contents, made.meshes) if verify else ()))
+        opinions = second_opinions(made.contents, made.meshes) if verify else ()
+        checks_by_design[label] = (*made.checks, *opinions)
+
     found = [
-        {"design": label, "file": loaded[label][0].as_posix(), "passed": all(c.passed for c in checks),
-         "checks": [c.to_dict() for c in checks]}
+        {
+            "design": label,
+            "file": loaded[label][0].as_posix(),
+            "passed": all(c.passed for c in checks),
+            "checks": [c.to_dict() for c in checks],
+        }
         for label, checks in checks_by_design.items()
-    ]  # fmt: skip
+    ]
     data = {"passed": all(one["passed"] for one in found), "tolerance_mm": tolerance_mm, "designs": found}
-    texts = list[str]()
+
+    texts: list[str] = []
     for one, (label, checks) in zip(found, checks_by_design.items(), strict=True):
-        one |= (offer := offer_fit(designs[label], checks, changes, console))
+        offer = offer_fit(designs[label], checks, changes, console)
+        one |= offer
         offered = [f"  or add --fit, which moves {join_words(offer['fit_moves'])}"] if offer else []
-        texts.append("\n".join([_format_table(label, checks, verbose), *offered]))
+        texts.append("\n".join([format_checks(label, checks, verbose), *offered]))
+
     if margins:
         for i, (label, design) in enumerate(designs.items()):
             nearest = list_margins(design, checks_by_design[label])[:_NEAREST]
             found[i]["margins"] = [{key: getattr(one, key) for key in _MARGIN} for one in nearest]
-            rows = [(f"{one.margin_percent:.1f} %", one.name, f"{one.value:.5g} {one.sign} {one.limit:.5g} {one.unit}")
-                    for one in nearest]  # fmt: skip
+            rows = [
+                (f"{one.margin_percent:.1f} %", one.name, f"{one.value:.5g} {one.sign} {one.limit:.5g} {one.unit}")
+                for one in nearest
+            ]
             texts.append("\n".join([f"{label}: nearest to their limits", *align_columns(rows)]))
+
     if not data["passed"] and tolerance_mm > FINE_MM:
         texts.append(f"The meshes are coarse, which alone may fail a check: try --tolerance-mm {FINE_MM:g} first.")
     return data, texts, checks_by_design
+
+
+# --- folders and meshes -----------------------------------------------------------------------------------------------
+
+
+def _check_files(
+    given: _Given,
+    loaded: Mapping[str, tuple[Path, Design]],
+    tolerance_mm: float,
+    changes: Sequence[str],
+    verify: bool,
+    verbose: bool,
+    console: Console,
+    data: dict[str, Any],
+    texts: list[str],
+) -> None:
+    """Check folders and meshes, and add what is found to the data and texts of the command."""
+    from fingertip.cli.check_files import check_folders, check_meshes
+
+    by_file: dict[Path, list[Design]] = {}
+    for file, design in loaded.values():
+        by_file.setdefault(file, []).append(design)
+    designs = [design for designs in by_file.values() for design in designs]
+
+    found = {
+        "folders": check_folders(given.folders, by_file, changes, verify, console),
+        "meshes": check_meshes(given.meshes, designs, tolerance_mm, verbose),
+    }
+    for kind, results in found.items():
+        if results:
+            data[kind] = [result.data for result in results]
+            texts += (result.text for result in results)
+            data["passed"] = data["passed"] and all(result.passed for result in results)
+
+
+# --- reports ----------------------------------------------------------------------------------------------------------
+
+
+def _report(
+    findings: Sequence[Finding],
+    checks: Mapping[str, tuple[Check, ...]],
+    refused: Mapping[Path, Sequence[Issue]],
+    junit: Path | None,
+    sarif: Path | None,
+) -> None:
+    """Write the reports that are asked for, and annotations where GitHub runs the command."""
+    if junit is not None:
+        refusals = {path.as_posix(): issues for path, issues in refused.items()}
+        write_file(junit, to_junit(checks, refusals), "--junit")
+    if sarif is not None:
+        write_file(sarif, to_sarif(findings), "--sarif")
+    if os.environ.get("GITHUB_ACTIONS") == "true":
+        print(*(finding.to_annotation() for finding in findings), sep="\n", file=sys.stderr)
 
 
 def _list_findings(
@@ -195,63 +287,8 @@ def _list_findings(
                 yield Finding.make(loaded[label][0], issue, one.change[0] if one.change else "")
 
 
-def _load(
-    files: Sequence[Path], changes: Sequence[str], console: Console
-) -> tuple[dict[str, tuple[Path, Design]], dict[Path, list[Issue]]]:
-    """Load the designs by name, or by file where two have the same name; return them, and what refuses the others."""
-    from fingertip.design.files import load_tables
-    from fingertip.design.finger_set import is_set
-
-    load_tables((), changes)  # reports invalid changes once instead of once per file
-    loaded: list[tuple[str, Path, Design]] = []
-    refused: dict[Path, list[Issue]] = {}
-    for file in dict.fromkeys(files):
-        issues: list[Issue] = []
-        with gather(issues):
-            if is_set(file):
-                forms = options.load_fingers(file, changes, console).forms
-                loaded += ((f"{file.as_posix()}: {form.design.name}", file, form.design) for form in forms)
-            else:
-                loaded.append((file.as_posix(), file, options.load_design(file, changes, console, may_be_empty=False)))
-        if issues:
-            refused[file] = issues
-    names = [design.name for _, _, design in loaded]
-    designs = {
-        design.name if names.count(design.name) == 1 else label: (file, design) for label, file, design in loaded
-    }
-    return designs, refused
-
-
-def _format_table(label: str, checks: Sequence[Check], verbose: bool, cause: str = "") -> str:
-    """Verdict on a design, then the checks that failed, or all of them."""
-    from fingertip.cad.verification.check import count_checks
-    from fingertip.foundation.files import round_for_output
-
-    verdict = f"{label}: {count_checks(checks)}"
-    shown = [c for c in checks if verbose or not c.passed]
-    if not shown:
-        return verdict
-    rows = [("check", "value", "", "limit", "unit", "")]
-    for c in shown:
-        value, limit = f"{round_for_output(c.value):.5g}", f"{c.limit:.5g}"
-        compared = (f">{value}", "", "") if c.is_beyond else (value, c.sign, limit)
-        rows.append((c.name, *compared, c.unit, "ok" if c.passed else "FAILED"))
-    widths = [max(len(row[i]) for row in rows) for i in range(6)]
-    aligned = ((f"{text:{'>' if i in (1, 3) else ''}{widths[i]}}" for i, text in enumerate(row)) for row in rows)
-    lines = [verdict, *(" ".join(row).rstrip() for row in aligned)]
-    return "\n".join([*lines, *(f"  {c.name}: {cause or describe_cause(c)}" for c in shown if not c.passed)])
-
-
-def describe_cause(check: Check, with_remedy: bool = True) -> str:
-    remedy = f"it passes with --set {check.remedy}; or " if check.remedy and with_remedy else ""
-    return remedy + (f"change {', '.join(check.change)}" if check.change else f"this is a bug in {check.source}")
-
-
-def offer_fit(design: Design, checks: Iterable[Check], changes: Iterable[str], console: Console) -> dict[str, Any]:
-    """Name, as data, what a fit moves for checks that failed, if it mends them all and was not asked for."""
-    from fingertip.cad.verification.fitting import find_mend
-
-    if console.fits or not any(check.change for check in checks if not check.passed):
-        return {}
-    moved = find_mend(design, [split_finger(change.partition("=")[0].strip())[1] for change in changes])
-    return {"fit_moves": list(moved)} if moved else {}
+def _name_refusals(refused: Mapping[Path, Sequence[Issue]]) -> Iterator[Issue]:
+    """Name the file of each issue that refuses a design."""
+    for path, issues in refused.items():
+        for issue in issues:
+            yield issue if issue.field == str(path) else Issue(f"{path}: {issue.field}", issue.message)

@@ -7,10 +7,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from fingertip.foundation.errors import FingertipError, Issue
+from fingertip.foundation.errors import FingertipError, Issue, escape_control
 from fingertip.foundation.files import encode_json
 from fingertip.foundation.tables import read_toml
 
@@ -38,16 +39,31 @@ class Finding:
         field = field or issue.field
         line, value = _find_place(path, field)
         stated = re.match(r"line (\d+)\b", issue.message)  # of what is no TOML
-        return cls(path.as_posix(), line or (int(stated[1]) if stated else None), issue.field, issue.message, value)
+        return cls(
+            file=escape_control(path.as_posix()),
+            line=line or (int(stated[1]) if stated else None),
+            field=issue.field,
+            message=issue.message,
+            value=value,
+        )
 
     def to_annotation(self) -> str:
         """Write a command of GitHub's workflows, which marks the line."""
-        message, title = (
-            re.sub(pattern, lambda found: f"%{ord(found[0]):02X}", text)
-            for pattern, text in (("[%\r\n]", self.message), ("[%\r\n:,]", self.field))
-        )
         line = f",line={self.line}" if self.line else ""
-        return f"::error file={self.file}{line},title={title}::{message}"
+        place = f"file={_escape_property(self.file)}{line},title={_escape_property(self.field)}"
+        return f"::error {place}::{_percent_encode(self.message, '%')}"
+
+
+def _escape_property(text: str) -> str:
+    """Escape a property of a workflow command, which a colon or a comma would end."""
+    return _percent_encode(text, "%:,")
+
+
+def _percent_encode(text: str, reserved: str) -> str:
+    """Encode reserved characters and every control character as GitHub decodes them."""
+    return "".join(
+        f"%{ord(character):02X}" if character in reserved or character < " " else character for character in text
+    )
 
 
 def _find_place(path: Path, field: str) -> tuple[int | None, Any]:
@@ -72,7 +88,7 @@ def to_sarif(findings: Iterable[Finding]) -> bytes:
     """Write findings in SARIF 2.1.0, which code scanning of GitHub and editors read."""
     results = []
     for found in findings:
-        place: dict[str, Any] = {"artifactLocation": {"uri": found.file}}
+        place: dict[str, Any] = {"artifactLocation": {"uri": quote(found.file)}}
         if found.line:
             place["region"] = {"startLine": found.line}
         message = {"text": f"{found.field}: {found.message}"}

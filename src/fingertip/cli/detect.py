@@ -28,7 +28,12 @@ def detect(
         help="Trace (CSV, LVM, NPZ, NPY, TDMS, MAT, Parquet, WAV) with the columns time_s, voltage_v and, if the "
         "filter board was recorded, envelope_v; - reads CSV lines from standard input as they arrive."
     ),
-    design: Path | None = typer.Option(None, help="Design file or bundled name; the default design if left out."),
+    design: Path | None = typer.Option(
+        None,
+        parser=options.parse_design,
+        metavar="PATH",
+        help="Design file or bundled name; the default design if left out.",
+    ),
     detector: str | None = typer.Option(
         None, help=f"{{detectors}}. Default: {DEFAULT}; on a divider fast; or the design's."
     ),
@@ -181,7 +186,9 @@ def validate(
         None, metavar="DIR", help="Recordings of fingertip record, to compare with their simulation, which is fitted."
     ),
     jobs: int | None = options.JOBS,
-    out: Path | None = typer.Option(None, "--out", "-o", help="Folder; default: out/NAME/validation."),
+    out: Path | None = typer.Option(
+        None, "--out", "-o", help="Folder for the report, its plots and data; without it, no file is written."
+    ),
     force: bool = options.FORCE,
     verbose: bool = options.VERBOSE,
     changes: list[str] | None = CHANGES,
@@ -202,24 +209,41 @@ def validate(
     loaded = load_design(design, changes, console)
     detector = detector or loaded.detector.kind
     registry.check_detector(loaded, detector)
+    if force and out is None:
+        message = "has no effect without --out, as no file is written; add --out FOLDER, or leave --force out."
+        refuse([Issue("--force", message)])
     if recordings is not None:
         if (trials, minutes, seed) != (120, 40.0, 5_000_000):
             refuse([Issue("--recordings", "states the trials; leave --trials, --minutes and --seed out.")])
         compare_recordings(console, loaded, detector, recordings, out, force)
         return
+
     plan = CampaignPlan(trials, minutes)
     check_first_seed(seed)
     find_workers(jobs)
-    with_plots = extras.is_installed("matplotlib")
-    extras.say_left_out({"matplotlib": "plots", "numba": "compiled loops (20 times faster)"}, console.progress)
-    warnings = [*settings_warnings(loaded, detector), *find_range_warnings(loaded)]
-    console.warn(warnings)
-    folder = out or Path("out") / loaded.name / "validation"
-    writer = SetWriter(folder, "validation", loaded.name, hash_parameters(loaded.identity()), force=force)
-    writer.check(campaign.FILES)
+    wanted = {"matplotlib": "plots"} if out else {}
+    extras.say_left_out({**wanted, "numba": "compiled loops (20 times faster)"}, console.progress)
+    console.warn([*settings_warnings(loaded, detector), *find_range_warnings(loaded)])
+
+    writer = None
+    if out:
+        parameters = hash_parameters(loaded.identity())
+        writer = SetWriter(out, "validation", loaded.name, parameters, force=force)
+        writer.check(campaign.FILES)
     validation = campaign.validate(loaded, plan, detector, progress=console.progress, first_seed=seed, jobs=jobs)
-    writer.write(validation.files(with_plots))
-    text = validation.as_verdict()
-    details = f"details: {folder / 'validation.txt'}, or --verbose"
-    shown = f"{text}\n\n{validation.as_text()}" if verbose else f"{text}\n{details}"
-    console.result(validation.as_data(), shown, validation.passed)
+    if writer:
+        writer.write(validation.files(with_plots=extras.is_installed("matplotlib")))
+
+    shown = [validation.as_verdict()]
+    if verbose:
+        shown += ["", validation.as_text(), ""]
+    shown.append(_tell_details(out, verbose))
+    console.result(validation.as_data(), "\n".join(shown), validation.passed)
+
+
+def _tell_details(out: Path | None, verbose: bool) -> str:
+    """Tell where the details of a validation are, or how to get them."""
+    if out:
+        return f"details: {out / 'validation.txt'}" + ("" if verbose else ", or --verbose")
+    written = "--out FOLDER writes them to files"
+    return f"details: {written}" if verbose else f"details: --verbose prints them, and {written}"

@@ -13,7 +13,7 @@ import typer
 
 from fingertip.catalogues.electronics import NAMES, spell_sensor
 from fingertip.cli.console import Console
-from fingertip.cli.options import CHANGES, command, find_file_issues
+from fingertip.cli.options import CHANGES, command, find_file_issues, parse_design
 from fingertip.foundation.errors import FingertipError, Issue, gather, join_words, quote_value, raise_issues
 from fingertip.foundation.input_files import is_safe_name
 from fingertip.foundation.progress import Work
@@ -41,7 +41,11 @@ def new(
         "from tip to edge, in mm, such as index=18x25; repeatable. Writes a set and a design for each size.",
     ),
     old: Path | None = typer.Option(
-        None, "--from", metavar="FILE", help="Design file of an earlier version, whose sizes the new design keeps."
+        None,
+        "--from",
+        parser=parse_design,
+        metavar="FILE",
+        help="Design file of an earlier version, whose sizes the new design keeps.",
     ),
     out: Path | None = typer.Option(None, "--out", "-o", metavar="FILE", help="File to write; NAME.toml by default."),
     changes: list[str] | None = CHANGES,

@@ -17,6 +17,7 @@ from fingertip.cli.completion import COMPLETIONS
 from fingertip.cli.console import BAD_INPUT, FAULT, Console, describe_fault, describe_path_error, discard_stdout
 from fingertip.foundation import interruption
 from fingertip.foundation.errors import DesignError, FingertipError, Issue, OutputError, raise_issues
+from fingertip.foundation.extras import describe_import_error
 
 if TYPE_CHECKING:
     from fingertip.design import Design
@@ -37,10 +38,25 @@ VERBOSE = typer.Option(False, "--verbose", "-v", help="Print the details too, no
 FORCE = typer.Option(False, "--force", help="Overwrite files that fingertip did not write, or that were changed since.")
 JOBS = typer.Option(None, help="Number of worker processes. Default: one per processor.")
 CHANGES = typer.Option(None, "--set", metavar="TABLE.KEY=VALUE", help="Change a parameter of the design; repeatable.")
-DESIGN_FILE = typer.Argument(help="Design file, or a bundled design such as fsr400 or adult_finger.")
-OPTIONAL_DESIGN = typer.Argument(None, help="Design file or bundled name; the default design if left out.")
+
+
+def parse_design(typed: str) -> Path:
+    """Parse the path or the bundled name of a design or a set."""
+    from fingertip.catalogues.file_kinds import DESIGN, SET, parse_source
+
+    return parse_source(typed, DESIGN, SET)
+
+
+DESIGN_FILE = typer.Argument(
+    parser=parse_design, help="Design file, or a bundled design such as fsr400 or adult_finger."
+)
+OPTIONAL_DESIGN = typer.Argument(
+    None, parser=parse_design, help="Design file or bundled name; the default design if left out."
+)
 DESIGN_FILES = typer.Argument(
-    metavar="DESIGN", help="Files or bundled names of designs and sets; or folders, to compare with their manifests."
+    metavar="DESIGN",
+    parser=parse_design,
+    help="Files or bundled names of designs and sets; or folders, to compare with their manifests.",
 )
 _OFFER, _ONLY_FIT = re.compile(r", or add --fit, which moves .*\.$"), re.compile(r"; (?:add )?--fit(,? )")
 """Offer of a fit, which a command without the option --fit leaves out, and one that has no other remedy beside it."""
@@ -106,7 +122,7 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
             if interruption.find_signal(error) is not None:
                 console.clear()
                 raise typer.Exit(interruption.report(error)) from None
-            refusal = error if isinstance(error, FingertipError) else describe_path_error(error)
+            refusal = _find_refusal(error)
             if refusal and "fit" not in words:
                 texts = (_ONLY_FIT.sub(_FITTED_FILE, _OFFER.sub(".", each.message)) for each in refusal.issues)
                 issues = zip(refusal.issues, texts, strict=True)
@@ -117,6 +133,13 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
     run.__annotations__ = {parameter.name: parameter.annotation for parameter in declared}
     run.__signature__ = signature.replace(parameters=declared)  # type: ignore[attr-defined]
     return run
+
+
+def _find_refusal(error: BaseException) -> FingertipError | None:
+    """Find what an error tells the user about input, a path or a missing package; None for a fault of the program."""
+    if isinstance(error, FingertipError):
+        return error
+    return describe_path_error(error) or describe_import_error(error)
 
 
 def load_design(
@@ -143,6 +166,16 @@ def load_design(
         if said := describe_guesses(design.provisional):
             console.progress(f"note: {said}")
     return design
+
+
+def find_folders(paths: Iterable[Path], console: Console) -> list[Path]:
+    """Find the folders among designs; a bare name that is bundled is that of the bundled design or set."""
+    from fingertip.catalogues.file_kinds import DESIGN, SET, is_bundled_name
+
+    folders = [path for path in paths if path.is_dir()]
+    bundled = [path for path in folders if is_bundled_name(path, DESIGN, SET)]
+    console.warn(f"{path} is the bundled design of this name; ./{path} names the folder" for path in bundled)
+    return [path for path in folders if path not in bundled]
 
 
 def read_design(file: Path | None, changes: tuple[str, ...]) -> tuple[Design, bool]:

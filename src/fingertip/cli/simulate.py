@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, BinaryIO
 import typer
 
 from fingertip.cli.console import Console
-from fingertip.cli.options import FORCE, command, find_file_issues, find_idle_issues, flag
+from fingertip.cli.options import FORCE, command, find_file_issues, find_idle_issues, flag, parse_design
 from fingertip.foundation.errors import FingertipError, gather
 from fingertip.foundation.files import temporary_folder
 
@@ -17,14 +17,28 @@ if TYPE_CHECKING:
     from fingertip.sim import ManipulationResult, SceneRecord, Simulation
 
 
+def parse_simulated(typed: str) -> Path:
+    """Parse the path or the bundled name of a design, scene or manipulation."""
+    from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, parse_source
+
+    return parse_source(typed, DESIGN, SCENE, MANIPULATION)
+
+
 @command
 def simulate(
     console: Console,
     file: Path | None = typer.Argument(
-        None, help="Design, scene or manipulation: file or bundled name; the default design if left out."
+        None,
+        parser=parse_simulated,
+        help="Design, scene or manipulation: file or bundled name; the default design if left out.",
     ),
     design: Path | None = typer.Option(
-        None, "--design", "-d", help="Design file or bundled name, for a scene or manipulation."
+        None,
+        "--design",
+        "-d",
+        parser=parse_design,
+        metavar="PATH",
+        help="Design file or bundled name, for a scene or manipulation.",
     ),
     out: Path | None = typer.Option(
         None, "--out", "-o", help="Trace to write: .csv or .npz; out/NAME/signal/trace.csv by default."

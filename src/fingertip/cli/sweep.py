@@ -22,10 +22,19 @@ if TYPE_CHECKING:
     from fingertip.sweep.plan import SweepPlan
 
 
+def parse_sweep(typed: str) -> Path:
+    """Parse the path or the bundled name of a sweep."""
+    from fingertip.catalogues.file_kinds import SWEEP, parse_source
+
+    return parse_source(typed, SWEEP)
+
+
 @command
 def sweep(
     console: Console,
-    file: Path | None = typer.Argument(None, metavar="SWEEP", help="Sweep file, or a bundled one: {sweeps}."),
+    file: Path | None = typer.Argument(
+        None, parser=parse_sweep, metavar="SWEEP", help="Sweep file, or a bundled one: {sweeps}."
+    ),
     out: Path | None = typer.Option(None, "--out", "-o", help="Folder for the rows. Default: out/sweeps/NAME."),
     jobs: int | None = JOBS,
     cluster: str | None = typer.Option(

@@ -27,11 +27,12 @@ def list_hands() -> dict[str, Path]:
 def find_hand(given: str | Path) -> Path:
     """Find the file of a hand by path or by the name of a bundled one. Raises TomlFileError."""
     hands, path = list_hands(), Path(given)
-    if path.name == str(given) and not path.suffix and not path.exists():
-        if path.name not in hands:
-            remedy = suggest_name(path.name, list(hands))
-            raise TomlFileError(Issue(path.name, f"is neither a file nor the name of a bundled hand; {remedy}"))
+    is_bare_name = path.name == str(given) and not path.suffix
+    if is_bare_name and path.name in hands and not path.is_file():  # a folder of this name does not come first
         path = hands[path.name]
+    elif is_bare_name and not path.exists():
+        remedy = suggest_name(path.name, list(hands))
+        raise TomlFileError(Issue(path.name, f"is neither a file nor the name of a bundled hand; {remedy}"))
     example = f"the bundled hand {next(iter(hands))}"
     if path.is_dir():
         raise TomlFileError(Issue(str(given), f"is a folder; give the path of a hand file, such as {example}."))

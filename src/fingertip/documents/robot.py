@@ -11,7 +11,7 @@ from fingertip.design.finger_set import FingerSet
 from fingertip.design.geometry.solids import Point3
 from fingertip.documents.template import WIDTH, render_page
 from fingertip.robot.contact import FACET_MM, FORCES_N, REFERENCE_N, SPACING_MM
-from fingertip.robot.formats import MAX_SPEED_RAD_S, TIMESTEP_S
+from fingertip.robot.formats import FRAME, MAX_SPEED_RAD_S, TIMESTEP_S
 from fingertip.robot.model import TOLERANCE_MM, FingerModel
 
 
@@ -49,6 +49,8 @@ class ModelFigures:
     below_interface_m: float
     """Length of the bone beyond the interface."""
     has_tendon: bool
+    stub_mass_kg: float
+    """Mass of the stub of the hand; 0 without one."""
 
 
 def describe_model(finger: FingerModel, file_format: str) -> ModelFigures:
@@ -61,6 +63,8 @@ def describe_model(finger: FingerModel, file_format: str) -> ModelFigures:
             f" Contact: force within {100 * contact.error:.1f} percent of that of the layer model of the pad over its "
             f"depth, from {low_n:g} to {high_n:g} N."
         )
+    stub = finger.stub
+    stub_mass_kg = 1e-6 * stub.density_g_cm3 * stub.mesh.volume() if stub else 0.0
     exact = ModelFigures(
         finger.name, file_format, finger.turns, errors, inertia.mass_kg, inertia.centre_m, inertia.moments_kg_m2,
         {part.name: (part.density_g_cm3, 1e-3 * part.density_g_cm3 * part.mesh.volume()) for part in finger.bodies},
@@ -69,6 +73,7 @@ def describe_model(finger: FingerModel, file_format: str) -> ModelFigures:
         contact.inverse_mass_per_kg, contact.friction, contact.torsion_m, contact.pad_stiffness_n_per_m,
         contact.depths_mm, contact.forces_n, len(finger.taxels.points_mm),
         -1e-3 * float(finger.bodies[0].mesh.vertices[:, 2].min()) - finger.offset_m[2], bool(finger.strands),
+        stub_mass_kg,
     )  # fmt: skip
     return ModelFigures(**{name: _round(value) for name, value in vars(exact).items()})
 
@@ -78,7 +83,7 @@ def render_robot_readme(figures: ModelFigures, fingers: Sequence[str]) -> str:
     return render_page(
         "robot.md", WIDTH, **vars(figures), fingers=fingers, file=ROBOT_FILES[figures.format], pad_n=FORCES_N,
         tolerance_mm=TOLERANCE_MM, reference_n=REFERENCE_N, timestep_s=TIMESTEP_S, spacing_mm=SPACING_MM,
-        facet_mm=FACET_MM, speed_rad_s=MAX_SPEED_RAD_S,
+        facet_mm=FACET_MM, speed_rad_s=MAX_SPEED_RAD_S, frame_mass_kg=FRAME.mass_kg,
     )  # fmt: skip
 
 

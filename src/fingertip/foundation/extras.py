@@ -30,7 +30,8 @@ if TYPE_CHECKING:
 DISTRIBUTION = "fingertip-kit"
 """Name to pip: on the package index `fingertip` is somebody else's."""
 EXTRAS = {
-    "OCP": "cadquery", "cadquery": "cadquery", "trimesh": "mesh", "matplotlib": "plots", "scipy": "sweep",
+    "OCP": "cadquery", "cadquery": "cadquery", "trimesh": "mesh", "lxml": "mesh", "networkx": "mesh",
+    "matplotlib": "plots", "scipy": "sweep",
     "reportlab": "drawing", "numba": "fast", "pyarrow": "parquet", "nptdms": "tdms", "rosbags": "ros",
     "distributed": "cluster", "dask": "cluster", "pandas": "frames",
 }  # fmt: skip
@@ -101,6 +102,19 @@ def load(module: str, field: str, *, alternative: str = "") -> Any:
         problem = f"the package {_PACKAGES.get(package, package)}, which cannot be imported ({error})"
         remedy = f"{problem}; {install_command(package)}"
         raise MissingLibraryError(_make_issue(field, remedy, "", alternative)) from error
+
+
+def describe_import_error(error: BaseException) -> MissingLibraryError | None:
+    """Describe that a package is missing which one of an extra's packages needs; None for any other error."""
+    if not isinstance(error, ModuleNotFoundError) or not error.name:
+        return None
+    module = error.name.partition(".")[0]
+    if is_installed(module):
+        return None
+    if module in EXTRAS:
+        return MissingLibraryError(_make_issue("", describe_missing(module), "this", ""))
+    sentence = f"this needs the package {module}, which is not installed; {find_pip()} {shlex.quote(module)}."
+    return MissingLibraryError(Issue("", sentence))
 
 
 def _make_issue(field: str, needs: str, subject: str, alternative: str) -> Issue:

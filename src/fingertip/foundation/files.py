@@ -52,13 +52,17 @@ class _RawFile(io.FileIO):
             raise
 
 
+ZIP_DATE = 1980, 1, 1, 0, 0, 0
+"""Date of what is packed, so that the same files give the same bytes."""
+
+
 def write_zip(path: Path, folder: Path) -> None:
     """Write the files of a folder, but no links, as one ZIP archive without dates. Raises OutputError."""
     files = [file for file in sorted(folder.rglob("*")) if file.is_file() and not file.is_symlink() and file != path]
     with open_atomic(path, "--zip") as opened, zipfile.ZipFile(opened, "w") as archive:
         for file in files:
             name = f"{folder.resolve().name}/{file.relative_to(folder).as_posix()}"
-            member = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
+            member = zipfile.ZipInfo(name, ZIP_DATE)
             archive.writestr(member, file.read_bytes(), zipfile.ZIP_DEFLATED)
 
 

@@ -13,6 +13,9 @@ import hashlib
 import json
 import os
 import re
+import struct
+import zipfile
+import zlib
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -20,7 +23,7 @@ from pathlib import Path
 from fingertip import __version__
 from fingertip.foundation import folder_swap, input_files
 from fingertip.foundation.errors import InputFileError, Issue, OutputError, raise_issues
-from fingertip.foundation.files import encode_json, write_file
+from fingertip.foundation.files import ZIP_DATE, encode_json, write_file
 from fingertip.foundation.folder_swap import Content, hash_content, is_folder, lock, output_errors, recover
 
 _NAME = "trial"
@@ -74,6 +77,8 @@ class SetWriter:
     """True if the folder must not be swapped, because a file in it is open."""
     top: Path | None = None
     """Folder that the user has named, if this one is below it: no link in between is followed."""
+    program: str = ""
+    """Digest of the program that makes the files; empty to keep the one that the manifest records, if any."""
 
     def check(self, names: Collection[str], revisions: Revisions = _NONE) -> None:
         """Refuse to write these names if the folder cannot take them, before work starts. Raises OutputError."""
@@ -188,7 +193,15 @@ class SetWriter:
         removed = tuple(sorted(unwanted - self._foreign(unwanted)))
         kept = {name: known[name] for name in others if name not in removed} if same else {}
         hashes = {name: hash_content(data) for name, data in contents.items()}
-        manifest = Manifest(__version__, self.kind, self.design, self.parameters, kept | hashes)
+        program = self.program or (old.program if old and same else "")
+        manifest = Manifest(
+            fingertip=__version__,
+            kind=self.kind,
+            design=self.design,
+            parameters=self.parameters,
+            files=kept | hashes,
+            program=program,
+        )
         files = {**contents, **{name: revision.after for name, revision in revisions.items()}}
         # A file that keeps its content stays as it is, with its date.
         files = {name: data for name, data in files.items() if name not in revisions or data != revisions[name].before}
@@ -238,6 +251,8 @@ def add_to_set(path: Path, data: bytes, option: str = "--out") -> None:
 
 MANIFEST = "manifest.json"
 _SHA256 = re.compile("[0-9a-f]{64}")
+_DAMAGED_ZIP = zipfile.BadZipFile, zlib.error, struct.error, EOFError, KeyError, RuntimeError, ValueError
+"""Errors of reading an archive that is damaged, encrypted or packed in a way that Python does not know."""
 
 
 @dataclass(frozen=True)
@@ -251,9 +266,15 @@ class Manifest:
     """Hash of the parameters that the files depend on."""
     files: Mapping[str, str]
     """Name of each file -> SHA-256 hash."""
+    program: str = ""
+    """Digest of the program that made the files; empty where it is not recorded."""
 
     def to_bytes(self) -> bytes:
-        return encode_json(asdict(self) | {"files": dict(sorted(self.files.items()))})
+        """Encode the manifest as JSON, without a program that is not recorded."""
+        data = asdict(self) | {"files": dict(sorted(self.files.items()))}
+        if not self.program:
+            del data["program"]
+        return encode_json(data)
 
 
 def read_manifest(folder: Path, below: Path | None = None) -> Manifest | None:
@@ -263,14 +284,43 @@ def read_manifest(folder: Path, below: Path | None = None) -> Manifest | None:
     folder that the user has named, if that is another one above.
     """
     try:
-        data = json.loads(input_files.read_input(folder / MANIFEST, input_files.PARSED_LIMIT, below=below or folder))
-        manifest = Manifest(**{name: data[name] for name in ("fingertip", "kind", "design", "parameters", "files")})
-        texts = (manifest.fingertip, manifest.kind, manifest.design, manifest.parameters)
+        data = input_files.read_input(folder / MANIFEST, input_files.PARSED_LIMIT, below=below or folder)
+    except InputFileError:
+        return None
+    return parse_manifest(data)
+
+
+def parse_manifest(text: bytes) -> Manifest | None:
+    """Parse the text of a manifest; None if it is not of this program."""
+    try:
+        data = json.loads(text)
+        manifest = Manifest(
+            **{name: data[name] for name in ("fingertip", "kind", "design", "parameters", "files")},
+            program=data.get("program", ""),
+        )
+        texts = (manifest.fingertip, manifest.kind, manifest.design, manifest.parameters, manifest.program)
         is_own = all(isinstance(text, str) for text in texts) and not input_files.find_unsafe_names(manifest.files)
         is_own &= all(_SHA256.fullmatch(digest) for digest in manifest.files.values())
-    except (InputFileError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
     return manifest if is_own else None
+
+
+def is_packed_set(path: Path) -> bool:
+    """Tell whether a file is an archive of a set's folder as `write_zip` makes it: one folder, and no dates."""
+    if path.is_symlink():
+        return False
+    try:
+        with input_files.open_input(path, input_files.RECORDING_LIMIT) as file, zipfile.ZipFile(file) as archive:
+            members = archive.infolist()
+            folders = {member.filename.partition("/")[0] for member in members}
+            if len(folders) != 1 or any(member.date_time != ZIP_DATE for member in members):
+                return False
+            with archive.open(f"{folders.pop()}/{MANIFEST}") as manifest:
+                text = manifest.read(input_files.PARSED_LIMIT.value)
+    except (InputFileError, *_DAMAGED_ZIP):
+        return False
+    return parse_manifest(text) is not None
 
 
 def hash_parameters(data: object) -> str:

@@ -14,11 +14,17 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from fingertip.design.geometry.solids import Point3
-from fingertip.robot.model import Body, FingerModel
+from fingertip.robot.model import Body, FingerModel, Inertia, measure_inertia
 
 TIMESTEP_S = 0.0005
 MAX_SPEED_RAD_S = 10.0
 """Speed that a joint of URDF has to state. An assumption: no part of the finger limits it."""
+FRAME = Inertia(mass_kg=1e-9, centre_m=(0.0, 0.0, 0.0), moments_kg_m2=(1e-12, 1e-12, 1e-12, 0.0, 0.0, 0.0))
+"""Inertia of a link of URDF that is only a frame.
+
+Bullet takes 1 kg where a link states none, and lets no model fall whose first link weighs 0. MuJoCo refuses
+moments of 1e-15 kg m2 and less.
+"""
 _SCALE = "0.001 0.001 0.001"
 _HORN_M = 5e-4
 """Half the length of a horn."""
@@ -58,7 +64,7 @@ def render_model(name: str, fingers: Sequence[Placed], file_format: str, comment
                 _add_stub_to_mjcf(placed, placed.finger.stub, world, tendon)
     else:
         root = Element("robot", name=name)
-        SubElement(root, "link", name=f"{name}_interface")
+        _add_link(root, f"{name}_interface", FRAME)
         for placed in fingers:
             _add_to_urdf(placed, root, f"{name}_interface")
     root.insert(0, ElementTree.Comment(f" {comment} "))
@@ -69,14 +75,10 @@ def render_model(name: str, fingers: Sequence[Placed], file_format: str, comment
 
 def _add_to_mjcf(placed: Placed, world: Element, sensor: Element) -> None:
     name, finger = placed.name, placed.finger
-    body, inertia, contact = SubElement(world, "body", name=name), finger.inertia, finger.contact
+    body, contact = SubElement(world, "body", name=name), finger.contact
     if placed.x_m:
         body.set("pos", _text((placed.x_m, 0.0, 0.0)))
-    xx, yy, zz, xy, xz, yz = inertia.moments_kg_m2
-    SubElement(
-        body, "inertial", pos=_text(inertia.centre_m), mass=_text([inertia.mass_kg]),
-        fullinertia=_text((xx, yy, zz, xy, xz, yz)),
-    )  # fmt: skip
+    _add_inertial_to_mjcf(body, finger.inertia)
     if finger.turns:
         stops = {"range": f"0 {_text([math.radians(finger.travel_deg)])}"} if finger.travel_deg else {}
         SubElement(body, "joint", {"name": f"{name}_joint", "type": "hinge", "axis": "1 0 0", **stops})
@@ -105,12 +107,23 @@ def _add_to_mjcf(placed: Placed, world: Element, sensor: Element) -> None:
         SubElement(sensor, "touch", name=f"{name}_{site}", site=f"{name}_{site}")
 
 
+def _add_inertial_to_mjcf(body: Element, inertia: Inertia) -> None:
+    SubElement(
+        body,
+        "inertial",
+        pos=_text(inertia.centre_m),
+        mass=_text([inertia.mass_kg]),
+        fullinertia=_text(inertia.moments_kg_m2),
+    )
+
+
 def _add_stub_to_mjcf(placed: Placed, stub: Body, world: Element, tendon: Element) -> None:
     """Add the stub of the hand as a body that stands still, and the strands of the tendon, which lie on the horns."""
     name, finger = placed.name, placed.finger
     fixed, moved = SubElement(world, "body", name=f"{name}_{stub.name}"), world.find(f"body[@name='{name}']")
     assert moved is not None
     fixed.set("pos", _text((placed.x_m, 0.0, 0.0)))
+    _add_inertial_to_mjcf(fixed, measure_inertia((stub,), finger.offset_m))
     seen = {"contype": "0", "conaffinity": "0", "group": "2", "mass": "0", "rgba": _text((*stub.colour, 1.0))}
     shape = {"name": f"{name}_{stub.name}", "type": "mesh", "mesh": f"{finger.name}_{stub.name}"}
     SubElement(fixed, "geom", {**shape, "pos": _text(finger.offset_m), **seen})
@@ -133,19 +146,14 @@ def _add_stub_to_mjcf(placed: Placed, stub: Body, world: Element, tendon: Elemen
 
 def _add_to_urdf(placed: Placed, robot: Element, parent: str) -> None:
     name, finger = placed.name, placed.finger
-    link, inertia = SubElement(robot, "link", name=name), finger.inertia
-    inertial = SubElement(link, "inertial")
-    _place(inertial, inertia.centre_m)
-    SubElement(inertial, "mass", value=_text([inertia.mass_kg]))
-    moments = zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), inertia.moments_kg_m2, strict=True)
-    SubElement(inertial, "inertia", {key: _text([value]) for key, value in moments})
+    link = _add_link(robot, name, finger.inertia)
     colours = {part.name: part.colour for part in finger.bodies}
     for mesh in finger.parts:
         _add_mesh(link, "visual" if mesh in colours else "collision", placed, mesh, colours.get(mesh))
     kind = ("revolute" if finger.travel_deg else "continuous") if finger.turns else "fixed"
     at_m = placed.x_m, 0.0, 0.0
     if stub := finger.stub:
-        stub_link = SubElement(robot, "link", name=f"{name}_{stub.name}")
+        stub_link = _add_link(robot, f"{name}_{stub.name}", measure_inertia((stub,), finger.offset_m))
         _add_mesh(stub_link, "visual", placed, stub.name, stub.colour)
         _join(robot, "fixed", parent, f"{name}_{stub.name}", at_m)
         parent, at_m = f"{name}_{stub.name}", (0.0, 0.0, 0.0)
@@ -157,8 +165,18 @@ def _add_to_urdf(placed: Placed, robot: Element, parent: str) -> None:
         upper, effort, velocity = (_text([limit]) for limit in limits)
         SubElement(joint, "limit", lower="0", upper=upper, effort=effort, velocity=velocity)
     for frame, position_m, turn in (("tip", finger.tip_m, 0.0), ("sensor", finger.sensor_m, math.pi / 2)):
-        SubElement(robot, "link", name=f"{name}_{frame}")
+        _add_link(robot, f"{name}_{frame}", FRAME)
         _join(robot, "fixed", name, f"{name}_{frame}", position_m, turn)
+
+
+def _add_link(robot: Element, name: str, inertia: Inertia) -> Element:
+    link = SubElement(robot, "link", name=name)
+    inertial = SubElement(link, "inertial")
+    _place(inertial, inertia.centre_m)
+    SubElement(inertial, "mass", value=_text([inertia.mass_kg]))
+    moments = zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), inertia.moments_kg_m2, strict=True)
+    SubElement(inertial, "inertia", {key: _text([value]) for key, value in moments})
+    return link
 
 
 def _add_mesh(link: Element, kind: str, placed: Placed, mesh: str, colour: Point3 | None) -> None:

@@ -12,12 +12,13 @@ from fingertip.cad.files.cadquery_script import drop_unused, write_finger, write
 from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.settings import FDM, SLA
+from fingertip.cad.program import digest_program
 from fingertip.cad.report import DESIGN_HEADING, Build, BuiltPart
 from fingertip.cad.shapes.parts import PARTS, exact_parts, hardware, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.printing import check_brep_solid
-from fingertip.cad.verification.second_opinion import second_opinions
+from fingertip.cad.verification.second_opinion import list_packages, second_opinions
 from fingertip.cad.verification.verify import VerifiedParts, verify
 from fingertip.casting.sheet import CastingSheet, casting_sheet
 from fingertip.catalogues import output_files
@@ -146,7 +147,7 @@ def plan_build(
     if "step" in formats:
         extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
     if options.verify:
-        extras.require("--verify", "trimesh", alternative="leave it out")
+        extras.require("--verify", *list_packages(formats), alternative="leave it out")
     if "cq" in formats and "bone" in names and design.bone.interface == "file":
         raise DesignError(Issue("--formats", "cq cannot hold the adapter of bone.adapter_file; leave cq out."))
     if "step" in formats and exact_parts(design, names) != names:
@@ -261,12 +262,22 @@ def _write(plan: BuildPlan, made: Build, pictures: Mapping[str, bytes], progress
     prints = made.prints
     plan.prints.check(prints.contents)
     plan.pictures.check(pictures)
-    removed = plan.parts.write(made.contents)
+    removed = _record_program(plan.parts, made.contents).write(made.contents)
     removed += _replace_subset(plan.prints, prints.contents, ".3mf" if prints.plates else None)
     removed += _replace_subset(plan.pictures, pictures, ".png")
     if removed:
         progress(f"removed files of another design from {plan.parts.folder}: {', '.join(removed)}")
     return replace(made, removed=removed)
+
+
+def _record_program(writer: SetWriter, contents: Mapping[str, bytes]) -> SetWriter:
+    """Let a set record the program that made it, unless a mesh stays in it that another version has made."""
+    old = read_manifest(writer.folder)
+    if old and old.parameters == writer.parameters and old.program != digest_program():
+        kept = set(old.files) - set(contents)
+        if any(name.endswith((".stl", ".3mf")) for name in kept):
+            return writer
+    return replace(writer, program=digest_program())
 
 
 def _replace_subset(writer: SetWriter, contents: Mapping[str, bytes], obsolete: str | None) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fingertip.cad.report import Build
+from fingertip.cad.verification.second_opinion import list_packages
 from fingertip.catalogues import output_files
 from fingertip.design import Design
 from fingertip.detection.recordings import FileDetection, detect_file
@@ -80,7 +81,7 @@ def make(
         board = plan_board(design, folder / output_files.BOARD_FOLDER, force=force, bring_up=True, top=folder)
         options = BuildOptions(
             formats=plan.formats, pictures=True, drawings=plan.has_drawings, force=force,
-            verify=all(map(extras.is_installed, ("trimesh", "lxml", "networkx"))),
+            verify=all(map(extras.is_installed, list_packages(plan.formats))),
         )  # fmt: skip
         parts = run_build(
             plan_build(design, folder, options), report, lambda stage: rest.append(_make_rest(plan, beside, stage))

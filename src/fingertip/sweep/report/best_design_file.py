@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 
 from fingertip.design.files import to_toml
 from fingertip.design.finger_set import build_set, set_to_toml
-from fingertip.design.model import Design
 from fingertip.foundation.files import format_csv
 from fingertip.sweep.database import SweepTable
 from fingertip.sweep.designs import DesignBuilder
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import statistics
 
+_STEM_LENGTH = 34
+"""Most characters of the sweep's name in that of its best design, which has at most 40."""
 Costs = NDArray[np.float64]
 """Objectives of many points, shape (points, objectives). All are finite and to be minimised."""
 
@@ -112,6 +113,14 @@ def _find_front_of_many(rows: Costs) -> NDArray[np.bool_]:
     return on_front
 
 
+def name_best_design(plan: SweepPlan) -> str:
+    """Name the best design or set after the sweep: its files are not to replace those of the base."""
+    base = plan.file.design["name"] if plan.is_set else plan.designs[""].name
+    stem = plan.file.name[:_STEM_LENGTH]
+    name = f"{stem}_best"
+    return name if name != base else f"{name}2"
+
+
 def format_best_design(plan: SweepPlan, table: SweepTable, selection: Selection) -> str:
     """Write the best design or set as a file; its heading names the sweep, the point and the outputs."""
     row = selection.best
@@ -124,15 +133,24 @@ def format_best_design(plan: SweepPlan, table: SweepTable, selection: Selection)
         method = f"Best compromise among {len(selection.candidates)} feasible designs to {goals}: of the Pareto front, "
         method += "the design nearest to the ideal point."
     lines = [f"Point {point} of the sweep {plan.file.name}. {method}{selection.describe_equals()}"]
+    lines += [_explain_name(plan)]
     lines += [f"Meshes and checks are those of tolerance_mm = {plan.file.tolerance_mm:g}."]
     lines += [f"  {name} = {value}" for name, value in parameters.items()]
     lines += [f"  {name}: {column[row]:.6g}" for name, column in table.outputs.items()]
-    heading, built = "\n".join(lines), dict[str, Design]()
-    for finger in plan.designs:
-        built[finger] = DesignBuilder(plan, finger).build(parameters)
-    if not plan.is_set:
-        return to_toml(built[""], heading)
-    return set_to_toml(build_set(plan.file.design["name"], plan.file.design["side"], built), heading)
+    heading = "\n".join(lines)
+    name = name_best_design(plan)
+    built = {finger: DesignBuilder(plan, finger).build(parameters) for finger in plan.designs}
+    if plan.is_set:
+        return set_to_toml(build_set(name, plan.file.design["side"], built), heading)
+    return to_toml(built[""].with_values({"name": name}), heading)
+
+
+def _explain_name(plan: SweepPlan) -> str:
+    name = name_best_design(plan)
+    if plan.is_set:
+        return f"Its name is {name}: its files do not replace those of {plan.file.design['name']}."
+    base = plan.designs[""].name
+    return f"Its name is {name}: its files do not replace those of {base}, and the letters in its core are others."
 
 
 def format_front(table: SweepTable, selection: Selection) -> bytes:

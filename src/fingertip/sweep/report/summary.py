@@ -21,7 +21,7 @@ from fingertip.sweep.designs import apply_changes
 from fingertip.sweep.outputs import load_outputs
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import statistics
-from fingertip.sweep.report.best_design_file import Objective, Selection, select_best
+from fingertip.sweep.report.best_design_file import Objective, Selection, name_best_design, select_best
 from fingertip.sweep.sweep_file import SweepFile
 
 _MAX_RULES = 12
@@ -64,7 +64,7 @@ def to_json_data(summary: SweepSummary) -> dict[str, Any]:
         "outputs": {name: _find_range(column[feasible]) for name, column in table.outputs.items()},
         "sensitivity": [_to_json_object(sensitivity) for sensitivity in summary.sensitivities],
         "objectives": [{"output": o.output, "goal": o.goal} for o in selection.objectives],
-        "best": None if selection.best is None else _describe_point(summary, selection.best),
+        "best": None if selection.best is None else _describe_best_point(summary, selection.best),
         "pareto_front": [int(table.point[row]) for row in selection.front],
     }
 
@@ -83,7 +83,8 @@ def format_text(summary: SweepSummary) -> str:
     lines = [_format_counts(summary), *_format_rules(summary.limiting_rules), *_format_outputs(summary)]
     lines += [*_format_sensitivities(summary.sensitivities), "", describe_best(summary)]
     if summary.selection.best is not None:
-        data = _describe_point(summary, summary.selection.best)
+        data = _describe_best_point(summary, summary.selection.best)
+        lines += [f"  name = {data['name']}"]
         lines += [f"  {name} = {_format_value(value)}" for name, value in data["parameters"].items()]
         lines += [f"  {name}: {_format_value(value)}" for name, value in data["outputs"].items()]
     if summary.table.outputs.keys() & {name for name, output in load_outputs().items() if output.group == "detection"}:
@@ -152,10 +153,11 @@ def _explain_first_point(summary: SweepSummary, rule: statistics.LimitingRule) -
     return rule.example
 
 
-def _describe_point(summary: SweepSummary, row: int) -> dict[str, Any]:
+def _describe_best_point(summary: SweepSummary, row: int) -> dict[str, Any]:
     point = int(summary.table.point[row])
+    own_name = name_best_design(summary.plan)
     outputs = {name: _to_json_number(float(column[row])) for name, column in summary.table.outputs.items()}
-    return {"point": point, "parameters": summary.plan.point(point), "outputs": outputs}
+    return {"point": point, "name": own_name, "parameters": summary.plan.point(point), "outputs": outputs}
 
 
 def _find_range(column: statistics.Column) -> dict[str, float | None]:

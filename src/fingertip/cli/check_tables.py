@@ -1,0 +1,72 @@
+"""Tables of checks, and what to do about one that failed, for terminals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from fingertip.catalogues.electronics import split_finger
+from fingertip.cli.console import Console
+
+if TYPE_CHECKING:
+    from fingertip.cad.verification.check import Check
+    from fingertip.design import Design
+
+_HEADINGS = ("check", "value", "", "limit", "unit", "")
+_NUMBERS = (1, 3)
+"""Columns that are aligned to the right."""
+
+
+def format_checks(label: str, checks: Sequence[Check], verbose: bool, causes: Mapping[str, str] | None = None) -> str:
+    """Format a verdict, then the checks that failed, or all of them, with what to do about each failure.
+
+    `causes` says what to do by the name of a check; without it, that follows from the parameters behind the check.
+    """
+    from fingertip.cad.verification.check import count_checks
+
+    verdict = f"{label}: {count_checks(checks)}"
+    shown = [check for check in checks if verbose or not check.passed]
+    if not shown:
+        return verdict
+
+    rows = [_HEADINGS, *map(_format_row, shown)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = [_align(row, widths) for row in rows]
+
+    remedies = [
+        f"  {check.name}: {causes[check.name] if causes else describe_cause(check)}"
+        for check in shown
+        if not check.passed
+    ]
+    return "\n".join([verdict, *lines, *remedies])
+
+
+def _format_row(check: Check) -> tuple[str, ...]:
+    from fingertip.foundation.files import round_for_output
+
+    verdict = "ok" if check.passed else "FAILED"
+    value = f"{round_for_output(check.value):.5g}"
+    if check.is_beyond:
+        return (check.name, f">{value}", "", "", check.unit, verdict)
+    return (check.name, value, check.sign, f"{check.limit:.5g}", check.unit, verdict)
+
+
+def _align(row: Sequence[str], widths: Sequence[int]) -> str:
+    cells = (f"{text:{'>' if i in _NUMBERS else ''}{widths[i]}}" for i, text in enumerate(row))
+    return " ".join(cells).rstrip()
+
+
+def describe_cause(check: Check, with_remedy: bool = True) -> str:
+    """Say what to change about a check that failed: settings with which it passes, or parameters to look at."""
+    remedy = f"it passes with --set {check.remedy}; or " if check.remedy and with_remedy else ""
+    return remedy + (f"change {', '.join(check.change)}" if check.change else f"this is a bug in {check.source}")
+
+
+def offer_fit(design: Design, checks: Iterable[Check], changes: Iterable[str], console: Console) -> dict[str, Any]:
+    """Name, as data, what a fit moves for checks that failed, if it mends them all and was not asked for."""
+    from fingertip.cad.verification.fitting import find_mend
+
+    if console.fits or not any(check.change for check in checks if not check.passed):
+        return {}
+    moved = find_mend(design, [split_finger(change.partition("=")[0].strip())[1] for change in changes])
+    return {"fit_moves": list(moved)} if moved else {}

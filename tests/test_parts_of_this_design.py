@@ -1,0 +1,212 @@
+"""Faults of staleness and exchange that CI must notice in a folder of parts, made by hand, one at a time."""
+
+from __future__ import annotations
+
+import io
+import json
+import shutil
+import zipfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip import Design, make
+from fingertip.cad.files import stl
+from fingertip.cad.kernel.mesh import Mesh
+from fingertip.cad.verification.mesh_files import check_mesh_files, describe_mesh_cause
+from fingertip.foundation.output_set import MANIFEST, hash_file
+from fingertip.tasks.build import build
+from tests.conftest import run_fingertip
+
+NAME = "first_finger"
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder that `make` wrote, without STEP files."""
+    folder = tmp_path_factory.mktemp("parts") / NAME
+    assert make(Design.load(NAME), folder, formats=["stl", "3mf"]).parts.passed
+    return folder
+
+
+@pytest.fixture(scope="module")
+def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Parts of another design."""
+    folder = tmp_path_factory.mktemp("other") / "wider"
+    wider = Design.load(NAME, changes=["skin.width_mm=19.4", "name=wider"])
+    assert build(wider, folder, formats=["stl", "3mf"]).passed
+    return folder
+
+
+@pytest.fixture
+def folder(made: Path, tmp_path: Path) -> Path:
+    """Copy of the folder, for one fault."""
+    return Path(shutil.copytree(made, tmp_path / NAME))
+
+
+def move_mesh(path: Path, change: Callable[[np.ndarray], np.ndarray]) -> None:
+    """Move the corners of an STL file."""
+    mesh = stl.from_bytes(path.read_bytes())
+    path.write_bytes(stl.to_bytes(Mesh(change(mesh.vertices), mesh.triangles), path.stem))
+
+
+def edit_3mf(path: Path) -> None:
+    """Move one corner of a 3MF file by a micrometre, and pack it again."""
+    with zipfile.ZipFile(path) as archive:
+        contents = {name: archive.read(name) for name in archive.namelist()}
+    model = next(name for name in contents if name.endswith(".model"))
+    contents[model] = contents[model].replace(b'x="', b'x="1', 1)
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        for name, data in contents.items():
+            archive.writestr(name, data)
+    path.write_bytes(packed.getvalue())
+
+
+def edit_text(path: Path) -> None:
+    path.write_text(path.read_text(encoding="utf-8") + "\n<!-- edited -->\n", encoding="utf-8")
+
+
+def forget_program(folder: Path) -> None:
+    manifest = json.loads((folder / MANIFEST).read_text())
+    manifest["program"] = "0" * 64
+    (folder / MANIFEST).write_text(json.dumps(manifest))
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Fault in a folder: what makes it, from the folder and one of another design, and what is said of it."""
+
+    cause: Callable[[Path, Path], object]
+    said: str
+
+
+FAULTS = {
+    "version": Fault(lambda folder, other: forget_program(folder), "made by another version of this program"),
+    "part": Fault(lambda folder, other: shutil.copy(other / "bone.stl", folder), "bone.stl: was changed"),
+    "half": Fault(lambda folder, other: shutil.copy(other / "mold_dorsal.stl", folder), "mold_dorsal.stl: was changed"),
+    "unit": Fault(lambda folder, other: move_mesh(folder / "bone.stl", lambda v: v / 25.4), "bone.stl: was changed"),
+    "scale": Fault(lambda folder, other: move_mesh(folder / "bone.stl", lambda v: v * 1.01), "bone.stl: was changed"),
+    "truncated file": Fault(
+        lambda folder, other: (folder / "bone.stl").write_bytes((folder / "bone.stl").read_bytes()[:-25]),
+        "bone.stl: was changed",
+    ),
+    "renamed file": Fault(
+        lambda folder, other: (folder / "bone.stl").rename(folder / "bone_new.stl"), "bone.stl: is missing"
+    ),
+    "edited 3MF": Fault(lambda folder, other: edit_3mf(folder / "skin.3mf"), "skin.3mf: was changed"),
+    "missing part": Fault(lambda folder, other: (folder / "core.stl").unlink(), "core.stl: is missing"),
+    "shifted half": Fault(
+        lambda folder, other: move_mesh(folder / "mold_dorsal.stl", lambda v: v + np.array([0.4, 0, 0])),
+        "mold_dorsal.stl: was changed",
+    ),
+    "page": Fault(lambda folder, other: edit_text(folder / "index.html"), "index.html: was changed"),
+    "netlist": Fault(lambda folder, other: edit_text(folder / "board/slip_filter.net"), "slip_filter.net: was changed"),
+    "print": Fault(lambda folder, other: shutil.copy(other / "print/bone.stl", folder / "print"), "print/bone.stl"),
+}
+
+
+def test_unchanged_folder_is_the_design_s(folder: Path) -> None:
+    done = run_fingertip("build", NAME, "--check", "--out", folder)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "all are as written" in done.stdout
+
+
+@pytest.mark.every_case
+@pytest.mark.parametrize("name", FAULTS)
+def test_fault_in_a_folder_is_noticed(name: str, folder: Path, other: Path) -> None:
+    fault = FAULTS[name]
+    fault.cause(folder, other)
+    done = run_fingertip("build", NAME, "--check", "--out", folder)
+    assert done.returncode == 1
+    assert fault.said in done.stdout
+    assert done.stdout.splitlines()[-1] == f"next: fingertip make {NAME} --out {folder}"
+
+
+def test_changed_design_with_the_old_folder_is_noticed_and_named(folder: Path) -> None:
+    done = run_fingertip("build", NAME, "--set", "skin.width_mm=19.4", "--check", "--out", folder)
+    assert done.returncode == 1
+    assert "skin.width_mm is 19.4, and was 19.0" in done.stdout
+
+
+def test_folder_of_another_design_is_noticed(other: Path) -> None:
+    done = run_fingertip("build", NAME, "--check", "--out", other, "--json")
+    assert done.returncode == 1
+    (difference,) = json.loads(done.stdout)["differences"]
+    assert "name is first_finger, and was wider; skin.width_mm is 19.0, and was 19.4" in difference
+
+
+@pytest.mark.full
+def test_check_of_a_design_and_a_folder_compares_them(folder: Path, other: Path) -> None:
+    assert run_fingertip("check", NAME, folder, "--tolerance-mm", "0.05").returncode == 0
+    done = run_fingertip("check", NAME, other, "--tolerance-mm", "0.05")
+    assert done.returncode == 1
+    assert "skin.width_mm is 19.0, and was 19.4" in done.stdout
+
+
+def test_another_version_that_makes_the_same_parts_passes_and_one_that_does_not_fails(folder: Path) -> None:
+    forget_program(folder)
+    assert run_fingertip("build", NAME, "--check", "--verify", "--out", folder).returncode == 0
+
+    move_mesh(folder / "bone.stl", lambda corners: corners * np.array([1.0, 1.0, 1.001]))
+    manifest = json.loads((folder / MANIFEST).read_text())
+    manifest["files"]["bone.stl"] = hash_file(folder / "bone.stl")  # as another version would have written it
+    (folder / MANIFEST).write_text(json.dumps(manifest))
+    done = run_fingertip("build", NAME, "--check", "--verify", "--out", folder)
+    assert done.returncode == 1
+    assert "bone.stl: differs from what this design gives" in done.stdout
+
+
+# --- loose meshes, without a manifest ---------------------------------------------------------------------------------
+
+LOOSE = {
+    "part of another design": (
+        "bone",
+        lambda path, other: shutil.copy(other / "bone.stl", path),
+        "it is not bone of this design",
+    ),
+    "inches": ("bone", lambda path, other: move_mesh(path, lambda v: v / 25.4), "the file is in inches"),
+    "scale": ("bone", lambda path, other: move_mesh(path, lambda v: v * 1.01), "1.01 times as large as bone"),
+    "half moved across": (
+        "mold_palmar",
+        lambda path, other: move_mesh(path.with_name("mold_dorsal.stl"), lambda v: v + np.array([0.4, 0, 0])),
+        "export both halves of one design",
+    ),
+    "half moved along": (
+        "mold_palmar",
+        lambda path, other: move_mesh(path.with_name("mold_dorsal.stl"), lambda v: v + np.array([0, 0, 0.05])),
+        "export both halves of one design",
+    ),
+    "half moved apart": (
+        "mold_palmar",
+        lambda path, other: move_mesh(path.with_name("mold_dorsal.stl"), lambda v: v + np.array([0, 0.4, 0])),
+        "export both halves of one design",
+    ),
+    "half of another design": (
+        "mold_palmar",
+        lambda path, other: shutil.copy(other / "mold_dorsal.stl", path.parent),
+        "export both halves of one design",
+    ),
+}
+
+
+@pytest.mark.every_case
+@pytest.mark.parametrize("name", LOOSE)
+def test_fault_of_a_loose_mesh_is_noticed(name: str, folder: Path, other: Path) -> None:
+    part, cause, said = LOOSE[name]
+    path = folder / f"{part}.stl"
+    cause(path, other)
+    (file,) = check_mesh_files([path], [Design.load(NAME)])
+    failed = [describe_mesh_cause(file, check) for check in file.checks if not check.passed]
+    assert failed
+    assert any(said in sentence for sentence in failed), failed
+
+
+def test_loose_meshes_of_the_design_pass(folder: Path) -> None:
+    paths = [folder / name for name in ("bone.stl", "print/bone.stl", "skin.3mf", "mold_palmar.stl", "core.stl")]
+    for file in check_mesh_files(paths, [Design.load(NAME)]):
+        assert file.part == file.path.stem
+        assert [check for check in file.checks if not check.passed] == []

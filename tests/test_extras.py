@@ -120,6 +120,7 @@ def run_venv(folder: Path, shebang: str = "", path: str = "") -> str:
 
 def test_hints_name_the_pip_of_the_running_interpreter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     python, folder = str(tmp_path / ".venv/bin/python"), str(tmp_path / ".venv/bin")
+    monkeypatch.setattr(extras, "is_installed", lambda module: True)
     assert run_venv(tmp_path, python, folder) == "pip install"
     assert run_venv(tmp_path, python) == ".venv/bin/python -m pip install"
     assert run_venv(tmp_path, python, str(tmp_path / "other")) == ".venv/bin/python -m pip install"

@@ -14,8 +14,9 @@ import pytest
 from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.extras import find_plugins
 from fingertip.slip.detectors.registry import DETECTORS, find_detector_type, list_detectors
-from tests.conftest import ROOT, run_python
+from tests.conftest import ROOT
 from tests.test_one_file import run_lines
+from tests.tools import find_installer
 
 EXAMPLE = ROOT / "examples/own_detector_and_check"
 
@@ -86,7 +87,9 @@ def test_a_broken_package_is_one_sentence(
 @pytest.mark.full
 def test_pip_installs_the_example(tmp_path: Path) -> None:
     options = ("--quiet", "--no-deps", "--no-build-isolation", "--no-index", "--target", str(tmp_path / "site"))
-    done = run_python("-m", "pip", "install", *options, str(EXAMPLE))
+    command = [*find_installer(), "install", *options, str(EXAMPLE)]
+    environment = os.environ | {"VIRTUAL_ENV": sys.prefix}  # where uv looks for a Python
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     done = run_beside(tmp_path / "site", "complete fingertip detect --detector o")
     assert done.stdout == "own\n"

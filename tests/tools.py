@@ -5,12 +5,13 @@ from __future__ import annotations
 import importlib
 import os
 import shutil
+import sys
 from pathlib import Path
 from typing import Any, NoReturn
 
 import pytest
 
-from fingertip.foundation.extras import EXTRAS, install_command
+from fingertip.foundation.extras import EXTRAS, install_command, is_installed
 
 
 def require_tool(name: str, how_to_install: str) -> Path:
@@ -22,6 +23,13 @@ def require_tool(name: str, how_to_install: str) -> Path:
     if found:
         return Path(found)
     leave_out(f"{name} IS MISSING, THIS IS NOT TESTED: {how_to_install}")
+
+
+def find_installer() -> tuple[str, ...]:
+    """Command that takes the words of pip: pip of this Python, or uv, which needs none there."""
+    if is_installed("pip"):
+        return (sys.executable, "-m", "pip")
+    return (str(require_tool("uv", "pip install uv")), "pip")
 
 
 def leave_out(message: str) -> NoReturn:

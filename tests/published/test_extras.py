@@ -113,9 +113,9 @@ def use_ros(place: Installation) -> None:
         "        data = store.serialize_ros1(Number(2.0 + 0.001 * (i * 7919 % 13 - 6)), Number.__msgtype__)\n"
         "        bag.write(topic, 500_000 * i, data)\n"
     )
-    done = place.fingertip("detect", "trace.bag")
-    if done.returncode:  # it names the topic and asks for it
-        place.accepts("detect", "trace.bag", "--column", "voltage_v=/voltage/data")
+    columns = ("--column", "time_s=/voltage.bag_time", "--column", "voltage_v=/voltage.data")
+    assert " ".join(columns) in place.refuses("detect", "trace.bag"), "it proposes the columns"
+    place.accepts("detect", "trace.bag", *columns)
     (place.folder / "broken.bag").write_bytes((place.folder / "trace.bag").read_bytes()[:2000])
     place.refuses("detect", "broken.bag")
 

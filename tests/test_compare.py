@@ -78,10 +78,31 @@ def test_a_version_compared_with_itself_has_not_changed(before: Path) -> None:
 
 def test_report_of_another_release_without_some_figures_is_compared(before: Path, tmp_path: Path) -> None:
     old = Path(shutil.copytree(before, tmp_path / "old"))
-    (old / "report.json").write_text('{"pad": {"tilts": [1]}, "checks": [2], "casting": []}')
-    done = run_fingertip("compare", old, before, "--json")
-    assert done.returncode == 0, done.stderr
-    assert all(change["before"] == "-" for change in json.loads(done.stdout)["figures"])
+    for report in (
+        {"pad": {"tilts": [1]}, "checks": [2], "casting": []},
+        {"pad": {"tilts": None}, "checks": None, "parts": None},
+        {"casting": {"things": [{"new": 1}], "printed_g": 10**400}, "parts": {"bone": []}},
+        {"pad": [], "parts": {"bone": {"volume_mm3": "5"}}},
+    ):
+        (old / "report.json").write_text(json.dumps(report))
+        done = run_fingertip("compare", old, before, "--json")
+        assert done.returncode == 0, done.stderr
+        unknown = [change["name"] for change in json.loads(done.stdout)["figures"] if change["before"] != "-"]
+        assert unknown in ([], ["to order"])
+
+
+def test_part_of_another_shape_and_the_same_volume_is_named(before: Path) -> None:
+    old = read_version(before)
+    parts = {name: dict(entry) for name, entry in old.report["parts"].items()}
+    parts["core"]["sha256"] = {"stl": "0" * 64}
+    found = compare_versions(old, Version("new", old.design, {**old.report, "parts": parts}, {}))
+    assert [(change.name, change.after.partition(", ")[2]) for change in found.parts] == [("core", "another shape")]
+
+
+def test_checks_of_formats_that_one_side_lacks_are_not_lost(before: Path, tmp_path: Path) -> None:
+    build(Design.load("first_finger"), tmp_path / "both", formats=["stl", "3mf"], tolerance_mm=COARSE_MM)
+    found = compare_versions(read_version(tmp_path / "both"), read_version(before))
+    assert (found.lost, found.gained) == ((), ())
 
 
 def test_page_and_picture_are_written_beside_each_other(before: Path, after: Path, tmp_path: Path) -> None:
@@ -103,7 +124,6 @@ def test_design_is_compared_with_a_revision_of_git(tmp_path: Path) -> None:
     for words in (("init", "-q"), ("add", "."), ("commit", "-qm", "first")):
         subprocess.run([*git, *words], check=True)
     design.write_text('name = "index"\n[skin]\nwidth_mm = 17.4\n')
-
     done = run_fingertip("compare", "HEAD", design, "--json", "--quiet")
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
@@ -114,10 +134,10 @@ def test_design_is_compared_with_a_revision_of_git(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("no_such", "first_finger", "no_such: is no design and no folder"),
-        ("adult_hand", "first_finger", "adult_hand: is a set"),
-        ("first_finger", "missing.toml", "missing.toml: cannot be read"),
-        ("first_finger", ".", "design.toml: cannot be read"),
+        ("no_such", "first_finger", "OLD: no_such: is no design and no folder"),
+        ("adult_hand", "first_finger", "OLD: adult_hand: is a set"),
+        ("first_finger", "missing.toml", "NEW: missing.toml: cannot be read"),
+        ("first_finger", ".", "NEW: design.toml: cannot be read"),
     ],
 )
 def test_what_cannot_be_compared_is_refused(old: str, new: str, said: str, tmp_path: Path) -> None:
@@ -132,4 +152,4 @@ def test_unknown_revision_is_refused(tmp_path: Path) -> None:
     for revision in ("v9", "--output=x"):
         done = run_fingertip("compare", "--", revision, "a.toml", PWD=str(tmp_path))
         assert done.returncode == 2
-        assert f"{revision}: is no design file, no folder, no bundled name, and no revision" in done.stderr
+        assert f"OLD: {revision}: is no design file, no folder, no bundled name, and no revision" in done.stderr

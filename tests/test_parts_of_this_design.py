@@ -16,9 +16,10 @@ import pytest
 from fingertip import Design, make
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.verification.mesh_files import check_mesh_files, describe_mesh_cause
+from fingertip.cad.verification.mesh_files import check_mesh_file, describe_mesh_cause
 from fingertip.foundation.output_set import MANIFEST, hash_file
 from fingertip.tasks.build import build
+from fingertip.tasks.part_folder import compare_folder
 from tests.conftest import run_fingertip
 
 NAME = "first_finger"
@@ -139,6 +140,66 @@ def test_folder_of_another_design_is_noticed(other: Path) -> None:
     assert "name is first_finger, and was wider; skin.width_mm is 19.0, and was 19.4" in difference
 
 
+STALE = ("bone.groove_depth_mm=0.7", "bone.channel_diameter_mm=2.6", "mold.engraving_depth_mm=0.4", "name=other_name")
+"""Changes of a design that leave the outer size of the part."""
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(("change", "part"), [*zip(STALE, ("bone", "bone", "mold_palmar", "mold_palmar"), strict=True)])
+def test_stale_part_of_the_same_outer_size_is_noticed(change: str, part: str, tmp_path: Path) -> None:
+    stale = Design.load("fsr400", changes=[change])
+    build(stale, tmp_path, parts=[part], formats=["stl"])
+    assert check_mesh_file(tmp_path / f"{part}.stl", stale).passed
+    assert not check_mesh_file(tmp_path / f"{part}.stl", Design.load("fsr400")).passed
+
+
+def test_print_files_without_their_manifest_are_compared(folder: Path, other: Path) -> None:
+    (folder / "print" / MANIFEST).unlink()
+    assert run_fingertip("build", NAME, "--check", "--out", folder).returncode == 0
+    shutil.copy(other / "print/bone.stl", folder / "print")
+    done = run_fingertip("build", NAME, "--check", "--out", folder)
+    assert done.returncode == 1
+    assert "print/bone.stl: is not the file of" in done.stdout
+
+
+def test_parts_that_were_not_made_again_are_no_proof(folder: Path, other: Path) -> None:
+    """A report of a partial build lists a part; the others must be made again all the same."""
+    forget_program(folder)
+    report = json.loads((folder / "report.json").read_text())
+    report["parts"] = {"bone": report["parts"]["bone"]}
+    (folder / "report.json").write_text(json.dumps(report))
+    shutil.copy(other / "skin.stl", folder)
+    manifest = json.loads((folder / MANIFEST).read_text())
+    manifest["files"] |= {name: hash_file(folder / name) for name in ("skin.stl", "report.json")}
+    (folder / MANIFEST).write_text(json.dumps(manifest))
+    done = run_fingertip("build", NAME, "--check", "--verify", "--out", folder)
+    assert done.returncode == 1
+    assert "skin.stl: differs from what this design gives" in done.stdout
+
+
+@pytest.mark.every_case
+@pytest.mark.parametrize("report", ["", "[]", "{}", '{"tolerance_mm": "0.05"}', '{"tolerance_mm": 1e-9}'])
+def test_report_of_another_program_is_a_sentence(report: str, folder: Path) -> None:
+    (folder / "report.json").write_text(report)
+    manifest = json.loads((folder / MANIFEST).read_text())
+    manifest["files"]["report.json"] = hash_file(folder / "report.json")
+    (folder / MANIFEST).write_text(json.dumps(manifest))
+    done = run_fingertip("build", NAME, "--check", "--verify", "--out", folder)
+    assert done.returncode == 2
+    assert "report.json: " in done.stderr
+
+
+def test_folder_is_compared_with_the_design_that_it_was_made_from(folder: Path, tmp_path: Path) -> None:
+    """Two designs of one name: the folder is that of the second."""
+    for name, width_mm in (("new", 19.4), ("old", 19.0)):
+        text = f'name = "{NAME}"\n[skin]\nwidth_mm = {width_mm}\n'
+        (tmp_path / f"{name}.toml").write_text(text)
+    loaded = [Design.load(tmp_path / "new.toml"), Design.load(NAME)]
+    assert compare_folder(loaded, folder).faults == ()
+    (fault,) = compare_folder([Design.load("fsr400"), Design.load("fsr402")], folder).faults
+    assert "which is none of fsr400, fsr402" in fault
+
+
 @pytest.mark.full
 def test_check_of_a_design_and_a_folder_compares_them(folder: Path, other: Path) -> None:
     assert run_fingertip("check", NAME, folder, "--tolerance-mm", "0.05").returncode == 0
@@ -199,7 +260,7 @@ def test_fault_of_a_loose_mesh_is_noticed(name: str, folder: Path, other: Path) 
     part, cause, said = LOOSE[name]
     path = folder / f"{part}.stl"
     cause(path, other)
-    (file,) = check_mesh_files([path], [Design.load(NAME)])
+    file = check_mesh_file(path, Design.load(NAME))
     failed = [describe_mesh_cause(file, check) for check in file.checks if not check.passed]
     assert failed
     assert any(said in sentence for sentence in failed), failed
@@ -207,6 +268,7 @@ def test_fault_of_a_loose_mesh_is_noticed(name: str, folder: Path, other: Path) 
 
 def test_loose_meshes_of_the_design_pass(folder: Path) -> None:
     paths = [folder / name for name in ("bone.stl", "print/bone.stl", "skin.3mf", "mold_palmar.stl", "core.stl")]
-    for file in check_mesh_files(paths, [Design.load(NAME)]):
+    for path in paths:
+        file = check_mesh_file(path, Design.load(NAME))
         assert file.part == file.path.stem
         assert [check for check in file.checks if not check.passed] == []

@@ -63,7 +63,7 @@ def test_any_mesh_is_checked_and_another_file_is_told_what_check_takes(tmp_path:
     (tmp_path / "part.step").write_bytes(b"\xff")
     for name, said in (
         ("cut.stl", "cannot be read as a mesh"),
-        ("part.step", "is no design; check takes design files"),
+        ("part.step", "is not a design; check takes design files"),
     ):
         done = run_fingertip("check", tmp_path / name)
         assert done.returncode == 2

@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Protocol
 
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.components.values import select_components
@@ -120,7 +121,17 @@ class Thing:
     """Item of a set that takes this amount: every finger, or every mixture; empty if all share it."""
 
 
-def add_prices(things: Iterable[Thing]) -> tuple[int, int, int]:
+class Priced(Protocol):
+    """Thing whose price is known."""
+
+    @property
+    def price_usd(self) -> str: ...
+
+    @property
+    def reason(self) -> str: ...
+
+
+def add_prices(things: Iterable[Priced]) -> tuple[int, int, int]:
     """Add the classes of prices: least and largest sum of what is to order, largest sum of all [US dollars]."""
     priced = [([int(price) for price in re.findall(r"\d+", thing.price_usd)], thing.reason) for thing in things]
     order = [prices for prices, reason in priced if reason]

@@ -22,6 +22,7 @@ from fingertip.cli.options import (
     find_file_issues,
     find_idle_issues,
     flag,
+    list_words,
     load_design,
     load_fingers,
     refuse,
@@ -50,7 +51,9 @@ def build(
     verify: bool = flag(
         "Read each STL and 3MF file with trimesh too, as a second opinion; with --check, make them again and compare."
     ),
-    check: bool = flag("Write nothing; compare the folder with the design. Exit code 1: they differ."),
+    only_check: bool = typer.Option(
+        False, "--check", help="Write nothing; compare the folder with the design. Exit code 1: they differ."
+    ),
     force: bool = FORCE,
     changes: list[str] | None = CHANGES,
 ) -> None:
@@ -61,15 +64,18 @@ def build(
     """
     from fingertip.catalogues.output_files import PART_FILES, REPORT, SHEET
 
-    if check:
+    if only_check:
         writing = {"--parts": parts, "--formats": formats, "--pictures": pictures, "--force": force}
         refuse(find_idle_issues("--check", writing))
     loaded = load_design(design, changes, console)
-    if check:
-        from fingertip.cli.check_files import compare_parts
+    if only_check:
+        from fingertip.cli.check_files import compare_with_designs
+        from fingertip.cli.check_found import Given
 
         wanted = loaded.with_silicone(material)
-        found = compare_parts(wanted, PART_FILES.folder(wanted, out), design, changes or (), verify, console)
+        words = [*list_words(changes or (), console), *(["--material", material] if material else [])]
+        folder = PART_FILES.folder(wanted, out)
+        found = compare_with_designs(folder, [Given(design, wanted)], words, verify, console)
         console.result(found.data, found.text, found.passed)
         return
 

@@ -1,88 +1,70 @@
-"""What `fingertip check` and `build --check` find in folders and mesh files, as data and as text."""
+"""What `fingertip check` and `build --check` find in folders and mesh files."""
 
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fingertip.cli.check_found import Found, Given
+from fingertip.cli.check_reports import Finding, message
 from fingertip.cli.check_tables import format_checks
 from fingertip.cli.console import Console
+from fingertip.foundation.errors import Issue
 
 if TYPE_CHECKING:
-    from fingertip.design import Design
-
-
-@dataclass(frozen=True)
-class Found:
-    """What was found in one folder or file."""
-
-    data: Mapping[str, Any]
-    text: str
-
-    @property
-    def passed(self) -> bool:
-        """Return whether nothing was wrong."""
-        return bool(self.data["passed"])
+    from fingertip.cad.verification.check import Check
 
 
 # --- mesh files -------------------------------------------------------------------------------------------------------
 
 
-def check_meshes(paths: Sequence[Path], designs: Iterable[Design], tolerance_mm: float, verbose: bool) -> list[Found]:
-    """Check mesh files, each against the part of the same name if one design is given."""
-    from fingertip.cad.verification.mesh_files import check_mesh_files, describe_mesh_cause
+def check_mesh(path: Path, given: Sequence[Given], tolerance_mm: float, verbose: bool) -> Found:
+    """Check a mesh file, against the part of the same name if one design is given."""
+    from fingertip.cad.verification.mesh_files import check_mesh_file, describe_mesh_cause
+    from fingertip.design import Design
 
-    found = []
-    for file in check_mesh_files(paths, designs, tolerance_mm):
-        data = {
-            "file": file.path.as_posix(),
-            "part": file.part,
-            "passed": file.passed,
-            "checks": [check.to_dict() for check in file.checks],
-        }
-        causes = {check.name: describe_mesh_cause(file, check) for check in file.checks}
-        found.append(Found(data, format_checks(file.path.as_posix(), file.checks, verbose, causes)))
-    return found
+    designs = [one.design for one in given if isinstance(one.design, Design)]
+    design = designs[0] if len(designs) == len(given) == 1 else None
+    file = check_mesh_file(path, design, tolerance_mm)
+
+    label = path.as_posix()
+    compared = f"{label}, compared with {file.part} of {design.name}" if design and file.part else label
+    if given and not file.part:
+        reason = "its name is that of no part" if design else "give one design of a finger"
+        compared = f"{label}, compared with no part ({reason})"
+
+    causes = {check.name: describe_mesh_cause(file, check) for check in file.checks}
+    data = {
+        "file": label,
+        "part": file.part,
+        "passed": file.passed,
+        "checks": [check.to_dict() for check in file.checks],
+    }
+    findings = tuple(
+        Finding.make(path, Issue(check.name, f"{message(check)}; {causes[check.name]}"))
+        for check in file.checks
+        if not check.passed
+    )
+    return Found(label, data, format_checks(compared, file.checks, verbose, causes), file.checks, findings)
 
 
 # --- folders ----------------------------------------------------------------------------------------------------------
 
 
-def check_folders(
-    folders: Sequence[Path],
-    designs: Mapping[Path, Sequence[Design]],
-    changes: Sequence[str],
-    remake: bool,
-    console: Console,
-) -> list[Found]:
-    """Check folders: recordings for what they must hold, all others with their manifests and with their design.
+def check_folder(folder: Path, given: Sequence[Given], words: Sequence[str], remake: bool, console: Console) -> Found:
+    """Check a folder: recordings for what they must hold, any other with its manifests, and with the designs given.
 
-    A folder of parts must be that of one of the designs, given by their files, if there are any.
+    `words` are the options of the command line that change the designs.
     """
-    return [_check_folder(folder, designs, changes, remake, console) for folder in folders]
-
-
-def _check_folder(
-    folder: Path, designs: Mapping[Path, Sequence[Design]], changes: Sequence[str], remake: bool, console: Console
-) -> Found:
     from fingertip.bench.trials import DESIGN, list_trials
-    from fingertip.catalogues.output_files import PART_FILES
-    from fingertip.foundation.output_set import read_manifest
 
     if list_trials(folder) and (folder / DESIGN).exists():
         return _check_recordings(folder)
-
-    manifest = read_manifest(folder)
-    if manifest and manifest.kind == PART_FILES.kind and designs:
-        pairs = [(file, design) for file, given in designs.items() for design in given]
-        of_name = [pair for pair in pairs if pair[1].name == manifest.design]
-        file, design = (of_name or pairs)[0]
-        return compare_parts(design, folder, file, changes, remake, console)
-
-    return _compare_sums(folder)
+    if given:
+        return compare_with_designs(folder, given, words, remake, console)
+    return _compare_checksums(folder)
 
 
 def _check_recordings(folder: Path) -> Found:
@@ -90,55 +72,65 @@ def _check_recordings(folder: Path) -> Found:
 
     trials, faults, notes = check_recordings(folder)
     verdict = "must be mended before it is given away" if faults else "may be given away"
-    data = {"folder": folder.as_posix(), "passed": not faults, "trials": trials, "faults": faults, "notes": notes}
-    return Found(data, "\n".join([*faults, *notes, f"{folder}: {trials} trials; the folder {verdict}"]))
+    text = "\n".join([*faults, *notes, f"{folder}: {trials} trials; the folder {verdict}"])
+    return _find_in_folder(folder, faults, text, {"trials": trials, "faults": faults, "notes": notes})
 
 
-def _compare_sums(folder: Path) -> Found:
+def _compare_checksums(folder: Path) -> Found:
     from fingertip.tasks.verification import verify_sets
 
     files, differences = verify_sets(folder)
-    verdict = f"{_count(len(differences), 'difference')}" if differences else "all are as written"
-    data = {"folder": folder.as_posix(), "passed": not differences, "files": files, "differences": differences}
-    return Found(data, "\n".join([*differences, f"{folder}: {files} files compared, {verdict}"]))
+    verdict = count(len(differences), "difference") if differences else "all are as written"
+    text = "\n".join([*differences, f"{folder}: {count(files, 'file')} compared, {verdict}"])
+    return _find_in_folder(folder, differences, text, {"files": files, "differences": differences})
 
 
-def compare_parts(
-    design: Design, folder: Path, file: Path, changes: Sequence[str], remake: bool, console: Console
+def compare_with_designs(
+    folder: Path, given: Sequence[Given], words: Sequence[str], remake: bool, console: Console
 ) -> Found:
-    """Compare a folder of parts with the design of a file, and tell the command that makes it anew.
+    """Compare a folder with that of the designs which it was made from, and name the command that makes it again.
 
     With `remake`, the STL and 3MF files are made again and compared byte by byte.
     """
+    from fingertip.design import Design
     from fingertip.tasks.part_folder import compare_folder
 
-    found = compare_folder(design, folder)
+    found = compare_folder([one.design for one in given], folder)
     faults = [*found.faults]
-    if remake and not faults:
+    is_made_again = remake and not faults and bool(found.command) and isinstance(found.design, Design)
+    if is_made_again and isinstance(found.design, Design):
         from fingertip.tasks.parts_again import compare_made_again
 
         console.progress("making the parts again")
-        faults += compare_made_again(design, folder)
+        faults += compare_made_again(found.design, folder)
     elif found.doubt:
         faults.append(found.doubt)
 
-    data: dict[str, Any] = {
-        "folder": folder.as_posix(),
-        "design": design.name,
-        "passed": not faults,
-        "files": found.files,
-        "differences": faults,
-    }
+    name = found.design.name if found.design else ""
+    data: dict[str, Any] = {"design": name, "files": found.files, "differences": faults}
+    compared = f"{folder}: {count(found.files, 'file')} compared with {name or 'the designs given'}"
     if not faults:
-        how = "STL and 3MF are the same, made again" if remake else "all are as written"
-        return Found(data, f"{folder}: the parts of {design.name}; {found.files} files compared, {how}")
+        how = "STL and 3MF are the same, made again" if is_made_again else "all are as written"
+        return _find_in_folder(folder, faults, f"{compared}, {how}", data)
 
-    settings = [word for change in changes for word in ("--set", change)]
-    command = shlex.join(["fingertip", found.made_by, str(file), *settings, "--out", str(folder)])
-    data["make_again"] = command
-    verdict = f"{folder}: {found.files} files compared with {design.name}, {_count(len(faults), 'difference')}"
-    return Found(data, "\n".join([*faults, verdict, f"next: {command}"]))
+    lines = [*faults, f"{compared}, {count(len(faults), 'difference')}"]
+    file = next((one.file for one in given if one.design is found.design), None)
+    if found.command and file:
+        data["make_again"] = shlex.join(["fingertip", found.command, str(file), *words, "--out", str(folder)])
+        lines.append(f"next: {data['make_again']}")
+    return _find_in_folder(folder, faults, "\n".join(lines), data)
 
 
-def _count(number: int, thing: str) -> str:
-    return f"{number} {thing}{'' if number == 1 else 's'}"
+def _find_in_folder(folder: Path, faults: Sequence[str], text: str, data: dict[str, Any]) -> Found:
+    """Collect what was found in a folder; the faults count as one check of the reports."""
+    from fingertip.cad.verification.check import Check
+
+    label = folder.as_posix()
+    checks: tuple[Check, ...] = (Check("differences", len(faults), 0, "", "exactly"),)
+    findings = tuple(Finding.make(folder, Issue("differences", fault)) for fault in faults)
+    return Found(label, {"folder": label, "passed": not faults, **data}, text, checks, findings)
+
+
+def count(number: int, noun: str) -> str:
+    """Write a number with its noun."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"

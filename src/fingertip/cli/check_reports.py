@@ -60,7 +60,7 @@ def _escape_property(text: str) -> str:
 
 
 def _percent_encode(text: str, reserved: str) -> str:
-    """Encode reserved characters and every control character as GitHub decodes them."""
+    """Encode reserved and control characters; GitHub decodes those that it reserves, and shows the others encoded."""
     return "".join(
         f"%{ord(character):02X}" if character in reserved or character < " " else character for character in text
     )
@@ -88,7 +88,7 @@ def to_sarif(findings: Iterable[Finding]) -> bytes:
     """Write findings in SARIF 2.1.0, which code scanning of GitHub and editors read."""
     results = []
     for found in findings:
-        place: dict[str, Any] = {"artifactLocation": {"uri": quote(found.file)}}
+        place: dict[str, Any] = {"artifactLocation": {"uri": quote(found.file, safe="/:")}}
         if found.line:
             place["region"] = {"startLine": found.line}
         message = {"text": f"{found.field}: {found.message}"}

@@ -12,6 +12,7 @@ import typer
 from fingertip.cli.console import Console, align_columns
 from fingertip.cli.options import command, load_design, parse_design
 from fingertip.foundation.errors import DesignError, Issue, gather, raise_issues
+from fingertip.foundation.input_files import is_safe_name
 
 if TYPE_CHECKING:
     from fingertip.design import Design
@@ -32,10 +33,10 @@ def compare(
     out: Path | None = typer.Option(None, metavar="PATH", help=f"Folder for {_PAGE} and a picture of both."),
     force: bool = typer.Option(False, "--force", help="Overwrite files there that fingertip did not write."),
 ) -> None:
-    """Show what differs between two versions of a finger: parameters, mass, price, share, delay, parts and checks.
+    """Show what differs between two versions of a finger: parameters, mass, price, share of the force, delay, checks.
 
-    A design is made for a moment, which takes some ten seconds; a folder is read as it is. OLD may be a revision of
-    git, such as main or HEAD~1, in which the design file NEW is read. The exit code is 0 whatever differs.
+    A design is built in a temporary folder, which takes about ten seconds; a folder is read as it is. OLD may be a
+    revision of git, such as main or HEAD~1, in which the design file NEW is read. The exit code is 0 whatever differs.
     """
     from fingertip.documents.comparison import compare_versions
 
@@ -64,9 +65,9 @@ def _load_sides(old: Path, new: Path) -> tuple[_Side, _Side]:
     """Load both sides, and raise all that is wrong with either."""
     issues: list[Issue] = []
     sides: list[_Side] = []
-    with gather(issues):
+    with gather(issues, prefix="OLD: "):
         sides.append(_load_old(old, new))
-    with gather(issues):
+    with gather(issues, prefix="NEW: "):
         sides.append(_load_side(new))
     raise_issues(DesignError, issues)
     before, after = sides
@@ -79,9 +80,11 @@ def _load_old(old: Path, new: Path) -> _Side:
     if old.exists() or old.suffix == ".toml" or is_bundled_name(old, DESIGN, SET):
         return _load_side(old)
     if not new.is_file():
-        message = f"is no design and no folder; as a git revision it needs a design file beside it, and {new} is none."
+        message = (
+            f"is no design and no folder; to read it as a git revision, NEW must be a design file, and {new} is none."
+        )
         raise DesignError(Issue(str(old), message))
-    return _Side(f"{new} at {old}", _load_revision(str(old), new))
+    return _Side(f"{new} at {old.as_posix()}", _load_revision(old.as_posix(), new))
 
 
 def _load_side(path: Path) -> _Side:
@@ -97,14 +100,19 @@ def _load_side(path: Path) -> _Side:
 
 
 def _load_revision(revision: str, path: Path) -> Design:
-    """Load a design file as it was at a revision of git."""
+    """Load a design file, and the adapter that it names, as they were at a revision of git."""
     from fingertip.foundation.files import temporary_folder
     from fingertip.foundation.git_files import read_at_revision
+    from fingertip.foundation.tables import read_toml
 
-    data = read_at_revision(revision, path)
     with temporary_folder() as folder:
         file = folder / path.name
-        file.write_bytes(data)
+        file.write_bytes(read_at_revision(revision, path))
+
+        bone = read_toml(file).get("bone")
+        adapter = bone.get("adapter_file") if isinstance(bone, dict) else None
+        if isinstance(adapter, str) and is_safe_name(adapter):
+            (folder / adapter).write_bytes(read_at_revision(revision, path.parent / adapter))
         return load_design(file, ())
 
 

@@ -178,6 +178,12 @@ def find_folders(paths: Iterable[Path], console: Console) -> list[Path]:
     return [path for path in folders if path not in bundled]
 
 
+def list_words(changes: Iterable[str], console: Console) -> list[str]:
+    """List the options that change a design as they were typed, for a command that is to be typed."""
+    words = [word for change in changes for word in ("--set", change)]
+    return [*words, "--fit"] if console.fits else words
+
+
 def read_design(file: Path | None, changes: tuple[str, ...]) -> tuple[Design, bool]:
     """Read a design, and whether its file leaves it the default one. Raises DesignError."""
     from fingertip.design import Design

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+import math
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from fingertip.casting.sheet import Thing, add_prices
+from fingertip.casting.sheet import add_prices
 from fingertip.design import Design
-from fingertip.design.files import format_value
+from fingertip.design.files import flatten, format_value
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_unit
 from fingertip.documents.template import render_page
@@ -16,6 +18,10 @@ from fingertip.foundation.errors import join_words
 
 _NOTHING = "-"
 """What stands for a figure that a report does not state."""
+_FORMATS = ("stl", "3mf", "step")
+_HASH = re.compile("[0-9a-f]{64}")
+_LARGEST = 1e300
+"""Largest whole number of a report that is read as a number."""
 _TILT_DEG = 2.0
 """Tilt of the finger at which the share of the force is stated [deg]."""
 
@@ -92,8 +98,9 @@ class Comparison:
 
 def compare_versions(old: Version, new: Version) -> Comparison:
     """Compare two versions of a finger."""
-    before = _read_checks(old.report)
-    after = _read_checks(new.report)
+    formats = _list_formats(old.report) & _list_formats(new.report)
+    before = _read_checks(old.report, formats)
+    after = _read_checks(new.report, formats)
     both = before.keys() & after.keys()
     return Comparison(
         before=old.label,
@@ -114,80 +121,127 @@ def render_comparison(comparison: Comparison, picture: str = "") -> str:
 
 
 def _compare_parameters(old: Design, new: Design) -> Iterator[Change]:
-    for name, field in PARAMETERS.items():
-        before, after = old.value(name), new.value(name)
-        if before != after:
-            unit = find_unit(field)
-            yield Change(name, _format_parameter(before, unit), _format_parameter(after, unit))
+    """Compare the values of all parameters; of an adapter's file, a hash of its content stands for it."""
+    before = dict(flatten(old.identity()))
+    after = dict(flatten(new.identity()))
+    for name, value in after.items():
+        if before.get(name) != value:
+            unit = find_unit(PARAMETERS[name])
+            yield Change(name, _format_parameter(before.get(name), unit), _format_parameter(value, unit))
 
 
 def _format_parameter(value: Any, unit: str) -> str:
+    if isinstance(value, str) and _HASH.fullmatch(value):
+        return f"content {value[:8]}"
     text = f"{value:.6g}" if isinstance(value, float) else format_value(value)
     return f"{text} {unit}".rstrip()
 
 
 def _compare_parts(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[Change]:
-    names = dict.fromkeys([*_find(old, "parts", default={}), *_find(new, "parts", default={})])
-    for name in names:
-        change = Change(name, *(_format(_find(report, "parts", name, "volume_mm3"), "mm3") for report in (old, new)))
-        if not change.is_none:
-            yield change
+    """Compare the volumes of the parts, and name a part whose mesh is another one of the same volume."""
+    is_comparable = _find(old, "tolerance_mm", kind=float) == _find(new, "tolerance_mm", kind=float)
+    before = _find(old, "parts", kind=dict) or {}
+    after = _find(new, "parts", kind=dict) or {}
+    for name in dict.fromkeys([*before, *after]):
+        volumes = [_format(_find(parts, name, "volume_mm3", kind=float), "mm3") for parts in (before, after)]
+        meshes = [_find(parts, name, "sha256", "stl", kind=str) for parts in (before, after)]
+        if volumes[0] == volumes[1] and is_comparable and None not in meshes and meshes[0] != meshes[1]:
+            volumes[1] += ", another shape"
+        if volumes[0] != volumes[1]:
+            yield Change(name, *volumes)
 
 
-def _read_checks(report: Mapping[str, Any]) -> dict[str, bool]:
-    """Read whether each check of a report passed, by its name."""
-    checks = _find(report, "checks", default=[])
-    return {str(_find(check, "name")): _find(check, "passed") is True for check in checks}
+def _read_checks(report: Mapping[str, Any], formats: Collection[str]) -> dict[str, bool]:
+    """Read whether each check of a report passed, by its name; those of other formats are left out."""
+    left_out = [f".{name}." for name in _FORMATS if name not in formats]
+    checks = _find(report, "checks", kind=list) or []
+    return {
+        name: _find(check, "passed", kind=bool) is True
+        for check in checks
+        if (name := _find(check, "name", kind=str)) and not _is_of(name, left_out)
+    }
+
+
+def _is_of(check: str, formats: Iterable[str]) -> bool:
+    """Return whether a check reads a file of some formats; plates are 3MF files."""
+    name = f".3mf.{check}" if check.startswith("plate.") else check
+    return any(each in name for each in formats)
+
+
+def _list_formats(report: Mapping[str, Any]) -> set[str]:
+    """List the formats in which a report has every part."""
+    parts = _find(report, "parts", kind=dict) or {}
+    of_parts = [set(_find(parts, name, "files", kind=dict) or {}) for name in parts]
+    return set.intersection(*of_parts) if of_parts else set()
 
 
 # --- figures of a report ----------------------------------------------------------------------------------------------
 
 
-def _find(data: Any, *keys: str, default: Any = None) -> Any:
-    """Find a value in nested tables; the default where a report of another release has none."""
+def _find(data: Any, *keys: str, kind: type) -> Any:
+    """Find a value of a kind in nested tables; None where a report of another release has none."""
     for key in keys:
         if not isinstance(data, Mapping) or key not in data:
-            return default
+            return None
         data = data[key]
-    return data
+    if kind is float and isinstance(data, int) and not isinstance(data, bool) and abs(data) < _LARGEST:
+        return float(data)
+    return data if isinstance(data, kind) else None
 
 
-def _format(value: Any, unit: str, scale: float = 1.0) -> str:
-    if isinstance(value, bool) or not isinstance(value, int | float):
+def _format(value: float | None, unit: str, scale: float = 1.0) -> str:
+    if value is None or not math.isfinite(value):
         return _NOTHING
     rounded = float(f"{scale * value:.4g}")
     return f"{rounded:g} {unit}".rstrip()
 
 
-def _read_pad(version: Version, key: str) -> Any:
-    tilts = _find(version.report, "pad", "tilts", default=[])
-    return next((_find(tilt, key) for tilt in tilts if _find(tilt, "tilt_deg") == _TILT_DEG), None)
+def _read_figure(unit: str, *keys: str) -> Callable[[Version], str]:
+    """Return how a figure is read in a report, by its keys."""
+    return lambda version: _format(_find(version.report, *keys, kind=float), unit)
+
+
+def _read_pad(version: Version, key: str, unit: str, scale: float = 1.0) -> str:
+    tilts = _find(version.report, "pad", "tilts", kind=list) or []
+    values = [_find(tilt, key, kind=float) for tilt in tilts if _find(tilt, "tilt_deg", kind=float) == _TILT_DEG]
+    return _format(next(iter(values), None), unit, scale)
+
+
+@dataclass(frozen=True)
+class _Priced:
+    """What a shopping list states of a thing's price."""
+
+    price_usd: str
+    reason: str
 
 
 def _read_price(version: Version) -> str:
-    things = _find(version.report, "casting", "things", default=[])
+    things = _find(version.report, "casting", "things", kind=list)
     if not things:
         return _NOTHING
-    least, most, _ = add_prices(Thing(**thing) for thing in things)
+    priced = [
+        _Priced(_find(thing, "price_usd", kind=str) or "0", _find(thing, "reason", kind=str) or "") for thing in things
+    ]
+    least, most, _ = add_prices(priced)
     return f"{least} to {most} US dollars"
 
 
 def _read_delay(version: Version) -> str:
-    delays_s = _find(version.detection, "delays_s", default=[])
+    delays_s = _find(version.detection, "delays_s", kind=list)
     if not delays_s:
-        return "not detected" if version.detection else _NOTHING
-    return _format(delays_s[0], "ms", 1e3)
+        return _NOTHING if delays_s is None else "not detected"
+    return _format(_find({"delay": delays_s[0]}, "delay", kind=float), "ms", 1e3)
 
 
 _FIGURES: Mapping[str, Callable[[Version], str]] = {
-    "printed material": lambda version: _format(_find(version.report, "casting", "printed_g"), "g"),
-    "printing": lambda version: _format(_find(version.report, "casting", "print_h"), "h"),
-    "silicone to mix": lambda version: _format(_find(version.report, "casting", "batch", "total_g"), "g"),
+    "printed material": _read_figure("g", "casting", "printed_g"),
+    "printing": _read_figure("h", "casting", "print_h"),
+    "silicone to mix": _read_figure("g", "casting", "batch", "total_g"),
     "to order": _read_price,
-    "days of work": lambda version: _format(_find(version.report, "casting", "days"), ""),
-    "breaks at": lambda version: _format(_find(version.report, "strength", "loads", "breaks_n"), "N"),
-    "share of a force at the sensor": lambda version: _format(_read_pad(version, "share"), "%", 100.0),
-    "force at which it turns on": lambda version: _format(_read_pad(version, "turn_on_n"), "N"),
+    "days of work": _read_figure("", "casting", "days"),
+    "breaks at": _read_figure("N", "strength", "loads", "breaks_n"),
+    "share of a force at the sensor": lambda version: _read_pad(version, "share", "%", 100.0),
+    "force at which it turns on": lambda version: _read_pad(version, "turn_on_n", "N"),
     "delay of slip detection, one simulated trial": _read_delay,
 }
 """Figure that a comparison always states -> how a report states it."""

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from fingertip.catalogues.output_files import DESIGN, DETECTION, REPORT, SIGNAL_FOLDER
 from fingertip.design import Design
 from fingertip.design.files import load_tables
 from fingertip.documents.comparison import Version
-from fingertip.foundation.errors import InputFileError, Issue
 from fingertip.foundation.files import temporary_folder
-from fingertip.foundation.input_files import PARSED_LIMIT, read_input
 from fingertip.tasks.make import make
+from fingertip.tasks.report_file import read_json_file
 
 
 def read_version(folder: Path) -> Version:
@@ -24,8 +21,8 @@ def read_version(folder: Path) -> Version:
     return Version(
         label=str(folder),
         design=Design.from_tables(loaded.tables),
-        report=_read_json(folder / REPORT, folder),
-        detection=_read_json(detection, folder) if detection.is_file() else {},
+        report=read_json_file(folder / REPORT, folder),
+        detection=read_json_file(detection, folder) if detection.is_file() else {},
     )
 
 
@@ -36,13 +33,3 @@ def make_version(label: str, design: Design, progress: Callable[[str], None]) ->
         make(design, folder, formats=["stl"], progress=progress)
         made = read_version(folder)
     return Version(label, design, made.report, made.detection)
-
-
-def _read_json(path: Path, below: Path) -> dict[str, Any]:
-    try:
-        data = json.loads(read_input(path, PARSED_LIMIT, below=below))
-    except (ValueError, RecursionError):
-        data = None
-    if not isinstance(data, dict):
-        raise InputFileError(Issue(str(path), "is no report of fingertip; make the design there again."))
-    return data

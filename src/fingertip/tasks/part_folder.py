@@ -1,23 +1,24 @@
-"""Comparison of a folder of parts with a design: were these files made from it, by this program, and are they whole?
+"""Comparison of an output folder with a design: were its files made from it, by this program, and are they whole?
 
-Sums of files and parameters are compared in a fraction of a second. Where another version of the program made the
-parts, only making them again can tell whether they would be the same.
+Checksums and parameters are compared in a fraction of a second. Where another version of the program made the parts,
+only making them again can tell whether they would be the same.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from fingertip.cad.program import digest_program
-from fingertip.catalogues.output_files import DESIGN, PART_FILES, SIGNAL_FOLDER
+from fingertip.catalogues.output_files import DESIGN, PART_FILES, REPORT, SET_FILES, SIGNAL_FOLDER
 from fingertip.design import Design
-from fingertip.design.files import format_value, load_tables
-from fingertip.design.parameters import PARAMETERS
-from fingertip.foundation.errors import FingertipError, Issue, OutputError
-from fingertip.foundation.output_set import MANIFEST, Manifest, hash_parameters, read_manifest
+from fingertip.design.files import flatten, format_value, load_tables
+from fingertip.design.finger_set import FingerSet
+from fingertip.foundation.errors import FingertipError, InputFileError, Issue, OutputError
+from fingertip.foundation.output_set import MANIFEST, Manifest, has_hash, hash_parameters, read_manifest
+from fingertip.tasks.report_file import read_json_file
 from fingertip.tasks.verification import verify_sets
 
 _SHOWN = 5
@@ -26,69 +27,124 @@ _SHOWN = 5
 
 @dataclass(frozen=True)
 class FolderComparison:
-    """What was found in a folder of parts."""
+    """What was found in a folder."""
 
-    folder: Path
     files: int
-    """Number of files that were compared with their sums."""
+    """Number of files whose checksums were compared."""
     faults: tuple[str, ...]
-    """What is wrong, in sentences that end with what to do; empty if these are the parts of the design."""
-    doubt: str
-    """Why equal sums do not tell that this program would make the same parts; empty if they do."""
-    made_by: str
-    """Command that makes the folder: `build` or `make`."""
+    """What is wrong, in sentences that say what to do; empty if these are the files of the design."""
+    design: Design | FingerSet | None = None
+    """Design or set that the folder was compared with; None if it is that of none."""
+    command: str = ""
+    """Command that makes the folder again; empty if no single one does."""
+    doubt: str = ""
+    """Why equal checksums do not prove that this program would make the same parts; empty if they do."""
 
 
-def compare_folder(design: Design, folder: Path) -> FolderComparison:
-    """Compare a folder that `build` or `make` wrote with a design. Raises OutputError if it holds no parts."""
+def compare_folder(candidates: Sequence[Design | FingerSet], folder: Path) -> FolderComparison:
+    """Compare a folder that a command wrote with the design or set, of those given, that it was made from.
+
+    Raises OutputError if no command wrote the folder.
+    """
     manifest = read_manifest(folder)
-    if manifest is None or manifest.kind != PART_FILES.kind:
-        message = f"holds no parts, for want of a {MANIFEST} that says so; build the design there first."
+    if manifest is None:
+        message = f"has no {MANIFEST} of fingertip; name the folder that build, make or another command wrote."
         raise OutputError(Issue(str(folder), message))
 
     count, faults = verify_sets(folder)
-    faults += [issue.typed for issue in _find_other_design(design, folder, manifest)]
+    design = _choose(candidates, manifest)
+    if design is None:
+        names = ", ".join(candidate.name for candidate in candidates)
+        faults.append(f"{folder}: holds the {manifest.kind} of {manifest.design!r}, which is none of {names}.")
+        return FolderComparison(count, tuple(faults))
 
-    doubt = ""
-    if not faults and manifest.program != digest_program():
-        message = (
-            f"was made by another version of this program ({manifest.fingertip}), or with other versions of its "
-            "libraries; add --verify, which makes STL and 3MF again and compares them, or make the parts again."
-        )
-        doubt = Issue(str(folder), message).typed
+    faults += [issue.typed for issue in _find_other_parameters(design, folder, manifest)]
+    if isinstance(design, FingerSet):
+        faults += _compare_forms(design, folder)
+        return FolderComparison(count, tuple(faults), design, "make")
+    if manifest.kind != PART_FILES.kind:
+        command = manifest.kind if manifest.kind in ("board", "firmware", "robot") else ""
+        return FolderComparison(count, tuple(faults), design, command)
 
-    made_by = "make" if (folder / SIGNAL_FOLDER / MANIFEST).is_file() else "build"
-    return FolderComparison(folder, count, tuple(faults), doubt, made_by)
+    faults += _find_other_prints(folder)
+    command = "make" if (folder / SIGNAL_FOLDER / MANIFEST).is_file() else "build"
+    doubt = _doubt(folder) if manifest.program != digest_program() else ""
+    return FolderComparison(count, tuple(faults), design, command, doubt)
 
 
-def _find_other_design(design: Design, folder: Path, manifest: Manifest) -> Iterator[Issue]:
-    """Find the parameters in which the design differs from the one that the folder was made from."""
+def _choose(candidates: Sequence[Design | FingerSet], manifest: Manifest) -> Design | FingerSet | None:
+    """Choose the design of a folder: that of the same parameters, else that of the same name, else the only one."""
+    is_set = manifest.kind == SET_FILES.kind
+    of_kind = [candidate for candidate in candidates if isinstance(candidate, FingerSet) == is_set]
+    equal = [candidate for candidate in of_kind if hash_parameters(candidate.identity()) == manifest.parameters]
+    named = [candidate for candidate in of_kind if candidate.name == manifest.design]
+    only = of_kind if len(of_kind) == 1 else []
+    return next(iter([*equal, *named, *only]), None)
+
+
+def _compare_forms(fingers: FingerSet, folder: Path) -> Iterator[str]:
+    """Compare the folder of each form of a set."""
+    for form in fingers.forms:
+        place = folder / form.design.name
+        if not place.is_dir():
+            yield f"{place}: is missing; make the set again."
+            continue
+        compared = compare_folder([form.design], place)
+        yield from compared.faults
+        if compared.doubt:
+            yield compared.doubt
+
+
+def _doubt(folder: Path) -> str:
+    return (
+        f"{folder}: was made by another version of this program or of its libraries; add --verify, "
+        "which makes STL and 3MF again and compares them, or make the parts again."
+    )
+
+
+# --- parameters -------------------------------------------------------------------------------------------------------
+
+
+def _find_other_parameters(design: Design | FingerSet, folder: Path, manifest: Manifest) -> Iterator[Issue]:
+    """Find the parameters in which a design differs from the one that a folder was made from."""
     if manifest.parameters == hash_parameters(design.identity()):
         return
 
-    before = _read_values(folder)
+    before = _read_parameters(folder)
     changed = [
         f"{name} is {format_value(value)}, and was {format_value(before[name])}"
-        for name, value in _list_values(design).items()
+        for name, value in flatten(design.identity())
         if name in before and before[name] != value
     ]
     if not changed:
-        yield Issue(str(folder), f"holds the parts of another {manifest.design!r}; make them again.")
+        yield Issue(str(folder), f"was made from other parameters of {manifest.design!r}; make it again.")
         return
 
     more = f", and {len(changed) - _SHOWN} more" if len(changed) > _SHOWN else ""
     listed = "; ".join(changed[:_SHOWN]) + more
-    yield Issue(str(folder), f"holds parts that were made from other parameters ({listed}); make them again.")
+    yield Issue(str(folder), f"was made from other parameters ({listed}); make it again.")
 
 
-def _read_values(folder: Path) -> dict[str, Any]:
-    """Read the parameters that a folder states; none if its design file cannot be used any more."""
+def _read_parameters(folder: Path) -> Mapping[str, Any]:
+    """Read the parameters that a folder states; none if it has no design file, or one of another release."""
     try:
         loaded = load_tables([folder / DESIGN], (), below=folder)
-        return _list_values(Design.from_tables(loaded.tables))
+        return dict(flatten(Design.from_tables(loaded.tables).identity()))
     except FingertipError:
         return {}
 
 
-def _list_values(design: Design) -> dict[str, Any]:
-    return {path: design.value(path) for path in PARAMETERS}
+# --- files as they lie on the bed -------------------------------------------------------------------------------------
+
+
+def _find_other_prints(folder: Path) -> Iterator[str]:
+    """Find files for the printer that are not those of the report: its folder may have lost its own manifest."""
+    try:
+        report = read_json_file(folder / REPORT, folder)
+    except InputFileError:
+        return  # the manifest says so already
+    prints = report.get("print")
+    for name, entry in prints.items() if isinstance(prints, dict) else ():
+        digest = entry.get("sha256") if isinstance(entry, dict) else None
+        if not has_hash(folder / name, digest):
+            yield f"{folder / name}: is not the file of {folder / REPORT}; make the parts again."

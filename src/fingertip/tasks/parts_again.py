@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
-from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.mesh import MAX_TOLERANCE_MM, MIN_TOLERANCE_MM, MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.verify import verify
-from fingertip.catalogues.output_files import PART_FORMATS, PRINT_FOLDER, REPORT
+from fingertip.catalogues.output_files import PRINT_FOLDER, REPORT
 from fingertip.design import Design
-from fingertip.foundation.input_files import PARSED_LIMIT, read_input
+from fingertip.foundation.errors import InputFileError, Issue
 from fingertip.foundation.output_set import read_manifest
+from fingertip.tasks.report_file import read_json_file
 from fingertip.tasks.verification import compare_with_design
 
 _FORMATS = ("stl", "3mf")
@@ -20,17 +20,41 @@ _FORMATS = ("stl", "3mf")
 def compare_made_again(design: Design, folder: Path) -> list[str]:
     """Make the STL and 3MF files of a folder again, and describe which of them differ; none if all are equal.
 
-    Raises InputFileError if the folder has no report, and GeometryError.
+    Raises InputFileError if the folder has no report of fingertip, and GeometryError.
     """
-    report = json.loads(read_input(folder / REPORT, PARSED_LIMIT, below=folder))
+    in_folder = _list_meshes(folder)
+    lying = _list_meshes(folder / PRINT_FOLDER)
+    if not in_folder:
+        return [f"{folder}: holds no STL or 3MF file to compare; make the parts again."]
+
+    names = [name for name in parts_by_name(design) if any(file.startswith(f"{name}.") for file in in_folder)]
+    formats = [name for name in _FORMATS if any(file.endswith(f".{name}") for file in in_folder)]
+    made = verify(design, names, formats, MeshEvaluator(_read_tolerance(folder)))
+
+    found = []
+    for place, files, contents in (
+        (folder, in_folder, made.contents),
+        (folder / PRINT_FOLDER, lying, made.prints.contents),
+    ):
+        found += compare_with_design(place, {name: data for name, data in contents.items() if name in files})
+        found += [
+            f"{place / name}: is of no part of this design; remove it, or make the parts again."
+            for name in files
+            if name not in contents
+        ]
+    return found
+
+
+def _list_meshes(folder: Path) -> list[str]:
+    """List the STL and 3MF files of a set."""
     manifest = read_manifest(folder)
-    known = manifest.files if manifest else {}
+    return [name for name in manifest.files if name.endswith((".stl", ".3mf"))] if manifest else []
 
-    formats = [name for name in _FORMATS if any(file.endswith(PART_FORMATS[name].suffix) for file in known)]
-    names = [name for name in parts_by_name(design) if name in report["parts"]]
-    made = verify(design, names, formats, MeshEvaluator(report["tolerance_mm"]))
 
-    prints = read_manifest(folder / PRINT_FOLDER)
-    parts = {name: data for name, data in made.contents.items() if name in known}
-    lying = {name: data for name, data in made.prints.contents.items() if prints and name in prints.files}
-    return [*compare_with_design(folder, parts), *compare_with_design(folder / PRINT_FOLDER, lying)]
+def _read_tolerance(folder: Path) -> float:
+    """Read the tolerance at which the meshes of a folder were made [mm]."""
+    tolerance_mm = read_json_file(folder / REPORT, folder).get("tolerance_mm")
+    if isinstance(tolerance_mm, int | float) and MIN_TOLERANCE_MM <= tolerance_mm <= MAX_TOLERANCE_MM:
+        return float(tolerance_mm)
+    message = f"states no tolerance of {MIN_TOLERANCE_MM:g} to {MAX_TOLERANCE_MM:g} mm; make the parts again."
+    raise InputFileError(Issue(str(folder / REPORT), message))

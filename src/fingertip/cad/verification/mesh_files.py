@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from fingertip.cad.kernel.mesh import Manifold, Mesh, MeshEvaluator, to_manifold
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.shapes.parts import parts_by_name, print_scale
-from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check
 from fingertip.cad.verification.printing import check_triangles
 from fingertip.cad.verification.second_opinion import compare_readings, read_mesh
 from fingertip.design import Design
@@ -37,6 +37,8 @@ _SIZE_ROUNDING_MM = 0.005
 """Difference in size that is left to the rounding of another program [mm]."""
 _UNITS_MM = {"inches": 25.4, "centimetres": 10.0, "metres": 1000.0}
 """Units in which other programs export [mm]."""
+_SHELL_SHARE = 1.5
+"""Thickness of a piece between two meshes of one surface, over their tolerance, that counts as none."""
 _SAME_SHARE = 1e-3
 """Largest difference of two shares that counts as none."""
 _UNIT_SHARE = 0.05
@@ -60,20 +62,12 @@ class MeshFile:
         return all(check.passed for check in self.checks)
 
 
-def check_mesh_files(
-    paths: Iterable[Path], designs: Iterable[Design] = (), tolerance_mm: float = 0.01
-) -> list[MeshFile]:
-    """Check mesh files, the halves of a mold beside each other, and a part's file against its design.
+def check_mesh_file(path: Path, design: Design | None = None, tolerance_mm: float = 0.01) -> MeshFile:
+    """Check a mesh file, and half of a mold beside the other half in the same folder.
 
-    With one design, a file that has the name of a part is compared with that part. Raises InputFileError,
-    GeometryError or MissingLibraryError.
+    With a design, a file that has the name of a part is compared with that part. Raises InputFileError, GeometryError
+    or MissingLibraryError.
     """
-    given = tuple(designs)
-    design = given[0] if len(given) == 1 else None
-    return [_check_file(path, design, tolerance_mm) for path in dict.fromkeys(paths)]
-
-
-def _check_file(path: Path, design: Design | None, tolerance_mm: float) -> MeshFile:
     data = read_input(path, BODY_LIMIT, "a mesh")
     read = read_mesh(str(path), data)
     mesh = _read_stl(path, data) or Mesh(
@@ -172,14 +166,23 @@ def _size(mesh: Mesh) -> Array:
 
 
 def _compare_with_part(mesh: Mesh, part: Mesh, tolerance_mm: float) -> Iterator[Check]:
-    """Compare size and surface with those of the part of a design; each has facets within the tolerance."""
+    """Compare size and surface with those of the part of a design; each has facets within the tolerance.
+
+    What only one of both fills falls into pieces. Between two meshes of one surface they are thin shells; a piece that
+    is thicker shows another bore, groove or letter, however small.
+    """
     difference = float(abs(_size(mesh) - _size(part)).max())
     yield Check("design.size_difference", difference, 2.0 * tolerance_mm + _SIZE_ROUNDING_MM, "mm")
 
     solid = to_manifold(mesh.vertices, mesh.triangles)
     wanted = to_manifold(part.vertices, part.triangles)
-    apart = float((solid - wanted).volume() + (wanted - solid).volume())
-    yield Check("design.mean_distance", apart / part.area(), tolerance_mm, "mm")
+    pieces = [piece for one in (solid - wanted, wanted - solid) for piece in one.decompose()]
+    thickness = [
+        2.0 * float(piece.volume()) / float(piece.surface_area())
+        for piece in pieces
+        if piece.volume() > VOLUME_TOLERANCE_MM3
+    ]
+    yield Check("design.surface_distance", max(thickness, default=0.0), _SHELL_SHARE * tolerance_mm, "mm")
 
 
 # --- what to do about it ----------------------------------------------------------------------------------------------
@@ -194,7 +197,7 @@ def describe_mesh_cause(file: MeshFile, check: Check) -> str:
         return f"export both halves of one design, without moving them apart ({subject} is the other)"
     if what in ("overlap", "pull_overlap"):
         return f"export both halves of one design, each in its place ({subject} is the other)"
-    return "mend the mesh"
+    return "export one body" if what.endswith("bodies") else "repair the mesh"
 
 
 def _describe_other_part(file: MeshFile) -> str:

@@ -43,6 +43,8 @@ def read_mesh(name: str, data: bytes) -> Any:
         read = trimesh.load(io.BytesIO(data), file_type=file_format, force="mesh")
         if not len(read.faces):
             raise ValueError("it holds no triangles")
+        if not np.isfinite(read.vertices).all():
+            raise ValueError("it holds coordinates that are not finite")
     except Exception as error:
         message = f"cannot be read as a mesh ({str(error) or type(error).__name__}); export it again, in mm."
         raise InputFileError(Issue(name, message)) from None

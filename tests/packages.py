@@ -13,8 +13,8 @@ from packaging.utils import canonicalize_name
 from tests.conftest import ROOT
 
 CONSTRAINTS = ROOT / "constraints.txt"
-LEVELS = ("core", "usual", "all", "test")
-"""Words that install.sh takes, `usual` for none: each level has its list and holds those before it."""
+LEVELS = ("core", "mesh", "usual", "all", "test")
+"""Each has its list and holds those before it. install.sh takes all but `mesh`, which the GitHub action installs."""
 
 
 def list_path(level: str) -> Path:

@@ -18,7 +18,7 @@ from pathlib import Path
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from fingertip.foundation.extras import EXTRAS
+from fingertip.foundation.extras import DISTRIBUTION, EXTRAS
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "licences.md"
@@ -96,7 +96,7 @@ def list_licences() -> list[Licence]:
 
     found: dict[str, str] = {}
     for group, lines in groups.items():
-        for name in collect(lines):
+        for name in collect(lines) - {DISTRIBUTION}:  # some extras ask for others of its own
             found.setdefault(name, group)
 
     return [Licence(metadata.metadata(name)["Name"], read_licence(name), found[name]) for name in sorted(found)]

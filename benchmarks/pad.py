@@ -1,6 +1,6 @@
 """Error and run time of the layer model of the pad, against finite elements on random forms and poses.
 
-    python benchmarks/pad.py [--designs 34] [--seed 1]
+    python benchmarks/pad.py [--designs 34] [--seed 1] [--json]
 
 Each form is the default design with a random crown or none, thickness, modulus, and place of the sensor; it is pressed
 at three random tilts with 1 and 5 N. Forms that break a rule, and contacts that the finite elements refuse because the
@@ -11,6 +11,7 @@ the finite elements.
 from __future__ import annotations
 
 import argparse
+import json
 import math
 import random
 import time
@@ -52,11 +53,21 @@ def draw_form(rng: random.Random) -> PadForm:
             continue
 
 
+def sum_up(errors: list[float]) -> dict[str, float]:
+    """Sum up the errors of the share in all contacts."""
+    return {
+        "contacts": len(errors),
+        "rms": float(np.sqrt(np.mean(np.square(errors)))),
+        "worst": float(np.abs(errors).max()),
+    }
+
+
 def main() -> None:
     """Print the errors and the times."""
     parser = argparse.ArgumentParser(description="Layer model of the pad against finite elements.")
     parser.add_argument("--designs", type=int, default=34)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--json", action="store_true", help="print the errors as data in place of lines")
     given = parser.parse_args()
     rng = random.Random(given.seed)
     shares: dict[float, list[float]] = {force: [] for force in FORCES_N}
@@ -91,6 +102,9 @@ def main() -> None:
                 ratios[force].append(math.exp(float(at)) / force)
                 pressed += force == FORCES_N[0]
         fem_s.append(spent)
+    if given.json:
+        print(json.dumps({f"{force:g}": sum_up(shares[force]) for force in FORCES_N}, indent=1))
+        return
     for force in FORCES_N:
         error, ratio = np.abs(shares[force]), np.array(ratios[force])
         rms = float(np.sqrt(np.mean(np.square(shares[force]))))

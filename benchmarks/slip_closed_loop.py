@@ -11,8 +11,10 @@ detections while the force grows; the hand's own motion is added to its commands
 from __future__ import annotations
 
 import argparse
+import json
 import random
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -70,6 +72,20 @@ class Price:
     alarms: int
     minutes: float
 
+    def as_data(self) -> dict[str, Any]:
+        """Convert it to plain data for JSON."""
+        slipped_mm = [1000 * trial.slipped_m for trial in self.trials]
+        return {
+            "detector": self.detector,
+            "factor": self.scale,
+            "held": sum(trial.held for trial in self.trials),
+            "trials": len(self.trials),
+            "median_mm": float(np.median(slipped_mm)),
+            "p90_mm": float(np.quantile(slipped_mm, 0.9)),
+            "force_ratio": float(np.mean([trial.force_ratio for trial in self.trials if trial.held])),
+            "alarms": self.alarms,
+        }
+
     def describe(self) -> str:
         slipped_mm = [1000 * trial.slipped_m for trial in self.trials]
         ratios = [trial.force_ratio for trial in self.trials if trial.held]
@@ -126,16 +142,24 @@ def main() -> None:
     parser.add_argument("--design", default="fsr400", help="design file or bundled name")
     parser.add_argument("--repeats", type=int, default=3, help="of each manipulation, 1 to 3")
     parser.add_argument("--minutes", type=float, default=2.0, help="of holding, for each line")
+    parser.add_argument("--json", action="store_true", help="print data in place of lines")
     arguments = parser.parse_args()
     design = Design.load(arguments.design)
     cases: list[GripSettings | None] = [None]
     cases += [GripSettings(name, scale) for name, scales in DETECTORS.items() for scale in scales]
+    data: dict[str, list[dict[str, Any]]] = {}
     with compiled():
         for hand in HANDS:
-            print(hand)
+            data[hand] = []
+            if not arguments.json:
+                print(hand)
             for settings in cases:
                 price = measure(design, settings, hand, arguments.repeats, arguments.minutes)
-                print(f"  {price.describe()}", flush=True)
+                data[hand].append(price.as_data())
+                if not arguments.json:
+                    print(f"  {price.describe()}", flush=True)
+    if arguments.json:
+        print(json.dumps(data, indent=1, allow_nan=False))
 
 
 if __name__ == "__main__":

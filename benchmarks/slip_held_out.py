@@ -1,6 +1,6 @@
 """Detector `fast` on signals that were drawn apart from it: every kind at both operating points.
 
-    python -m benchmarks.slip_held_out [--boards S A] [--share 1.0] [--seed 1] [--report FILE.md]
+    python -m benchmarks.slip_held_out [--boards S A] [--share 1.0] [--seed 1] [--report FILE.md] [--json]
 
 `benchmarks/held_out_signals.py` draws the signals, from published work and from assumptions, without knowledge of the
 detector and its training. They were frozen before any detector had run on them (`HASH`): a change of them is another
@@ -14,9 +14,12 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import json
 import math
+import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -44,17 +47,24 @@ def main() -> None:
     parser.add_argument("--share", type=float, default=1.0, help="share of the recordings of a whole run")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--report", type=Path, help="file for the table, in Markdown")
+    parser.add_argument("--json", action="store_true", help="print data in place of lines")
     arguments = parser.parse_args()
     present = hashlib.sha256(Path(held_out_signals.__file__).read_bytes()).hexdigest()
     if present != HASH:
-        print(f"The generators are not those that judged the fit: their hash is {present}.")
+        print(f"The generators are not those that judged the fit: their hash is {present}.", file=sys.stderr)
+    data: dict[str, Any] = {}
     lines = ["| signal | board | point | slips found | median, p90, worst, ms | ON | alarms |", "| --- " * 7 + "|"]
     for row in arguments.rows:
         for board in arguments.boards:
             count = math.ceil(arguments.share * held_out_signals.default_count(row))
             outcomes = run_both_points(DESIGNS[board], draw(row, board, arguments.seed, count))
-            lines += [describe(row, board, point, MixSummary(tuple(found))) for point, found in outcomes.items()]
-            print(*lines[-len(outcomes) :], sep="\n", flush=True)
+            summaries = {point: MixSummary(tuple(found)) for point, found in outcomes.items()}
+            data.setdefault(row, {})[board] = {point: summary.as_data() for point, summary in summaries.items()}
+            lines += [describe(row, board, point, summary) for point, summary in summaries.items()]
+            if not arguments.json:
+                print(*lines[-len(outcomes) :], sep="\n", flush=True)
+    if arguments.json:
+        print(json.dumps(data, indent=1, allow_nan=False))
     if arguments.report:
         arguments.report.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import itertools
+import json
 import math
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -45,6 +46,7 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=30.0, help="duration of the scenes without slip")
     parser.add_argument("--events", type=int, default=MixSize.events)
     parser.add_argument("--noisy", type=int, default=MixSize.noisy)
+    parser.add_argument("--json", action="store_true", help="print data in place of lines")
     arguments = parser.parse_args()
     size = MixSize(arguments.events, arguments.noisy)
     design = Design.load(arguments.design)
@@ -57,6 +59,13 @@ def main() -> None:
             judged = {"on": run_detector(arguments.detector, design, signals)}
         for point, outcomes in judged.items():
             found.setdefault(point, []).extend(outcomes)
+    if arguments.json:
+        data = {
+            point: {kind: summary.as_data() for kind, summary in pool(outcomes).items()}
+            for point, outcomes in found.items()
+        }
+        print(json.dumps(data, indent=1, allow_nan=False))
+        return
     for point, outcomes in found.items():
         print(f"{arguments.design}, {arguments.detector}, {point}")
         for kind, summary in pool(outcomes).items():

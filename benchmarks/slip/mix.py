@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from benchmarks.slip import mix_signals
 from benchmarks.slip.mix_signals import REACTION_S, LabelledSignal
 from fingertip.design import Design
+from fingertip.foundation.numerics import poisson_interval
 from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES
 from fingertip.lab.campaign.run import quantile_s, separate_events
@@ -317,6 +318,26 @@ class MixSummary:
     @property
     def disturbed_share(self) -> float:
         return sum(outcome.disturbed for outcome in self.outcomes) / self.events if self.events else math.nan
+
+    def as_data(self) -> dict[str, float | None]:
+        """Convert it to plain data for JSON; None for what these signals do not show."""
+        shares = [share for outcome in self.outcomes for share in outcome.on_shares]
+        found = {
+            "slips": self.slides,
+            "found": sum(len(outcome.delays_s) for outcome in self.outcomes),
+            "median_ms": 1000 * self.delay_s(0.5) if self.slides else math.nan,
+            "p90_ms": 1000 * self.delay_s(0.9) if self.slides else math.nan,
+            "worst_ms": 1000 * self.worst_s,
+            "p90_from_motion_ms": 1000 * self.motion_delay_s(0.9) if self.slides else math.nan,
+            "on_share": sum(shares) / len(shares) if shares else math.nan,
+            "least_on_share": self.smallest_on_share,
+            "events": self.events,
+            "disturbed": sum(outcome.disturbed for outcome in self.outcomes),
+            "alarms": self.alarms,
+            "minutes": self.minutes,
+            "most_alarms_per_minute": poisson_interval(self.alarms)[1] / self.minutes if self.minutes else math.nan,
+        }
+        return {name: value if math.isfinite(value) else None for name, value in found.items()}
 
 
 def summarise(outcomes: Iterable[Outcome]) -> dict[str, MixSummary]:

@@ -11,11 +11,13 @@ from __future__ import annotations
 
 import argparse
 import itertools
+import json
 import math
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -59,16 +61,34 @@ def judge(
     return found
 
 
-def describe(found: dict[str, list[tuple[float, ...]]]) -> str:
+def summarise(found: dict[str, list[tuple[float, ...]]]) -> dict[str, dict[str, float | None]]:
+    """Sum up what a detector reaches, by kind of slide; under "null", the windows without slip."""
+    hits = [hit for (hit,) in found["null"]]
+    data: dict[str, dict[str, float | None]] = {"null": {"found": sum(hits), "of": len(hits)}}
+    for kind in ("stage", *STRENGTHS):
+        delays_s, shares = zip(*found[kind], strict=True)
+        known_s = [delay_s for delay_s in delays_s if delay_s < math.inf]
+        median_ms, p90_ms = (1000 * quantile_s(known_s, len(delays_s), fraction) for fraction in (0.5, 0.9))
+        data[kind] = {
+            "found": len(known_s),
+            "of": len(delays_s),
+            "median_ms": median_ms if median_ms < math.inf else None,
+            "p90_ms": p90_ms if p90_ms < math.inf else None,
+            "on_share": float(np.mean(shares)),
+        }
+    return data
+
+
+def describe(reached: dict[str, dict[str, float | None]]) -> str:
     """Describe what a detector reaches, as cells of a table."""
     cells = []
     for kind in ("stage", *STRENGTHS):
-        delays_s, shares = zip(*found[kind], strict=True)
-        late = (1000 * quantile_s([d for d in delays_s if d < math.inf], len(delays_s), q) for q in (0.5, 0.9))
-        delays = " / ".join(f"{delay:.0f}" if delay < math.inf else "-" for delay in late)
-        cells.append(f"{sum(d < math.inf for d in delays_s)} of {len(delays_s)}, {delays} ms, {np.mean(shares):.2f}")
-    null = [hit for (hit,) in found["null"]]
-    return " | ".join([*cells, f"{100 * np.mean(null):.1f} % of {len(null)}"])
+        one = reached[kind]
+        delays = " / ".join("-" if delay is None else f"{delay:.0f}" for delay in (one["median_ms"], one["p90_ms"]))
+        cells.append(f"{one['found']} of {one['of']}, {delays} ms, {one['on_share']:.2f}")
+    null = reached["null"]
+    share = (null["found"] or 0.0) / (null["of"] or 1.0)
+    return " | ".join([*cells, f"{100 * share:.1f} % of {null['of']}"])
 
 
 def count_alarms(competitor: Competitor, factor: float, seed: int) -> list[int]:
@@ -80,33 +100,49 @@ def count_alarms(competitor: Competitor, factor: float, seed: int) -> list[int]:
     ]
 
 
+def find_missed(reached: dict[str, dict[str, float | None]]) -> Iterator[str]:
+    """Yield a sentence for each kind of slide in which `fast` is ON for less than the gate asks."""
+    for kind, least in LIMITS.items():
+        share = reached[kind]["on_share"] or 0.0
+        if share < least:
+            yield f"{kind}: ON {share:.2f}, at least {least:g}"
+
+
 def main(words: Sequence[str] | None = None) -> None:
-    """Print a row for each detector and factor; exit with 1 if `fast` misses a limit at its own threshold."""
+    """Print a row for each detector and factor; exit with 1 if `fast` misses a limit at its own threshold.
+
+    The limits are for slides that are joined where their robot has speeded up.
+    """
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--judging", action="store_true", help="take the slides on which nothing was tuned")
     parser.add_argument("--sliding", type=float, default=SLIDING_S, help="time after the robot's start [s]; 0: with it")
     parser.add_argument("--detectors", nargs="+", default=list(COMPETITORS), choices=list(COMPETITORS))
     parser.add_argument("--factors", nargs="+", type=float, help="of the thresholds; counts held-out alarms too")
+    parser.add_argument("--json", action="store_true", help="print data in place of the table")
     options = parser.parse_args(words)
     try:
         signals = list(read_joined(options.folder, options.judging, options.sliding))
     except (FingertipError, OSError) as error:
         sys.exit(str(error))
     columns = ["detector", "stage", *STRENGTHS, "null test", *(HELD_OUT if options.factors else ())]
-    print(f"| {' | '.join(columns)} |\n{'| --- ' * len(columns)}|")
-    missed = []
+    if not options.json:
+        print(f"| {' | '.join(columns)} |\n{'| --- ' * len(columns)}|")
+    rows, missed = list[dict[str, Any]](), list[str]()
     with compiled():
         for name, factor in itertools.product(options.detectors, options.factors or (1.0,)):
-            found = judge(Design.load("article"), COMPETITORS[name], signals, factor)
+            reached = summarise(judge(Design.load("article"), COMPETITORS[name], signals, factor))
             seed = 1 if options.judging else 2
             alarms = count_alarms(COMPETITORS[name], factor, seed) if options.factors else []
             label = COMPETITORS[name].label + (f" x {factor:g}" if options.factors else "")
-            print(f"| {' | '.join([label, describe(found), *map(str, alarms)])} |", flush=True)
-            shares = {kind: float(np.mean([share for _, share in found[kind]])) for kind in LIMITS}
-            if name == "fast" and factor == 1.0:
-                low = {kind: least for kind, least in LIMITS.items() if shares[kind] < least}
-                missed = [f"{kind}: ON {shares[kind]:.2f}, at least {least:g}" for kind, least in low.items()]
+            counted = dict(zip(HELD_OUT, alarms, strict=False))
+            rows.append({"label": label, "factor": factor, "alarms": counted, **reached})
+            if not options.json:
+                print(f"| {' | '.join([label, describe(reached), *map(str, alarms)])} |", flush=True)
+            if name == "fast" and factor == 1.0 and options.sliding == SLIDING_S:
+                missed = list(find_missed(reached))
+    if options.json:
+        print(json.dumps(rows, indent=1, allow_nan=False))
     sys.exit("\n".join(missed) or 0)
 
 

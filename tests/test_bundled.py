@@ -120,7 +120,7 @@ def test_a_folder_hides_no_bundled_file_of_its_name(folder: Path) -> None:
 
 
 SOURCES = (
-    "make", "check", "studio", "build", "calibrate printer --half-thickness-mm 10", "calibrate sensor w.csv", "board",
+    "make", "check", "compare first_finger", "compare fsr400", "studio", "build", "calibrate printer --half-thickness-mm 10", "calibrate sensor w.csv", "board",
     "firmware", "simulate", "simulate drift --design", "detect t.csv --design", "validate", "record", "params", "pad",
     "accuracy", "accuracy budget", "robot", "page", "sheet", "acceptance", "picture", "drawing", "new own --from",
     "sweep",
@@ -151,6 +151,9 @@ def test_every_command_takes_a_name_with_a_slash_as_that_of_the_folder(folder: P
         for typed in (f"./{name}", f"{name}/"):
             done = run_fingertip(*words.split(), typed, PWD=str(folder))
             assert (done.returncode, done.stdout) == (2, ""), words
+            if words.startswith("compare"):
+                assert f"{folder / name / 'design.toml'}: cannot be read" in done.stderr
+                continue
             said = "has no manifest.json" if words == "check" else "is a folder, not a regular file; give the path of a"
             assert done.stderr.startswith(f"error: {folder / name}: {said}"), words
 
@@ -159,12 +162,12 @@ def test_check_takes_a_bare_name_for_the_design_and_says_how_to_name_the_folder(
     for name in ("adult_finger", "board"):
         SetWriter(folder / name, "parts", name, "now").write({"bone.stl": b"bone"})
     done = run_fingertip("check", "adult_finger", "board", PWD=str(folder))
-    assert re.match(r"adult_finger: all \d+ checks passed\n\nboard: 1 files compared", done.stdout)
+    assert re.match(r"adult_finger: all \d+ checks passed\n\nboard: was made from other parameters", done.stdout)
     told = "warning: adult_finger is the bundled design of this name; ./adult_finger names the folder\n"
     assert done.stderr.count("warning") == done.stderr.count(told) == 1
     for typed in ("./adult_finger", "adult_finger/"):
         done = run_fingertip("check", typed, PWD=str(folder))
-        assert (done.stdout, done.stderr) == (f"{folder / 'adult_finger'}: 1 files compared, all are as written\n", "")
+        assert (done.stdout, done.stderr) == (f"{folder / 'adult_finger'}: 1 file compared, all are as written\n", "")
 
 
 def test_a_sweep_file_names_bundled_files_and_files_beside_it(folder: Path) -> None:

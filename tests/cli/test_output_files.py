@@ -39,6 +39,7 @@ FOLDERS = (
     ("build fsr400", "fingertip.tasks.build.verify"),
     ("make fsr400", "fingertip.tasks.build.verify"),
     ("board", "fingertip.foundation.output_set.SetWriter._write"),
+    ("compare fsr400 fsr402", "fingertip.tasks.compare.make"),
     ("firmware fsr400", "fingertip.foundation.output_set.SetWriter._write"),
     ("robot fsr400", "fingertip.tasks.robot.build_finger"),
     ("validate", "fingertip.lab.validation.validate"),

@@ -184,3 +184,15 @@ def test_actions_are_pinned_by_hash() -> None:
     used = [word for path in files for word in re.findall(r"uses: (\S+)", path.read_text())]
     assert used
     assert [word for word in used if not re.fullmatch(r"[\w./-]+@[0-9a-f]{40}", word)] == []
+
+
+def test_commit_of_the_manual_holds_action_and_hooks_as_they_are() -> None:
+    """A commit stands in docs/ci.md until a release is tagged; after a change of the action, name the new one there."""
+    page = (ROOT / "docs" / "ci.md").read_text(encoding="utf-8")
+    commits = set(re.findall(r"(?:actions/check@|rev: )(\w+)", page))
+    assert len(commits) == 1, commits
+    (commit,) = commits
+    run("git", "merge-base", "--is-ancestor", commit, "HEAD", cwd=ROOT)
+    for name in (".github/actions/check/action.yml", ".pre-commit-hooks.yaml"):
+        then = run("git", "show", f"{commit}:{name}", cwd=ROOT).stdout
+        assert then == (ROOT / name).read_text(encoding="utf-8"), name

@@ -147,7 +147,7 @@ def test_pull_request_is_told_what_it_changes(runner: Runner) -> None:
     assert codes["Tell what changed"] == 0, runner.printed
     assert "| `skin.width_mm` | 17 mm | 17.4 mm |" in runner.summary
     assert "designs/a.toml" not in runner.summary, "it is as it was"
-    assert (runner.temporary / "fingertip-comparison" / "b" / "comparison.png").stat().st_size
+    assert (runner.temporary / "fingertip-comparison" / "1-b" / "comparison.png").stat().st_size
     restore(runner)
 
 

@@ -120,7 +120,8 @@ def test_a_folder_hides_no_bundled_file_of_its_name(folder: Path) -> None:
 
 
 SOURCES = (
-    "make", "check", "compare first_finger", "compare fsr400", "studio", "build", "calibrate printer --half-thickness-mm 10", "calibrate sensor w.csv", "board",
+    "make", "check", "compare first_finger", "compare fsr400", "studio", "build",
+    "calibrate printer --half-thickness-mm 10", "calibrate sensor w.csv", "board",
     "firmware", "simulate", "simulate drift --design", "detect t.csv --design", "validate", "record", "params", "pad",
     "accuracy", "accuracy budget", "robot", "page", "sheet", "acceptance", "picture", "drawing", "new own --from",
     "sweep",

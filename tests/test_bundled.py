@@ -153,7 +153,7 @@ def test_every_command_takes_a_name_with_a_slash_as_that_of_the_folder(folder: P
             done = run_fingertip(*words.split(), typed, PWD=str(folder))
             assert (done.returncode, done.stdout) == (2, ""), words
             if words.startswith("compare"):
-                assert f"{folder / name / 'design.toml'}: cannot be read" in done.stderr
+                assert f"{folder / name}: is a folder without the report.json" in done.stderr
                 continue
             said = "has no manifest.json" if words == "check" else "is a folder, not a regular file; give the path of a"
             assert done.stderr.startswith(f"error: {folder / name}: {said}"), words
@@ -163,7 +163,7 @@ def test_check_takes_a_bare_name_for_the_design_and_says_how_to_name_the_folder(
     for name in ("adult_finger", "board"):
         SetWriter(folder / name, "parts", name, "now").write({"bone.stl": b"bone"})
     done = run_fingertip("check", "adult_finger", "board", PWD=str(folder))
-    assert re.match(r"adult_finger: all \d+ checks passed\n\nboard: was made from other parameters", done.stdout)
+    assert re.match(r"adult_finger: all \d+ checks passed\n\nboard: holds the parts of .board., not of adult_finger", done.stdout)
     told = "warning: adult_finger is the bundled design of this name; ./adult_finger names the folder\n"
     assert done.stderr.count("warning") == done.stderr.count(told) == 1
     for typed in ("./adult_finger", "adult_finger/"):

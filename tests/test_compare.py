@@ -137,7 +137,7 @@ def test_design_is_compared_with_a_revision_of_git(tmp_path: Path) -> None:
         ("no_such", "first_finger", "OLD: no_such: is no design and no folder"),
         ("adult_hand", "first_finger", "OLD: adult_hand: is a set"),
         ("first_finger", "missing.toml", "NEW: missing.toml: cannot be read"),
-        ("first_finger", ".", "NEW: design.toml: cannot be read"),
+        ("first_finger", ".", "NEW: .: is a folder without the report.json of build or make"),
     ],
 )
 def test_what_cannot_be_compared_is_refused(old: str, new: str, said: str, tmp_path: Path) -> None:

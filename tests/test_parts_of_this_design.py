@@ -124,20 +124,21 @@ def test_fault_in_a_folder_is_noticed(name: str, folder: Path, other: Path) -> N
     done = run_fingertip("build", NAME, "--check", "--out", folder)
     assert done.returncode == 1
     assert fault.said in done.stdout
-    assert done.stdout.splitlines()[-1] == f"next: fingertip make {NAME} --out {folder}"
+    force = "" if name == "version" else " --force"
+    assert done.stdout.splitlines()[-1] == f"next: fingertip make {NAME} --formats stl,3mf{force} --out {folder}"
 
 
 def test_changed_design_with_the_old_folder_is_noticed_and_named(folder: Path) -> None:
     done = run_fingertip("build", NAME, "--set", "skin.width_mm=19.4", "--check", "--out", folder)
     assert done.returncode == 1
-    assert "skin.width_mm is 19.4, and was 19.0" in done.stdout
+    assert "skin.width_mm: 19.4 in the design, 19.0 in the folder" in done.stdout
 
 
 def test_folder_of_another_design_is_noticed(other: Path) -> None:
     done = run_fingertip("build", NAME, "--check", "--out", other, "--json")
     assert done.returncode == 1
     (difference,) = json.loads(done.stdout)["differences"]
-    assert "name is first_finger, and was wider; skin.width_mm is 19.0, and was 19.4" in difference
+    assert "holds the parts of 'wider', not of first_finger" in difference
 
 
 STALE = ("bone.groove_depth_mm=0.7", "bone.channel_diameter_mm=2.6", "mold.engraving_depth_mm=0.4", "name=other_name")
@@ -145,7 +146,7 @@ STALE = ("bone.groove_depth_mm=0.7", "bone.channel_diameter_mm=2.6", "mold.engra
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(("change", "part"), [*zip(STALE, ("bone", "bone", "mold_palmar", "mold_palmar"), strict=True)])
+@pytest.mark.parametrize(("change", "part"), [*zip(STALE, ("bone", "bone", "mold_palmar", "core"), strict=True)])
 def test_stale_part_of_the_same_outer_size_is_noticed(change: str, part: str, tmp_path: Path) -> None:
     stale = Design.load("fsr400", changes=[change])
     build(stale, tmp_path, parts=[part], formats=["stl"])
@@ -197,7 +198,59 @@ def test_folder_is_compared_with_the_design_that_it_was_made_from(folder: Path, 
     loaded = [Design.load(tmp_path / "new.toml"), Design.load(NAME)]
     assert compare_folder(loaded, folder).faults == ()
     (fault,) = compare_folder([Design.load("fsr400"), Design.load("fsr402")], folder).faults
-    assert "which is none of fsr400, fsr402" in fault
+    assert "not of fsr400 and fsr402" in fault
+
+
+@pytest.mark.full
+def test_command_that_is_proposed_mends_the_folder(other: Path) -> None:
+    """It has the options of the folder: some parts, one format, a coarse tolerance; and overwrites what was changed."""
+    folder = other.parent / "coarse"
+    build(Design.load(NAME), folder, parts=["bone", "core"], formats=["stl"], tolerance_mm=0.05)
+    shutil.copy(other / "bone.stl", folder)
+    words = ("build", NAME, "--check", "--parts", "bone,core", "--out", str(folder))
+    proposed = run_fingertip(*words).stdout.splitlines()[-1].removeprefix("next: fingertip ")
+    expected = f"build {NAME} --formats stl --parts bone,core --tolerance-mm 0.05 --force --out {folder}"
+    assert proposed == expected
+    before = sorted(path.name for path in folder.rglob("*"))
+    assert run_fingertip(*proposed.split()).returncode == 0
+    assert sorted(path.name for path in folder.rglob("*")) == before
+    assert run_fingertip(*words).returncode == 0
+
+
+def test_parts_that_are_missing_are_named(other: Path) -> None:
+    folder = other.parent / "some"
+    build(Design.load(NAME), folder, parts=["bone"], formats=["stl"], tolerance_mm=0.2)
+    done = run_fingertip("build", NAME, "--check", "--out", folder)
+    assert done.returncode == 1
+    assert "was made without skin, mold_palmar, mold_dorsal, core, stand" in done.stdout
+    assert run_fingertip("build", NAME, "--check", "--parts", "bone", "--out", folder).returncode == 0
+
+
+def test_wrong_folder_is_an_error(folder: Path) -> None:
+    for place, said in (
+        ("board", "holds the board of 'first_finger' and no parts"),
+        ("steps/nowhere", "does not exist"),
+    ):
+        done = run_fingertip("build", NAME, "--check", "--out", folder / place)
+        assert done.returncode == 2
+        assert said in done.stderr
+    (folder / MANIFEST).unlink()
+    done = run_fingertip("check", folder)
+    assert done.returncode == 1
+    assert "has a report.json and no manifest.json" in done.stdout
+
+
+def test_mesh_that_cannot_be_compared_is_refused(folder: Path) -> None:
+    shutil.copy(folder / "bone.stl", folder / "bone_old.stl")
+    for words, said in (
+        ((NAME, folder / "bone_old.stl"), "has the name of no part of first_finger; name it after its part (bone,"),
+        ((NAME, "fsr400", folder / "bone.stl"), "is compared with the design of one finger"),
+    ):
+        done = run_fingertip("check", *words, "--tolerance-mm", "0.1")
+        assert done.returncode == 2
+        assert said in done.stderr
+    shutil.copy(folder / "bone.stl", folder / "Bone.STL")
+    assert check_mesh_file(folder / "Bone.STL", Design.load(NAME)).part == "bone"
 
 
 @pytest.mark.full
@@ -205,7 +258,7 @@ def test_check_of_a_design_and_a_folder_compares_them(folder: Path, other: Path)
     assert run_fingertip("check", NAME, folder, "--tolerance-mm", "0.05").returncode == 0
     done = run_fingertip("check", NAME, other, "--tolerance-mm", "0.05")
     assert done.returncode == 1
-    assert "skin.width_mm is 19.0, and was 19.4" in done.stdout
+    assert "holds the parts of 'wider', not of first_finger" in done.stdout
 
 
 def test_another_version_that_makes_the_same_parts_passes_and_one_that_does_not_fails(folder: Path) -> None:

@@ -90,4 +90,4 @@ def test_boards_and_parts_are_compared(pre_commit: Path, cache: Path, lab: Path,
     done = run(*words, cwd=lab, check=False, PRE_COMMIT_HOME=str(cache))
     assert done.returncode == 1
     assert done.stdout.count("- exit code: 1") == 2
-    assert "board.cutoff_hz is 80.0, and was 67.0" in done.stdout
+    assert "board.cutoff_hz: 80.0 in the design, 67.0 in the folder" in done.stdout

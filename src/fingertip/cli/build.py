@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import textwrap
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -65,7 +65,7 @@ def build(
     from fingertip.catalogues.output_files import PART_FILES, REPORT, SHEET
 
     if only_check:
-        writing = {"--parts": parts, "--formats": formats, "--pictures": pictures, "--force": force}
+        writing = {"--formats": formats, "--pictures": pictures, "--force": force}
         refuse(find_idle_issues("--check", writing))
     loaded = load_design(design, changes, console)
     if only_check:
@@ -75,7 +75,8 @@ def build(
         wanted = loaded.with_silicone(material)
         words = [*list_words(changes or (), console), *(["--material", material] if material else [])]
         folder = PART_FILES.folder(wanted, out)
-        found = compare_with_designs(folder, [Given(design, wanted)], words, verify, console)
+        refuse(_find_other_kind(folder))
+        found = compare_with_designs(folder, [Given(design, wanted)], words, verify, console, parts=split_names(parts))
         console.result(found.data, found.text, found.passed)
         return
 
@@ -100,6 +101,17 @@ def build(
     last = _tell_next(result, following, offer)
     lines += [*_list_remarks(result, _MAX_LINES - len(lines) - len(last)), *last]
     console.result(data, "\n".join(lines), result.passed)
+
+
+def _find_other_kind(folder: Path) -> Iterator[Issue]:
+    """Find out whether a folder holds something else than parts."""
+    from fingertip.catalogues.output_files import PART_FILES
+    from fingertip.foundation.output_set import read_manifest
+
+    manifest = read_manifest(folder)
+    if manifest and manifest.kind != PART_FILES.kind:
+        message = f"holds the {manifest.kind} of {manifest.design!r} and no parts; give the folder of the parts."
+        yield Issue(str(folder), message)
 
 
 _MAX_LINES, _MAX_WIDTH = 12, 100

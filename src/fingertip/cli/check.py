@@ -303,9 +303,9 @@ def _report(
 ) -> None:
     """Write the reports that are asked for, and annotations where GitHub runs the command."""
     if junit is not None:
-        checks = {result.label: result.checks for result in results}
+        cases = {result.label: result.cases for result in results}
         refusals = {path.as_posix(): issues for path, issues in refused.items()}
-        write_file(junit, to_junit(checks, refusals), "--junit")
+        write_file(junit, to_junit(cases, refusals), "--junit")
     if sarif is not None:
         write_file(sarif, to_sarif(findings), "--sarif")
     if os.environ.get("GITHUB_ACTIONS") == "true":

@@ -11,30 +11,27 @@ from fingertip.cli.check_found import Found, Given
 from fingertip.cli.check_reports import Finding, message
 from fingertip.cli.check_tables import format_checks
 from fingertip.cli.console import Console
-from fingertip.foundation.errors import Issue
+from fingertip.foundation.errors import InputFileError, Issue
 
 if TYPE_CHECKING:
-    from fingertip.cad.verification.check import Check
+    from fingertip.design import Design
 
 
 # --- mesh files -------------------------------------------------------------------------------------------------------
 
 
 def check_mesh(path: Path, given: Sequence[Given], tolerance_mm: float, verbose: bool) -> Found:
-    """Check a mesh file, against the part of the same name if one design is given."""
-    from fingertip.cad.verification.mesh_files import check_mesh_file, describe_mesh_cause
-    from fingertip.design import Design
+    """Check a mesh file, and compare it with the part of the same name if a design is given.
 
-    designs = [one.design for one in given if isinstance(one.design, Design)]
-    design = designs[0] if len(designs) == len(given) == 1 else None
-    file = check_mesh_file(path, design, tolerance_mm)
+    Raises InputFileError if there is no such part, or more than one design.
+    """
+    from fingertip.cad.verification.mesh_files import check_mesh_file, describe_mesh_cause
+
+    design = _find_one_design(path, given) if given else None
+    file = check_mesh_file(path, design, max(tolerance_mm, _read_tolerance_beside(path)))
 
     label = path.as_posix()
-    compared = f"{label}, compared with {file.part} of {design.name}" if design and file.part else label
-    if given and not file.part:
-        reason = "its name is that of no part" if design else "give one design of a finger"
-        compared = f"{label}, compared with no part ({reason})"
-
+    compared = f"{label}, compared with {file.part} of {design.name}" if design else label
     causes = {check.name: describe_mesh_cause(file, check) for check in file.checks}
     data = {
         "file": label,
@@ -48,6 +45,35 @@ def check_mesh(path: Path, given: Sequence[Given], tolerance_mm: float, verbose:
         if not check.passed
     )
     return Found(label, data, format_checks(compared, file.checks, verbose, causes), file.checks, findings)
+
+
+def _find_one_design(path: Path, given: Sequence[Given]) -> Design:
+    """Find the design that a mesh is compared with, which must have a part of its name."""
+    from fingertip.cad.shapes.parts import parts_by_name
+    from fingertip.cad.verification.mesh_files import name_part
+    from fingertip.design import Design
+
+    designs = [one.design for one in given if isinstance(one.design, Design)]
+    if len(given) != 1 or not designs:
+        raise InputFileError(Issue(str(path), "is compared with the design of one finger; give one, or none."))
+    names = list(parts_by_name(designs[0]))
+    if name_part(path) not in names:
+        message = f"has the name of no part of {designs[0].name}; name it after its part ({', '.join(names)})."
+        raise InputFileError(Issue(str(path), message))
+    return designs[0]
+
+
+def _read_tolerance_beside(path: Path) -> float:
+    """Read the tolerance of the parts among which a mesh lies [mm]; 0 if no report beside it states one."""
+    from fingertip.catalogues.output_files import PRINT_FOLDER, REPORT
+    from fingertip.tasks.report_file import read_json_file
+
+    folder = path.parent.parent if path.parent.name == PRINT_FOLDER else path.parent
+    try:
+        tolerance_mm = read_json_file(folder / REPORT, folder).get("tolerance_mm")
+    except InputFileError:
+        return 0.0
+    return tolerance_mm if isinstance(tolerance_mm, float) and 0.0 < tolerance_mm <= 1.0 else 0.0
 
 
 # --- folders ----------------------------------------------------------------------------------------------------------
@@ -77,25 +103,35 @@ def _check_recordings(folder: Path) -> Found:
 
 
 def _compare_checksums(folder: Path) -> Found:
+    from fingertip.catalogues.output_files import REPORT
+    from fingertip.foundation.output_set import MANIFEST
     from fingertip.tasks.verification import verify_sets
 
     files, differences = verify_sets(folder)
+    if (folder / REPORT).exists() and not (folder / MANIFEST).exists():
+        differences.append(f"{folder}: has a {REPORT} and no {MANIFEST}, which lists the parts; make them again.")
     verdict = count(len(differences), "difference") if differences else "all are as written"
     text = "\n".join([*differences, f"{folder}: {count(files, 'file')} compared, {verdict}"])
     return _find_in_folder(folder, differences, text, {"files": files, "differences": differences})
 
 
 def compare_with_designs(
-    folder: Path, given: Sequence[Given], words: Sequence[str], remake: bool, console: Console
+    folder: Path,
+    given: Sequence[Given],
+    words: Sequence[str],
+    remake: bool,
+    console: Console,
+    parts: Sequence[str] | None = None,
 ) -> Found:
     """Compare a folder with that of the designs which it was made from, and name the command that makes it again.
 
-    With `remake`, the STL and 3MF files are made again and compared byte by byte.
+    With `remake`, the STL and 3MF files are made again and compared byte by byte. A folder of parts must hold these
+    `parts`, or all of the design.
     """
     from fingertip.design import Design
     from fingertip.tasks.part_folder import compare_folder
 
-    found = compare_folder([one.design for one in given], folder)
+    found = compare_folder([one.design for one in given], folder, parts)
     faults = [*found.faults]
     is_made_again = remake and not faults and bool(found.command) and isinstance(found.design, Design)
     if is_made_again and isinstance(found.design, Design):
@@ -116,19 +152,21 @@ def compare_with_designs(
     lines = [*faults, f"{compared}, {count(len(faults), 'difference')}"]
     file = next((one.file for one in given if one.design is found.design), None)
     if found.command and file:
-        data["make_again"] = shlex.join(["fingertip", found.command, str(file), *words, "--out", str(folder)])
+        typed = ["fingertip", found.command, str(file), *words, *found.words, "--out", str(folder)]
+        data["make_again"] = shlex.join(typed)
         lines.append(f"next: {data['make_again']}")
     return _find_in_folder(folder, faults, "\n".join(lines), data)
 
 
 def _find_in_folder(folder: Path, faults: Sequence[str], text: str, data: dict[str, Any]) -> Found:
-    """Collect what was found in a folder; the faults count as one check of the reports."""
+    """Collect what was found in a folder; for the reports, each fault is a case, or that there is none."""
     from fingertip.cad.verification.check import Check
 
     label = folder.as_posix()
-    checks: tuple[Check, ...] = (Check("differences", len(faults), 0, "", "exactly"),)
-    findings = tuple(Finding.make(folder, Issue("differences", fault)) for fault in faults)
-    return Found(label, {"folder": label, "passed": not faults, **data}, text, checks, findings)
+    issues = tuple(Issue("difference", fault) for fault in faults)
+    cases = issues or (Check("differences", 0, 0, "", "exactly"),)
+    findings = tuple(Finding.make(folder, issue) for issue in issues)
+    return Found(label, {"folder": label, "passed": not faults, **data}, text, cases, findings)
 
 
 def count(number: int, noun: str) -> str:

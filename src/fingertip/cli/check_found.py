@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from fingertip.cli.check_reports import Finding
     from fingertip.design import Design
     from fingertip.design.finger_set import FingerSet
+    from fingertip.foundation.errors import Issue
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,8 @@ class Found:
     label: str
     data: Mapping[str, Any]
     text: str
-    checks: tuple[Check, ...] = ()
+    cases: tuple[Check | Issue, ...] = ()
+    """Cases of a JUnit report: checks, or issues that each are an error."""
     findings: tuple[Finding, ...] = ()
     """Failed checks and differences, with their place."""
 

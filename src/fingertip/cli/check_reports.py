@@ -102,7 +102,9 @@ def to_sarif(findings: Iterable[Finding]) -> bytes:
 _INVALID_IN_XML = re.compile(r"[^\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]")
 
 
-def to_junit(suites: Mapping[str, Iterable[Check]], refused: Mapping[str, Iterable[Issue]] | None = None) -> bytes:
+def to_junit(
+    suites: Mapping[str, Iterable[Check | Issue]], refused: Mapping[str, Iterable[Issue]] | None = None
+) -> bytes:
     """Write a JUnit XML report, in the dialect that Jenkins, GitLab and GitHub readers share.
 
     Each design, given by its name, is a test suite and each check a test case; of one that is refused, each issue is

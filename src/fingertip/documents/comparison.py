@@ -48,8 +48,8 @@ class Change:
 
     @property
     def is_none(self) -> bool:
-        """Return whether both are the same."""
-        return self.before == self.after
+        """Return whether both are the same, or one is not known."""
+        return self.before == self.after or _NOTHING in (self.before, self.after)
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,10 @@ def _format_parameter(value: Any, unit: str) -> str:
 
 
 def _compare_parts(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[Change]:
-    """Compare the volumes of the parts, and name a part whose mesh is another one of the same volume."""
+    """Compare the volumes of the parts, and name a part whose mesh is another one of the same volume.
+
+    Volumes of meshes of different tolerances differ without any change of the part: they are not compared.
+    """
     is_comparable = _find(old, "tolerance_mm", kind=float) == _find(new, "tolerance_mm", kind=float)
     before = _find(old, "parts", kind=dict) or {}
     after = _find(new, "parts", kind=dict) or {}
@@ -147,7 +150,8 @@ def _compare_parts(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[C
         meshes = [_find(parts, name, "sha256", "stl", kind=str) for parts in (before, after)]
         if volumes[0] == volumes[1] and is_comparable and None not in meshes and meshes[0] != meshes[1]:
             volumes[1] += ", another shape"
-        if volumes[0] != volumes[1]:
+        is_on_both_sides = name in before and name in after
+        if volumes[0] != volumes[1] and (is_comparable or not is_on_both_sides):
             yield Change(name, *volumes)
 
 

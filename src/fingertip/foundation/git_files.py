@@ -23,7 +23,7 @@ def read_at_revision(revision: str, path: Path) -> bytes:
 
     data = _run_git(folder, "show", f"{commit.decode().strip()}:./{path.name}")
     if data is None:
-        message = f"has no file {path}; give a revision in which it exists."
+        message = f"has no file {path}; commit it first, or give a revision in which it exists."
         raise InputFileError(Issue(revision, message))
     return data
 

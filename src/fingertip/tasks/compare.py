@@ -9,6 +9,7 @@ from fingertip.catalogues.output_files import DESIGN, DETECTION, REPORT, SIGNAL_
 from fingertip.design import Design
 from fingertip.design.files import load_tables
 from fingertip.documents.comparison import Version
+from fingertip.foundation.errors import InputFileError, Issue
 from fingertip.foundation.files import temporary_folder
 from fingertip.tasks.make import make
 from fingertip.tasks.report_file import read_json_file
@@ -16,6 +17,13 @@ from fingertip.tasks.report_file import read_json_file
 
 def read_version(folder: Path) -> Version:
     """Read what `make` or `build` wrote to a folder. Raises InputFileError or DesignError."""
+    if not (folder / REPORT).is_file():
+        message = (
+            f"is a folder without the {REPORT} of build or make; give a folder that has one, or for the git revision "
+            f"of this name refs/heads/{folder.name}."
+        )
+        raise InputFileError(Issue(str(folder), message))
+
     loaded = load_tables([folder / DESIGN], (), below=folder)
     detection = folder / SIGNAL_FOLDER / DETECTION
     return Version(

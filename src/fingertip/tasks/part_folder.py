@@ -6,13 +6,14 @@ only making them again can tell whether they would be the same.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from fingertip.cad.program import digest_program
-from fingertip.catalogues.output_files import DESIGN, PART_FILES, REPORT, SET_FILES, SIGNAL_FOLDER
+from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.catalogues.output_files import DESIGN, PART_FILES, PART_FORMATS, REPORT, SET_FILES, SIGNAL_FOLDER
 from fingertip.design import Design
 from fingertip.design.files import flatten, format_value, load_tables
 from fingertip.design.finger_set import FingerSet
@@ -21,6 +22,8 @@ from fingertip.foundation.output_set import MANIFEST, Manifest, has_hash, hash_p
 from fingertip.tasks.report_file import read_json_file
 from fingertip.tasks.verification import verify_sets
 
+DEFAULT_TOLERANCE_MM = 0.01
+"""Tolerance of the meshes of a build that names none [mm]."""
 _SHOWN = 5
 """Number of changed parameters that are named."""
 
@@ -37,49 +40,101 @@ class FolderComparison:
     """Design or set that the folder was compared with; None if it is that of none."""
     command: str = ""
     """Command that makes the folder again; empty if no single one does."""
+    words: tuple[str, ...] = ()
+    """Options with which the folder was made, and --force if files in it were changed."""
     doubt: str = ""
     """Why equal checksums do not prove that this program would make the same parts; empty if they do."""
 
 
-def compare_folder(candidates: Sequence[Design | FingerSet], folder: Path) -> FolderComparison:
+def compare_folder(
+    candidates: Sequence[Design | FingerSet], folder: Path, parts: Collection[str] | None = None
+) -> FolderComparison:
     """Compare a folder that a command wrote with the design or set, of those given, that it was made from.
 
-    Raises OutputError if no command wrote the folder.
+    A folder of parts must hold these parts, or all of the design. Raises OutputError if no command wrote the folder.
     """
     manifest = read_manifest(folder)
     if manifest is None:
-        message = f"has no {MANIFEST} of fingertip; name the folder that build, make or another command wrote."
-        raise OutputError(Issue(str(folder), message))
+        raise OutputError(Issue(str(folder), _describe_no_manifest(folder)))
 
-    count, faults = verify_sets(folder)
+    count, changed = verify_sets(folder)
     design = _choose(candidates, manifest)
     if design is None:
-        names = ", ".join(candidate.name for candidate in candidates)
-        faults.append(f"{folder}: holds the {manifest.kind} of {manifest.design!r}, which is none of {names}.")
-        return FolderComparison(count, tuple(faults))
+        names = " and ".join(candidate.name for candidate in candidates)
+        said = f"{folder}: holds the {manifest.kind} of {manifest.design!r}, not of {names}; give its own design."
+        return FolderComparison(count, (*changed, said))
 
-    faults += [issue.typed for issue in _find_other_parameters(design, folder, manifest)]
+    faults = [*changed, *(issue.typed for issue in _find_other_parameters(design, folder, manifest))]
+    words = ("--force",) if changed else ()
     if isinstance(design, FingerSet):
         faults += _compare_forms(design, folder)
-        return FolderComparison(count, tuple(faults), design, "make")
+        return FolderComparison(count, tuple(faults), design, "make", words)
     if manifest.kind != PART_FILES.kind:
         command = manifest.kind if manifest.kind in ("board", "firmware", "robot") else ""
-        return FolderComparison(count, tuple(faults), design, command)
+        return FolderComparison(count, tuple(faults), design, command, words)
 
+    faults += _find_missing_parts(design, folder, manifest, parts)
     faults += _find_other_prints(folder)
     command = "make" if (folder / SIGNAL_FOLDER / MANIFEST).is_file() else "build"
     doubt = _doubt(folder) if manifest.program != digest_program() else ""
-    return FolderComparison(count, tuple(faults), design, command, doubt)
+    return FolderComparison(
+        files=count,
+        faults=tuple(faults),
+        design=design,
+        command=command,
+        words=(*_list_options(folder, manifest, command, parts), *words),
+        doubt=doubt,
+    )
+
+
+def _describe_no_manifest(folder: Path) -> str:
+    if not folder.is_dir():
+        return "does not exist; build the design there, or give the folder that holds its files."
+    if (folder / MANIFEST).exists():
+        return f"has a {MANIFEST} that fingertip did not write, or that was changed since; make the files again."
+    return f"has no {MANIFEST} of fingertip; give the folder that build, make or another command wrote."
 
 
 def _choose(candidates: Sequence[Design | FingerSet], manifest: Manifest) -> Design | FingerSet | None:
-    """Choose the design of a folder: that of the same parameters, else that of the same name, else the only one."""
+    """Choose the design of a folder: that of the same parameters, else that of the same name."""
     is_set = manifest.kind == SET_FILES.kind
-    of_kind = [candidate for candidate in candidates if isinstance(candidate, FingerSet) == is_set]
-    equal = [candidate for candidate in of_kind if hash_parameters(candidate.identity()) == manifest.parameters]
-    named = [candidate for candidate in of_kind if candidate.name == manifest.design]
-    only = of_kind if len(of_kind) == 1 else []
-    return next(iter([*equal, *named, *only]), None)
+    forms = [form.design for one in candidates if isinstance(one, FingerSet) for form in one.forms]
+    of_kind = [one for one in (*candidates, *forms) if isinstance(one, FingerSet) == is_set]
+    equal = [one for one in of_kind if hash_parameters(one.identity()) == manifest.parameters]
+    named = [one for one in of_kind if one.name == manifest.design]
+    return next(iter([*equal, *named]), None)
+
+
+def _find_missing_parts(
+    design: Design, folder: Path, manifest: Manifest, parts: Collection[str] | None
+) -> Iterator[str]:
+    """Find the parts of the design, or those of them that are wanted, of which the folder was made without."""
+    wanted = [name for name in parts_by_name(design) if parts is None or name in parts]
+    missing = [name for name in wanted if not any(file.startswith(f"{name}.") for file in manifest.files)]
+    if missing:
+        present = [name for name in parts_by_name(design) if name not in missing]
+        some = f", or give --parts {','.join(present)} to build --check" if present else ""
+        yield f"{folder}: was made without {', '.join(missing)}; make the parts again{some}."
+
+
+def _list_options(folder: Path, manifest: Manifest, command: str, parts: Collection[str] | None) -> tuple[str, ...]:
+    """List the options of `build` or `make` with which the parts in a folder were made."""
+    formats = [
+        name for name, each in PART_FORMATS.items() if any(file.endswith(each.suffix) for file in manifest.files)
+    ]
+    words = ["--formats", ",".join(formats)] if formats else []
+    if command == "make":
+        return tuple(words)
+
+    if parts is not None:
+        words += ["--parts", ",".join(parts)]
+    try:
+        tolerance_mm = read_json_file(folder / REPORT, folder).get("tolerance_mm")
+    except InputFileError:
+        tolerance_mm = None
+    if isinstance(tolerance_mm, float) and tolerance_mm != DEFAULT_TOLERANCE_MM:
+        words += ["--tolerance-mm", f"{tolerance_mm:g}"]
+    return tuple(words)
 
 
 def _compare_forms(fingers: FingerSet, folder: Path) -> Iterator[str]:
@@ -112,7 +167,7 @@ def _find_other_parameters(design: Design | FingerSet, folder: Path, manifest: M
 
     before = _read_parameters(folder)
     changed = [
-        f"{name} is {format_value(value)}, and was {format_value(before[name])}"
+        f"{name}: {format_value(value)} in the design, {format_value(before[name])} in the folder"
         for name, value in flatten(design.identity())
         if name in before and before[name] != value
     ]

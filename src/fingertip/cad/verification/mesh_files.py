@@ -75,13 +75,19 @@ def check_mesh_file(path: Path, design: Design | None = None, tolerance_mm: floa
     )
     checks = [*check_triangles("", mesh), *compare_readings("mesh", read, mesh), *_check_halves(path, mesh)]
 
-    if design is None or path.stem not in parts_by_name(design):
+    name = name_part(path)
+    if design is None or name not in parts_by_name(design):
         return MeshFile(path, tuple(checks))
 
-    part = _part_like(design, path.stem, mesh, tolerance_mm)
+    part = _part_like(design, name, mesh, tolerance_mm)
     checks += _compare_with_part(mesh, part, tolerance_mm)
     ratios = (_size(mesh) / _size(part)).tolist()
-    return MeshFile(path, tuple(checks), path.stem, tuple(ratios))
+    return MeshFile(path, tuple(checks), name, tuple(ratios))
+
+
+def name_part(path: Path) -> str:
+    """Return the name of the part that a file has the name of, in capital letters or not."""
+    return path.stem.lower()
 
 
 def _read_stl(path: Path, data: bytes) -> Mesh | None:
@@ -210,7 +216,4 @@ def _describe_other_part(file: MeshFile) -> str:
     if is_scaled and abs(ratio - 1.0) > _SAME_SHARE:
         return f"it is {ratio:.4g} times as large as {file.part} of this design: make the part again"
 
-    return (
-        f"it is not {file.part} of this design, or lies in another place: make the part again, or give "
-        "--tolerance-mm if it was made with a coarser one"
-    )
+    return f"it is not {file.part} of this design, or lies in another place: make the part again"

@@ -163,7 +163,9 @@ def test_check_takes_a_bare_name_for_the_design_and_says_how_to_name_the_folder(
     for name in ("adult_finger", "board"):
         SetWriter(folder / name, "parts", name, "now").write({"bone.stl": b"bone"})
     done = run_fingertip("check", "adult_finger", "board", PWD=str(folder))
-    assert re.match(r"adult_finger: all \d+ checks passed\n\nboard: holds the parts of .board., not of adult_finger", done.stdout)
+    assert re.match(
+        r"adult_finger: all \d+ checks passed\n\nboard: holds the parts of .board., not of adult_finger", done.stdout
+    )
     told = "warning: adult_finger is the bundled design of this name; ./adult_finger names the folder\n"
     assert done.stderr.count("warning") == done.stderr.count(told) == 1
     for typed in ("./adult_finger", "adult_finger/"):

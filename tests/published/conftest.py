@@ -113,11 +113,11 @@ def install(wheel: Path, tmp_path: Path) -> Iterator[Callable[..., Installation]
     """Function that makes a venv, and installs the wheel with an extra into it, as `pip install NAME[EXTRA]` does."""
     made = []
 
-    def make(extra: str = "") -> Installation:
+    def make(extra: str = "", *options: str) -> Installation:
         venv = tmp_path / "venv"
         run("python3", "-m", "venv", venv, cwd=tmp_path)
         requirement = f"{wheel}[{extra}]" if extra else str(wheel)
-        run(venv / "bin" / "pip", "install", "--quiet", requirement, cwd=tmp_path)
+        run(venv / "bin" / "pip", "install", "--quiet", *options, requirement, cwd=tmp_path)
         made.append(venv)
         folder = tmp_path / "work"
         folder.mkdir()

@@ -1,7 +1,8 @@
 """Judge a report of `pip-audit -f json`.
 
-Exit status 0: the service knows every package, and no advisory. 1: there are advisories. 3: there is no report, or
-packages that the service does not know: an index that answers "not found" to everything would look like a pass.
+Exit status 0: the service knows every package, and no advisory. 1: there are advisories. 3: there
+is no report, or packages that the service does not know: an index that answers "not found" to
+everything would look like a pass.
 """
 
 from __future__ import annotations
@@ -18,7 +19,9 @@ def main() -> int:
     except (OSError, ValueError, KeyError):
         print("the service gave no answer")
         return 3
-    found = [(one["name"], one["version"], bug["id"]) for one in packages for bug in one.get("vulns", ())]
+    found = [
+        (one["name"], one["version"], bug["id"]) for one in packages for bug in one.get("vulns", ())
+    ]
     for name, version, advisory in found:
         print(f"{name} {version}: {advisory}")
     skipped = [one["name"] for one in packages if "skip_reason" in one]

@@ -1,9 +1,10 @@
-"""Run time of the board's calculations: 10 000 boards, the joint searches, and the whole command in a fresh process.
+"""Run time of the board's calculations: 10 000 boards, the joint searches, and the whole command in
+a fresh process.
 
     python benchmarks/board_montecarlo.py [runs]
 
-The targets are 60 ms for 10 000 boards, 50 ms for each search, and 0.5 s for the command. The best run is printed
-beside the median, because other load on the machine only increases the time.
+The targets are 60 ms for 10 000 boards, 50 ms for each search, and 0.5 s for the command. The best
+run is printed beside the median, because other load on the machine only increases the time.
 """
 
 from __future__ import annotations
@@ -30,10 +31,12 @@ def timed(action: Callable[[], object], runs: int) -> list[float]:
     """Time of each run [s], after a warm-up run."""
     action()
     seconds = []
+
     for _ in range(runs):
         start = time.perf_counter()
         action()
         seconds.append(time.perf_counter() - start)
+
     return seconds
 
 
@@ -47,22 +50,34 @@ def main() -> None:
     toleranced = TolerancedFilter(model_filter(circuit), network.values)
     tolerances = component_tolerances(circuit)
     board = Board(capacitor_series="E12", series="E96")
+
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "fingertip", "board", "--out", folder, "--quiet"]
         rows: list[tuple[str, Callable[[], object], float]] = [
             ("10 000 boards", lambda: monte_carlo(toleranced, tolerances), 0.06),
-            ("joint E96 search", lambda: choose_jointly.__wrapped__((2375.5, 1187.7, 4750.9), "E96"), 0.05),
+            (
+                "joint E96 search",
+                lambda: choose_jointly.__wrapped__((2375.5, 1187.7, 4750.9), "E96"),
+                0.05,
+            ),
             ("joint E12 x E96 search", lambda: select_filter_capacitor(board), 0.05),
-            ("fingertip board, fresh", lambda: subprocess.run(command, check=True, stdout=subprocess.DEVNULL), 0.5),
+            (
+                "fingertip board, fresh",
+                lambda: subprocess.run(command, check=True, stdout=subprocess.DEVNULL),
+                0.5,
+            ),
         ]
         print(f"Python {platform.python_version()}, {platform.machine()}, {runs} runs each\n")
         print(f"{'calculation':24}{'best':>12}{'median':>12}{'target':>12}")
         missed = False
+
         for name, action, target in rows:
             seconds = timed(action, runs)
-            best, middle = 1e3 * min(seconds), 1e3 * statistics.median(seconds)
+            best = 1e3 * min(seconds)
+            middle = 1e3 * statistics.median(seconds)
             print(f"{name:24}{best:9.2f} ms{middle:9.2f} ms{1e3 * target:9.0f} ms")
             missed = missed or min(seconds) > target
+
     sys.exit(1 if missed else 0)
 
 

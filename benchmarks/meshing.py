@@ -1,12 +1,14 @@
-"""Error against run time of several meshers on the skin's outer surface, and cost of all checks of a design.
+"""Error against run time of several meshers on the skin's outer surface, and cost of all checks of
+a design.
 
     python benchmarks/meshing.py [picture.png]
 
-The meshers are the structured grid of `cad.kernel.tessellate`, Open CASCADE's mesher at several linear and angular
-tolerances, and gmsh, if it is installed, on the STEP file at several numbers of elements per turn. Each mesh is judged
-by its measured errors, not by the requested tolerance: the largest distance of a facet from the exact surface
-(`cad.verification.surface_deviation`), and the volume error against the closed form. Only meshing is timed, in CPU
-seconds of this process on one thread. Reading a mesh out of Open CASCADE or gmsh is not counted.
+The meshers are the structured grid of `cad.kernel.tessellate`, Open CASCADE's mesher at several
+linear and angular tolerances, and gmsh, if it is installed, on the STEP file at several numbers of
+elements per turn. Each mesh is judged by its measured errors, not by the requested tolerance: the
+largest distance of a facet from the exact surface (`cad.verification.surface_deviation`), and the
+volume error against the closed form. Only meshing is timed, in CPU seconds of this process on one
+thread. Reading a mesh out of Open CASCADE or gmsh is not counted.
 """
 
 from __future__ import annotations
@@ -37,26 +39,37 @@ from tests.cad.test_tessellate import distance_to_surface
 DESIGN = Path(__file__).resolve().parent.parent / "params" / "fsr400.toml"
 TOLERANCES_MM = (0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
 OCC = {
-    "OCC by tolerance": [(linear, 0.5) for linear in (0.1, 0.03, 0.01, 0.003, 0.001, 0.0005, 0.0002)],
+    "OCC by tolerance": [
+        (linear, 0.5) for linear in (0.1, 0.03, 0.01, 0.003, 0.001, 0.0005, 0.0002)
+    ],
     "OCC by both": [(linear, 0.2) for linear in (0.1, 0.03, 0.01, 0.003)],
     "OCC by angle": [(1.0, angular) for angular in (0.2, 0.1, 0.05, 0.03, 0.02, 0.01)],
 }
-"""Linear [mm] and angular [rad] tolerances of each series, in which one of them or both limit the mesh."""
+"""Linear [mm] and angular [rad] tolerances of each series, in
+which one of them or both limit the mesh.
+"""
 GMSH_PER_TURN = (12, 24, 48, 96, 192, 384)
 MAX_MESHING_S = 8.0
 """CPU time after which a mesher is not refined further [s]."""
 MAX_POINTS = 300_000
 """Number of points on facets whose distance from the surface is measured."""
 GRID = "structured grid"
-MARKS = {"deviation_mm": (0.1, 0.05, 0.03, 0.01, 0.003, 0.001), "volume_error": (5e-3, 2e-3, 1e-3, 5e-4, 1e-4)}
+MARKS = {
+    "deviation_mm": (0.1, 0.05, 0.03, 0.01, 0.003, 0.001),
+    "volume_error": (5e-3, 2e-3, 1e-3, 5e-4, 1e-4),
+}
 NOT_COVERED = (
-    "Open CASCADE with angular tolerances below 0.01: on parts with booleans 0.1 already took minutes",
+    "Open CASCADE with angular tolerances below 0.01: on parts with booleans 0.1 already took "
+    "minutes",
     "Open CASCADE and gmsh on several threads: CPU time is compared, not wall time",
     "time to import cadquery or gmsh, to build the B-rep, to read STEP, and to read the meshes out",
-    "gmsh has no tolerance; elements per turn of curvature replace it; its other algorithms were not tried",
+    "gmsh has no tolerance; elements per turn of curvature replace it; its other algorithms were "
+    "not tried",
     "parts with booleans: the second table gives their cost for our mesh kernel only",
-    "distances are measured from facets to the surface; a missing piece of surface shows in the volume only",
-    "meshes of more than 50 000 triangles are measured on a random sample of facets, which favours their mesher",
+    "distances are measured from facets to the surface; a missing piece of surface shows in the "
+    "volume only",
+    "meshes of more than 50 000 triangles are measured on a random sample of facets, which "
+    "favours their mesher",
 )
 
 
@@ -73,16 +86,20 @@ class MeshResult:
 
 
 def exact_volume(body: ConicBody) -> float:
-    """Compute the volume [mm3]: section area times the integral of the squared scale (Gauss quadrature in the tip)."""
+    """Compute the volume [mm3]: section area times the integral of the
+    squared scale (Gauss quadrature in the tip).
+    """
     total = sum(
         (z1 - z0) * (a * a + a * b + b * b) / 3
         for (z0, a), (z1, b) in zip(body.stations, body.stations[1:], strict=False)
     )
     nodes, weights = np.polynomial.legendre.leggauss(60)
     step = 1e-5
+
     for node, weight in zip((nodes + 1) / 2, weights / 2, strict=True):
         slope = (body.tip_point(node + step)[0] - body.tip_point(node - step)[0]) / (2 * step)
         total += weight * body.tip_point(node)[1] ** 2 * slope
+
     return body.section.area() * total
 
 
@@ -95,21 +112,45 @@ def median_cpu_time(make: Callable[[], object]) -> float:
         times.append(time.process_time() - start)
         if times[0] > 1.0:
             break
+
     return statistics.median(times)
 
 
-def measure_mesh(body: ConicBody, mesher: str, setting: str, mesh: Mesh, cpu_s: float) -> MeshResult:
-    """Measure the errors of a mesh; on large meshes at fewer points per facet, and then on fewer facets."""
+def measure_mesh(
+    body: ConicBody,
+    mesher: str,
+    setting: str,
+    mesh: Mesh,
+    cpu_s: float,
+) -> MeshResult:
+    """Measure the errors of a mesh; on large meshes at fewer
+    points per facet, and then on fewer facets.
+    """
     corners = mesh.vertices[mesh.triangles]
     k = 4 if 15 * len(corners) <= MAX_POINTS else 2
-    weights = np.array([(i, j, k - i - j) for i in range(k + 1) for j in range(k + 1 - i)], dtype=float) / k
+    weights = (
+        np.array([(i, j, k - i - j) for i in range(k + 1) for j in range(k + 1 - i)], dtype=float)
+        / k
+    )
     maximum = MAX_POINTS // len(weights)
     if len(corners) > maximum:
         corners = corners[np.random.default_rng(0).choice(len(corners), maximum, replace=False)]
+
     points = np.einsum("kc,fcx->fkx", weights, corners).reshape(-1, 3)
-    deviation = float(np.concatenate([distance_to_surface(body, part) for part in np.array_split(points, 8)]).max())
+    deviation = float(
+        np.concatenate(
+            [distance_to_surface(body, part) for part in np.array_split(points, 8)]
+        ).max()
+    )
     error = abs(mesh.volume() / exact_volume(body) - 1)
-    return MeshResult(mesher, setting, len(mesh.triangles), deviation, error, cpu_s)
+    return MeshResult(
+        mesher=mesher,
+        setting=setting,
+        triangles=len(mesh.triangles),
+        deviation_mm=deviation,
+        volume_error=error,
+        cpu_s=cpu_s,
+    )
 
 
 def structured_grid(body: ConicBody) -> Iterator[MeshResult]:
@@ -118,10 +159,10 @@ def structured_grid(body: ConicBody) -> Iterator[MeshResult]:
         mesh = Mesh(*tessellate(SuperconicSolid(body), tolerance))
         yield measure_mesh(
             body,
-            GRID,
-            f"{tolerance:g} mm",
-            mesh,
-            median_cpu_time(lambda at=tolerance: tessellate(SuperconicSolid(body), at)),
+            mesher=GRID,
+            setting=f"{tolerance:g} mm",
+            mesh=mesh,
+            cpu_s=median_cpu_time(lambda at=tolerance: tessellate(SuperconicSolid(body), at)),
         )
 
 
@@ -144,7 +185,13 @@ def open_cascade(body: ConicBody) -> Iterator[MeshResult]:
             cpu = median_cpu_time(lambda at=linear, turn=angular: run(at, turn))
             vertices, triangles = cq.Shape.cast(shape).tessellate(linear, angular)
             mesh = Mesh(np.array([v.toTuple() for v in vertices]), np.array(triangles))
-            yield measure_mesh(body, mesher, f"{linear:g} mm, {angular:g}", mesh, cpu)
+            yield measure_mesh(
+                body,
+                mesher=mesher,
+                setting=f"{linear:g} mm, {angular:g}",
+                mesh=mesh,
+                cpu_s=cpu,
+            )
             if cpu > MAX_MESHING_S:
                 break
 
@@ -159,10 +206,14 @@ def gmsh_surface_mesher(body: ConicBody) -> Iterator[MeshResult]:
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.option.setNumber("General.NumThreads", 1)
+
     with tempfile.TemporaryDirectory() as folder:
         step = str(Path(folder) / "outer.step")
-        cq.exporters.export(cq.Workplane(cq.Shape.cast(brep.BrepEvaluator().shape(SuperconicSolid(body)))), step)
+        cq.exporters.export(
+            cq.Workplane(cq.Shape.cast(brep.BrepEvaluator().shape(SuperconicSolid(body)))), step
+        )
         gmsh.model.occ.importShapes(step)
+
     gmsh.model.occ.synchronize()
 
     def run() -> None:
@@ -177,18 +228,28 @@ def gmsh_surface_mesher(body: ConicBody) -> Iterator[MeshResult]:
         row_of[tags] = np.arange(len(tags))
         triangles = row_of[gmsh.model.mesh.getElementsByType(2)[1].astype(np.int64)].reshape(-1, 3)
         mesh = Mesh(np.array(xyz).reshape(-1, 3), triangles)
-        yield measure_mesh(body, "gmsh", f"{count} per turn", mesh, cpu)
+        yield measure_mesh(
+            body,
+            mesher="gmsh",
+            setting=f"{count} per turn",
+            mesh=mesh,
+            cpu_s=cpu,
+        )
         if cpu > MAX_MESHING_S:
             break
+
     gmsh.finalize()
 
 
 def interpolate_time(rows: list[MeshResult], measure: str, error: float) -> float | None:
-    """Interpolate the CPU time [s] at an error between meshes, in logarithms; None outside the measured range."""
+    """Interpolate the CPU time [s] at an error between meshes, in
+    logarithms; None outside the measured range.
+    """
     known = sorted((math.log(getattr(r, measure)), math.log(r.cpu_s)) for r in rows)
     x = math.log(error)
     if not known[0][0] <= x <= known[-1][0]:
         return None
+
     return math.exp(float(np.interp(x, *zip(*known, strict=True))))
 
 
@@ -202,22 +263,39 @@ def convergence_order(rows: list[MeshResult], errors: NDArray[np.float64]) -> fl
 
 
 def print_tables(rows: list[MeshResult]) -> None:
-    print(f"{'mesher':20}{'requested':>15}{'triangles':>11}{'deviation mm':>14}{'volume error':>14}{'CPU s':>10}")
+    print(
+        f"{'mesher':20}{'requested':>15}{'triangles':>11}{'deviation mm':>14}"
+        f"{'volume error':>14}{'CPU s':>10}"
+    )
     for r in rows:
         print(
             f"{r.mesher:20}{r.setting:>15}{r.triangles:11}{r.deviation_mm:14.2e}{r.volume_error:14.2e}{r.cpu_s:10.4f}"
         )
-    meshers = {mesher: [r for r in rows if r.mesher == mesher] for mesher in dict.fromkeys(r.mesher for r in rows)}
+
+    meshers = {
+        mesher: [r for r in rows if r.mesher == mesher]
+        for mesher in dict.fromkeys(r.mesher for r in rows)
+    }
     for measure, marks in MARKS.items():
-        print(f"\nCPU time relative to the structured grid at equal {measure} (interpolated; - where not measured)")
+        print(
+            f"\nCPU time relative to the structured grid at equal {measure} (interpolated; - "
+            "where not measured)"
+        )
         print(f"{'':20}" + "".join(f"{mark:>10g}" for mark in marks))
         for mesher, its in meshers.items():
             if mesher != GRID:
                 pairs = [
-                    (interpolate_time(its, measure, mark), interpolate_time(meshers[GRID], measure, mark))
+                    (
+                        interpolate_time(its, measure, mark),
+                        interpolate_time(meshers[GRID], measure, mark),
+                    )
                     for mark in marks
                 ]
-                print(f"{mesher:20}" + "".join(f"{a / b:9.0f}x" if a and b else f"{'-':>10}" for a, b in pairs))
+                print(
+                    f"{mesher:20}"
+                    + "".join(f"{a / b:9.0f}x" if a and b else f"{'-':>10}" for a, b in pairs)
+                )
+
     print("\nOrder of convergence in the chord length (2 expected)")
     for mesher, its in meshers.items():
         if len(its) >= 3:
@@ -236,55 +314,90 @@ def draw(rows: list[MeshResult], path: Path) -> None:
     from matplotlib import pyplot as plt
 
     figure, axes = plt.subplots(1, 2, figsize=(12, 5.2), sharex=True, layout="constrained")
+
     for mesher in dict.fromkeys(r.mesher for r in rows):
         its = [r for r in rows if r.mesher == mesher]
         style = (
-            {"linewidth": 2.6, "marker": "o", "color": "black"} if mesher == GRID else {"marker": "s", "markersize": 4}
+            {"linewidth": 2.6, "marker": "o", "color": "black"}
+            if mesher == GRID
+            else {"marker": "s", "markersize": 4}
         )
         axes[0].loglog([r.cpu_s for r in its], [r.deviation_mm for r in its], label=mesher, **style)
         axes[1].loglog([r.cpu_s for r in its], [r.volume_error for r in its], label=mesher, **style)
+
     axes[0].set_ylabel("largest deviation from the exact surface [mm]")
     axes[1].set_ylabel("relative volume error")
     axes[0].axhspan(0.001, 0.1, color="0.93", zorder=0)
-    axes[0].text(0.98, 0.098, "0.1 to 0.001 mm", ha="right", va="top", transform=axes[0].get_yaxis_transform())
+    axes[0].text(
+        0.98,
+        0.098,
+        "0.1 to 0.001 mm",
+        ha="right",
+        va="top",
+        transform=axes[0].get_yaxis_transform(),
+    )
+
     for axis in axes:
         axis.set_xlabel("CPU time of meshing [s]")
         axis.grid(True, which="major", color="0.85")
-    axes[1].legend(loc="upper right")  # one legend for both; in the left diagram it would cover data
-    figure.suptitle("Meshing the outer surface of the FSR 400 fingertip (lower and further left is better)")
+
+    axes[1].legend(
+        loc="upper right"
+    )  # one legend for both; in the left diagram it would cover data
+    figure.suptitle(
+        "Meshing the outer surface of the FSR 400 fingertip (lower and further left is better)"
+    )
     figure.savefig(path, dpi=110, metadata={"Software": None})
 
 
 def process_times(*command: str) -> tuple[float, float]:
     """Measure wall and CPU time [s] of a Python process and its children."""
-    before, start = os.times(), time.perf_counter()
-    subprocess.run([sys.executable, *command], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    wall, after = time.perf_counter() - start, os.times()
-    return wall, after.children_user - before.children_user + after.children_system - before.children_system
+    before = os.times()
+    start = time.perf_counter()
+    subprocess.run(
+        [sys.executable, *command], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    wall = time.perf_counter() - start
+    after = os.times()
+
+    return (
+        wall,
+        after.children_user - before.children_user + after.children_system - before.children_system,
+    )
 
 
 def print_design_costs(design: Design) -> None:
-    """Print the cost of all parts with all checks, and of all files with STEP against importing cadquery alone."""
+    """Print the cost of all parts with all checks, and of all files
+    with STEP against importing cadquery alone.
+    """
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.verify import verify
 
-    cpu = median_cpu_time(lambda: verify(design, parts_by_name(design), ("stl",), MeshEvaluator(0.01)))
+    cpu = median_cpu_time(
+        lambda: verify(design, parts_by_name(design), ("stl",), MeshEvaluator(0.01))
+    )
     print(f"\nall parts with all mesh checks at 0.01 mm: {cpu:.2f} s CPU, warm (goal 0.5 s)")
+
     with tempfile.TemporaryDirectory() as folder:
         cold = [process_times("-m", "fingertip", "check", str(DESIGN), "-q") for _ in range(3)]
         print("`fingertip check`, cold: {:.2f} s wall, {:.2f} s CPU".format(*min(cold)))
         build = ("-m", "fingertip", "build", str(DESIGN), "--out", folder, "-q")
         stl = [process_times(*build, "--formats", "stl") for _ in range(3)]
-        print("`fingertip build --formats stl`, cold: {:.2f} s wall, {:.2f} s CPU (goal 0.8 s)".format(*min(stl)))
+        print(
+            "`fingertip build --formats stl`, cold: {:.2f} s wall, "
+            "{:.2f} s CPU (goal 0.8 s)".format(*min(stl))
+        )
         process_times("-c", "import cadquery")  # one run, not counted, fills the disk cache
         pairs = [(process_times("-c", "import cadquery"), process_times(*build)) for _ in range(3)]
+
     walls = statistics.median(full[0] / alone[0] for alone, full in pairs)
     cpus = statistics.median(full[1] / alone[1] for alone, full in pairs)
     alone, full = pairs[-1]
     print(f"import cadquery: {alone[0]:.2f} s wall, {alone[1]:.2f} s CPU")
     print(
-        f"all files with STEP: {full[0]:.2f} s wall, {full[1]:.2f} s CPU: {walls:.2f}x wall, {cpus:.2f}x CPU (goal 2x)"
+        f"all files with STEP: {full[0]:.2f} s wall, {full[1]:.2f} s CPU: {walls:.2f}x wall, "
+        f"{cpus:.2f}x CPU (goal 2x)"
     )
 
 
@@ -292,13 +405,18 @@ def main() -> None:
     picture = Path(sys.argv[1]) if len(sys.argv) > 1 else Path("out") / "meshing.png"
     load, design = os.getloadavg()[0], Design.load(DESIGN)
     body = design.dimensions.outer
-    print(f"{platform.machine()}, {os.cpu_count()} cores, load {load:.1f}, Python {platform.python_version()}")
+    print(
+        f"{platform.machine()}, {os.cpu_count()} cores, load {load:.1f}, Python "
+        f"{platform.python_version()}"
+    )
     rows = [*structured_grid(body), *open_cascade(body)]
     not_covered = list(NOT_COVERED)
+
     if importlib.util.find_spec("gmsh"):
         rows += gmsh_surface_mesher(body)
     else:
         not_covered.append("gmsh: not installed (pip install gmsh)")
+
     print_tables(rows)
     print_design_costs(design)
     picture.parent.mkdir(parents=True, exist_ok=True)

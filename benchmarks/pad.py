@@ -1,11 +1,12 @@
-"""Error and run time of the layer model of the pad, against finite elements on random forms and poses.
+"""Error and run time of the layer model of the pad, against finite elements on random forms and
+poses.
 
     python benchmarks/pad.py [--designs 34] [--seed 1] [--json]
 
-Each form is the default design with a random crown or none, thickness, modulus, and place of the sensor; it is pressed
-at three random tilts with 1 and 5 N. Forms that break a rule, and contacts that the finite elements refuse because the
-collar touches first or the strain is too large, are drawn again. The force of the layer model is that at the depth of
-the finite elements.
+Each form is the default design with a random crown or none, thickness, modulus, and place of the
+sensor; it is pressed at three random tilts with 1 and 5 N. Forms that break a rule, and contacts
+that the finite elements refuse because the collar touches first or the strain is too large, are
+drawn again. The force of the layer model is that at the depth of the finite elements.
 """
 
 from __future__ import annotations
@@ -48,7 +49,9 @@ def draw_form(rng: random.Random) -> PadForm:
             "silicone.modulus_mpa": math.exp(rng.uniform(math.log(0.3), math.log(3.0))),
         }
         try:
-            return PadForm.of_design(Design.load("fsr400", changes=[f"{k}={v}" for k, v in changes.items()]))
+            return PadForm.of_design(
+                Design.load("fsr400", changes=[f"{k}={v}" for k, v in changes.items()])
+            )
         except FingertipError:
             continue
 
@@ -67,55 +70,76 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Layer model of the pad against finite elements.")
     parser.add_argument("--designs", type=int, default=34)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--json", action="store_true", help="print the errors as data in place of lines")
+    parser.add_argument(
+        "--json", action="store_true", help="print the errors as data in place of lines"
+    )
     given = parser.parse_args()
     rng = random.Random(given.seed)
     shares: dict[float, list[float]] = {force: [] for force in FORCES_N}
     ratios: dict[float, list[float]] = {force: [] for force in FORCES_N}
-    layer_s, fem_s = [], []
+    layer_s = []
+    fem_s = []
+
     for _ in range(given.designs):
         form = draw_form(rng)
         begin = time.process_time()
         model = PadModel(form, MeshSize(), is_half=True)
-        spent, pressed = time.process_time() - begin, 0
+        spent = time.process_time() - begin
+        pressed = 0
+
         for _ in range(30):
             if pressed == 3:
                 break
+
             pose = Pose(rng.uniform(-5.0, 20.0))
             for force in FORCES_N:
                 begin = time.process_time()
                 try:
                     patch = Patch(model, pose)
                     found = patch.press(force)
-                    around = find_contacts(form, pose, [share * force for share in _AROUND], math.inf)
+                    around = find_contacts(
+                        form, pose, [share * force for share in _AROUND], math.inf
+                    )
                 except TraceError:
                     continue
+
                 spent += time.process_time() - begin
                 begin = time.process_time()
                 one = find_contacts(form, pose, (force,), math.inf)[0]
                 layer_s.append(time.process_time() - begin)
                 depth = found.depth_mm / math.cos(math.radians(pose.tilt_deg))  # along the heights
                 at = np.interp(
-                    math.log(depth), np.log([c.depth_mm for c in around]), np.log([c.force_n for c in around])
+                    math.log(depth),
+                    np.log([c.depth_mm for c in around]),
+                    np.log([c.force_n for c in around]),
                 )
                 shares[force].append(one.share - found.share)
                 ratios[force].append(math.exp(float(at)) / force)
                 pressed += force == FORCES_N[0]
+
         fem_s.append(spent)
+
     if given.json:
         print(json.dumps({f"{force:g}": sum_up(shares[force]) for force in FORCES_N}, indent=1))
         return
+
     for force in FORCES_N:
-        error, ratio = np.abs(shares[force]), np.array(ratios[force])
+        error = np.abs(shares[force])
+        ratio = np.array(ratios[force])
         rms = float(np.sqrt(np.mean(np.square(shares[force]))))
         print(
-            f"{force:g} N, {len(error)} contacts: share rms {rms:.3f}, median {np.median(error):.3f}, 90th percentile "
-            f"{np.quantile(error, 0.9):.3f}, worst {error.max():.3f}; force {ratio.min():.3f} to {ratio.max():.3f}, "
+            f"{force:g} N, {len(error)} contacts: share rms {rms:.3f}, median "
+            f"{np.median(error):.3f}, 90th percentile "
+            f"{np.quantile(error, 0.9):.3f}, worst {error.max():.3f}; force {ratio.min():.3f} to "
+            f"{ratio.max():.3f}, "
             f"median {np.median(ratio):.3f}, 90 % within {np.quantile(np.abs(ratio - 1), 0.9):.3f}"
         )
+
     print(
-        f"a contact of the layer model {1e3 * np.median(layer_s):.1f} ms CPU; three poses of a form by finite elements "
-        f"{np.median(fem_s):.1f} s; {3 * np.median(fem_s) / 18 / np.median(layer_s):.0f} times as long a contact"
+        f"a contact of the layer model {1e3 * np.median(layer_s):.1f} ms CPU; three poses of a "
+        "form by finite elements "
+        f"{np.median(fem_s):.1f} s; {3 * np.median(fem_s) / 18 / np.median(layer_s):.0f} times as "
+        "long a contact"
     )
 
 

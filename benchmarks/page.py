@@ -2,8 +2,8 @@
 
     python benchmarks/page.py [design ...] [--starts 9]
 
-Each start has a new profile, as the first opening on a machine does. The browser renders in software, so a machine with
-a graphics processor is faster. The project aims at two seconds.
+Each start has a new profile, as the first opening on a machine does. The browser renders in
+software, so a machine with a graphics processor is faster. The project aims at two seconds.
 """
 
 from __future__ import annotations
@@ -34,8 +34,12 @@ def main() -> None:
     parser.add_argument("designs", nargs="*", default=["fsr400", "adult_thumb"])
     parser.add_argument("--starts", type=int, default=9)
     arguments = parser.parse_args()
-    print(f"{platform.machine()}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}, software rendering")
+    print(
+        f"{platform.machine()}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}, software "
+        "rendering"
+    )
     print(f"{'design':16}{'MB':>6}{'median ms':>11}{'p90 ms':>9}{'worst ms':>10}")
+
     for name in arguments.designs:
         with tempfile.TemporaryDirectory() as folder:
             make(Design.load(name), folder, formats=["stl"])
@@ -43,7 +47,9 @@ def main() -> None:
             times = sorted(measure_ms(page) for _ in range(arguments.starts))
             high = times[int(0.9 * (len(times) - 1))]
             size = page.stat().st_size / 1e6
-            print(f"{name:16}{size:6.1f}{statistics.median(times):11.0f}{high:9.0f}{times[-1]:10.0f}")
+            print(
+                f"{name:16}{size:6.1f}{statistics.median(times):11.0f}{high:9.0f}{times[-1]:10.0f}"
+            )
 
 
 if __name__ == "__main__":

@@ -1,10 +1,12 @@
-"""Benchmark of geometry sweeps with all mesh checks: designs per second, comparison with plain CadQuery, memory.
+"""Benchmark of geometry sweeps with all mesh checks: designs per second, comparison with plain
+CadQuery, memory.
 
     python benchmarks/sweep_geometry.py [designs] [--memory [points]]
 
-The designs are drawn at random. The runs alternate: a worker of a sweep computes a design's parts and checks at
-0.02 mm; then a plain script makes the same parts with CadQuery and writes their meshes at the same tolerance, without
-any check. Rates are per CPU second, so that they hold on a busy machine.
+The designs are drawn at random. The runs alternate: a worker of a sweep computes a design's parts
+and checks at 0.02 mm; then a plain script makes the same parts with CadQuery and writes their
+meshes at the same tolerance, without any check. Rates are per CPU second, so that they hold on a
+busy machine.
 """
 
 from __future__ import annotations
@@ -36,7 +38,13 @@ def make_plan(points: int) -> Any:
 
     return SweepPlan.from_tables(
         {
-            "outputs": ["checks_failed", "checks_run", "skin_volume_mm3", "bone_volume_mm3", "mold_mass_g"],
+            "outputs": [
+                "checks_failed",
+                "checks_run",
+                "skin_volume_mm3",
+                "bone_volume_mm3",
+                "mold_mass_g",
+            ],
             "sampling": "latin_hypercube",
             "points": points,
             "seed": 1,
@@ -50,8 +58,9 @@ def make_plan(points: int) -> Any:
 def make_parts_with_cadquery(design: Any, folder: Path, shared: bool) -> None:
     """Make the same parts with CadQuery as exact solids, and write each as a mesh.
 
-    A plain script has a function for each part and checks that its solid is valid. With `shared`, solids from which
-    several parts are cut are made once and validity is not checked: the fastest such a script can be.
+    A plain script has a function for each part and checks that its solid is valid. With `shared`,
+    solids from which several parts are cut are made once and validity is not checked: the fastest
+    such a script can be.
     """
     import cadquery as cq
 
@@ -59,8 +68,13 @@ def make_parts_with_cadquery(design: Any, folder: Path, shared: bool) -> None:
     from fingertip.cad.shapes.parts import parts_by_name
 
     kernel = BrepEvaluator()
+
     for name, part in parts_by_name(design).items():
-        solid = kernel.shape(part.solid(design)) if shared else BrepEvaluator().solid(part.solid(design))
+        solid = (
+            kernel.shape(part.solid(design))
+            if shared
+            else BrepEvaluator().solid(part.solid(design))
+        )
         cq.Shape.cast(solid).exportStl(str(folder / f"{name}.stl"), TOLERANCE_MM, 0.5)
 
 
@@ -87,34 +101,56 @@ def compare_with_cadquery(designs: int) -> None:
         make_parts_with_cadquery(Design(), folder, shared=True)
         for number in range(designs):
             point = plan.point(number)
-            changes = ["bone.base_length_mm=24", *(f"{key}={value}" for key, value in point.items())]
+            changes = [
+                "bone.base_length_mm=24",
+                *(f"{key}={value}" for key, value in point.items()),
+            ]
             design = Design.load(changes=changes)
             # A new evaluator each time, so that nothing is cached
             row = timed("sweep", lambda: PointEvaluator(plan).evaluate(number, point))  # noqa: B023
             assert row[1] == "ok", row
-            failed, checks = failed + (row[4][0] > 0), int(row[4][1])
+            failed = failed + (row[4][0] > 0)
+            checks = int(row[4][1])
             kernel = CachedEvaluator(TOLERANCE_MM)
-            timed("parts", lambda: [kernel.mesh(p.solid(design)) for p in parts_by_name(design).values()])  # noqa: B023
+            parts = parts_by_name(design).values()
+            timed("parts", lambda: [kernel.mesh(part.solid(design)) for part in parts])  # noqa: B023
             timed("plain", lambda: make_parts_with_cadquery(design, folder, shared=False))  # noqa: B023
             timed("shared", lambda: make_parts_with_cadquery(design, folder, shared=True))  # noqa: B023
+
     mean = statistics.mean(times["sweep"])
-    print(f"{designs} designs at {TOLERANCE_MM} mm, {checks} checks each, {failed} with a failed one; CPU time:")
-    print(f"parts and checks: {mean:.3f} s, {1 / mean:.2f} designs/s of a core, {2 / mean:.2f} of two (goal 5)")
-    for other, label in (("plain", "plain CadQuery"), ("shared", "CadQuery with shared solids, unchecked")):
+    print(
+        f"{designs} designs at {TOLERANCE_MM} mm, {checks} checks each, {failed} with a failed "
+        "one; CPU time:"
+    )
+    print(
+        f"parts and checks: {mean:.3f} s, {1 / mean:.2f} designs/s of a core, {2 / mean:.2f} of "
+        "two (goal 5)"
+    )
+
+    for other, label in (
+        ("plain", "plain CadQuery"),
+        ("shared", "CadQuery with shared solids, unchecked"),
+    ):
         print(f"{label}: {statistics.mean(times[other]):.3f} s, parts only")
         for own, what in (("sweep", "parts and checks"), ("parts", "parts only")):
             ratios = sorted(b / a for a, b in zip(times[own], times[other], strict=True))
             spread = f"{ratios[0]:.1f} to {ratios[-1]:.1f}"
-            print(f"  {statistics.median(ratios):.1f} times as long as a sweep's {what} ({spread}; goal 8)")
+            print(
+                f"  {statistics.median(ratios):.1f} times as long as a sweep's {what} ({spread}; "
+                "goal 8)"
+            )
 
 
 def measure_speed_up(points: int) -> None:
-    """Print the rate with one and with two workers after the first tenth, so that their start does not count."""
+    """Print the rate with one and with two workers after the first
+    tenth, so that their start does not count.
+    """
     from fingertip.sweep.database import SweepDatabase
     from fingertip.sweep.engines import ProcessEngine
     from fingertip.sweep.run import RunState, compute_rows
 
     rate = {}
+
     for jobs in (1, 2):
         first: list[tuple[float, int]] = []
 
@@ -122,11 +158,21 @@ def measure_speed_up(points: int) -> None:
             if not first and state.written >= points // 10:
                 first.append((time.perf_counter(), state.written))
 
-        with tempfile.TemporaryDirectory() as name, SweepDatabase.create(Path(name), make_plan(points)) as database:
-            written = compute_rows(database.plan, database, ProcessEngine(jobs), record_first_tenth).written
+        with (
+            tempfile.TemporaryDirectory() as name,
+            SweepDatabase.create(Path(name), make_plan(points)) as database,
+        ):
+            written = compute_rows(
+                database.plan, database, ProcessEngine(jobs), record_first_tenth
+            ).written
+
         rate[jobs] = (written - first[0][1]) / (time.perf_counter() - first[0][0])
+
     load = os.getloadavg()[0]
-    print(f"{points} designs, wall time: {rate[1]:.2f}/s with 1 worker, {rate[2]:.2f}/s with 2, load {load:.1f}")
+    print(
+        f"{points} designs, wall time: {rate[1]:.2f}/s with 1 worker, {rate[2]:.2f}/s with 2, "
+        f"load {load:.1f}"
+    )
     print(f"speed-up by a second worker: {rate[2] / rate[1]:.2f} (goal 1.8)")
 
 
@@ -152,10 +198,12 @@ def main() -> None:
     """Print the results; `--memory` alone takes about ten minutes."""
     arguments = sys.argv[1:]
     print(f"{platform.machine()}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
+
     if "--memory" in arguments:
         numbers = [int(a) for a in arguments if a.isdigit()]
         measure_memory(numbers[0] if numbers else 2000)
         return
+
     designs = int(arguments[0]) if arguments else 6
     compare_with_cadquery(designs)
     measure_speed_up(10 * designs)

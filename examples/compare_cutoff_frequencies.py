@@ -1,4 +1,5 @@
-"""Compare cutoff frequencies: component values of the filter board, and the delay until slip is detected.
+"""Compare cutoff frequencies: component values of the filter board, and the delay until slip is
+detected.
 
 Run from a clone of the repository: .venv/bin/python examples/compare_cutoff_frequencies.py
 """
@@ -15,6 +16,7 @@ for cutoff_hz in (50, 67, 80, 100):
     score = detect(simulate(design, trial), design, "digital").score
     delay = f"{1000 * score.delays_s[0]:.1f} ms" if score and score.delays_s else "not found"
     print(
-        f"{cutoff_hz:3} Hz   {resistors.r1_ohm:6.0f} ohm {resistors.r2_ohm:6.0f} ohm {resistors.r3_ohm:6.0f} ohm"
+        f"{cutoff_hz:3} Hz   {resistors.r1_ohm:6.0f} ohm {resistors.r2_ohm:6.0f} ohm "
+        f"{resistors.r3_ohm:6.0f} ohm"
         f"   {values.achieved_response.cutoff_hz:6.2f} Hz   {delay}"
     )

@@ -1,21 +1,27 @@
-"""LeRobot with a finger: force and slip join the observations of any arm, and so every data set that it records.
+"""LeRobot with a finger: force and slip join the observations of any arm, and so every data set
+that it records.
 
-Needs LeRobot (pip install lerobot), fingertip in the same Python, and a finger whose controller streams
-(`slip_lamp.ino` with STREAM = true, or `slip_stream.ino`). See what the sensor gives, from a clone of the repository:
+Needs LeRobot (pip install lerobot), fingertip in the same Python, and a finger whose controller
+streams (`slip_lamp.ino` with STREAM = true, or `slip_stream.ino`). See what the sensor gives, from
+a clone of the repository:
 
     .venv/bin/python examples/lerobot_sensor.py /dev/ttyACM0
 
-Its verbs are those of LeRobot's cameras: connect, is_connected, read, async_read, read_latest, disconnect. LeRobot has
-no class of tactile sensors yet; https://github.com/huggingface/lerobot/pull/4469 proposes one with these verbs.
+Its verbs are those of LeRobot's cameras: connect, is_connected, read, async_read, read_latest,
+disconnect. LeRobot has no class of tactile sensors yet;
+https://github.com/huggingface/lerobot/pull/4469 proposes one with these verbs.
 
-Next: copy this file as `lerobot_robot_so101_fingertip/__init__.py` into a package of that name, whose prefix LeRobot
-looks for, and `pip install -e` it. Then record, with port and design of your finger:
+Next: copy this file as `lerobot_robot_so101_fingertip/__init__.py` into a package of that name,
+whose prefix LeRobot looks for, and `pip install -e` it. Then record, with port and design of your
+finger:
 
-    lerobot-record --robot.type=so101_fingertip --robot.port=/dev/ttyACM1 --robot.fingertip_port=/dev/ttyACM0 ...
+    lerobot-record --robot.type=so101_fingertip --robot.port=/dev/ttyACM1
+    --robot.fingertip_port=/dev/ttyACM0 ...
 
-`observation.state` then ends with `fingertip.force` [N] and `fingertip.slip`: 0, 1 incipient, or 2 ON, the surest since
-the frame before, so that a slip of a few milliseconds is seen at 30 frames a second. For another arm, change the bases
-of the last two classes. This ran with the classes of LeRobot 0.4.4, with stand-ins for torch and the motors of the arm.
+`observation.state` then ends with `fingertip.force` [N] and `fingertip.slip`: 0, 1 incipient, or 2
+ON, the surest since the frame before, so that a slip of a few milliseconds is seen at 30 frames a
+second. For another arm, change the bases of the last two classes. This ran with the classes of
+LeRobot 0.4.4, with stand-ins for torch and the motors of the arm.
 """
 
 import sys
@@ -33,7 +39,9 @@ TIMEOUT_MS = 200.0
 
 @dataclass
 class FingertipSensorConfig:
-    """Where the finger is, and which design its firmware was written for: a name, or the path of a file."""
+    """Where the finger is, and which design its firmware was
+    written for: a name, or the path of a file.
+    """
 
     port: str = "/dev/ttyACM0"
     design: str = "first_finger"
@@ -44,11 +52,14 @@ class FingertipSensor:
     """A tactile sensor with the verbs of LeRobot's cameras; a reading is a dict of floats."""
 
     def __init__(self, config: FingertipSensorConfig) -> None:
-        self.config, self._finger = config, None
+        self.config = config
+        self._finger = None
 
     @property
     def features(self) -> dict[str, type]:
-        """Names and types of what a reading holds, for `observation_features`; known before `connect`."""
+        """Names and types of what a reading holds, for
+        `observation_features`; known before `connect`.
+        """
         return {f"{self.config.name}.force": float, f"{self.config.name}.slip": float}
 
     @property
@@ -59,10 +70,14 @@ class FingertipSensor:
         """Open the port and, with `warmup`, wait for the first sample."""
         if self._finger is not None:
             raise ConnectionError(f"{self.config.name} is connected; disconnect it first.")
+
         try:
-            self._finger = Finger(Port(self.config.port, TIMEOUT_MS / 1000 + 1.0), self.config.design)
+            self._finger = Finger(
+                Port(self.config.port, TIMEOUT_MS / 1000 + 1.0), self.config.design
+            )
         except TraceError as error:
             raise ConnectionError(str(error)) from error
+
         if warmup:
             self.read()
 
@@ -70,6 +85,7 @@ class FingertipSensor:
         """Return the newest reading of the driver, with voltage, interval and samples lost."""
         if self._finger is None:
             raise ConnectionError(f"{self.config.name} is not connected; call connect() first.")
+
         try:
             return self._finger.read()
         except TraceError as error:
@@ -82,7 +98,9 @@ class FingertipSensor:
         return dict(zip(self.features, (reading.force_n, float(reading.slip)), strict=True))
 
     def async_read(self, timeout_ms: float = TIMEOUT_MS) -> dict[str, float]:
-        """Return what `read` does: a thread of the driver reads the port, and a sample comes every 0.5 ms."""
+        """Return what `read` does: a thread of the driver reads
+        the port, and a sample comes every 0.5 ms.
+        """
         return self.read()
 
     def read_latest(self) -> dict[str, float]:
@@ -93,15 +111,20 @@ class FingertipSensor:
         """Close the port."""
         if self._finger is not None:
             self._finger.close()
+
         self._finger = None
 
 
 class WithFingertip:
-    """Adds the finger to a robot: `class MyArm(WithFingertip, SomeArm)`, whose config has the two fields below."""
+    """Adds the finger to a robot: `class MyArm(WithFingertip,
+    SomeArm)`, whose config has the two fields below.
+    """
 
     def __init__(self, config: Any) -> None:
         super().__init__(config)
-        self.fingertip = FingertipSensor(FingertipSensorConfig(config.fingertip_port, config.fingertip_design))
+        self.fingertip = FingertipSensor(
+            FingertipSensorConfig(config.fingertip_port, config.fingertip_design)
+        )
 
     @property
     def observation_features(self) -> dict[str, Any]:
@@ -112,7 +135,8 @@ class WithFingertip:
         return super().is_connected and self.fingertip.is_connected
 
     def connect(self, calibrate: bool = True) -> None:
-        self.fingertip.connect()  # first: an arm that is connected, as it calibrates itself, counts as a whole
+        # first: an arm that is connected, as it calibrates itself, counts as a whole
+        self.fingertip.connect()
         try:
             super().connect(calibrate)
         except BaseException:

@@ -1,24 +1,26 @@
-"""ROS 2 node of a built finger: its force as a wrench, its slip as a Bool, on topics that other nodes subscribe to.
+"""ROS 2 node of a built finger: its force as a wrench, its slip as a Bool, on topics that other
+nodes subscribe to.
 
-Needs ROS 2 (rclpy, geometry_msgs, std_msgs, diagnostic_msgs), fingertip in the same Python, and a finger whose
-controller streams (`slip_lamp.ino` with STREAM = true, or `slip_stream.ino`). Source ROS 2, and run from a clone:
+Needs ROS 2 (rclpy, geometry_msgs, std_msgs, diagnostic_msgs), fingertip in the same Python, and a
+finger whose controller streams (`slip_lamp.ino` with STREAM = true, or `slip_stream.ino`). Source
+ROS 2, and run from a clone:
 
-    python3 examples/ros2_node.py --ros-args -p port:=/dev/ttyACM0 -p design:=first_finger -r __ns:=/index
-    ros2 topic echo /index/wrench
+    python3 examples/ros2_node.py --ros-args -p port:=/dev/ttyACM0 -p design:=first_finger -r
+    __ns:=/index ros2 topic echo /index/wrench
 
 It ran with stand-ins for the classes of ROS (tests/bench/test_driver.py), and with no ROS.
 
-| topic | message |
-| --- | --- |
-| `wrench` | geometry_msgs/WrenchStamped, force along -z of `frame_id`, into the skin; NaN where no curve is known |
-| `slip` | std_msgs/Bool, true if it slipped since the last message |
-| `slip_incipient` | std_msgs/Bool, earlier and less sure; on a divider the same |
-| `/diagnostics` | diagnostic_msgs/DiagnosticArray, each second: samples lost, and the interval of the force |
+| topic | message | | --- | --- | | `wrench` | geometry_msgs/WrenchStamped, force along -z of
+`frame_id`, into the skin; NaN where no curve is known | | `slip` | std_msgs/Bool, true if it
+slipped since the last message | | `slip_incipient` | std_msgs/Bool, earlier and less sure; on a
+divider the same | | `/diagnostics` | diagnostic_msgs/DiagnosticArray, each second: samples lost,
+and the interval of the force |
 
-`frame_id` is the frame of the sensor in the model that `fingertip robot --format urdf` writes. It presses along -z.
+`frame_id` is the frame of the sensor in the model that `fingertip robot --format urdf` writes. It
+presses along -z.
 
-Next: let a controller of the hand subscribe to `slip`, and tighten its grip. A subscriber needs the QoS of sensors
-(best effort), as `qos_profile_sensor_data`; a reliable one gets nothing.
+Next: let a controller of the hand subscribe to `slip`, and tighten its grip. A subscriber needs the
+QoS of sensors (best effort), as `qos_profile_sensor_data`; a reliable one gets nothing.
 """
 
 import rclpy
@@ -36,7 +38,9 @@ DIAGNOSTICS_S = 1.0
 
 
 class FingerNode(Node):
-    """Publishes what a finger feels, `rate_hz` times a second; the driver reads every sample in between."""
+    """Publishes what a finger feels, `rate_hz` times a second;
+    the driver reads every sample in between.
+    """
 
     def __init__(self) -> None:
         super().__init__("fingertip")
@@ -44,8 +48,12 @@ class FingerNode(Node):
         self.declare_parameter("design", "first_finger")
         self.declare_parameter("frame_id", "first_finger_sensor")
         self.declare_parameter("rate_hz", 200.0)
-        values = {name: self.get_parameter(name).value for name in ("port", "design", "frame_id", "rate_hz")}
-        self.frame_id, self.port = values["frame_id"], values["port"]
+        values = {
+            name: self.get_parameter(name).value
+            for name in ("port", "design", "frame_id", "rate_hz")
+        }
+        self.frame_id = values["frame_id"]
+        self.port = values["port"]
         self.finger = Finger(self.port, values["design"])
         self.wrenches = self.create_publisher(WrenchStamped, "wrench", qos_profile_sensor_data)
         self.slips = self.create_publisher(Bool, "slip", qos_profile_sensor_data)
@@ -56,7 +64,10 @@ class FingerNode(Node):
         self.create_timer(DIAGNOSTICS_S, self.diagnose)
 
     def publish(self) -> None:
-        """Publish the newest sample. Its time is ROS's, a few milliseconds after the controller took it."""
+        """Publish the newest sample.
+
+        Its time is ROS's, a few milliseconds after the controller took it.
+        """
         self.last = reading = self.finger.read()
         wrench = WrenchStamped()
         wrench.header.stamp = self.get_clock().now().to_msg()
@@ -70,9 +81,14 @@ class FingerNode(Node):
         """Publish how well the stream arrives."""
         if self.last is None:
             return
+
         level = DiagnosticStatus.WARN if self.last.lost else DiagnosticStatus.OK
-        status = DiagnosticStatus(name=f"{self.get_name()}: stream", hardware_id=self.port, level=level)
-        status.message = f"{self.last.lost} samples lost" if self.last.lost else "all samples arrived"
+        status = DiagnosticStatus(
+            name=f"{self.get_name()}: stream", hardware_id=self.port, level=level
+        )
+        status.message = (
+            f"{self.last.lost} samples lost" if self.last.lost else "all samples arrived"
+        )
         low_n, high_n = self.last.force_interval_n
         interval = f"{low_n:.2f} to {high_n:.2f} N"
         status.values = [
@@ -92,6 +108,7 @@ def main() -> None:
     """Run the node until Ctrl-C, or until the port ends."""
     rclpy.init()
     node = None
+
     try:
         node = FingerNode()
         rclpy.spin(node)
@@ -102,6 +119,7 @@ def main() -> None:
     finally:
         if node:
             node.destroy_node()
+
         rclpy.try_shutdown()
 
 

@@ -1,4 +1,5 @@
-"""Tour of fingertip in Jupyter: a design, its parts, a simulated slip and what a detector makes of it.
+"""Tour of fingertip in Jupyter: a design, its parts, a simulated slip and what a detector makes of
+it.
 
 Editors open this file as a notebook; the site of the documentation shows it with its outputs.
 Run from a clone of the repository: .venv/bin/python examples/tour_in_jupyter.py
@@ -33,10 +34,13 @@ except fingertip.FingertipError as error:
 # %% [markdown]
 # ## Its parts
 #
-# `build` writes files and checks them. `fingertip.assembly(design)` gives them as a cadquery assembly.
+# `build` writes files and checks them. `fingertip.assembly(design)` gives them as a cadquery
+# assembly.
 
 # %%
-built = fingertip.build(design, "out/wider", parts=["bone", "skin"], formats=["stl"], tolerance_mm=0.02)
+built = fingertip.build(
+    design, "out/wider", parts=["bone", "skin"], formats=["stl"], tolerance_mm=0.02
+)
 built
 
 # %% [markdown]

@@ -1,9 +1,10 @@
-"""Comparison of a text with an approved file: exact, or words and quotations exactly and numbers within a tolerance.
+"""Comparison of a text with an approved file: exact, or words and quotations exactly and numbers
+within a tolerance.
 
-A text that stands beside another, the whole of its kind, is stored as its differences: `@@ -12,3 @@` are three lines of
-the whole from line 12 on, which the lines below replace. After a change that is meant, `FINGERTIP_APPROVE=1
-FINGERTIP_FULL=1 pytest -n 0 FILE` writes both, in any order; then read the difference. Wholes of the folder `pcb` are
-written by `fingertip board`, before.
+A text that stands beside another, the whole of its kind, is stored as its differences: `@@ -12,3
+@@` are three lines of the whole from line 12 on, which the lines below replace. After a change that
+is meant, `FINGERTIP_APPROVE=1 FINGERTIP_FULL=1 pytest -n 0 FILE` writes both, in any order; then
+read the difference. Wholes of the folder `pcb` are written by `fingertip board`, before.
 """
 
 from __future__ import annotations
@@ -33,15 +34,25 @@ def check_text(path: Path, text: str | bytes, beside: Path | None = None) -> Non
 
 
 def check_figures(
-    path: Path, lines: Iterable[str], rel: float = 2e-3, abs_: float = 0.02, beside: Path | None = None
+    path: Path,
+    lines: Iterable[str],
+    rel: float = 2e-3,
+    abs_: float = 0.02,
+    beside: Path | None = None,
 ) -> None:
     """Compare lines with those of an approved file, numbers within a tolerance, or approve them."""
     text = "\n".join(lines).replace(__version__, "VERSION") + "\n"
     for line, approved in zip_longest(text.splitlines(), _read(path, text, beside).splitlines()):
         if line != approved:
-            assert _NUMBER.sub("0", line or "") == _NUMBER.sub("0", approved or ""), f"{line} | {approved}"
-            assert _QUOTED.findall(line or "") == _QUOTED.findall(approved or ""), f"{line} | {approved}"
-            found, wanted = ([float(number) for number in _NUMBER.findall(one)] for one in (line, approved))
+            assert _NUMBER.sub("0", line or "") == _NUMBER.sub("0", approved or ""), (
+                f"{line} | {approved}"
+            )
+            assert _QUOTED.findall(line or "") == _QUOTED.findall(approved or ""), (
+                f"{line} | {approved}"
+            )
+            found, wanted = (
+                [float(number) for number in _NUMBER.findall(one)] for one in (line, approved)
+            )
             assert found == pytest.approx(wanted, rel=rel, abs=abs_), f"{line} | {approved}"
 
 
@@ -80,22 +91,34 @@ def _name_whole(path: Path) -> Path | None:
 
 def _write(path: Path, text: str, beside: Path | None) -> None:
     if beside is not None:
-        text = f"Differences from {os.path.relpath(beside, path.parent)}:\n{_differ(read_text(beside), text)}"
+        text = (
+            "Differences from "
+            f"{os.path.relpath(beside, path.parent)}:\n{_differ(read_text(beside), text)}"
+        )
     path.write_text(text, encoding="utf-8")
 
 
 def _differ(whole: str, text: str) -> str:
     """Return the lines of a text that are not those of a whole."""
-    old, new, lines = whole.split("\n"), text.split("\n"), list[str]()
-    for kind, start, end, first, last in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
+    old = whole.split("\n")
+    new = text.split("\n")
+    lines = list[str]()
+    for kind, start, end, first, last in SequenceMatcher(
+        None, old, new, autojunk=False
+    ).get_opcodes():
         if kind != "equal":
-            lines += (f"@@ -{start + 1},{end - start} @@", *(f"+{line}" for line in new[first:last]))
+            lines += (
+                f"@@ -{start + 1},{end - start} @@",
+                *(f"+{line}" for line in new[first:last]),
+            )
     return "".join(f"{line}\n" for line in lines)
 
 
 def _patch(whole: str, differences: str) -> str:
     """Return the text whose differences from a whole are stored."""
-    old, new, at = whole.split("\n"), list[str](), 0
+    old = whole.split("\n")
+    new = list[str]()
+    at = 0
     for line in differences.split("\n")[1:-1]:
         if line.startswith("+"):
             new.append(line[1:])

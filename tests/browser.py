@@ -1,4 +1,6 @@
-"""Headless Chromium for tests of pages: started, used with a script, and checked for accessibility."""
+"""Headless Chromium for tests of pages: started, used with a script, and checked for
+accessibility.
+"""
 
 from __future__ import annotations
 
@@ -20,16 +22,26 @@ from tests.tools import require_tool
 HOW = "as root on Debian, sh .ci/install-chromium"
 AXE = ROOT / "tools/page_libraries/node_modules/axe-core/axe.min.js"
 FLAGS = (
-    "--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader", "--force-device-scale-factor=1", "--window-size=1300,1000",
-)  # fmt: skip
+    "--headless",
+    "--no-sandbox",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--force-device-scale-factor=1",
+    "--window-size=1300,1000",
+)
 
 
 @contextmanager
 def open_browser(folder: Path) -> Iterator[Any]:
     """Start Chromium with an empty profile in a folder; its `downloads` go to another one in it."""
-    chromium, chromedriver = require_tool("chromium", HOW), require_tool("chromedriver", HOW)
+    chromium = require_tool("chromium", HOW)
+    chromedriver = require_tool("chromedriver", HOW)
     if importlib.util.find_spec("selenium") is None:
         require_tool("selenium", 'pip install "fingertip-kit[test]"')
     from selenium import webdriver
@@ -42,7 +54,8 @@ def open_browser(folder: Path) -> Iterator[Any]:
     for flag in (*FLAGS, f"--user-data-dir={folder / 'profile'}"):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    # Without the second setting, Chromium asks before the second file that a script saves long after a click.
+    # Without the second setting, Chromium asks before the second file that a script saves long
+    # after a click.
     saving = {
         "download.default_directory": str(downloads),
         "profile.default_content_setting_values.automatic_downloads": 1,
@@ -58,16 +71,24 @@ def open_browser(folder: Path) -> Iterator[Any]:
 
 @contextmanager
 def watch(driver: Any, address: str) -> Iterator[None]:
-    """Fail if what is opened meanwhile complains, or asks for anything beyond addresses that begin with this one."""
+    """Fail if what is opened meanwhile complains, or asks for anything
+    beyond addresses that begin with this one.
+    """
     driver.get("about:blank")  # the browser's own first page is no concern of the tests
     driver.get_log("performance")
     driver.get_log("browser")
     yield
     assert [entry for entry in driver.get_log("browser") if entry["level"] != "INFO"] == []
     messages = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
-    asked = [one["params"]["request"]["url"] for one in messages if one["method"] == "Network.requestWillBeSent"]
+    asked = [
+        one["params"]["request"]["url"]
+        for one in messages
+        if one["method"] == "Network.requestWillBeSent"
+    ]
     assert any(url.startswith(address) for url in asked)
-    assert [url for url in asked if not url.startswith((address, "data:", "blob:", "chrome:"))] == []
+    assert [
+        url for url in asked if not url.startswith((address, "data:", "blob:", "chrome:"))
+    ] == []
 
 
 def wait(condition: Any, seconds: float = 60.0) -> Any:
@@ -94,24 +115,38 @@ def picture(driver: Any) -> Any:
     from PIL import Image
 
     script = "const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => "
-    data = driver.execute_async_script(f"{script}done(document.getElementById('canvas').toDataURL())))")
-    return np.asarray(Image.open(io.BytesIO(base64.b64decode(data.partition(",")[2]))).convert("RGBA")).astype(int)
+    data = driver.execute_async_script(
+        f"{script}done(document.getElementById('canvas').toDataURL())))"
+    )
+    return np.asarray(
+        Image.open(io.BytesIO(base64.b64decode(data.partition(",")[2]))).convert("RGBA")
+    ).astype(int)
 
 
 def find_barriers(driver: Any, scheme: str, width: int) -> list[list[str]]:
-    """Find what axe-core objects to, in one colour scheme at one width, at which the page must fit."""
+    """Find what axe-core objects to, in one colour scheme at one width, at which the page
+    must fit.
+    """
     axe = require_tool(str(AXE), HOW).read_text(encoding="utf-8")
     features = [{"name": "prefers-color-scheme", "value": scheme}]
     size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
     try:
-        driver.execute_script("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
+        driver.execute_script(
+            "document.querySelectorAll('details').forEach((d) => { d.open = true; })"
+        )
         time.sleep(0.3)
         assert driver.execute_script("return document.documentElement.scrollWidth <= innerWidth")
-        driver.execute_cdp_cmd("Runtime.evaluate", {"expression": axe})  # the page's policy would refuse a script
-        script = "const done = arguments[0]; axe.run(document).then((r) => done(r.violations.map((v) => "
-        found: list[list[str]] = driver.execute_async_script(f"{script}[v.id, v.impact, v.nodes[0].html])))")
+        driver.execute_cdp_cmd(
+            "Runtime.evaluate", {"expression": axe}
+        )  # the page's policy would refuse a script
+        script = (
+            "const done = arguments[0]; axe.run(document).then((r) => done(r.violations.map((v) => "
+        )
+        found: list[list[str]] = driver.execute_async_script(
+            f"{script}[v.id, v.impact, v.nodes[0].html])))"
+        )
         background = driver.execute_script("return getComputedStyle(document.body).backgroundColor")
         assert (background == "rgb(255, 255, 255)") == (scheme == "light")
         return found

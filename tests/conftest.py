@@ -42,7 +42,8 @@ Case = TypeVar("Case")
 def pytest_configure(config: pytest.Config) -> None:
     """Select the tests that run."""
     config.pluginmanager.register(first_set)
-    # A process in the background of a shell ignores Ctrl-C, and so would the commands that tests interrupt.
+    # A process in the background of a shell ignores Ctrl-C, and so would the commands that tests
+    # interrupt.
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
@@ -51,7 +52,9 @@ def some_of(cases: Iterable[Case], *kept: Case) -> list[Case]:
     return [case for case in cases if FULL or case in kept]
 
 
-def run_python(*arguments: str, given: str | None = None, **environment: str) -> subprocess.CompletedProcess[str]:
+def run_python(
+    *arguments: str, given: str | None = None, **environment: str
+) -> subprocess.CompletedProcess[str]:
     """A fresh Python process, with its output as text; `given` is its standard input."""
     return subprocess.run(
         [sys.executable, *arguments],
@@ -68,7 +71,8 @@ def run_python(*arguments: str, given: str | None = None, **environment: str) ->
 def run_fingertip(
     *arguments: object, given: str | None = None, fresh: bool = False, **environment: str
 ) -> subprocess.CompletedProcess[str]:
-    """The command line, `given` on standard input, in this process: a `fresh` one takes half a second to start.
+    """The command line, `given` on standard input, in this process: a `fresh` one takes half a
+    second to start.
 
     Changes of the environment start one too, but for `PWD`, the folder to run in.
     """

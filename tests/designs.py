@@ -1,4 +1,6 @@
-"""Designs that several tests compare, beside the default: the article's circuit, supply and converter."""
+"""Designs that several tests compare, beside the default: the
+article's circuit, supply and converter.
+"""
 
 from __future__ import annotations
 
@@ -19,26 +21,35 @@ ARTICLE_CHANGES = (
     "detector.adc_range_v=10",
     "detector.adc_polarity=bipolar",
 )
-"""Changes to the default design that give the article's circuit, supply and converter, with capacitors as are sold. The
-bundled design `article` has the article's capacitors of 5 % too."""
+"""Changes to the default design that give the article's circuit, supply and converter, with
+capacitors as are sold. The bundled design `article` has the article's capacitors of 5 % too.
+"""
 ARTICLE_OPTIONS = [word for change in ARTICLE_CHANGES for word in ("--set", change)]
 """The same as words of a command line."""
 
 
 def load_article(changes: Iterable[str] = ()) -> Design:
-    """Load the default design with the article's circuit, supply and converter, and then these changes.
+    """Load the default design with the article's circuit, supply and converter, and then these
+    changes.
 
     Another variant gets its own supply and capacitors.
     """
     changes = list(changes)
-    supplies = [word for change in changes if change in VARIANT_BY_CHANGE for word in VARIANT_BY_CHANGE[change]]
+    supplies = [
+        word
+        for change in changes
+        if change in VARIANT_BY_CHANGE
+        for word in VARIANT_BY_CHANGE[change]
+    ]
     if supplies and "board.variant=article" not in supplies:
         supplies.append("board.capacitor_uf=0.1")
     return Design.load(changes=[*ARTICLE_CHANGES, *supplies, *changes])
 
 
 def article_design(**tables: dict[str, Any]) -> Design:
-    """Build the design of `load_article` with values of tables, such as ``board={"cutoff_hz": 50.0}``."""
+    """Build the design of `load_article` with values of tables,
+    such as ``board={"cutoff_hz": 50.0}``.
+    """
     variant = tables.get("board", {}).get("variant", "article")
     values = load_article(VARIANT_CHANGES[variant]).model_dump()
     for table, changed in tables.items():

@@ -1,9 +1,9 @@
 """First set of tests: what runs without FINGERTIP_FULL=1.
 
-The first set was chosen by what it notices in a second (`tools/mutation`), and by what a test of it costs: some two
-seconds at most, or it is marked `full`. The whole suite notices more and takes ten times as long. Of a test with many
-cases a few run, spread evenly, unless it is marked `every_case`. A test that is named on the command line with all its
-cases (`FILE::TEST`) always runs.
+The first set was chosen by what it notices in a second (`tools/mutation`), and by what a test of it
+costs: some two seconds at most, or it is marked `full`. The whole suite notices more and takes ten
+times as long. Of a test with many cases a few run, spread evenly, unless it is marked `every_case`.
+A test that is named on the command line with all its cases (`FILE::TEST`) always runs.
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Leave out what is not in the first set."""
     if LONG or any("::" in word for word in config.args):
         return
-    kept = {item for item in items if not item.get_closest_marker("long")} if FULL else select(items)
+    kept = (
+        {item for item in items if not item.get_closest_marker("long")} if FULL else select(items)
+    )
     config.hook.pytest_deselected(items=[item for item in items if item not in kept])
     items[:] = [item for item in items if item in kept]
 

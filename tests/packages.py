@@ -1,4 +1,6 @@
-"""Packages that pyproject.toml asks for, and the lists of their versions that `sh tools/lock` writes."""
+"""Packages that pyproject.toml asks for, and the lists of their
+versions that `sh tools/lock` writes.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,9 @@ from tests.conftest import ROOT
 
 CONSTRAINTS = ROOT / "constraints.txt"
 LEVELS = ("core", "mesh", "usual", "all", "test")
-"""Each has its list and holds those before it. install.sh takes all but `mesh`, which the GitHub action installs."""
+"""Each has its list and holds those before it. install.sh takes all
+but `mesh`, which the GitHub action installs.
+"""
 
 
 def list_path(level: str) -> Path:
@@ -38,7 +42,10 @@ def read_level(level: str) -> list[Requirement]:
 
 def read_pins() -> dict[str, str]:
     """Read the pinned version of each package."""
-    return {canonicalize_name(one.name): str(one.specifier).removeprefix("==") for one in read_list(CONSTRAINTS)}
+    return {
+        canonicalize_name(one.name): str(one.specifier).removeprefix("==")
+        for one in read_list(CONSTRAINTS)
+    }
 
 
 def asked_by(project: dict[str, Any], lines: Iterable[str]) -> Iterator[Requirement]:
@@ -52,7 +59,9 @@ def asked_by(project: dict[str, Any], lines: Iterable[str]) -> Iterator[Requirem
 
 
 def asked_by_level(level: str) -> list[Requirement]:
-    """List what a level asks for directly: what builds fingertip, its own dependencies, and those of an extra."""
+    """List what a level asks for directly: what builds fingertip,
+    its own dependencies, and those of an extra.
+    """
     table = read_pyproject()
     project = table["project"]
     lines = [*table["dependency-groups"]["build"], *project["dependencies"]]

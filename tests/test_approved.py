@@ -1,4 +1,6 @@
-"""Approved texts that stand beside a whole: what is stored, and that the order of their approval does not matter."""
+"""Approved texts that stand beside a whole: what is stored, and that
+the order of their approval does not matter.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,9 @@ def test_differences_from_a_whole_are_stored_in_any_order_of_approval(
         monkeypatch.setenv("FINGERTIP_APPROVE", "1")
         for names_then, end in ((names[::-1], "old"), (names, "")):
             for name in names_then:
-                check_text(folder / name, TEXTS[name] + end, folder / "whole" if name != "whole" else None)
+                check_text(
+                    folder / name, TEXTS[name] + end, folder / "whole" if name != "whole" else None
+                )
         monkeypatch.delenv("FINGERTIP_APPROVE")
         assert (folder / "shorter").read_text() == "Differences from whole:\n@@ -2,2 @@\n+\n"
         for name, text in TEXTS.items():

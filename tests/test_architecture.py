@@ -1,4 +1,6 @@
-"""The drawing of the layers in docs/architecture.md is what the contracts enforce and what the source imports."""
+"""The drawing of the layers in docs/architecture.md is what the
+contracts enforce and what the source imports.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,9 @@ from tests.conftest import ROOT
 
 PAGE = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
 DRAWN = {
-    words[0]: words[2:] for line in PAGE.split("```text\n")[1].split("```")[0].splitlines() if (words := line.split())
+    words[0]: words[2:]
+    for line in PAGE.split("```text\n")[1].split("```")[0].splitlines()
+    if (words := line.split())
 }
 
 
@@ -24,7 +28,10 @@ def imports() -> dict[str, set[str]]:
     found: dict[str, set[str]] = {folder: set() for folder in DRAWN}
     for module in graph.modules:
         for other in graph.find_modules_directly_imported_by(module):
-            one, two = (name.removeprefix("fingertip").lstrip(".").partition(".")[0] for name in (module, other))
+            one, two = (
+                name.removeprefix("fingertip").lstrip(".").partition(".")[0]
+                for name in (module, other)
+            )
             if one in found and two and one != two:
                 found[one].add(two)
     return found
@@ -44,14 +51,19 @@ def test_arrows_are_imports_and_lead_to_all_imports(imports: dict[str, set[str]]
     for folder, arrows in DRAWN.items():
         assert set(arrows) <= imports[folder], f"{folder}: an arrow without an import"
         assert imports[folder] <= reach(folder), f"{folder}: an import without an arrow"
-        assert all(one not in reach(two) for one, two in product(arrows, repeat=2)), f"{folder}: an arrow too many"
+        assert all(one not in reach(two) for one, two in product(arrows, repeat=2)), (
+            f"{folder}: an arrow too many"
+        )
 
 
 def test_the_contract_has_the_order_of_the_drawing() -> None:
-    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"]["contracts"]
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"][
+        "contracts"
+    ]
     layers = next(contract["layers"] for contract in contracts if contract["type"] == "layers")
     ranks = {name: rank for rank, layer in enumerate(layers) for name in re.findall(r"\w+", layer)}
     assert set(ranks) == {*DRAWN, "__main__"}
     assert all(ranks[folder] < ranks[arrow] for folder, arrows in DRAWN.items() for arrow in arrows)
-    # Siblings of one layer must not import each other: the drawing has no arrow between them either.
+    # Siblings of one layer must not import each other: the drawing has no arrow between them
+    # either.
     assert [ranks[name] for name in DRAWN] == sorted(ranks[name] for name in DRAWN)

@@ -1,4 +1,6 @@
-"""Example of a bench rig: its script checks the geometry of two designs, and its checks find defects."""
+"""Example of a bench rig: its script checks the geometry of two
+designs, and its checks find defects.
+"""
 
 from __future__ import annotations
 

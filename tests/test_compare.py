@@ -49,7 +49,10 @@ def test_differences_are_those_of_the_reports(before: Path, after: Path) -> None
     report = json.loads((after / "report.json").read_text())
     figures = {change["name"]: change["after"] for change in found["figures"]}
     assert figures["printed material"] == f"{report['casting']['printed_g']:g} g"
-    assert figures["share of a force at the sensor"] == f"{100 * report['pad']['tilts'][2]['share']:.4g} %"
+    assert (
+        figures["share of a force at the sensor"]
+        == f"{100 * report['pad']['tilts'][2]['share']:.4g} %"
+    )
     assert figures["delay of slip detection, one simulated trial"] == "-", "only make simulates one"
     volumes = {change["name"]: change["after"] for change in found["parts"]}
     assert volumes["skin"] == f"{float(format(report['parts']['skin']['volume_mm3'], '.4g')):g} mm3"
@@ -58,7 +61,8 @@ def test_differences_are_those_of_the_reports(before: Path, after: Path) -> None
 def test_checks_gained_lost_mended_and_broken_are_named(before: Path) -> None:
     old = read_version(before)
     checks = [dict(check) for check in old.report["checks"]]
-    gone, broken = checks.pop(0), checks[0]
+    gone = checks.pop(0)
+    broken = checks[0]
     broken["passed"] = False
     checks.append({"name": "new.check", "passed": True})
     new = Version("new", old.design, {**old.report, "checks": checks}, {"delays_s": [0.0255]})
@@ -76,7 +80,9 @@ def test_a_version_compared_with_itself_has_not_changed(before: Path) -> None:
     assert "nothing changed" in done.stdout
 
 
-def test_report_of_another_release_without_some_figures_is_compared(before: Path, tmp_path: Path) -> None:
+def test_report_of_another_release_without_some_figures_is_compared(
+    before: Path, tmp_path: Path
+) -> None:
     old = Path(shutil.copytree(before, tmp_path / "old"))
     for report in (
         {"pad": {"tilts": [1]}, "checks": [2], "casting": []},
@@ -87,7 +93,11 @@ def test_report_of_another_release_without_some_figures_is_compared(before: Path
         (old / "report.json").write_text(json.dumps(report))
         done = run_fingertip("compare", old, before, "--json")
         assert done.returncode == 0, done.stderr
-        unknown = [change["name"] for change in json.loads(done.stdout)["figures"] if change["before"] != "-"]
+        unknown = [
+            change["name"]
+            for change in json.loads(done.stdout)["figures"]
+            if change["before"] != "-"
+        ]
         assert unknown in ([], ["to order"])
 
 
@@ -96,16 +106,25 @@ def test_part_of_another_shape_and_the_same_volume_is_named(before: Path) -> Non
     parts = {name: dict(entry) for name, entry in old.report["parts"].items()}
     parts["core"]["sha256"] = {"stl": "0" * 64}
     found = compare_versions(old, Version("new", old.design, {**old.report, "parts": parts}, {}))
-    assert [(change.name, change.after.partition(", ")[2]) for change in found.parts] == [("core", "another shape")]
+    assert [(change.name, change.after.partition(", ")[2]) for change in found.parts] == [
+        ("core", "another shape")
+    ]
 
 
 def test_checks_of_formats_that_one_side_lacks_are_not_lost(before: Path, tmp_path: Path) -> None:
-    build(Design.load("first_finger"), tmp_path / "both", formats=["stl", "3mf"], tolerance_mm=COARSE_MM)
+    build(
+        Design.load("first_finger"),
+        tmp_path / "both",
+        formats=["stl", "3mf"],
+        tolerance_mm=COARSE_MM,
+    )
     found = compare_versions(read_version(tmp_path / "both"), read_version(before))
     assert (found.lost, found.gained) == ((), ())
 
 
-def test_page_and_picture_are_written_beside_each_other(before: Path, after: Path, tmp_path: Path) -> None:
+def test_page_and_picture_are_written_beside_each_other(
+    before: Path, after: Path, tmp_path: Path
+) -> None:
     out = tmp_path / "comparison"
     for _ in range(2):  # it may be written again
         assert run_fingertip("compare", before, after, "--out", out).returncode == 0
@@ -152,4 +171,7 @@ def test_unknown_revision_is_refused(tmp_path: Path) -> None:
     for revision in ("v9", "--output=x"):
         done = run_fingertip("compare", "--", revision, "a.toml", PWD=str(tmp_path))
         assert done.returncode == 2
-        assert f"OLD: {revision}: is no design file, no folder, no bundled name, and no revision" in done.stderr
+        assert (
+            f"OLD: {revision}: is no design file, no folder, no bundled name, and no revision"
+            in done.stderr
+        )

@@ -1,4 +1,6 @@
-"""Lists about dependencies: versions with hashes and licences, compared with uv's and with what is installed."""
+"""Lists about dependencies: versions with hashes and licences,
+compared with uv's and with what is installed.
+"""
 
 from __future__ import annotations
 
@@ -46,14 +48,20 @@ def hashes(path: Path) -> set[str]:
 
 def names(requirements: Iterable[Requirement]) -> set[str]:
     """Names of the packages that requirements ask for on this machine."""
-    return {canonicalize_name(one.name) for one in requirements if one.marker is None or one.marker.evaluate()}
+    return {
+        canonicalize_name(one.name)
+        for one in requirements
+        if one.marker is None or one.marker.evaluate()
+    }
 
 
 def test_lists_hold_the_pinned_versions_and_name_no_place() -> None:
     pins = read_pins()
     for level in LEVELS:
         listed = read_list(list_path(level))
-        assert {str(one.specifier) for one in listed} == {f"=={pins[canonicalize_name(one.name)]}" for one in listed}
+        assert {str(one.specifier) for one in listed} == {
+            f"=={pins[canonicalize_name(one.name)]}" for one in listed
+        }
     assert {canonicalize_name(one.name) for one in read_level("test")} == set(pins), RENEW
     assert [path.name for path in LISTS if "://" in path.read_text(encoding="utf-8")] == []
 
@@ -62,7 +70,9 @@ def test_lists_hold_the_pinned_versions_and_name_no_place() -> None:
 def test_each_line_of_a_list_is_a_pin_with_hashes_or_names_the_list_below(level: str) -> None:
     text = list_path(level).read_text(encoding="utf-8")
     below = [f"-r {lower}.txt" for lower in LEVELS[: LEVELS.index(level)][-1:]]
-    left = re.sub(rf"^[\w-]+==[\w.]+( ; [^\\]+)? \\\n({HASH.pattern})+", "", text, flags=re.MULTILINE)
+    left = re.sub(
+        rf"^[\w-]+==[\w.]+( ; [^\\]+)? \\\n({HASH.pattern})+", "", text, flags=re.MULTILINE
+    )
     assert [line for line in left.splitlines() if line[0] != "#"] == below
 
 
@@ -73,10 +83,14 @@ def test_level_lists_exactly_what_it_needs_on_this_machine(level: str) -> None:
 
 
 def test_each_dependency_has_a_lowest_version() -> None:
-    operators = {one.name: [each.operator for each in one.specifier] for one in asked_by_level("test")}
+    operators = {
+        one.name: [each.operator for each in one.specifier] for one in asked_by_level("test")
+    }
     assert {name for name, used in operators.items() if ">=" not in used} == set()
     asked = read_pyproject()["build-system"]["requires"]
-    assert set(asked) <= set(read_pyproject()["dependency-groups"]["build"]), "install.sh builds with these"
+    assert set(asked) <= set(read_pyproject()["dependency-groups"]["build"]), (
+        "install.sh builds with these"
+    )
 
 
 @pytest.fixture(scope="module")
@@ -100,14 +114,18 @@ def test_uv_finds_the_same_versions_and_hashes(tmp_path: Path) -> None:
     for path in LISTS:
         found = tmp_path / path.relative_to(ROOT)
         assert without_hashes(found) == without_hashes(path), RENEW
-        assert hashes(path) <= hashes(found), "files may be added to a release; those that are there do not change"
+        assert hashes(path) <= hashes(found), (
+            "files may be added to a release; those that are there do not change"
+        )
 
 
 @pytest.mark.full
 @pytest.mark.every_case
 @pytest.mark.parametrize("python", PYTHONS)
 @pytest.mark.parametrize("platform", PLATFORMS)
-def test_each_level_has_a_wheel_of_every_package(uv: str, platform: str, python: str, tmp_path: Path) -> None:
+def test_each_level_has_a_wheel_of_every_package(
+    uv: str, platform: str, python: str, tmp_path: Path
+) -> None:
     where = ["--python", sys.executable, "--python-version", python, "--python-platform", platform]
     for level in LEVELS:
         command = [uv, "pip", "install", "--quiet", "--dry-run", "--target", str(tmp_path), *where]
@@ -119,16 +137,23 @@ def test_each_level_has_a_wheel_of_every_package(uv: str, platform: str, python:
 
 def test_lists_are_tried_for_the_supported_pythons() -> None:
     classifiers = read_pyproject()["project"]["classifiers"]
-    assert [found[1] for one in classifiers if (found := re.search(r":: (3\.\d+)$", one))] == PYTHONS
+    assert [
+        found[1] for one in classifiers if (found := re.search(r":: (3\.\d+)$", one))
+    ] == PYTHONS
 
 
 def as_pinned(needed: Iterable[str]) -> None:
     """Skip a test of a list where other versions than the pinned ones are installed."""
     pins = read_pins()
-    installed = {canonicalize_name(one.metadata["Name"]): one.version for one in metadata.distributions()}
+    installed = {
+        canonicalize_name(one.metadata["Name"]): one.version for one in metadata.distributions()
+    }
     wrong = [name for name in sorted(needed) if installed.get(name) != pins.get(name)]
     if wrong:
-        pytest.skip(f"the list is about the pinned versions, and {wrong[0]} {installed.get(wrong[0])} is installed")
+        pytest.skip(
+            f"the list is about the pinned versions, and {wrong[0]} {installed.get(wrong[0])} is "
+            "installed"
+        )
 
 
 @pytest.mark.full
@@ -138,10 +163,16 @@ def test_licence_of_every_dependency_is_listed() -> None:
     found = licences.list_licences()
     asked = {canonicalize_name(one.name) for one in asked_by_level("all")}
     listed = {canonicalize_name(one.name) for one in found}
-    assert asked - listed == {"editables", "hatchling"}, "these build fingertip; nobody passes them on"
+    assert asked - listed == {"editables", "hatchling"}, (
+        "these build fingertip; nobody passes them on"
+    )
 
     rows = dict(re.findall(r"^- ([^:]+): (.*)$", page, re.MULTILINE))
-    missing = [one.name for one in found if one.name not in re.sub(r" \(\w+\)", "", rows[one.text]).split(", ")]
+    missing = [
+        one.name
+        for one in found
+        if one.name not in re.sub(r" \(\w+\)", "", rows[one.text]).split(", ")
+    ]
     assert missing == [], "run python -m tools.licences"
 
     mentioned = {name for name in listed if licences.mentions_lgpl(name)}

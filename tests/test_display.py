@@ -32,7 +32,9 @@ def detection(trace: Trace) -> Detection:
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Build:
     design = Design.load("fsr400", changes=["skin.width_mm=18"])
-    return fingertip.build(design, tmp_path_factory.mktemp("built"), parts=["bone"], formats=["stl"], tolerance_mm=0.05)
+    return fingertip.build(
+        design, tmp_path_factory.mktemp("built"), parts=["bone"], formats=["stl"], tolerance_mm=0.05
+    )
 
 
 def test_short_forms_of_designs_name_what_differs() -> None:
@@ -48,10 +50,13 @@ def test_short_forms_of_designs_name_what_differs() -> None:
 
 
 def test_short_forms_of_traces_and_detections(trace: Trace, detection: Detection) -> None:
-    assert re.fullmatch(r"Trace\(\d+ samples, [\d.]+ s at 2000 Hz, force_n, slip(, \w+)*\)", repr(trace))
+    assert re.fullmatch(
+        r"Trace\(\d+ samples, [\d.]+ s at 2000 Hz, force_n, slip(, \w+)*\)", repr(trace)
+    )
     assert f"{len(trace.time_s)} samples" in repr(trace)
     assert re.fullmatch(
-        r"Detection\(fast: 1 interval ON, 1 of 1 slips found, delay -?[\d.]+ ms, 0 false\)", repr(detection)
+        r"Detection\(fast: 1 interval ON, 1 of 1 slips found, delay -?[\d.]+ ms, 0 false\)",
+        repr(detection),
     )
     assert detection.score is not None
     assert f"{1000 * (detection.score.delays_s[0] or 0):.1f} ms" in repr(detection)
@@ -65,11 +70,19 @@ def parse(text: str) -> list[ElementTree.Element]:
     return list(ElementTree.fromstring(f"<div>{text}</div>").iter("table"))
 
 
-def test_tables_are_well_formed_and_escaped(trace: Trace, detection: Detection, built: Build) -> None:
+def test_tables_are_well_formed_and_escaped(
+    trace: Trace, detection: Detection, built: Build
+) -> None:
     (changes,) = parse(Design.load("fsr402")._repr_html_())
     assert len(list(changes.iter("tr"))) == len(Design.load("fsr402").changes()) + 1
     (columns,) = parse(trace._repr_html_())
-    assert [row[0].text for row in columns.iter("tr")][:5] == ["column", "time_s", "voltage_v", "force_n", "slip"]
+    assert [row[0].text for row in columns.iter("tr")][:5] == [
+        "column",
+        "time_s",
+        "voltage_v",
+        "force_n",
+        "slip",
+    ]
     (intervals,) = parse(detection._repr_html_())
     assert [cell.text for cell in list(intervals.iter("tr"))[1]][-1] == "true"
     assert [row[0].text for row in parse(built._repr_html_())[0].iter("tr")] == ["part", "bone"]
@@ -80,7 +93,9 @@ def test_tables_are_well_formed_and_escaped(trace: Trace, detection: Detection, 
     assert "".join(table.itertext()) == "<script><b>&<script>"
 
 
-def test_results_are_drawn(built: Build, trace: Trace, detection: Detection, tmp_path: Path) -> None:
+def test_results_are_drawn(
+    built: Build, trace: Trace, detection: Detection, tmp_path: Path
+) -> None:
     picture = built.design.plot(500)
     assert picture.size_px[0] == 500
     assert picture == built.plot(500) == fingertip.picture(built.design, 500)

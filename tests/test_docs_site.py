@@ -1,4 +1,6 @@
-"""Site of the documentation: what is generated, and the built site, which asks nothing of another server."""
+"""Site of the documentation: what is generated, and the built
+site, which asks nothing of another server.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ def test_every_page_parameter_and_command_is_in_the_site() -> None:
     assert sorted(named) == sorted(PAGES)
     rows = re.findall(r"^\| `(\w+)` \| (.*) \|$", reference.list_all_parameters(), re.MULTILINE)
     assert [name for name, _ in rows] == [path.rpartition(".")[2] for path in PARAMETERS]
-    assert all(len(re.split(r"(?<!\\) \| ", cells)) == 5 for _, cells in rows), "no bar splits a cell"
+    assert all(len(re.split(r"(?<!\\) \| ", cells)) == 5 for _, cells in rows), (
+        "no bar splits a cell"
+    )
     page = reference.list_all_commands()
     commands = typer.main.get_command(app).commands  # type: ignore[attr-defined]
     assert set(commands) <= set(re.findall(r"^## (.*)$", page, re.MULTILINE))
@@ -40,9 +44,23 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
         require_module(module)
     folder = tmp_path_factory.mktemp("site")
     done = subprocess.run(
-        [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "-f", CONFIGURATION, "-d", folder],
-        capture_output=True, text=True, check=False, env=os.environ | {"NO_MKDOCS_2_WARNING": "1"},
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "mkdocs",
+            "build",
+            "--strict",
+            "--quiet",
+            "-f",
+            CONFIGURATION,
+            "-d",
+            folder,
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"NO_MKDOCS_2_WARNING": "1"},
+    )
     assert done.returncode == 0, done.stderr
     return folder
 
@@ -53,7 +71,9 @@ def test_the_site_holds_what_is_generated_and_asks_nothing_of_another_server(sit
     assert len(pages) == len(PAGES) + 1  # and that of errors
     for page in pages:
         text = page.read_text(encoding="utf-8")
-        assert not re.findall(r"<(?:script|img|iframe|source|video|audio|embed)\b[^>]*\bsrc=\"?(?:https?:)?//", text)
+        assert not re.findall(
+            r"<(?:script|img|iframe|source|video|audio|embed)\b[^>]*\bsrc=\"?(?:https?:)?//", text
+        )
         assert not re.findall(r"<link\b(?![^>]*rel=\"?canonical)[^>]*href=\"?(?:https?:)?//", text)
         assert 'http-equiv="Content-Security-Policy" content="default-src \'self\' file:' in text
         assert not re.search(r"<!-- \w+ -->", text), "a marker that nothing replaced"

@@ -1,4 +1,6 @@
-"""A core installation: what needs an extra says so in one sentence with the command, and everything else works."""
+"""A core installation: what needs an extra says so in one sentence
+with the command, and everything else works.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,10 @@ def test_build_makes_stl_and_3mf_and_says_what_step_needs(tmp_path: Path) -> Non
     done = run_fingertip("build", DESIGN, "--parts", "bone", "--out", tmp_path / "out")
     assert done.returncode == 0
     assert {path.suffix for path in (tmp_path / "out").glob("bone.*")} == {".stl", ".3mf"}
-    sentence = 'left out: STEP files and checks against exact solids; pip install "fingertip-kit[cadquery]" adds them'
+    sentence = (
+        "left out: STEP files and checks against exact solids; pip install "
+        '"fingertip-kit[cadquery]" adds them'
+    )
     assert done.stderr == f"{sentence}\n"
     messages: list[str] = []
     found = build(Design(), tmp_path / "python", parts=["bone"], progress=messages.append)
@@ -57,41 +62,56 @@ def test_validation_leaves_its_plots_out(tmp_path: Path, monkeypatch: pytest.Mon
         asked.append(with_plots)
         return {"validation.json": b"{}"}
 
-    result = SimpleNamespace(files=files, as_data=dict, as_text=lambda: "", as_verdict=lambda: "", passed=True)
+    result = SimpleNamespace(
+        files=files, as_data=dict, as_text=lambda: "", as_verdict=lambda: "", passed=True
+    )
     monkeypatch.setattr(campaign, "validate", lambda *_, **__: result)
     done = run_fingertip("validate", DESIGN, "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     assert asked == [False]
     assert [line for line in done.stderr.splitlines() if "pip" in line] == [
-        'left out: plots and compiled loops (20 times faster); pip install "fingertip-kit[plots,fast]" adds them'
+        "left out: plots and compiled loops (20 times faster); pip install "
+        '"fingertip-kit[plots,fast]" adds them'
     ]
 
 
 @pytest.mark.usefixtures("core")
 def test_functions_for_python_name_the_extra() -> None:
     with pytest.raises(
-        MissingLibraryError, match=r'^part_solid: needs the package cadquery,.*"fingertip-kit\[cadquery\]"\.$'
+        MissingLibraryError,
+        match=r'^part_solid: needs the package cadquery,.*"fingertip-kit\[cadquery\]"\.$',
     ):
         fingertip.part_solid(Design(), "bone")
     with pytest.raises(
-        MissingLibraryError, match=r'^part_trimesh: .* trimesh.*"fingertip-kit\[mesh\]", or use part_mesh\.$'
+        MissingLibraryError,
+        match=r'^part_trimesh: .* trimesh.*"fingertip-kit\[mesh\]", or use part_mesh\.$',
     ):
         fingertip.part_trimesh(Design(), "bone")
-    with pytest.raises(MissingLibraryError, match=r'^Trace.to_dataframe: .* pandas.*"fingertip-kit\[frames\]"'):
+    with pytest.raises(
+        MissingLibraryError, match=r'^Trace.to_dataframe: .* pandas.*"fingertip-kit\[frames\]"'
+    ):
         fingertip.Trace(np.zeros(1), np.zeros(1)).to_dataframe()
-    with pytest.raises(MissingLibraryError, match=r'^plot: needs the package matplotlib.*"fingertip-kit\[plots\]"\.$'):
+    with pytest.raises(
+        MissingLibraryError,
+        match=r'^plot: needs the package matplotlib.*"fingertip-kit\[plots\]"\.$',
+    ):
         new_figure(1, 1)
 
 
 @pytest.mark.usefixtures("core")
 def test_samples_of_a_sweep_made_elsewhere_cannot_be_repeated() -> None:
-    text = 'outputs = ["q"]\nsampling = "sobol"\npoints = 8\naxes = {board.cutoff_hz = {low = 60, high = 75}}\n'
+    text = (
+        'outputs = ["q"]\nsampling = "sobol"\npoints = 8\naxes = {board.cutoff_hz = {low = 60, '
+        "high = 75}}\n"
+    )
     plan = SweepPlan.from_toml(text)  # as a worker reads it, which needs no samples
     with pytest.raises(MissingLibraryError, match=r"sampling: sobol needs the package scipy"):
         plan.point(0)
 
 
-def test_package_that_cannot_be_imported_is_not_called_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_package_that_cannot_be_imported_is_not_called_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert find_formats(pytest.fail) == default_formats()
     extras.require("field", *extras.EXTRAS)
     (tmp_path / "trimesh.py").write_text("import no_such_module\n", encoding="utf-8")
@@ -99,12 +119,17 @@ def test_package_that_cannot_be_imported_is_not_called_missing(tmp_path: Path, m
     monkeypatch.delitem(sys.modules, "trimesh", raising=False)
     with pytest.raises(MissingLibraryError) as caught:
         extras.load("trimesh", "field")
-    reason, command = "No module named 'no_such_module'", extras.install_command("trimesh")
-    assert str(caught.value) == (f"field: needs the package trimesh, which cannot be imported ({reason}); {command}.")
+    reason = "No module named 'no_such_module'"
+    command = extras.install_command("trimesh")
+    assert str(caught.value) == (
+        f"field: needs the package trimesh, which cannot be imported ({reason}); {command}."
+    )
 
 
 def run_venv(folder: Path, shebang: str = "", path: str = "") -> str:
-    """Return how packages are installed from a folder with the Python of an environment, and with this pip in it."""
+    """Return how packages are installed from a folder with the Python
+    of an environment, and with this pip in it.
+    """
     for place in (folder / ".venv/bin", folder / "other"):
         place.mkdir(parents=True, exist_ok=True)
         (place / "pip").write_text(f"#!{shebang}\n", encoding="utf-8")
@@ -118,8 +143,11 @@ def run_venv(folder: Path, shebang: str = "", path: str = "") -> str:
         return extras.find_pip()
 
 
-def test_hints_name_the_pip_of_the_running_interpreter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    python, folder = str(tmp_path / ".venv/bin/python"), str(tmp_path / ".venv/bin")
+def test_hints_name_the_pip_of_the_running_interpreter(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    python = str(tmp_path / ".venv/bin/python")
+    folder = str(tmp_path / ".venv/bin")
     monkeypatch.setattr(extras, "is_installed", lambda module: True)
     assert run_venv(tmp_path, python, folder) == "pip install"
     assert run_venv(tmp_path, python) == ".venv/bin/python -m pip install"
@@ -127,11 +155,20 @@ def test_hints_name_the_pip_of_the_running_interpreter(tmp_path: Path, monkeypat
     assert run_venv(tmp_path, "/bin/sh", folder) == ".venv/bin/python -m pip install"
     with monkeypatch.context() as elsewhere:
         elsewhere.setattr(Path, "cwd", lambda: Path("/nowhere"))
-        assert run_venv(tmp_path / "a b", python) == f"'{tmp_path}/a b/.venv/bin/python' -m pip install"
+        assert (
+            run_venv(tmp_path / "a b", python)
+            == f"'{tmp_path}/a b/.venv/bin/python' -m pip install"
+        )
     monkeypatch.setattr(extras, "is_installed", lambda module: module != "pip")
-    assert run_venv(tmp_path, python, folder) == ".venv/bin/python -m ensurepip && .venv/bin/python -m pip install"
+    assert (
+        run_venv(tmp_path, python, folder)
+        == ".venv/bin/python -m ensurepip && .venv/bin/python -m pip install"
+    )
     (tmp_path / "other/uv").touch(mode=0o755)
-    assert run_venv(tmp_path, python, str(tmp_path / "other")) == "uv pip install --python .venv/bin/python"
+    assert (
+        run_venv(tmp_path, python, str(tmp_path / "other"))
+        == "uv pip install --python .venv/bin/python"
+    )
 
 
 IMPORT_EVERYTHING = """
@@ -185,7 +222,8 @@ def find_imports(path: Path) -> Iterator[str]:
             "importlib.import_module",
         ):
             text = ast.unparse(node.args[0])
-            if named := re.match(r"f?'(\w+)", text):
+            named = re.match(r"f?'(\w+)", text)
+            if named:
                 yield named[1]
 
 
@@ -202,5 +240,9 @@ def test_every_package_that_the_source_imports_is_of_the_core_or_of_an_extra() -
     imported = {name for path in (ROOT / "src").rglob("*.py") for name in find_imports(path)}
     others = imported - sys.stdlib_module_names - {"fingertip"} - BROUGHT_ALONG
     of_core = {name for name in others if PACKAGES.get(name, name).lower() in core}
-    assert {PACKAGES.get(name, name).lower() for name in of_core} == core, "each package of the core is used"
-    assert others - of_core <= set(extras.EXTRAS), "name the extra that installs the package in EXTRAS"
+    assert {PACKAGES.get(name, name).lower() for name in of_core} == core, (
+        "each package of the core is used"
+    )
+    assert others - of_core <= set(extras.EXTRAS), (
+        "name the extra that installs the package in EXTRAS"
+    )

@@ -1,4 +1,6 @@
-"""Figures on the pages: none is older than what it rests on, and what counts as a change of that."""
+"""Figures on the pages: none is older than what it rests on, and what counts as a
+change of that.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,15 @@ import pytest
 
 from tests.conftest import ROOT
 from tools.figures.hashing import describe_source, hash_basis
-from tools.figures.manifest import FILE, Entry, Quote, find_problems, list_pages, read_manifest, replace_text
+from tools.figures.manifest import (
+    FILE,
+    Entry,
+    Quote,
+    find_problems,
+    list_pages,
+    read_manifest,
+    replace_text,
+)
 from tools.figures.renewal import RenewalError, lay_out, renew
 
 ENTRIES = read_manifest(FILE.read_text(encoding="utf-8"))
@@ -35,11 +45,15 @@ def test_no_figure_is_older_than_what_it_rests_on() -> None:
 
 def test_every_picture_of_the_pages_is_renewed_by_a_command() -> None:
     shown = {
-        path.relative_to(ROOT).as_posix() for kind in ("png", "svg", "webp") for path in ROOT.glob(f"docs/*.{kind}")
+        path.relative_to(ROOT).as_posix()
+        for kind in ("png", "svg", "webp")
+        for path in ROOT.glob(f"docs/*.{kind}")
     }
     written = {path for entry in ENTRIES for path in entry.writes}
     assert len(shown) > 10
-    assert shown - written == {"docs/measure_your_hand.svg"}, "which tests/design/test_hand_sizes.py draws again"
+    assert shown - written == {"docs/measure_your_hand.svg"}, (
+        "which tests/design/test_hand_sizes.py draws again"
+    )
     linked = " ".join(page.read_text(encoding="utf-8") for page in list_pages())
     assert {path for path in shown if Path(path).name not in linked} == set()
 
@@ -50,8 +64,12 @@ def test_the_manifest_names_each_path_once_and_what_exists() -> None:
         assert [path for path in entry.rests_on if not (ROOT / path).exists()] == []
         assert entry.rests_on
         assert re.fullmatch(r"20\d\d-\d\d-\d\d", entry.renewed)
-    rests_on_the_table = [entry.name for entry in ENTRIES if any(TABLE.startswith(path) for path in entry.rests_on)]
-    assert {"first_finger", "accuracy", "article", "firmware", "held_out", "real_slides"} <= set(rests_on_the_table)
+    rests_on_the_table = [
+        entry.name for entry in ENTRIES if any(TABLE.startswith(path) for path in entry.rests_on)
+    ]
+    assert {"first_finger", "accuracy", "article", "firmware", "held_out", "real_slides"} <= set(
+        rests_on_the_table
+    )
 
 
 def copy_detectors(folder: Path) -> Path:
@@ -67,7 +85,9 @@ def hash_detectors(folder: Path) -> str:
     return hash_basis(folder, ["src/fingertip/slip/detectors"], ["first_finger"])
 
 
-def test_one_value_of_a_detectors_table_makes_figures_old_and_a_comment_does_not(tmp_path: Path) -> None:
+def test_one_value_of_a_detectors_table_makes_figures_old_and_a_comment_does_not(
+    tmp_path: Path,
+) -> None:
     known = hash_detectors(ROOT)
     copy_detectors(tmp_path / "same")
     assert hash_detectors(tmp_path / "same") == known
@@ -76,7 +96,9 @@ def test_one_value_of_a_detectors_table_makes_figures_old_and_a_comment_does_not
     text = table.read_text(encoding="utf-8")
     value = re.search(r"-?\d+\.\d+", text)
     assert value
-    table.write_text(text[: value.start()] + f"{float(value[0]) * 1.001}" + text[value.end() :], encoding="utf-8")
+    table.write_text(
+        text[: value.start()] + f"{float(value[0]) * 1.001}" + text[value.end() :], encoding="utf-8"
+    )
     assert hash_detectors(tmp_path / "other") != known
 
     loop = copy_detectors(tmp_path / "comment").with_name("fast_loop.py")
@@ -100,7 +122,9 @@ def test_one_value_of_a_detectors_table_makes_figures_old_and_a_comment_does_not
         ("volts * GAIN", "GAIN * volts", False),
     ],
 )
-def test_what_a_source_does_counts_and_not_how_it_reads(before: str, after: str, is_same: bool) -> None:
+def test_what_a_source_does_counts_and_not_how_it_reads(
+    before: str, after: str, is_same: bool
+) -> None:
     assert before in SOURCE
     changed = SOURCE.replace(before, after, 1)
     assert (describe_source(changed) == describe_source(SOURCE)) == is_same
@@ -110,13 +134,24 @@ def test_what_a_source_does_counts_and_not_how_it_reads(before: str, after: str,
 def entry(tmp_path: Path) -> Entry:
     """Entry of a page that quotes one figure, which is current."""
     (tmp_path / "docs").mkdir()
-    (tmp_path / "README.md").write_text("# Name\n\nOf 120 slips all are\nfound, half within 29 ms.\n")
+    (tmp_path / "README.md").write_text(
+        "# Name\n\nOf 120 slips all are\nfound, half within 29 ms.\n"
+    )
     (tmp_path / "gain.py").write_text(SOURCE)
     quote = Quote("README.md", "", "Of 120 slips all are found, half within 29 ms.")
     made = Entry(
-        name="delay", title="The delay", commands={"trials": "true"}, rests_on=("gain.py",), presets=(), writes=(),
-        quotes=(quote,), sha256="", renewed="2026-11-30", seconds=46, is_old=False,
-    )  # fmt: skip
+        name="delay",
+        title="The delay",
+        commands={"trials": "true"},
+        rests_on=("gain.py",),
+        presets=(),
+        writes=(),
+        quotes=(quote,),
+        sha256="",
+        renewed="2026-11-30",
+        seconds=46,
+        is_old=False,
+    )
     return replace(made, sha256=made.hash_now(tmp_path))
 
 
@@ -152,8 +187,12 @@ def test_a_sentence_keeps_the_lines_of_its_page_and_a_table_has_its_own() -> Non
     sentence = "Of 120 slips all are found, half within 26 ms."
     renewed = replace_text(page, sentence, sentence.replace("26", "29"))
     assert renewed == page.replace("26", "29")
-    assert replace_text(page, sentence, "None is found.") == page.replace(page[: page.index(" More")], "None is found.")
-    assert replace_text(page, "| a | 1 |\n| b | 2 |", "| a | 3 |\n| b | 4 |").endswith("| a | 3 |\n| b | 4 |\n")
+    assert replace_text(page, sentence, "None is found.") == page.replace(
+        page[: page.index(" More")], "None is found."
+    )
+    assert replace_text(page, "| a | 1 |\n| b | 2 |", "| a | 3 |\n| b | 4 |").endswith(
+        "| a | 3 |\n| b | 4 |\n"
+    )
     assert lay_out("\nhalf within\n29 ms.\n") == "half within 29 ms."
     assert lay_out("\n| a | 3 |\n| b | 4 |\n") == "| a | 3 |\n| b | 4 |"
     with pytest.raises(LookupError, match="does not hold 'gone'"):
@@ -186,11 +225,15 @@ text = "half within 29 ms."
 
 
 @pytest.mark.usefixtures("entry")
-def test_a_renewal_runs_the_command_corrects_the_page_and_records_what_it_rests_on(tmp_path: Path) -> None:
-    file, readme = tmp_path / "figures.toml", tmp_path / "README.md"
+def test_a_renewal_runs_the_command_corrects_the_page_and_records_what_it_rests_on(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "figures.toml"
+    readme = tmp_path / "README.md"
     file.write_text(MANIFEST, encoding="utf-8")
     (tmp_path / "trials.py").write_text(
-        "from pathlib import Path\nPath('docs/trials.txt').write_text('made')\nprint('{\"median_ms\": 31.4}')\n"
+        "from pathlib import "
+        "Path\nPath('docs/trials.txt').write_text('made')\nprint('{\"median_ms\": 31.4}')\n"
     )
     (old,) = read_manifest(MANIFEST)
     renew(old, tmp_path, file)
@@ -207,6 +250,8 @@ def test_a_renewal_runs_the_command_corrects_the_page_and_records_what_it_rests_
         renew(renewed, tmp_path, file)
     with pytest.raises(RenewalError, match="false: exit status 1"):
         renew(replace(renewed, commands={"trials": "false"}, quotes=()), tmp_path, file)
-    with pytest.raises(RenewalError, match=r"delay: no command renews it; figures\.toml says what does"):
+    with pytest.raises(
+        RenewalError, match=r"delay: no command renews it; figures\.toml says what does"
+    ):
         renew(replace(renewed, commands={}), tmp_path, file)
     assert file.read_text(encoding="utf-8") == before

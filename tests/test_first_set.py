@@ -21,7 +21,12 @@ class Item:
 def test_a_few_cases_run_evenly_spread_or_all_that_are_asked_for(monkeypatch: Any) -> None:
     many = [Item(f"a.py::test_many[{i}]") for i in range(20)]
     every = [Item(f"a.py::test_every[{i}]", ("every_case",)) for i in range(20)]
-    items: list[Any] = [Item("a.py::test_full", ("full",)), Item("a.py::test_long", ("long",)), *many, *every]
+    items: list[Any] = [
+        Item("a.py::test_full", ("full",)),
+        Item("a.py::test_long", ("long",)),
+        *many,
+        *every,
+    ]
     assert select(items) == {many[0], many[7], many[14], *every}
     deselected: list[Any] = []
     hook = SimpleNamespace(pytest_deselected=lambda items: deselected.extend(items))

@@ -1,4 +1,7 @@
-"""Agreement of install.sh, constraints.txt and pyproject.toml about what is installed. No test needs the network."""
+"""Agreement of install.sh, constraints.txt and pyproject.toml about what is installed.
+
+No test needs the network.
+"""
 
 from __future__ import annotations
 
@@ -18,24 +21,35 @@ from tests.packages import CONSTRAINTS, asked_by_level, read_list, read_pins, re
 from tests.tools import require_tool
 
 INSTALL = ROOT / "install.sh"
-SCRIPTS = [INSTALL, *sorted(path for path in (ROOT / ".ci").iterdir() if path.is_file() and not path.suffix)]
+SCRIPTS = [
+    INSTALL,
+    *sorted(path for path in (ROOT / ".ci").iterdir() if path.is_file() and not path.suffix),
+]
 
 
 def test_messages_name_the_extra_that_installs_each_package() -> None:
     project = read_pyproject()["project"]
     extras = project["optional-dependencies"]
     for module, extra in EXTRAS.items():
-        package = {"OCP": "cadquery", "dask": "distributed"}.get(module, module)  # distributed brings dask
+        package = {"OCP": "cadquery", "dask": "distributed"}.get(
+            module, module
+        )  # distributed brings dask
         assert package in {canonicalize_name(Requirement(line).name) for line in extras[extra]}
     assert set(EXTRAS.values()) == set(extras) - {"usual", "all", "docs", "test"}
-    named = {name for line in (*extras["usual"], *extras["all"]) for name in re.findall(r"[\w-]+", line)}
+    named = {
+        name for line in (*extras["usual"], *extras["all"]) for name in re.findall(r"[\w-]+", line)
+    }
     assert named == {DISTRIBUTION, "usual", *EXTRAS.values()}
     assert extras["test"][0] == f"{DISTRIBUTION}[all,docs]"
     assert project["name"] == DISTRIBUTION
 
 
 def test_constraints_are_plain_pins_of_every_dependency() -> None:
-    lines = [line for line in CONSTRAINTS.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    lines = [
+        line
+        for line in CONSTRAINTS.read_text(encoding="utf-8").splitlines()
+        if not line.startswith("#")
+    ]
     pin = r"[a-z0-9][a-z0-9-]*==[0-9][0-9A-Za-z.]*( ; [a-z0-9_=!<>.'() ]+)?"
     assert [line for line in lines if not re.fullmatch(pin, line, re.IGNORECASE)] == []
     names = [one.name for one in read_list(CONSTRAINTS)]
@@ -47,8 +61,14 @@ def test_installed_versions_are_the_pinned_ones() -> None:
     if Path(sys.prefix).resolve() != ROOT / ".venv":
         pytest.skip(f"{sys.prefix} was not made by install.sh: its versions are anybody's")
     pins = read_pins()
-    installed = {canonicalize_name(one.metadata["Name"]): one.version for one in metadata.distributions()}
-    wrong = {name: (installed[name], pin) for name, pin in pins.items() if installed.get(name, pin) != pin}
+    installed = {
+        canonicalize_name(one.metadata["Name"]): one.version for one in metadata.distributions()
+    }
+    wrong = {
+        name: (installed[name], pin)
+        for name, pin in pins.items()
+        if installed.get(name, pin) != pin
+    }
     assert wrong == {}
     unpinned = set(installed) - set(pins) - {DISTRIBUTION, "pip", "setuptools"}
     assert unpinned == set(), "run sh tools/lock"
@@ -89,7 +109,8 @@ case "$1" in
     pip) shift; . ./installer ;;
 esac
 """
-# What pip or uv does: notes its arguments, and puts the program into .venv unless a file says that it fails.
+# What pip or uv does: notes its arguments, and puts the program into .venv unless a file says that
+# it fails.
 INSTALLER = """\
 echo "$@" >>asked
 case "$*" in
@@ -98,12 +119,14 @@ case "$*" in
         chmod +x .venv/bin/fingertip
         ;;
 esac
-"""
+"""  # noqa: E501
 
 
 @pytest.fixture
 def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with install.sh, and programs in place of Python and uv; uv fails unless a file `uses_uv` is there."""
+    """A folder with install.sh, and programs in place of Python and
+    uv; uv fails unless a file `uses_uv` is there.
+    """
     folder = tmp_path / "checkout"
     for name, text in (
         ("bin/python3", PYTHON),
@@ -133,19 +156,28 @@ def install(folder: Path, *words: str) -> list[str]:
     (folder / "asked").unlink(missing_ok=True)
     done = run_install(folder, *words)
     assert (done.returncode, done.stderr) == (0, "")
-    return (folder / "asked").read_text(encoding="utf-8").splitlines() if (folder / "asked").exists() else []
+    return (
+        (folder / "asked").read_text(encoding="utf-8").splitlines()
+        if (folder / "asked").exists()
+        else []
+    )
 
 
 def test_install_adds_what_the_present_installation_lacks(checkout: Path) -> None:
     def asked(*words: str) -> str:
         return (install(checkout, *words) or [""])[-1].rsplit(" ", 1)[-1]
 
-    found = [asked(*words) for words in (["core"], [], [], ["core"], ["all"], ["test"], ["test"], [])]
+    found = [
+        asked(*words) for words in (["core"], [], [], ["core"], ["all"], ["test"], ["test"], [])
+    ]
     assert found == [".", ".[usual]", "", "", ".[all]", ".[all,test]", "", ""]
     # The dependencies change, and an earlier install.sh has left its mark.
     (checkout / "requirements/core.txt").write_text("a==2\n", encoding="utf-8")
     assert asked() == ".[usual]"
-    for content, wanted in (('__version__ = "2"\n', ".[usual]"), ('__version__ = "2"\n__all__ = []\n', "")):
+    for content, wanted in (
+        ('__version__ = "2"\n', ".[usual]"),
+        ('__version__ = "2"\n__all__ = []\n', ""),
+    ):
         (checkout / "src/fingertip/__init__.py").write_text(content, encoding="utf-8")
         assert asked() == wanted
     (checkout / ".venv/installed").write_text("4022803434 5704 test", encoding="utf-8")
@@ -161,7 +193,12 @@ def test_install_refuses_other_words(checkout: Path) -> None:
 @pytest.mark.parametrize("uses_uv", [False, True])
 @pytest.mark.parametrize(
     ("words", "level", "project"),
-    [(["core"], "core", "."), ([], "usual", ".[usual]"), (["all"], "all", ".[all]"), (["test"], "test", ".[all,test]")],
+    [
+        (["core"], "core", "."),
+        ([], "usual", ".[usual]"),
+        (["all"], "all", ".[all]"),
+        (["test"], "test", ".[all,test]"),
+    ],
 )
 @pytest.mark.every_case
 def test_uv_and_pip_compare_every_package_of_the_level(
@@ -171,7 +208,8 @@ def test_uv_and_pip_compare_every_package_of_the_level(
         (checkout / "uses_uv").touch()
     end = " --python .venv/bin/python" if uses_uv else ""
     assert install(checkout, *words) == [
-        f"install -q --no-compile --require-hashes --only-binary :all: -r requirements/{level}.txt{end}",
+        "install -q --no-compile --require-hashes --only-binary :all: -r "
+        f"requirements/{level}.txt{end}",
         f"uninstall -q -y fingertip{end}",
         f"install -q --no-index --no-build-isolation -e {project}{end}",
     ]
@@ -196,7 +234,9 @@ def test_pip_that_cannot_be_had_is_one_sentence_before_anything_is_made(checkout
     (checkout / "bin/id").chmod(0o755)
     done = run_install(checkout)
     assert (done.returncode, done.stdout) == (1, "")
-    assert re.fullmatch("install: python3 cannot put pip .*apt-get install python3.11-venv.*again\\.\n", done.stderr)
+    assert re.fullmatch(
+        "install: python3 cannot put pip .*apt-get install python3.11-venv.*again\\.\n", done.stderr
+    )
     assert not (checkout / ".venv").exists()
     (checkout / "uses_uv").touch()
     assert len(install(checkout)) == 3, "uv needs none"
@@ -226,7 +266,9 @@ def test_install_fails_if_the_program_does_not_answer(checkout: Path) -> None:
     assert len(install(checkout)) == 3
 
 
-def test_install_makes_venv_anew_where_the_folder_was_moved_or_python_is_gone(checkout: Path) -> None:
+def test_install_makes_venv_anew_where_the_folder_was_moved_or_python_is_gone(
+    checkout: Path,
+) -> None:
     install(checkout)
     moved = checkout.rename(checkout.with_name("it's moved"))
     with pytest.MonkeyPatch.context() as patch:
@@ -241,7 +283,9 @@ def test_install_leaves_alone_what_a_link_leads_to(checkout: Path, tmp_path: Pat
     install(checkout)
     (checkout / ".venv").rename(tmp_path / "other")
     (checkout / ".venv").symlink_to(tmp_path / "other")
-    (checkout / ".venv/pyvenv.cfg").write_text("command = python3 -m venv /other\n", encoding="utf-8")
+    (checkout / ".venv/pyvenv.cfg").write_text(
+        "command = python3 -m venv /other\n", encoding="utf-8"
+    )
     before = sorted((tmp_path / "other").rglob("*"))
     assert len(install(checkout)) == 3
     assert not (checkout / ".venv").is_symlink()
@@ -249,7 +293,9 @@ def test_install_leaves_alone_what_a_link_leads_to(checkout: Path, tmp_path: Pat
 
 
 def test_install_and_the_step_error_name_the_same_packages() -> None:
-    installed = re.search(r'^packages="([^"]+)"$', INSTALL.read_text(encoding="utf-8"), re.MULTILINE)
+    installed = re.search(
+        r'^packages="([^"]+)"$', INSTALL.read_text(encoding="utf-8"), re.MULTILINE
+    )
     source = (ROOT / "src/fingertip/cad/kernel/brep.py").read_text(encoding="utf-8")
     named = re.search(r"apt-get install ([a-z0-9.+ -]+)", source)
     assert installed is not None

@@ -1,4 +1,6 @@
-"""Sensors and controllers by the names that people write: found, or refused with the reason and what to do."""
+"""Sensors and controllers by the names that people write: found, or
+refused with the reason and what to do.
+"""
 
 from __future__ import annotations
 
@@ -26,12 +28,20 @@ MANUAL = ROOT / "docs/sensor.md"
 
 def test_the_manual_lists_the_sensors_of_the_catalogue() -> None:
     rows = [
-        f"| {{maker}} {{label}} | {HOW[row['fits']]} | {{order_number}} | {{source}} |".format(**row)
+        f"| {{maker}} {{label}} | {HOW[row['fits']]} | {{order_number}} | {{source}} |".format(
+            **row
+        )
         for row in ROWS
         if row["fits"] != "never"
     ]
-    table = "\n".join(["| sensor | fits | order number | source |", "| --- | --- | --- | --- |", *rows, ""])
-    table = table.replace("Ohmite Ohmite", "Ohmite").replace("[D]", "Interlink").replace("[O]", "Ohmite, FSR Series,")
+    table = "\n".join(
+        ["| sensor | fits | order number | source |", "| --- | --- | --- | --- |", *rows, ""]
+    )
+    table = (
+        table.replace("Ohmite Ohmite", "Ohmite")
+        .replace("[D]", "Interlink")
+        .replace("[O]", "Ohmite, FSR Series,")
+    )
     text = MANUAL.read_text(encoding="utf-8")
     if os.environ.get("FINGERTIP_APPROVE"):
         text = re.sub(r"(?m)(?:^\|.*\n)+", lambda found: table, text, count=1)
@@ -40,21 +50,31 @@ def test_the_manual_lists_the_sensors_of_the_catalogue() -> None:
 
 
 def test_names_of_sensors_are_read_as_people_write_them() -> None:
-    written = "FSR-400 fsr402 FSR_402_Short rp-c7.6 RP-C7.6-ST rp_c7.6_lt Ohmite-FSR07 interlink-fsr400"
+    written = (
+        "FSR-400 fsr402 FSR_402_Short rp-c7.6 RP-C7.6-ST rp_c7.6_lt Ohmite-FSR07 interlink-fsr400"
+    )
     known = "fsr400 fsr402 fsr402_short rp_c7.6 rp_c7.6_short rp_c7.6 fsr07 fsr400"
     assert [spell_sensor(word) for word in written.split()] == known.split()
     assert Design.load("fsr402", changes=["sensor.model=FSR-402 Short"]) == Design.load("fsr402")
 
 
-@pytest.mark.parametrize("row", [row for row in ROWS if row["fits"] != "yes"], ids=lambda row: row["model"])
-def test_a_sensor_that_does_not_fit_is_refused_with_its_reason_and_what_does(row, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "row", [row for row in ROWS if row["fits"] != "yes"], ids=lambda row: row["model"]
+)
+def test_a_sensor_that_does_not_fit_is_refused_with_its_reason_and_what_does(
+    row, tmp_path: Path
+) -> None:
     for word in (row["model"], *row["names"].split()):
         with pytest.raises(DesignError, match=re.escape(row["reason"][:30])):
             Design.load("fsr402", changes=[f"sensor.model={word}"])
     told = run_fingertip("new", "mine", "--sensor", row["model"].upper(), PWD=str(tmp_path)).stderr
-    remedy = re.search(re.escape(row["reason"][:30]) + r".*(?:take (\w+)|`fingertip (new .*)`)", told)
+    remedy = re.search(
+        re.escape(row["reason"][:30]) + r".*(?:take (\w+)|`fingertip (new .*)`)", told
+    )
     assert remedy
-    done = run_fingertip(*shlex.split(remedy[2] or f"new NAME --sensor {remedy[1]}"), PWD=str(tmp_path))
+    done = run_fingertip(
+        *shlex.split(remedy[2] or f"new NAME --sensor {remedy[1]}"), PWD=str(tmp_path)
+    )
     assert done.returncode == 0, done.stderr
     assert check_rest_force(Design.load(tmp_path / "NAME.toml")).passed
 
@@ -62,7 +82,12 @@ def test_a_sensor_that_does_not_fit_is_refused_with_its_reason_and_what_does(row
 def test_another_material_is_answered_with_what_to_state_of_ones_own() -> None:
     with pytest.raises(DesignError, match="'asa' is not known") as caught:
         Design.load(changes=["strength.print_material=asa"])
-    stated = {"own_label": "ASA", "own_source": "data sheet", "own_process": "fdm", "own_strength_mpa": 20.0}
+    stated = {
+        "own_label": "ASA",
+        "own_source": "data sheet",
+        "own_process": "fdm",
+        "own_strength_mpa": 20.0,
+    }
     stated |= {"own_modulus_mpa": 1900.0}
     assert set(re.findall(r"strength\.(own_\w+)", str(caught.value))) == set(stated)
     Design.load(changes={"strength": {"print_material": "own", **stated}})
@@ -70,7 +95,8 @@ def test_another_material_is_answered_with_what_to_state_of_ones_own() -> None:
 
 TICK_MS = 1.5 * read_costs()["targets"]["Cortex-M0+"]["instructions"]["quiet"] / 16e3
 REFUSED = {
-    "uno nano ATmega328P": rf"least {TICK_MS:.1f} ms at 16 MHz.* after 0\.5 ms; give controller pico_2",
+    "uno nano ATmega328P": rf"least {TICK_MS:.1f} ms at 16 MHz.* after 0\.5 ms; give controller "
+    rf"pico_2",
     "esp32": r"0\.15 to 2\.45 V, and a board gives up to 3\.3 V; .*board\.variant.*divider",
     "nano33iot": "conversions for 0",
     "generic: generic:240MHz,A0 generic:12bit,9MHz": "or your own such as generic:240MHz",
@@ -78,13 +104,28 @@ REFUSED = {
 }
 
 
-def test_controllers_are_known_by_the_names_of_chips_and_boards_and_refused_with_the_figure() -> None:
-    board, divider = Design.load("fsr400"), Design.load("first_finger")
-    known = {"nucleo-f446re": "nucleo_f446re", "F446RE": "nucleo_f446re", "Teensy 4.1": "teensy40", "rp2040": "pico"}
-    known |= {"pico2": "pico_2", "RP2350": "pico_2", "nano33": "nano_33_ble", "Arduino Nano 33 BLE": "nano_33_ble"}
+def test_controllers_are_known_by_the_names_of_chips_and_boards_and_refused_with_the_figure() -> (
+    None
+):
+    board = Design.load("fsr400")
+    divider = Design.load("first_finger")
+    known = {
+        "nucleo-f446re": "nucleo_f446re",
+        "F446RE": "nucleo_f446re",
+        "Teensy 4.1": "teensy40",
+        "rp2040": "pico",
+    }
+    known |= {
+        "pico2": "pico_2",
+        "RP2350": "pico_2",
+        "nano33": "nano_33_ble",
+        "Arduino Nano 33 BLE": "nano_33_ble",
+    }
     lamps = {"ESP32-S3": "esp32_s3", "esp32-devkit": "esp32", "esp32c3": "esp32_c3", "Pico": "pico"}
     for design, words in ((board, known), (divider, lamps)):
-        assert [plan_fingers(design, controller=word).controller.key for word in words] == [*words.values()]
+        assert [plan_fingers(design, controller=word).controller.key for word in words] == [
+            *words.values()
+        ]
     for words, reason in REFUSED.items():
         for word in words.split():
             with pytest.raises(FingertipError, match=reason):
@@ -98,5 +139,7 @@ def test_a_controller_of_ones_own_is_judged_by_clock_bits_and_pins() -> None:
     planned = plan_fingers(design, "2", "generic: 240 MHz, 12 bits, A0, A1, A2, 34")
     assert planned.inputs == (("A0", "A1"), ("A2", "34"))
     assert not list(find_warnings(design, planned.controller))
-    warned = " ".join(find_warnings(design, plan_fingers(design, "1", "generic:60MHz,10bit,5V,A0,A1").controller))
+    warned = " ".join(
+        find_warnings(design, plan_fingers(design, "1", "generic:60MHz,10bit,5V,A0,A1").controller)
+    )
     assert {"detector.adc_range_v=5", "detector.adc_bits=10"} <= set(warned.split())

@@ -26,7 +26,11 @@ from tests.conftest import run_fingertip
 
 
 def files_below(folder: Path) -> dict[str, bytes]:
-    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +48,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.full
 def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> None:
-    """Parts and board have the bytes that `build` and `board` write; the trace is that of `simulate`.
+    """Parts and board have the bytes that `build` and `board` write; the trace is that of
+    `simulate`.
 
     Only `make` has a detection, and so an acceptance sheet beside the parts.
     """
@@ -59,7 +64,9 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
     assert found.pop("index.html")  # tests/page compares it
     signal = {name: data for name, data in found.items() if name.startswith("signal/")}
     single = files_below(tmp_path / "single")
-    manifest, single_manifest = (json.loads(files.pop("manifest.json")) for files in (found, single))
+    manifest, single_manifest = (
+        json.loads(files.pop("manifest.json")) for files in (found, single)
+    )
     assert manifest["files"].pop("index.html")
     assert manifest == single_manifest
     assert {name: data for name, data in found.items() if name not in signal} == single
@@ -69,24 +76,36 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
     signal_trace = made / "signal" / "trace.csv"
     assert signal_trace.read_text().startswith("time_s,voltage_v,force_n,slip,sampled_filtered_v\n")
     detected = json.loads(
-        run_fingertip("detect", signal_trace, "--design", "fsr400", "--detector", "fast", "--json").stdout
+        run_fingertip(
+            "detect", signal_trace, "--design", "fsr400", "--detector", "fast", "--json"
+        ).stdout
     )
     assert json.loads(signal["signal/detection.json"])["intervals"] == detected["intervals"]
     manifests = {path.parent.relative_to(made).as_posix() for path in made.rglob("manifest.json")}
     assert manifests >= {".", "print", "steps", "board", "signal"}
-    assert verify_sets(made) == (len(files_below(made)) - len([*made.rglob(".gitattributes")]) - len(manifests), [])
+    assert verify_sets(made) == (
+        len(files_below(made)) - len([*made.rglob(".gitattributes")]) - len(manifests),
+        [],
+    )
 
 
 @pytest.mark.every_case
 @pytest.mark.parametrize(
     ("name", "design"),
     [
-        ("bone.stl", "fsr400"), ("board/bom.csv", "fsr400"), ("signal/trace.csv", "fsr400"),
+        ("bone.stl", "fsr400"),
+        ("board/bom.csv", "fsr400"),
+        ("signal/trace.csv", "fsr400"),
         ("firmware/slip_lamp/slip_lamp.ino", "first_finger"),
-        *(pytest.param(name, "fsr400", marks=pytest.mark.full) for name in ("print/bone.stl", "steps/01-print.png")),
+        *(
+            pytest.param(name, "fsr400", marks=pytest.mark.full)
+            for name in ("print/bone.stl", "steps/01-print.png")
+        ),
     ],
-)  # fmt: skip
-def test_own_file_in_any_set_is_found_before_anything_is_written(tmp_path: Path, name: str, design: str) -> None:
+)
+def test_own_file_in_any_set_is_found_before_anything_is_written(
+    tmp_path: Path, name: str, design: str
+) -> None:
     (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
     (tmp_path / name).write_bytes(b"mine")
     with pytest.raises(OutputError, match="was not written by fingertip"):
@@ -97,7 +116,9 @@ def test_own_file_in_any_set_is_found_before_anything_is_written(tmp_path: Path,
 @pytest.mark.full
 def test_drawings_come_with_step_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Both need the B-rep kernel, whose minutes this test leaves to the README's first block."""
-    design, messages, asked = Design.load("fsr400"), list[str](), list[bool]()
+    design = Design.load("fsr400")
+    messages = list[str]()
+    asked = list[bool]()
 
     def plan_meshes(design: Design, out: Path, options: BuildOptions) -> BuildPlan:
         asked.append(options.drawings)
@@ -117,7 +138,9 @@ def test_drawings_come_with_step_files(tmp_path: Path, monkeypatch: pytest.Monke
 
 @pytest.mark.full
 def test_command_prints_where_everything_is(tmp_path: Path) -> None:
-    run = run_fingertip("make", "fsr400", "--formats", "stl", "--json", "--quiet", PWD=str(tmp_path))
+    run = run_fingertip(
+        "make", "fsr400", "--formats", "stl", "--json", "--quiet", PWD=str(tmp_path)
+    )
     assert (run.returncode, run.stderr) == (0, "")
     data = json.loads(run.stdout)
     assert data["folder"] == "out/fsr400"
@@ -131,7 +154,8 @@ def test_a_folder_becomes_one_archive_without_dates_and_links(tmp_path: Path) ->
     (folder / "print").mkdir(parents=True)
     (folder / "print/plate.3mf").write_bytes(b"1")
     (folder / "link").symlink_to("print/plate.3mf")
-    inside, beside = folder / "all.zip", tmp_path / "all.zip"
+    inside = folder / "all.zip"
+    beside = tmp_path / "all.zip"
     write_zip(beside, folder)
     os.utime(folder / "print/plate.3mf", (0, 0))
     for _ in range(2):
@@ -140,7 +164,9 @@ def test_a_folder_becomes_one_archive_without_dates_and_links(tmp_path: Path) ->
     assert zipfile.ZipFile(inside).namelist() == ["finger/print/plate.3mf"]
 
 
-def write_members(path: Path, members: dict[str, bytes], date: tuple[int, int, int, int, int, int] = ZIP_DATE) -> None:
+def write_members(
+    path: Path, members: dict[str, bytes], date: tuple[int, int, int, int, int, int] = ZIP_DATE
+) -> None:
     with zipfile.ZipFile(path, "a") as archive:
         for name, data in members.items():
             archive.writestr(zipfile.ZipInfo(name, date), data)
@@ -150,8 +176,11 @@ def write_members(path: Path, members: dict[str, bytes], date: tuple[int, int, i
 @pytest.mark.parametrize(
     "case", ["of somebody else", "without manifest", "two folders", "a file added", "no ZIP", "cut"]
 )
-def test_an_archive_is_fingertips_only_if_it_is_one_dateless_folder_with_a_manifest(case: str, tmp_path: Path) -> None:
-    folder, file = tmp_path / "finger", tmp_path / "own.zip"
+def test_an_archive_is_fingertips_only_if_it_is_one_dateless_folder_with_a_manifest(
+    case: str, tmp_path: Path
+) -> None:
+    folder = tmp_path / "finger"
+    file = tmp_path / "own.zip"
     SetWriter(folder, "parts", "finger", "now").write({"bone.stl": b"bone"})
     write_zip(file, folder)
     assert is_packed_set(file)
@@ -167,7 +196,11 @@ def test_an_archive_is_fingertips_only_if_it_is_one_dateless_folder_with_a_manif
         file.write_bytes(b"notes")
     else:
         file.unlink()
-        others = {"finger/manifest.json": b"{}"} if case == "of somebody else" else {"finger/manifest.txt": manifest}
+        others = (
+            {"finger/manifest.json": b"{}"}
+            if case == "of somebody else"
+            else {"finger/manifest.txt": manifest}
+        )
         write_members(file, others)
     assert not is_packed_set(file)
 
@@ -193,7 +226,10 @@ def test_an_archive_of_somebody_else_is_refused_before_work_and_one_of_make_is_r
 
     begun = "error: work: was begun.\n"
     for name in ("own.zip", "link.zip"):
-        said = "exists and is not overwritten; choose another file with --zip, or add --force to overwrite it."
+        said = (
+            "exists and is not overwritten; choose another file with --zip, or add --force to "
+            "overwrite it."
+        )
         assert run("--zip", name) == f"error: {name}: {said}\n"
         assert run("--zip", name, "--force") == begun
     assert run("--zip", "made.zip") == run("--zip", "another.zip") == begun

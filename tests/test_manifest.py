@@ -19,7 +19,9 @@ def test_manifest_is_for_the_pinned_versions() -> None:
 
 
 def test_committed_boards_are_those_of_the_manifest() -> None:
-    folders = {name: Path(folder) for name, folder in with_nested({"pcb": str(ROOT / "pcb")}).items()}
+    folders = {
+        name: Path(folder) for name, folder in with_nested({"pcb": str(ROOT / "pcb")}).items()
+    }
     expected = {name: Manifest.read().files[name] for name in folders}
     assert list_differences(expected, hash_outputs(folders)) == [], RENEW
 
@@ -34,4 +36,8 @@ def test_every_kind_of_difference_is_listed(tmp_path: Path) -> None:
     (tmp_path / "sub/gone").unlink()
     (tmp_path / "sub/added").write_text("", encoding="utf-8")
     found = list_differences(before, {"one": hash_folder(tmp_path)})
-    assert found == ["one: changed is different", "one: sub/added is new", "one: sub/gone is missing"]
+    assert found == [
+        "one: changed is different",
+        "one: sub/added is new",
+        "one: sub/gone is missing",
+    ]

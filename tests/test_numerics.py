@@ -26,14 +26,19 @@ def test_bisect_takes_the_given_number_of_halvings_in_arrays_too() -> None:
     boundaries = np.array([0.2, 0.5, 1.7])
     low, high = bisect_arrays(lambda x: x < boundaries, np.zeros(3), np.full(3, 2.0), 30)
     for i, boundary in enumerate(boundaries):
-        assert bisect(lambda x, b=float(boundary): x < b, 0.0, 2.0, halvings=30) == (low[i], high[i])
+        assert bisect(lambda x, b=float(boundary): x < b, 0.0, 2.0, halvings=30) == (
+            low[i],
+            high[i],
+        )
 
 
 class Counted:
     """Function that remembers where it was evaluated, and fails where a search does not end."""
 
     def __init__(self, function: Callable[[float], float], most: int = 300) -> None:
-        self.function, self.most, self.points = function, most, list[float]()
+        self.function = function
+        self.most = most
+        self.points = list[float]()
 
     def __call__(self, x: float) -> float:
         self.points.append(float(x))
@@ -52,11 +57,15 @@ def test_bisect_evaluates_every_middle_once(boundary: float) -> None:
 
 
 @pytest.mark.parametrize(("function", "low", "high"), MAXIMA)
-def test_the_maximum_is_that_which_scipy_finds(function: Callable[[float], float], low: float, high: float) -> None:
+def test_the_maximum_is_that_which_scipy_finds(
+    function: Callable[[float], float], low: float, high: float
+) -> None:
     from scipy.optimize import fminbound
 
     location, value = find_maximum_arrays(np.vectorize(function), np.array(low), np.array(high), 40)
-    assert location == pytest.approx(fminbound(lambda x: -function(x), low, high, xtol=1e-9), abs=1e-7)
+    assert location == pytest.approx(
+        fminbound(lambda x: -function(x), low, high, xtol=1e-9), abs=1e-7
+    )
     assert value == function(float(location))
 
 
@@ -72,5 +81,7 @@ def test_equal_values_on_both_sides_give_the_left_one() -> None:
     ("two_sided", "degrees", "quantile"),
     [(0.5, 1, 1.0), (0.95, 2, 4.302653), (0.95, 5, 2.570582), (0.99, 30, 2.749996)],
 )
-def test_quantiles_of_students_t_are_those_of_the_tables(two_sided: float, degrees: int, quantile: float) -> None:
+def test_quantiles_of_students_t_are_those_of_the_tables(
+    two_sided: float, degrees: int, quantile: float
+) -> None:
     assert t_quantile(two_sided, degrees) == pytest.approx(quantile, rel=1e-6)

@@ -1,4 +1,6 @@
-"""What is added in one file, such as a row of a table, is completed, described, validated and used."""
+"""What is added in one file, such as a row of a table, is completed, described, validated
+and used.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,9 @@ for line in sys.argv[1:]:
 
 
 def run_lines(folder: Path, sources: str, *lines: str) -> subprocess.CompletedProcess[str]:
-    """Run the commands of some lines, or complete them, in one process that finds its modules in `sources`."""
+    """Run the commands of some lines, or complete them, in one
+    process that finds its modules in `sources`.
+    """
     return run_python("-c", DRIVER, *lines, PYTHONPATH=sources, PWD=str(folder))
 
 
@@ -41,7 +45,11 @@ def edit(path: Path, old: str, new: str) -> None:
 
 def add_sensor(house: Path) -> None:
     rows = house / "src/fingertip/catalogues/sensors.csv"
-    edit(rows, "\nfsr402,", "\nmine,Mine,5.08,7.62,0.30,38,6.4,2.54,[D] mine,,fsr400,,,,,,yes,\nfsr402,")
+    edit(
+        rows,
+        "\nfsr402,",
+        "\nmine,Mine,5.08,7.62,0.30,38,6.4,2.54,[D] mine,,fsr400,,,,,,yes,\nfsr402,",
+    )
 
 
 def add_surface(house: Path) -> None:
@@ -49,13 +57,20 @@ def add_surface(house: Path) -> None:
 
 
 def add_format(house: Path) -> None:
-    row = '    "mine": PartFormat(".mine", "fingertip.cad.files.stl", is_default=False),\n    "cq": '
+    row = (
+        '    "mine": PartFormat(".mine", "fingertip.cad.files.stl", is_default=False),\n    "cq": '
+    )
     edit(house / "src/fingertip/catalogues/output_files.py", '    "cq": ', row)
 
 
 ADDITIONS = {
     add_sensor: ("new tip --sensor mi", "new --help", "new tip --sensor mine", "tip.toml"),
-    add_surface: ("simulate --surface mi", "simulate --help", "simulate --surface mine --out mine.csv", "mine.csv"),
+    add_surface: (
+        "simulate --surface mi",
+        "simulate --help",
+        "simulate --surface mine --out mine.csv",
+        "mine.csv",
+    ),
     add_format: (
         "build --formats mi",
         "build --help",
@@ -71,7 +86,9 @@ def test_one_edited_file_suffices(add, tmp_path: Path) -> None:
     shutil.copytree(ROOT / "params", tmp_path / "params")
     add(tmp_path)
     completed, described, used, file = ADDITIONS[add]
-    done = run_lines(tmp_path, str(tmp_path / "src"), f"complete fingertip {completed}", described, used)
+    done = run_lines(
+        tmp_path, str(tmp_path / "src"), f"complete fingertip {completed}", described, used
+    )
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[0] == "mine"
     assert add is add_surface or "mine" in done.stdout.split("Usage:")[1]

@@ -1,4 +1,6 @@
-"""Sets of files: whole or old whenever the writer is killed, and never at the cost of somebody's own file."""
+"""Sets of files: whole or old whenever the writer is killed, and
+never at the cost of somebody's own file.
+"""
 
 from __future__ import annotations
 
@@ -25,11 +27,22 @@ from fingertip.foundation.folder_swap import recover
 from fingertip.foundation.output_set import MANIFEST, Revision, SetWriter, add_to_set, read_manifest
 from fingertip.tasks.verification import verify_sets
 
-pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are killed with signals, NOT TESTED HERE")
+pytestmark = pytest.mark.skipif(
+    not hasattr(os, "fork"), reason="processes are killed with signals, NOT TESTED HERE"
+)
 
 OLD = {"board.net": b"old netlist", "bom.csv": b"old parts", "old_only.txt": b"of the old set"}
 NEW = {"board.net": b"new netlist", "bom.csv": b"new parts", "new_only.txt": b"of the new set"}
-OPERATIONS = ("os.rename", "os.link", "os.mkdir", "os.remove", "os.rmdir", "os.symlink", "shutil.copyfile", "open")
+OPERATIONS = (
+    "os.rename",
+    "os.link",
+    "os.mkdir",
+    "os.remove",
+    "os.rmdir",
+    "os.symlink",
+    "shutil.copyfile",
+    "open",
+)
 """Audit events of what changes a file system; a swap has none and is counted by hand."""
 
 
@@ -47,17 +60,26 @@ def prepare(folder: Path) -> None:
 
 def files_in(folder: Path) -> dict[str, bytes]:
     """Content of the files in a folder, without the manifest and what is somebody's own."""
-    paths = [path for path in folder.iterdir() if path.is_file() and path.name not in (MANIFEST, "mine.txt", "link")]
+    paths = [
+        path
+        for path in folder.iterdir()
+        if path.is_file() and path.name not in (MANIFEST, "mine.txt", "link")
+    ]
     return {path.name: path.read_bytes() for path in paths}
 
 
 def assert_whole(folder: Path) -> None:
-    """The folder holds the old set or the new one, with its own manifest, and somebody's own file."""
-    files, manifest = files_in(folder), read_manifest(folder)
+    """The folder holds the old set or the new one, with its own manifest, and somebody's
+    own file.
+    """
+    files = files_in(folder)
+    manifest = read_manifest(folder)
     assert files in (OLD, NEW)
     assert manifest is not None
     assert manifest.parameters == ("old" if files == OLD else "new")
-    assert dict(manifest.files) == {name: hashlib.sha256(data).hexdigest() for name, data in files.items()}
+    assert dict(manifest.files) == {
+        name: hashlib.sha256(data).hexdigest() for name, data in files.items()
+    }
     assert (folder / "mine.txt").read_bytes() == b"mine"
     assert os.readlink(folder / "link") == "mine.txt"
 
@@ -70,7 +92,8 @@ def assert_no_litter(folder: Path) -> None:
 
 
 def run_in_child(action: Callable[[], object], before: Callable[[str], None]) -> int:
-    """Run an action in a child, with a call before each change of the file system; return its exit status.
+    """Run an action in a child, with a call before each change of the file system; return its exit
+    status.
 
     It is 2 for a refusal, and 1 for another error.
     """
@@ -78,7 +101,9 @@ def run_in_child(action: Callable[[], object], before: Callable[[str], None]) ->
     if child == 0:
 
         def hook(event: str, arguments: tuple[object, ...]) -> None:
-            if event in OPERATIONS and (event != "open" or int(str(arguments[2])) & (os.O_WRONLY | os.O_RDWR)):
+            if event in OPERATIONS and (
+                event != "open" or int(str(arguments[2])) & (os.O_WRONLY | os.O_RDWR)
+            ):
                 before(event)
 
         swap = folder_swap._swap
@@ -103,7 +128,9 @@ def run_in_child(action: Callable[[], object], before: Callable[[str], None]) ->
 
 
 def run_and_kill_before(operation: int, action: Callable[[], object]) -> bool:
-    """Run an action in a child that kills itself before the n-th change of the file system; True if it got there."""
+    """Run an action in a child that kills itself before the n-th
+    change of the file system; True if it got there.
+    """
     left = itertools.count(operation, -1)
     status = run_in_child(action, lambda event: next(left) or os.kill(os.getpid(), signal.SIGKILL))
     assert status in (0, signal.SIGKILL), "the writer failed without being killed"
@@ -111,7 +138,9 @@ def run_and_kill_before(operation: int, action: Callable[[], object]) -> bool:
 
 
 def kill_everywhere(folder: Path, action: Callable[[], object]) -> Iterator[int]:
-    """Prepare a folder anew and kill the action before its first, second, ... change, until it ends by itself."""
+    """Prepare a folder anew and kill the action before its first,
+    second, ... change, until it ends by itself.
+    """
     operation = 0
     while True:
         for path in sorted(folder.parent.rglob("*"), reverse=True):
@@ -125,7 +154,10 @@ def kill_everywhere(folder: Path, action: Callable[[], object]) -> Iterator[int]
 
 
 def tree_of(folder: Path) -> dict[str, bytes | None]:
-    return {str(path): path.read_bytes() if path.is_file() else None for path in sorted(folder.rglob("*"))}
+    return {
+        str(path): path.read_bytes() if path.is_file() else None
+        for path in sorted(folder.rglob("*"))
+    }
 
 
 def assert_check_only_reports(folder: Path, unfinished: Path) -> None:
@@ -133,14 +165,18 @@ def assert_check_only_reports(folder: Path, unfinished: Path) -> None:
     before = tree_of(folder.parent)
     differences = "\n".join(verify_sets(folder)[1])
     assert tree_of(folder.parent) == before
-    text = f"{unfinished}: was left by a command that was ended before it was done; the next command that writes there"
+    text = (
+        f"{unfinished}: was left by a command that was ended before it was done; the next "
+        "command that writes there"
+    )
     assert (text in differences) == unfinished.exists()
 
 
 @pytest.mark.full
 def test_writer_killed_at_any_change_leaves_the_old_set_or_the_new_one(tmp_path: Path) -> None:
     folder = tmp_path / "area" / "board"
-    seen, steps = set(), 0
+    seen = set()
+    steps = 0
     for _ in kill_everywhere(folder, lambda: writer(folder, "new").write(NEW)):
         steps += 1
         assert_whole(folder)  # at once, before anything else has run
@@ -156,15 +192,23 @@ def test_writer_killed_at_any_change_leaves_the_old_set_or_the_new_one(tmp_path:
 
 
 @pytest.mark.parametrize("in_place", [False, pytest.param(True, marks=pytest.mark.full)])
-def test_a_disk_that_is_full_from_any_change_on_keeps_the_old_set(tmp_path: Path, in_place: bool) -> None:
-    """What takes room fails, and what gives room does not; the writer says so, and leaves nothing behind."""
-    folder, refused = tmp_path / "area" / "board", 0
+def test_a_disk_that_is_full_from_any_change_on_keeps_the_old_set(
+    tmp_path: Path, in_place: bool
+) -> None:
+    """What takes room fails, and what gives room does not; the
+    writer says so, and leaves nothing behind.
+    """
+    folder = tmp_path / "area" / "board"
+    refused = 0
     prepare(folder)
     for operation in itertools.count():
         left = itertools.count(operation, -1)
 
         def fill(event: str, left: Iterator[int] = left) -> None:
-            if event in ("os.mkdir", "open", "os.link", "os.symlink", "shutil.copyfile") and next(left) <= 0:
+            if (
+                event in ("os.mkdir", "open", "os.link", "os.symlink", "shutil.copyfile")
+                and next(left) <= 0
+            ):
                 raise OSError(errno.ENOSPC, "No space left on device")
 
         status = run_in_child(lambda: writer(folder, "new", in_place=in_place).write(NEW), fill)
@@ -200,7 +244,9 @@ def test_check_waits_for_a_writer_and_leaves_its_work_alone(tmp_path: Path) -> N
 
 
 @pytest.mark.full
-def test_killed_renames_in_place_are_completed_or_undone_by_the_next_command(tmp_path: Path) -> None:
+def test_killed_renames_in_place_are_completed_or_undone_by_the_next_command(
+    tmp_path: Path,
+) -> None:
     """Where folders cannot be swapped, the set is whole again after the next command."""
     folder = tmp_path / "area" / "board"
     seen = set()
@@ -228,8 +274,11 @@ def test_folder_that_cannot_be_swapped_is_written_in_place(
     assert_no_litter(folder)
 
 
-def test_current_folder_and_a_link_are_not_swapped_away(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    folder, link = tmp_path / "area" / "board", tmp_path / "link"
+def test_current_folder_and_a_link_are_not_swapped_away(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "area" / "board"
+    link = tmp_path / "link"
     prepare(folder)
     link.symlink_to(folder)
     writer(link, "new").write(NEW)
@@ -273,17 +322,27 @@ def test_changed_or_unknown_files_are_never_overwritten(tmp_path: Path) -> None:
     (folder / "bom.csv").write_bytes(b"my own notes on the parts")
     (folder / "new_only.txt").write_bytes(b"my own")
     before = {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
-    for attempt in (lambda: writer(folder, "new").check(NEW), lambda: writer(folder, "new").write(NEW)):
+    for attempt in (
+        lambda: writer(folder, "new").check(NEW),
+        lambda: writer(folder, "new").write(NEW),
+    ):
         with pytest.raises(OutputError) as caught:
             attempt()
-        assert [Path(issue.field).name for issue in caught.value.issues] == ["bom.csv", "new_only.txt"]
+        assert [Path(issue.field).name for issue in caught.value.issues] == [
+            "bom.csv",
+            "new_only.txt",
+        ]
         assert all("add --force to overwrite it" in issue.message for issue in caught.value.issues)
-        assert {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()} == before
+        assert {
+            path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()
+        } == before
     assert writer(folder, "new", force=True).write(NEW) == ("old_only.txt",)
     assert files_in(folder) == NEW
     (folder / "new_only.txt").write_bytes(b"changed")
     assert writer(folder, "old").write(OLD) == ()
-    assert files_in(folder) == OLD | {"new_only.txt": b"changed"}, "what the other set does not have stays"
+    assert files_in(folder) == OLD | {"new_only.txt": b"changed"}, (
+        "what the other set does not have stays"
+    )
 
 
 def test_set_of_the_same_parameters_grows(tmp_path: Path) -> None:
@@ -294,12 +353,16 @@ def test_set_of_the_same_parameters_grows(tmp_path: Path) -> None:
     assert manifest is not None
     assert set(manifest.files) == {"bone.stl", "skin.stl"}
     writer(folder, "a").add({"casting.md": b"3"})
-    with pytest.raises(OutputError, match="of other parameters of 'finger'; build this design there first"):
+    with pytest.raises(
+        OutputError, match="of other parameters of 'finger'; build this design there first"
+    ):
         writer(folder, "b").add({"casting.md": b"4"})
     assert verify_sets(folder) == (3, [])
 
 
-def test_folder_in_the_place_of_a_file_and_a_file_in_that_of_a_folder_are_refused(tmp_path: Path) -> None:
+def test_folder_in_the_place_of_a_file_and_a_file_in_that_of_a_folder_are_refused(
+    tmp_path: Path,
+) -> None:
     folder = tmp_path / "board"
     prepare(folder)
     (folder / "new_only.txt").mkdir()
@@ -311,9 +374,14 @@ def test_folder_in_the_place_of_a_file_and_a_file_in_that_of_a_folder_are_refuse
     assert [path.name for path in tmp_path.iterdir()] == ["board"]
 
 
-def test_manifest_of_another_program_is_not_overwritten_but_refused_before_work(tmp_path: Path) -> None:
+def test_manifest_of_another_program_is_not_overwritten_but_refused_before_work(
+    tmp_path: Path,
+) -> None:
     (tmp_path / MANIFEST).write_text('{"name": "web app"}')
-    for attempt in (lambda: writer(tmp_path, "new").check(NEW), lambda: writer(tmp_path, "new").write(NEW)):
+    for attempt in (
+        lambda: writer(tmp_path, "new").check(NEW),
+        lambda: writer(tmp_path, "new").write(NEW),
+    ):
         with pytest.raises(OutputError, match=r"manifest\.json: was not written by fingertip"):
             attempt()
     assert json.loads((tmp_path / MANIFEST).read_text()) == {"name": "web app"}
@@ -339,7 +407,8 @@ def test_set_of_another_kind_is_not_replaced(tmp_path: Path) -> None:
     parts = SetWriter(tmp_path, "parts", "finger", "old", force=True)
     for attempt in (lambda: parts.check(["bone.stl"]), lambda: parts.write({"bone.stl": b"1"})):
         with pytest.raises(
-            OutputError, match=r"holds the board of 'finger'; choose another folder .* such as \S+parts"
+            OutputError,
+            match=r"holds the board of 'finger'; choose another folder .* such as \S+parts",
         ):
             attempt()
     assert files_in(tmp_path) == OLD
@@ -353,7 +422,8 @@ def test_folder_without_manifest_takes_equal_files_and_explains_others(tmp_path:
     with pytest.raises(OutputError) as caught:
         writer(tmp_path, "new").write(NEW)
     assert str(caught.value) == (
-        f"{tmp_path}: has no manifest.json that says who wrote board.net, bom.csv; move them away, choose another "
+        f"{tmp_path}: has no manifest.json that says who wrote board.net, bom.csv; move them "
+        "away, choose another "
         "place with out, or add force=True to overwrite them."
     )
 
@@ -398,7 +468,9 @@ def test_a_place_that_cannot_be_written_is_refused_before_work_whatever_its_mode
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(OutputError, match=r"cannot be written \((No such file|File name too long).*another folder"):
+    with pytest.raises(
+        OutputError, match=r"cannot be written \((No such file|File name too long).*another folder"
+    ):
         writer(Path(place), "new").check(NEW)
     writer(Path("area/board"), "new").check(NEW)
     assert list(tmp_path.iterdir()) == []
@@ -407,9 +479,12 @@ def test_a_place_that_cannot_be_written_is_refused_before_work_whatever_its_mode
 # Single files
 
 
-def test_killed_writer_of_one_file_leaves_it_as_it_was_and_the_next_one_cleans_up(tmp_path: Path) -> None:
+def test_killed_writer_of_one_file_leaves_it_as_it_was_and_the_next_one_cleans_up(
+    tmp_path: Path,
+) -> None:
     path = tmp_path / "trace.csv"
-    operation, killed = 0, True
+    operation = 0
+    killed = True
     while killed:
         path.write_bytes(b"old")
         killed = run_and_kill_before(operation, lambda: write_file(path, b"new"))
@@ -457,7 +532,9 @@ def test_revised_file_gets_its_own_content_and_stays_somebodys_own(tmp_path: Pat
     writer(folder, "old").write(OLD)
     revisions = {"bom.csv": Revision(b"edited parts", b"edited new parts")}
     (folder / "bom.csv").write_bytes(b"edited again")
-    with pytest.raises(OutputError, match=r"bom\.csv: was changed while this command was running; run it again"):
+    with pytest.raises(
+        OutputError, match=r"bom\.csv: was changed while this command was running; run it again"
+    ):
         writer(folder, "new").write(NEW, revisions=revisions)
     assert files_in(folder) == OLD | {"bom.csv": b"edited again"}
     (folder / "bom.csv").write_bytes(b"edited parts")
@@ -465,5 +542,7 @@ def test_revised_file_gets_its_own_content_and_stays_somebodys_own(tmp_path: Pat
     writer(folder, "new").write(NEW, revisions=revisions)
     assert files_in(folder) == NEW | {"bom.csv": b"edited new parts"}
     assert read_manifest(folder).files["bom.csv"] == hashlib.sha256(NEW["bom.csv"]).hexdigest()
-    with pytest.raises(OutputError, match=r"bom\.csv: was not written by fingertip, or was changed since"):
+    with pytest.raises(
+        OutputError, match=r"bom\.csv: was not written by fingertip, or was changed since"
+    ):
         writer(folder, "old").write(OLD)

@@ -33,7 +33,10 @@ def install(package: str, entry_points: str, site: Path) -> None:
 def read_entry_points() -> str:
     project = tomllib.loads((EXAMPLE / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     groups = project["entry-points"].items()
-    return "".join(f"[{group}]\n" + "".join(f"{k} = {v}\n" for k, v in names.items()) for group, names in groups)
+    return "".join(
+        f"[{group}]\n" + "".join(f"{k} = {v}\n" for k, v in names.items())
+        for group, names in groups
+    )
 
 
 def run_beside(site: Path, *lines: str) -> subprocess.CompletedProcess[str]:
@@ -86,7 +89,14 @@ def test_a_broken_package_is_one_sentence(
 
 @pytest.mark.full
 def test_pip_installs_the_example(tmp_path: Path) -> None:
-    options = ("--quiet", "--no-deps", "--no-build-isolation", "--no-index", "--target", str(tmp_path / "site"))
+    options = (
+        "--quiet",
+        "--no-deps",
+        "--no-build-isolation",
+        "--no-index",
+        "--target",
+        str(tmp_path / "site"),
+    )
     command = [*find_installer(), "install", *options, str(EXAMPLE)]
     environment = os.environ | {"VIRTUAL_ENV": sys.prefix}  # where uv looks for a Python
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)

@@ -1,4 +1,6 @@
-"""Faults of staleness and exchange that CI must notice in a folder of parts, made by hand, one at a time."""
+"""Faults of staleness and exchange that CI must notice in a folder
+of parts, made by hand, one at a time.
+"""
 
 from __future__ import annotations
 
@@ -79,34 +81,66 @@ def forget_program(folder: Path) -> None:
 
 @dataclass(frozen=True)
 class Fault:
-    """Fault in a folder: what makes it, from the folder and one of another design, and what is said of it."""
+    """Fault in a folder: what makes it, from the folder and one of
+    another design, and what is said of it.
+    """
 
     cause: Callable[[Path, Path], object]
     said: str
 
 
 FAULTS = {
-    "version": Fault(lambda folder, other: forget_program(folder), "made by another version of this program"),
-    "part": Fault(lambda folder, other: shutil.copy(other / "bone.stl", folder), "bone.stl: was changed"),
-    "half": Fault(lambda folder, other: shutil.copy(other / "mold_dorsal.stl", folder), "mold_dorsal.stl: was changed"),
-    "unit": Fault(lambda folder, other: move_mesh(folder / "bone.stl", lambda v: v / 25.4), "bone.stl: was changed"),
-    "scale": Fault(lambda folder, other: move_mesh(folder / "bone.stl", lambda v: v * 1.01), "bone.stl: was changed"),
+    "version": Fault(
+        lambda folder, other: forget_program(folder), "made by another version of this program"
+    ),
+    "part": Fault(
+        lambda folder, other: shutil.copy(other / "bone.stl", folder), "bone.stl: was changed"
+    ),
+    "half": Fault(
+        lambda folder, other: shutil.copy(other / "mold_dorsal.stl", folder),
+        "mold_dorsal.stl: was changed",
+    ),
+    "unit": Fault(
+        lambda folder, other: move_mesh(folder / "bone.stl", lambda v: v / 25.4),
+        "bone.stl: was changed",
+    ),
+    "scale": Fault(
+        lambda folder, other: move_mesh(folder / "bone.stl", lambda v: v * 1.01),
+        "bone.stl: was changed",
+    ),
     "truncated file": Fault(
-        lambda folder, other: (folder / "bone.stl").write_bytes((folder / "bone.stl").read_bytes()[:-25]),
+        lambda folder, other: (folder / "bone.stl").write_bytes(
+            (folder / "bone.stl").read_bytes()[:-25]
+        ),
         "bone.stl: was changed",
     ),
     "renamed file": Fault(
-        lambda folder, other: (folder / "bone.stl").rename(folder / "bone_new.stl"), "bone.stl: is missing"
+        lambda folder, other: (folder / "bone.stl").rename(folder / "bone_new.stl"),
+        "bone.stl: is missing",
     ),
-    "edited 3MF": Fault(lambda folder, other: edit_3mf(folder / "skin.3mf"), "skin.3mf: was changed"),
-    "missing part": Fault(lambda folder, other: (folder / "core.stl").unlink(), "core.stl: is missing"),
+    "edited 3MF": Fault(
+        lambda folder, other: edit_3mf(folder / "skin.3mf"), "skin.3mf: was changed"
+    ),
+    "missing part": Fault(
+        lambda folder, other: (folder / "core.stl").unlink(), "core.stl: is missing"
+    ),
     "shifted half": Fault(
-        lambda folder, other: move_mesh(folder / "mold_dorsal.stl", lambda v: v + np.array([0.4, 0, 0])),
+        lambda folder, other: move_mesh(
+            folder / "mold_dorsal.stl", lambda v: v + np.array([0.4, 0, 0])
+        ),
         "mold_dorsal.stl: was changed",
     ),
-    "page": Fault(lambda folder, other: edit_text(folder / "index.html"), "index.html: was changed"),
-    "netlist": Fault(lambda folder, other: edit_text(folder / "board/slip_filter.net"), "slip_filter.net: was changed"),
-    "print": Fault(lambda folder, other: shutil.copy(other / "print/bone.stl", folder / "print"), "print/bone.stl"),
+    "page": Fault(
+        lambda folder, other: edit_text(folder / "index.html"), "index.html: was changed"
+    ),
+    "netlist": Fault(
+        lambda folder, other: edit_text(folder / "board/slip_filter.net"),
+        "slip_filter.net: was changed",
+    ),
+    "print": Fault(
+        lambda folder, other: shutil.copy(other / "print/bone.stl", folder / "print"),
+        "print/bone.stl",
+    ),
 }
 
 
@@ -125,7 +159,10 @@ def test_fault_in_a_folder_is_noticed(name: str, folder: Path, other: Path) -> N
     assert done.returncode == 1
     assert fault.said in done.stdout
     force = "" if name == "version" else " --force"
-    assert done.stdout.splitlines()[-1] == f"next: fingertip make {NAME} --formats stl,3mf{force} --out {folder}"
+    assert (
+        done.stdout.splitlines()[-1]
+        == f"next: fingertip make {NAME} --formats stl,3mf{force} --out {folder}"
+    )
 
 
 def test_changed_design_with_the_old_folder_is_noticed_and_named(folder: Path) -> None:
@@ -141,13 +178,22 @@ def test_folder_of_another_design_is_noticed(other: Path) -> None:
     assert "holds the parts of 'wider', not of first_finger" in difference
 
 
-STALE = ("bone.groove_depth_mm=0.7", "bone.channel_diameter_mm=2.6", "mold.engraving_depth_mm=0.4", "name=other_name")
+STALE = (
+    "bone.groove_depth_mm=0.7",
+    "bone.channel_diameter_mm=2.6",
+    "mold.engraving_depth_mm=0.4",
+    "name=other_name",
+)
 """Changes of a design that leave the outer size of the part."""
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(("change", "part"), [*zip(STALE, ("bone", "bone", "mold_palmar", "core"), strict=True)])
-def test_stale_part_of_the_same_outer_size_is_noticed(change: str, part: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("change", "part"), [*zip(STALE, ("bone", "bone", "mold_palmar", "core"), strict=True)]
+)
+def test_stale_part_of_the_same_outer_size_is_noticed(
+    change: str, part: str, tmp_path: Path
+) -> None:
     stale = Design.load("fsr400", changes=[change])
     build(stale, tmp_path, parts=[part], formats=["stl"])
     assert check_mesh_file(tmp_path / f"{part}.stl", stale).passed
@@ -179,7 +225,9 @@ def test_parts_that_were_not_made_again_are_no_proof(folder: Path, other: Path) 
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("report", ["", "[]", "{}", '{"tolerance_mm": "0.05"}', '{"tolerance_mm": 1e-9}'])
+@pytest.mark.parametrize(
+    "report", ["", "[]", "{}", '{"tolerance_mm": "0.05"}', '{"tolerance_mm": 1e-9}']
+)
 def test_report_of_another_program_is_a_sentence(report: str, folder: Path) -> None:
     (folder / "report.json").write_text(report)
     manifest = json.loads((folder / MANIFEST).read_text())
@@ -190,7 +238,9 @@ def test_report_of_another_program_is_a_sentence(report: str, folder: Path) -> N
     assert "report.json: " in done.stderr
 
 
-def test_folder_is_compared_with_the_design_that_it_was_made_from(folder: Path, tmp_path: Path) -> None:
+def test_folder_is_compared_with_the_design_that_it_was_made_from(
+    folder: Path, tmp_path: Path
+) -> None:
     """Two designs of one name: the folder is that of the second."""
     for name, width_mm in (("new", 19.4), ("old", 19.0)):
         text = f'name = "{NAME}"\n[skin]\nwidth_mm = {width_mm}\n'
@@ -203,13 +253,17 @@ def test_folder_is_compared_with_the_design_that_it_was_made_from(folder: Path, 
 
 @pytest.mark.full
 def test_command_that_is_proposed_mends_the_folder(other: Path) -> None:
-    """It has the options of the folder: some parts, one format, a coarse tolerance; and overwrites what was changed."""
+    """It has the options of the folder: some parts, one format, a
+    coarse tolerance; and overwrites what was changed.
+    """
     folder = other.parent / "coarse"
     build(Design.load(NAME), folder, parts=["bone", "core"], formats=["stl"], tolerance_mm=0.05)
     shutil.copy(other / "bone.stl", folder)
     words = ("build", NAME, "--check", "--parts", "bone,core", "--out", str(folder))
     proposed = run_fingertip(*words).stdout.splitlines()[-1].removeprefix("next: fingertip ")
-    expected = f"build {NAME} --formats stl --parts bone,core --tolerance-mm 0.05 --force --out {folder}"
+    expected = (
+        f"build {NAME} --formats stl --parts bone,core --tolerance-mm 0.05 --force --out {folder}"
+    )
     assert proposed == expected
     before = sorted(path.name for path in folder.rglob("*"))
     assert run_fingertip(*proposed.split()).returncode == 0
@@ -223,7 +277,9 @@ def test_parts_that_are_missing_are_named(other: Path) -> None:
     done = run_fingertip("build", NAME, "--check", "--out", folder)
     assert done.returncode == 1
     assert "was made without skin, mold_palmar, mold_dorsal, core, stand" in done.stdout
-    assert run_fingertip("build", NAME, "--check", "--parts", "bone", "--out", folder).returncode == 0
+    assert (
+        run_fingertip("build", NAME, "--check", "--parts", "bone", "--out", folder).returncode == 0
+    )
 
 
 def test_wrong_folder_is_an_error(folder: Path) -> None:
@@ -243,7 +299,10 @@ def test_wrong_folder_is_an_error(folder: Path) -> None:
 def test_mesh_that_cannot_be_compared_is_refused(folder: Path) -> None:
     shutil.copy(folder / "bone.stl", folder / "bone_old.stl")
     for words, said in (
-        ((NAME, folder / "bone_old.stl"), "has the name of no part of first_finger; name it after its part (bone,"),
+        (
+            (NAME, folder / "bone_old.stl"),
+            "has the name of no part of first_finger; name it after its part (bone,",
+        ),
         ((NAME, "fsr400", folder / "bone.stl"), "is compared with the design of one finger"),
     ):
         done = run_fingertip("check", *words, "--tolerance-mm", "0.1")
@@ -261,20 +320,25 @@ def test_check_of_a_design_and_a_folder_compares_them(folder: Path, other: Path)
     assert "holds the parts of 'wider', not of first_finger" in done.stdout
 
 
-def test_another_version_that_makes_the_same_parts_passes_and_one_that_does_not_fails(folder: Path) -> None:
+def test_another_version_that_makes_the_same_parts_passes_and_one_that_does_not_fails(
+    folder: Path,
+) -> None:
     forget_program(folder)
     assert run_fingertip("build", NAME, "--check", "--verify", "--out", folder).returncode == 0
 
     move_mesh(folder / "bone.stl", lambda corners: corners * np.array([1.0, 1.0, 1.001]))
     manifest = json.loads((folder / MANIFEST).read_text())
-    manifest["files"]["bone.stl"] = hash_file(folder / "bone.stl")  # as another version would have written it
+    manifest["files"]["bone.stl"] = hash_file(
+        folder / "bone.stl"
+    )  # as another version would have written it
     (folder / MANIFEST).write_text(json.dumps(manifest))
     done = run_fingertip("build", NAME, "--check", "--verify", "--out", folder)
     assert done.returncode == 1
     assert "bone.stl: differs from what this design gives" in done.stdout
 
 
-# --- loose meshes, without a manifest ---------------------------------------------------------------------------------
+# --- loose meshes, without a manifest
+# ---------------------------------------------------------------------------------
 
 LOOSE = {
     "part of another design": (
@@ -282,21 +346,35 @@ LOOSE = {
         lambda path, other: shutil.copy(other / "bone.stl", path),
         "it is not bone of this design",
     ),
-    "inches": ("bone", lambda path, other: move_mesh(path, lambda v: v / 25.4), "the file is in inches"),
-    "scale": ("bone", lambda path, other: move_mesh(path, lambda v: v * 1.01), "1.01 times as large as bone"),
+    "inches": (
+        "bone",
+        lambda path, other: move_mesh(path, lambda v: v / 25.4),
+        "the file is in inches",
+    ),
+    "scale": (
+        "bone",
+        lambda path, other: move_mesh(path, lambda v: v * 1.01),
+        "1.01 times as large as bone",
+    ),
     "half moved across": (
         "mold_palmar",
-        lambda path, other: move_mesh(path.with_name("mold_dorsal.stl"), lambda v: v + np.array([0.4, 0, 0])),
+        lambda path, other: move_mesh(
+            path.with_name("mold_dorsal.stl"), lambda v: v + np.array([0.4, 0, 0])
+        ),
         "export both halves of one design",
     ),
     "half moved along": (
         "mold_palmar",
-        lambda path, other: move_mesh(path.with_name("mold_dorsal.stl"), lambda v: v + np.array([0, 0, 0.05])),
+        lambda path, other: move_mesh(
+            path.with_name("mold_dorsal.stl"), lambda v: v + np.array([0, 0, 0.05])
+        ),
         "export both halves of one design",
     ),
     "half moved apart": (
         "mold_palmar",
-        lambda path, other: move_mesh(path.with_name("mold_dorsal.stl"), lambda v: v + np.array([0, 0.4, 0])),
+        lambda path, other: move_mesh(
+            path.with_name("mold_dorsal.stl"), lambda v: v + np.array([0, 0.4, 0])
+        ),
         "export both halves of one design",
     ),
     "half of another design": (
@@ -320,7 +398,10 @@ def test_fault_of_a_loose_mesh_is_noticed(name: str, folder: Path, other: Path) 
 
 
 def test_loose_meshes_of_the_design_pass(folder: Path) -> None:
-    paths = [folder / name for name in ("bone.stl", "print/bone.stl", "skin.3mf", "mold_palmar.stl", "core.stl")]
+    paths = [
+        folder / name
+        for name in ("bone.stl", "print/bone.stl", "skin.3mf", "mold_palmar.stl", "core.stl")
+    ]
     for path in paths:
         file = check_mesh_file(path, Design.load(NAME))
         assert file.part == file.path.stem

@@ -11,19 +11,33 @@ from fingertip.foundation.display import AREAS, SERIES, TRUTH, new_figure, to_pn
 from fingertip.lab.report.plots import COLOURS, OTHER_COLOUR
 
 XYZ = np.array(
-    [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]]
+    [
+        [0.4124564, 0.3575761, 0.1804375],
+        [0.2126729, 0.7151522, 0.0721750],
+        [0.0193339, 0.1191920, 0.9503041],
+    ]
 )
 """Linear sRGB to CIE XYZ, IEC 61966-2-1."""
 VISION = {
     "usual": np.eye(3),
     "no red cones": np.array(
-        [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]]
+        [
+            [0.152286, 1.052583, -0.204868],
+            [0.114503, 0.786281, 0.099216],
+            [-0.003882, -0.048116, 1.051998],
+        ]
     ),
     "no green cones": np.array(
-        [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]]
+        [
+            [0.367322, 0.860646, -0.227968],
+            [0.280085, 0.672501, 0.047413],
+            [-0.011820, 0.042940, 0.968881],
+        ]
     ),
 }
-"""Linear sRGB as seen: G. M. Machado et al., IEEE Trans. Vis. Comput. Graph. 15 (2009) 1291, severity 1."""
+"""Linear sRGB as seen:
+G. M. Machado et al., IEEE Trans. Vis. Comput. Graph. 15 (2009) 1291, severity 1.
+"""
 
 
 def to_linear(colour: str) -> np.ndarray:
@@ -34,7 +48,9 @@ def to_linear(colour: str) -> np.ndarray:
 def to_lab(linear: np.ndarray) -> np.ndarray:
     """CIELAB under D65: lightness, green to red, blue to yellow."""
     ratio = XYZ @ linear / np.array([0.95047, 1.0, 1.08883])
-    f = np.where(ratio > 216 / 24389, np.cbrt(np.clip(ratio, 0, None)), (24389 / 27 * ratio + 16) / 116)
+    f = np.where(
+        ratio > 216 / 24389, np.cbrt(np.clip(ratio, 0, None)), (24389 / 27 * ratio + 16) / 116
+    )
     return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
 
 
@@ -54,7 +70,9 @@ def test_colours_of_curves_differ_for_everybody() -> None:
     for one, other in itertools.pairwise(AREAS):
         assert abs(lightness(one) - lightness(other)) >= 15.0
     assert set(COLOURS.values()) | {OTHER_COLOUR} == set(SERIES)
-    own = {name: colour for name, colour in COLOURS.items() if name != "incipient"}  # a threshold of fast
+    own = {
+        name: colour for name, colour in COLOURS.items() if name != "incipient"
+    }  # a threshold of fast
     assert len(own) + 1 == len(SERIES), "each detector has a colour of its own"
 
 

@@ -29,7 +29,9 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     return clock
 
 
-def test_a_message_takes_no_line_of_its_own_for_a_text_of_a_file(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_message_takes_no_line_of_its_own_for_a_text_of_a_file(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     Console(as_json=False, quiet=False).warn(["column 'a\nerror: b\x1b[31m'"])
     assert capsys.readouterr().err == "warning: column 'a\\nerror: b\\x1b[31m'\n"
 
@@ -51,7 +53,12 @@ def test_shares_follow_from_the_durations_of_the_stages(clock: Clock) -> None:
         "bench: board: 60 % done, 40 s left",
         "bench: trial: 90 % done, 10 s left",
     ]
-    assert [message.share for message in messages if isinstance(message, ShareText)] == [0.0, 0.3, 0.6, 0.9]
+    assert [message.share for message in messages if isinstance(message, ShareText)] == [
+        0.0,
+        0.3,
+        0.6,
+        0.9,
+    ]
     silent = Work("", {"only": 1.0}, None)
     silent.begin("only")
     silent.advance(1.0)
@@ -98,10 +105,14 @@ def test_a_terminal_shows_one_bar_that_messages_replace(monkeypatch: pytest.Monk
     assert shown.endswith(f"{CLEAR_LINE}a message\n")
     assert shown.count(CLEAR_LINE) == 3
     Console(False, False).progress(ShareText("half", 0.5))
-    Console(False, False).print_issues(FingertipError(Issue("field", "is wrong.")))  # as the decorator does
+    Console(False, False).print_issues(
+        FingertipError(Issue("field", "is wrong."))
+    )  # as the decorator does
     assert sys.stderr.getvalue().endswith(f"{CLEAR_LINE}error: field: is wrong.\n")
     message = ShareText("a long stage: " + "x" * 100, 0.25)
-    assert format_bar(message, 80).startswith(f"[{'#' * (BAR_WIDTH // 4)}{'.' * (BAR_WIDTH - BAR_WIDTH // 4)}] a long")
+    assert format_bar(message, 80).startswith(
+        f"[{'#' * (BAR_WIDTH // 4)}{'.' * (BAR_WIDTH - BAR_WIDTH // 4)}] a long"
+    )
     assert len(format_bar(message, 80)) == 79
 
 

@@ -1,4 +1,6 @@
-"""README, user pages and examples: every command they show runs, and every picture and file they name exists."""
+"""README, user pages and examples: every command they show runs, and
+every picture and file they name exists.
+"""
 
 from __future__ import annotations
 
@@ -14,16 +16,28 @@ import pytest
 from tests.conftest import ROOT, run_fingertip, run_python
 from tests.tools import require_module
 
-FIRST = ("README.md", "docs/tutorial.md", "docs/designs.md", "docs/files.md", "docs/casting.md", "docs/board.md",
-         "docs/simulation.md")  # fmt: skip
+FIRST = (
+    "README.md",
+    "docs/tutorial.md",
+    "docs/designs.md",
+    "docs/files.md",
+    "docs/casting.md",
+    "docs/board.md",
+    "docs/simulation.md",
+)
 """Pages whose commands make what those of other pages read."""
 DOCS = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / "docs").glob("*.md"))
 PAGES = {page: (ROOT / page).read_text() for page in dict.fromkeys((*FIRST, *DOCS))}
 BLOCKS = [
-    block for text in PAGES.values() for block in re.findall(r"^```(\w+)\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    block
+    for text in PAGES.values()
+    for block in re.findall(r"^```(\w+)\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
 ]
 LINKS = [
-    (page, link) for page, text in PAGES.items() for link in re.findall(r"\]\(([^)#]+)\)", text) if "://" not in link
+    (page, link)
+    for page, text in PAGES.items()
+    for link in re.findall(r"\]\(([^)#]+)\)", text)
+    if "://" not in link
 ]
 COMMANDS = [
     command.strip()
@@ -34,7 +48,11 @@ COMMANDS = [
 ]
 (WEIGHINGS,) = (block for language, block in BLOCKS if language == "csv")
 OURS = [command for command in COMMANDS if command.startswith(".venv/bin/fingertip")]
-DISTINCT = list({re.sub(r"\bparams/(\w+)\.toml", r"\1", command): command for command in reversed(OURS)}.values())[::-1]
+DISTINCT = list(
+    {
+        re.sub(r"\bparams/(\w+)\.toml", r"\1", command): command for command in reversed(OURS)
+    }.values()
+)[::-1]
 """Each command once: a bundled design is the same by its name and by its file."""
 
 
@@ -50,14 +68,17 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def recordings() -> dict[str, str]:
-    """Files of the section on recordings: one second with slip in it, as several programs write it."""
+    """Files of the section on recordings: one second with slip in it, as several programs
+    write it.
+    """
     noise = np.random.default_rng(0).normal(0, 4e-4, 5000)
 
     def samples(rate_hz: int, unit: str = "{:.6f}", per_volt: float = 1.0) -> list[tuple[str, str]]:
         times = [i / rate_hz for i in range(rate_hz)]
         slip = [0.01 * math.sin(2 * math.pi * 90 * t) if 0.5 < t < 0.7 else 0.0 for t in times]
         return [
-            (f"{t:.6f}", unit.format((2.0 + s + n) * per_volt)) for t, s, n in zip(times, slip, noise, strict=False)
+            (f"{t:.6f}", unit.format((2.0 + s + n) * per_volt))
+            for t, s, n in zip(times, slip, noise, strict=False)
         ]
 
     def lines(header: str, rows: Iterable[str]) -> str:
@@ -70,9 +91,13 @@ def recordings() -> dict[str, str]:
         "rec.csv": lines(streamed[0], streamed[1:]),
         "daq.csv": lines("Time [s],AI0 (V)", map(",".join, samples(2000))),
         "stream.csv": lines("time_s,voltage_v", map(",".join, samples(2000))),
-        "counts.csv": lines("voltage_v", (counts for _, counts in samples(5000, "{:.0f}", 65536 / 20))),
+        "counts.csv": lines(
+            "voltage_v", (counts for _, counts in samples(5000, "{:.0f}", 65536 / 20))
+        ),
         "force.csv": lines("time_s;force_n", map(";".join, samples(2000))),
-        "micros.txt": lines("0 2.0", (f"{round(1e6 * float(t))} {v}" for t, v in samples(2000)[1:])),
+        "micros.txt": lines(
+            "0 2.0", (f"{round(1e6 * float(t))} {v}" for t, v in samples(2000)[1:])
+        ),
     }
 
 
@@ -83,7 +108,12 @@ def test_pages_show_commands_to_copy_and_links_that_lead_to_files() -> None:
     assert all(block.count("\n") == 1 for block in shell[:2]), "one pasteable line each"
     others = {command for command in COMMANDS if command not in OURS}
     benchmark = ".venv/bin/python -m benchmarks.slip --share 0.1 --detectors fast,incipient,cusum"
-    assert others == {"sh install.sh", "sh install.sh test", ".venv/bin/pytest -n auto --dist loadfile", benchmark}
+    assert others == {
+        "sh install.sh",
+        "sh install.sh test",
+        ".venv/bin/pytest -n auto --dist loadfile",
+        benchmark,
+    }
     assert len(OURS) >= 40
     assert len(PAGES["README.md"].splitlines()) <= 90, "reference belongs in docs/"
     assert len(LINKS) > 50
@@ -114,12 +144,29 @@ def test_files_the_readme_promises(clone: Path) -> None:
     made = {str(path.relative_to(clone)) for path in clone.rglob("*") if path.is_file()}
     for part in ("bone", "core", "skin", "mold_palmar", "mold_dorsal", "stand"):
         assert {f"out/first_finger/{part}.{kind}" for kind in ("stl", "3mf", "step")} <= made
-    named = {"assembly.step", "report.json", "design.toml", "drawing.pdf", "acceptance.md", "casting.md"}
+    named = {
+        "assembly.step",
+        "report.json",
+        "design.toml",
+        "drawing.pdf",
+        "acceptance.md",
+        "casting.md",
+    }
     named |= {"signal/trace.csv", "signal/slip.png", "signal/detection.json", "steps/01-print.png"}
-    named |= {"print/plate_fdm.3mf", "print/bone.stl", "print/mold_dorsal.stl", "firmware/slip_lamp/slip_lamp.ino"}
+    named |= {
+        "print/plate_fdm.3mf",
+        "print/bone.stl",
+        "print/mold_dorsal.stl",
+        "firmware/slip_lamp/slip_lamp.ino",
+    }
     named |= {"board/slip_filter.net", "board/slip_filter.cir", "board/bom.csv", "board/wiring.svg"}
     assert {f"out/first_finger/{file}" for file in named} <= made
-    assert {"out/board/slip_filter.kicad_pcb", "out/wider/exploded.png", "out/wider/bone.stl", "myfinger.toml"} <= made
+    assert {
+        "out/board/slip_filter.kicad_pcb",
+        "out/wider/exploded.png",
+        "out/wider/bone.stl",
+        "myfinger.toml",
+    } <= made
 
 
 @pytest.mark.full
@@ -139,8 +186,16 @@ def test_the_quoted_message_is_the_message_printed(clone: Path) -> None:
     assert f"error: {' '.join(quoted[1].split())}" in done.stderr
 
 
-ELSEWHERE = {"hold_a_slipping_block", "continue_in_build123d", "lerobot_sensor", "ros2_node", "slip_in_mujoco"}
-"""Examples that need MuJoCo, LeRobot or ROS, which have tests of their own, or an environment of build123d."""
+ELSEWHERE = {
+    "hold_a_slipping_block",
+    "continue_in_build123d",
+    "lerobot_sensor",
+    "ros2_node",
+    "slip_in_mujoco",
+}
+"""Examples that need MuJoCo, LeRobot or ROS, which have tests of
+their own, or an environment of build123d.
+"""
 EXAMPLES = sorted(path for path in (ROOT / "examples").glob("*.py") if path.stem not in ELSEWHERE)
 
 

@@ -25,14 +25,21 @@ class Row:
 
 
 CELLS = {
-    "name": "x", "kind": "a", "mass_kg": "1.5k", "range_v": "3 4m", "words": "one two", "is_new": "no",
+    "name": "x",
+    "kind": "a",
+    "mass_kg": "1.5k",
+    "range_v": "3 4m",
+    "words": "one two",
+    "is_new": "no",
     "hardness": "30 to 40, common, unverified",
-}  # fmt: skip
+}
 
 
 def test_cells_are_read_by_the_types_of_the_fields() -> None:
     hardness = MaterialProperty(30.0, 40.0, "common", verified=False)
-    assert load_table(Row, [CELLS]) == (Row("x", "a", 1500.0, (3.0, 0.004), ("one", "two"), False, hardness),)
+    assert load_table(Row, [CELLS]) == (
+        Row("x", "a", 1500.0, (3.0, 0.004), ("one", "two"), False, hardness),
+    )
     (row,) = load_table(Row, [CELLS | {"words": ["one two"], "hardness": "", "count": "5"}])
     assert (row.words, row.hardness, row.count) == (("one two",), None, 5)
 
@@ -40,11 +47,20 @@ def test_cells_are_read_by_the_types_of_the_fields() -> None:
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"kind": "c"}, {"mass_kg": ""}, {"mass_kg": "1.5x"}, {"range_v": "3"}, {"range_v": "3 4 5"}, {"is_new": "no?"},
-        {"name": 5}, {"mass_kg": 5}, {"hardness": "30, common, unverifed"}, {"count": "1.5"}, {"weight": "5"},
+        {"kind": "c"},
+        {"mass_kg": ""},
+        {"mass_kg": "1.5x"},
+        {"range_v": "3"},
+        {"range_v": "3 4 5"},
+        {"is_new": "no?"},
+        {"name": 5},
+        {"mass_kg": 5},
+        {"hardness": "30, common, unverifed"},
+        {"count": "1.5"},
+        {"weight": "5"},
     ],
     ids=str,
-)  # fmt: skip
+)
 def test_a_cell_that_does_not_fit_is_refused(wrong: dict[str, object]) -> None:
     with pytest.raises((LookupError, TypeError, ValueError)):
         load_table(Row, [CELLS | wrong])
@@ -61,5 +77,7 @@ def test_rows_have_the_cells_of_the_header_and_comments_are_left_out(tmp_path: P
     assert list(read_rows(file)) == [{"a": "1", "b": "2, 3"}, {"a": "4", "b": ""}]
     for line in ("1", "1,2,3"):
         file.write_text(f"a,b\n{line}\n", encoding="utf-8")
-        with pytest.raises(ValueError, match=r"table\.csv: the row .* has more or fewer cells than the header"):
+        with pytest.raises(
+            ValueError, match=r"table\.csv: the row .* has more or fewer cells than the header"
+        ):
             list(read_rows(file))

@@ -1,4 +1,6 @@
-"""Kinds of TOML files: identified by the names they hold, refused where another kind is expected, and their schemas."""
+"""Kinds of TOML files: identified by the names they hold, refused where
+another kind is expected, and their schemas.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,13 @@ from tests.tools import require_module
 
 
 def test_names_of_each_kind_are_those_of_its_model() -> None:
-    models = {DESIGN: Design, SET: SetFile, SCENE: SceneFile, MANIPULATION: ManipulationFile, SWEEP: SweepFile}
+    models = {
+        DESIGN: Design,
+        SET: SetFile,
+        SCENE: SceneFile,
+        MANIPULATION: ManipulationFile,
+        SWEEP: SweepFile,
+    }
     models |= {SURFACE: SurfaceFile}
     assert set(models) == set(KINDS)
     for kind, model in models.items():
@@ -64,7 +72,9 @@ def test_names_of_each_kind_are_those_of_its_model() -> None:
         ("[skin\n", None),
     ],
 )
-def test_kind_follows_from_the_names_at_the_top_level(tmp_path: Path, text: str, kind: object) -> None:
+def test_kind_follows_from_the_names_at_the_top_level(
+    tmp_path: Path, text: str, kind: object
+) -> None:
     (tmp_path / "a.toml").write_text(text)
     assert identify_kind(tmp_path / "a.toml") == kind
 
@@ -80,8 +90,14 @@ def test_a_file_that_is_no_text_or_is_shared_by_kinds(tmp_path: Path) -> None:
 
 def test_files_as_windows_saves_them(tmp_path: Path) -> None:
     """With a byte order mark, and a carriage return at the end of each line."""
-    for kind, name in ((DESIGN, "fsr402"), (SCENE, "hard_tap"), (MANIPULATION, "real_manipulation"), (SWEEP, "board")):
-        path, bundled = tmp_path / f"{name}.toml", find_file(name, kind)
+    for kind, name in (
+        (DESIGN, "fsr402"),
+        (SCENE, "hard_tap"),
+        (MANIPULATION, "real_manipulation"),
+        (SWEEP, "board"),
+    ):
+        path = tmp_path / f"{name}.toml"
+        bundled = find_file(name, kind)
         path.write_bytes(b"\xef\xbb\xbf" + bundled.read_bytes().replace(b"\n", b"\r\n"))
         assert read_file(path, kind) == read_file(bundled, kind)
 
@@ -90,11 +106,17 @@ def test_changes_go_to_the_file_that_knows_their_name() -> None:
     changes = ["tap.force_n=1", "knock.at_s=1", "outputs=[]"]
     assert split_changes([*changes, "mold.wall_mm=5"], [SCENE]) == (changes, ["mold.wall_mm=5"])
     others = ["cable.hum_v=1", *changes[1:]]
-    assert split_changes([*others, "mold.wall_mm=5"], [MANIPULATION]) == (others, ["mold.wall_mm=5"])
+    assert split_changes([*others, "mold.wall_mm=5"], [MANIPULATION]) == (
+        others,
+        ["mold.wall_mm=5"],
+    )
     assert split_changes(changes, [SCENE, MANIPULATION]) == (changes, [])
     # A manipulation has a table `hand` too: without one, the name is the design's.
     assert split_changes([*changes, "hand.width_mm=6"], []) == (changes, ["hand.width_mm=6"])
-    assert split_changes(["tap.force_n=1", "skin.width_mm=18"], [SCENE]) == (["tap.force_n=1"], ["skin.width_mm=18"])
+    assert split_changes(["tap.force_n=1", "skin.width_mm=18"], [SCENE]) == (
+        ["tap.force_n=1"],
+        ["skin.width_mm=18"],
+    )
     unknown = ["tp.force_n=1", "skn.width_mm=18", "x=1"]
     assert split_changes(unknown, [SCENE]) == (unknown[:1], unknown[1:])
 
@@ -105,8 +127,13 @@ def test_changes_go_to_the_file_that_knows_their_name() -> None:
 SCHEMAS = ROOT / "params" / "schemas"
 FILES = sorted((ROOT / "params").rglob("*.toml"))
 KIND_OF_FOLDER = {
-    "scenes": "scene", "sets": "set", "surfaces": "surface", "sweeps": "sweep", "hands": "design", "params": "design",
-}  # fmt: skip
+    "scenes": "scene",
+    "sets": "set",
+    "surfaces": "surface",
+    "sweeps": "sweep",
+    "hands": "design",
+    "params": "design",
+}
 
 
 def schema_of(path: Path) -> Path:
@@ -136,7 +163,9 @@ def test_command_prints_what_is_bundled_and_refuses_an_unknown_kind() -> None:
 def test_bundled_files_agree_with_the_schemas_of_their_kinds() -> None:
     kinds = {path: KIND_OF_FOLDER[path.parent.name] for path in FILES}
     kinds |= dict.fromkeys(list_bundled_files(MANIPULATION).values(), "manipulation")
-    assert {path: schema_of(path) for path in FILES} == {path: SCHEMAS / f"{kind}.json" for path, kind in kinds.items()}
+    assert {path: schema_of(path) for path in FILES} == {
+        path: SCHEMAS / f"{kind}.json" for path, kind in kinds.items()
+    }
     jsonschema = require_module("jsonschema")
     wrong = []
     for path in FILES:

@@ -23,7 +23,9 @@ def test_bone_skin_and_two_mold_halves_are_parts_of_every_design(name: str) -> N
 
 
 def test_cable_channel_and_pockets_keep_their_parameters() -> None:
-    assert {"bone.channel_diameter_mm", "bone.channel_bend_radius_mm", "sensor.model"} <= set(PARAMETERS)
+    assert {"bone.channel_diameter_mm", "bone.channel_bend_radius_mm", "sensor.model"} <= set(
+        PARAMETERS
+    )
     assert {"fsr400", "fsr402"} <= set(SENSORS)
 
 
@@ -32,14 +34,18 @@ def test_netlists_hold_the_values_of_the_butterworth_formulas(folder: str, name:
     text = (ROOT / folder / "slip_filter.net").read_text(encoding="utf-8")
     values = dict(re.findall(r'\(ref "(R[123])"\)\s+\(value "([^"]+)"\)', text))
     ideal = ideal_components(Design.load(name).board)
-    for reference, ohm in zip(("R1", "R2", "R3"), (ideal.r1_ohm, ideal.r2_ohm, ideal.r3_ohm), strict=True):
+    for reference, ohm in zip(
+        ("R1", "R2", "R3"), (ideal.r1_ohm, ideal.r2_ohm, ideal.r3_ohm), strict=True
+    ):
         number, unit = re.fullmatch(r"([\d.]+)(k?)", values[reference]).groups()  # type: ignore[union-attr]
         assert float(number) * (1000.0 if unit else 1.0) == pytest.approx(ohm, rel=0.06), "E24"
 
 
 def test_commands_detectors_and_ways_into_other_repositories_keep_their_names() -> None:
     page = run_fingertip("--help").stdout
-    assert {"build", "board", "validate", "sweep", "check"} <= set(re.findall(r"^  (\w+)", page, re.MULTILINE))
+    assert {"build", "board", "validate", "sweep", "check"} <= set(
+        re.findall(r"^  (\w+)", page, re.MULTILINE)
+    )
     assert {"analog", "digital", "fast", "fft"} <= set(DETECTORS)
     assert "id: fingertip-check" in (ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8")
     action = (ROOT / ".github/actions/check/action.yml").read_text(encoding="utf-8")

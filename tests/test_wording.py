@@ -1,4 +1,6 @@
-"""Docstrings and names follow CONTRIBUTING.md: what a machine can check of plain engineering English."""
+"""Docstrings and names follow CONTRIBUTING.md: what a machine
+can check of plain engineering English.
+"""
 
 from __future__ import annotations
 
@@ -27,12 +29,16 @@ PREPOSITIONS = """
 about above across after against along among around as at before behind below beneath beside besides between beyond by
 despite down during except for from in inside into like near of off on onto out outside over per since through
 throughout to toward towards under until up upon with within without
-"""
-CONJUNCTIONS = "although and because but else if nor not or so than then though unless whether while"
+"""  # noqa: E501
+CONJUNCTIONS = (
+    "although and because but else if nor not or so than then though unless whether while"
+)
 RELATIVE_WORDS = "how that what when where which who whom whose why"
 PRONOUNS = "again also here it its only same such their there these they this those"
 NOT_FIRST = frozenset(f"{PREPOSITIONS} {CONJUNCTIONS} {RELATIVE_WORDS} {PRONOUNS}".split())
-"""Words that no docstring begins with: a docstring begins with the noun or verb of what it documents."""
+"""Words that no docstring begins with: a docstring begins with
+the noun or verb of what it documents.
+"""
 
 
 def docstrings(tree: ast.Module) -> Iterator[tuple[int, str]]:
@@ -41,7 +47,9 @@ def docstrings(tree: ast.Module) -> Iterator[tuple[int, str]]:
         body = getattr(node, "body", None)
         if not isinstance(body, list):
             continue
-        documented = isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
+        documented = isinstance(
+            node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
+        )
         for before, statement in zip([None, *body], body, strict=False):
             follows = before is None if documented else False
             if not (follows or isinstance(before, ast.Assign | ast.AnnAssign)):
@@ -107,7 +115,11 @@ def test_paths_in_the_developers_pages_exist(page: str) -> None:
         r"`((?:src|tests|tools|params|benchmarks|docs|examples|\.ci|\.github|board|cad|calibration|casting|catalogues|cli|design|detection|documents|firmware|foundation|lab|page|pictures|sim|slip|studio|sweep|tasks)/[\w./-]*)`",
         text,
     )
-    missing = [name for name in named if not ((ROOT / name).exists() or (ROOT / "src/fingertip" / name).exists())]
+    missing = [
+        name
+        for name in named
+        if not ((ROOT / name).exists() or (ROOT / "src/fingertip" / name).exists())
+    ]
     assert named
     assert not missing
     assert "@@" not in text
@@ -121,7 +133,9 @@ INSTRUCTIONS = [
 
 
 def sentences(text: str) -> Iterator[list[str]]:
-    """Words of each sentence of a Markdown page, without tables, headings, pictures, quotations and blocks of code."""
+    """Words of each sentence of a Markdown page, without tables,
+    headings, pictures, quotations and blocks of code.
+    """
     text = re.sub(r"```.*?```|!\[[^\]]*\]\([^)]*\)", "\n\n", text, flags=re.DOTALL)
     text = re.sub(r"^(?:\||#|>).*$", "", text, flags=re.MULTILINE)
     text = re.sub(r"`[^`]*`", "x", re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text))
@@ -131,7 +145,9 @@ def sentences(text: str) -> Iterator[list[str]]:
                 yield sentence.split()
 
 
-@pytest.mark.parametrize("page", [*INSTRUCTIONS, "tests/documents/approved/adult_finger_casting.md"])
+@pytest.mark.parametrize(
+    "page", [*INSTRUCTIONS, "tests/documents/approved/adult_finger_casting.md"]
+)
 def test_instructions_have_short_sentences(page: str) -> None:
     found = list(sentences((ROOT / page).read_text(encoding="utf-8")))
     assert sum(map(len, found)) <= 16 * len(found)

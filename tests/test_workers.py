@@ -1,4 +1,6 @@
-"""Calls in other processes: results in order and with the same bits, errors, deaths, and no process that stays."""
+"""Calls in other processes: results in order and with the same bits,
+errors, deaths, and no process that stays.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,14 @@ from benchmarks.slip.mix import MixSize, generate_mix
 from fingertip.design import Design
 from fingertip.foundation import jit, workers
 from fingertip.foundation.errors import FingertipError
-from fingertip.foundation.workers import Pool, Worker, WorkerDiedError, call_each, in_background, side_by_side
+from fingertip.foundation.workers import (
+    Pool,
+    Worker,
+    WorkerDiedError,
+    call_each,
+    in_background,
+    side_by_side,
+)
 from fingertip.lab.campaign.closed_loop import run_closed_loop
 from fingertip.lab.campaign.plan import CampaignPlan
 from fingertip.lab.campaign.run import run_campaign
@@ -34,7 +43,9 @@ def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 @pytest.mark.usefixtures("way")
-def test_a_call_in_the_background_gives_the_result_of_another_process(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_call_in_the_background_gives_the_result_of_another_process(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     with in_background(os.getpid) as wait:
         assert (wait() == os.getpid()) == (workers.count_processors() == 1)
     with in_background(print, "what a library prints is no part of the answer") as wait:
@@ -63,8 +74,15 @@ def test_a_block_that_is_left_ends_its_process() -> None:
 
 def report_and(end: str) -> tuple[Callable[..., None], str, dict[str, Any]]:
     """Return a call that reports two steps, says something and ends in some way."""
-    code = "import os, sys, time; from fingertip.foundation.workers import report_step; report_step('first');"
-    return exec, f"{code} report_step('second'); print('last words', file=sys.stderr, flush=True); {end}", {}
+    code = (
+        "import os, sys, time; from fingertip.foundation.workers import report_step; "
+        "report_step('first');"
+    )
+    return (
+        exec,
+        f"{code} report_step('second'); print('last words', file=sys.stderr, flush=True); {end}",
+        {},
+    )
 
 
 def test_steps_tell_what_a_worker_did_until_its_end(tmp_path: Path) -> None:
@@ -72,7 +90,9 @@ def test_steps_tell_what_a_worker_did_until_its_end(tmp_path: Path) -> None:
         worker.send(os.getcwd)
         assert worker.receive() == str(tmp_path)
         worker.send(eval, "__import__('sys').path[-1]")
-        assert worker.receive() == str(Path(workers.__file__).parents[2]), "where a script finds this package"
+        assert worker.receive() == str(Path(workers.__file__).parents[2]), (
+            "where a script finds this package"
+        )
         worker.send(*report_and("time.sleep(0.1); os._exit(3)"))
         assert worker.receive(until="first") is None
         time.sleep(0.3)  # as on a busy machine: the report and the end are taken together
@@ -106,7 +126,9 @@ def test_a_limit_of_time_ends_a_worker_that_hangs() -> None:
     [
         (9.0, 2**30, partial(int, "x"), ValueError),
         (9.0, 2**28, partial(bytearray, 2**29), MemoryError),
-        pytest.param(1.0, 2**30, partial(max, itertools.repeat(0)), ValueError, marks=pytest.mark.full),
+        pytest.param(
+            1.0, 2**30, partial(max, itertools.repeat(0)), ValueError, marks=pytest.mark.full
+        ),
     ],
 )
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows knows no limit of memory")
@@ -121,10 +143,26 @@ def test_a_call_within_limits_ends_at_them(
 @pytest.mark.parametrize(
     ("number", "threads", "call"),
     [
-        (signal.SIGKILL, 1, "with workers.in_background(time.sleep, 60.0): tell(); time.sleep(60.0)"),
-        (signal.SIGTERM, 2, "with workers.in_background(time.sleep, 60.0): tell(); time.sleep(60.0)"),
-        (signal.SIGINT, 1, "with workers.side_by_side(2): tell(); list(workers.call_each([sleep] * 2))"),
-        (signal.SIGKILL, 1, "with workers.side_by_side(2): tell(); list(workers.call_each([sleep] * 2))"),
+        (
+            signal.SIGKILL,
+            1,
+            "with workers.in_background(time.sleep, 60.0): tell(); time.sleep(60.0)",
+        ),
+        (
+            signal.SIGTERM,
+            2,
+            "with workers.in_background(time.sleep, 60.0): tell(); time.sleep(60.0)",
+        ),
+        (
+            signal.SIGINT,
+            1,
+            "with workers.side_by_side(2): tell(); list(workers.call_each([sleep] * 2))",
+        ),
+        (
+            signal.SIGKILL,
+            1,
+            "with workers.side_by_side(2): tell(); list(workers.call_each([sleep] * 2))",
+        ),
     ],
 )
 @pytest.mark.every_case
@@ -136,13 +174,18 @@ def test_no_process_outlives_an_interruption(number: int, threads: int, call: st
         "interruption.raise_interruptions()\n"
         "workers.count_processors = lambda: 2\n"
         f"threading.active_count = lambda: {threads}\n"
-        "def tell(): print(*(one.pid for one in gc.get_objects() if isinstance(one, workers.Worker)), flush=True)\n"
+        "def tell(): print(*(one.pid for one in gc.get_objects() if isinstance(one, "
+        "workers.Worker)), flush=True)\n"
         "sleep = partial(time.sleep, 60.0)\n"
         f"{call}\n"
     )
     command = [sys.executable, "-c", code]
     started = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, start_new_session=True
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        start_new_session=True,
     )
     assert started.stdout
     others = [int(word) for word in started.stdout.readline().split()]
@@ -167,7 +210,10 @@ def test_a_worker_whose_parent_ended_before_it_began_ends_too() -> None:
 def is_alive(pid: int) -> bool:
     """Return whether a process is there, and not only its entry that nobody has taken note of."""
     try:
-        return Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()[0] != "Z"
+        return (
+            Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()[0]
+            != "Z"
+        )
     except (ProcessLookupError, FileNotFoundError):
         return False
 
@@ -177,7 +223,9 @@ def is_alive(pid: int) -> bool:
 
 def test_results_of_several_processes_come_in_the_order_of_the_calls() -> None:
     with side_by_side(2):
-        assert list(call_each(partial(divmod, number, 7) for number in range(40))) == [divmod(n, 7) for n in range(40)]
+        assert list(call_each(partial(divmod, number, 7) for number in range(40))) == [
+            divmod(n, 7) for n in range(40)
+        ]
         pids = set(call_each([os.getpid] * 40))
         assert os.getpid() not in pids
         with side_by_side(1):
@@ -193,7 +241,9 @@ def call_one() -> int:
     return next(call_each([os.getpid]))
 
 
-@pytest.mark.skipif(sys.platform != "linux" or workers.count_processors() == 1, reason="no process is forked")
+@pytest.mark.skipif(
+    sys.platform != "linux" or workers.count_processors() == 1, reason="no process is forked"
+)
 def test_a_copy_of_this_process_leaves_its_workers_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(threading, "active_count", lambda: 1)
     with side_by_side(2), in_background(call_one) as wait:
@@ -207,7 +257,10 @@ def test_an_error_of_a_call_is_raised_here_and_ends_no_worker() -> None:
         with pytest.raises(FingertipError) as caught:
             list(call_each([partial(Design.load, "fsr4")]))
         assert caught.value.issues[0].field == "fsr4"
-        assert list(call_each([partial(print, "what a library prints is no part of the answer")] * 4)) == [None] * 4
+        assert (
+            list(call_each([partial(print, "what a library prints is no part of the answer")] * 4))
+            == [None] * 4
+        )
         assert set(call_each([os.getpid] * 40)) <= pids
 
 
@@ -255,11 +308,19 @@ def test_every_loop_runs_compiled() -> None:
 
 @pytest.mark.full
 def test_campaign_closed_loop_and_mix_have_the_same_bits_side_by_side() -> None:
-    design, size = Design(), MixSize(4, 2)
+    design = Design()
+    size = MixSize(4, 2)
 
     def run() -> list[object]:
-        signals = [(signal.kind, signal.voltage_v.tobytes()) for signal in generate_mix(design, size, 5_500_000)]
-        return [run_campaign(design, CampaignPlan(6, 1.0)), repr(run_closed_loop(design, ("fast",), 1)), signals]
+        signals = [
+            (signal.kind, signal.voltage_v.tobytes())
+            for signal in generate_mix(design, size, 5_500_000)
+        ]
+        return [
+            run_campaign(design, CampaignPlan(6, 1.0)),
+            repr(run_closed_loop(design, ("fast",), 1)),
+            signals,
+        ]
 
     one_by_one = run()
     with side_by_side(3):

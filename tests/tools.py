@@ -1,4 +1,6 @@
-"""Programs that some tests need beside Python: found, or the test is skipped loudly, or it fails where it must run."""
+"""Programs that some tests need beside Python: found, or the test is
+skipped loudly, or it fails where it must run.
+"""
 
 from __future__ import annotations
 
@@ -17,9 +19,15 @@ from fingertip.foundation.extras import EXTRAS, install_command, is_installed
 def require_tool(name: str, how_to_install: str) -> Path:
     """Path of a program or of a file or folder given by an absolute path.
 
-    Skips the test if it is missing; fails it instead where FINGERTIP_REQUIRE_TOOLS=1 is set (as in CI).
+    Skips the test if it is missing; fails it instead where FINGERTIP_REQUIRE_TOOLS=1 is set (as in
+    CI).
     """
-    found = shutil.which(name) if not os.path.isabs(name) else name if os.path.exists(name) else None
+    if not os.path.isabs(name):
+        found = shutil.which(name)
+    elif os.path.exists(name):
+        found = name
+    else:
+        found = None
     if found:
         return Path(found)
     leave_out(f"{name} IS MISSING, THIS IS NOT TESTED: {how_to_install}")
@@ -40,10 +48,14 @@ def leave_out(message: str) -> NoReturn:
 
 
 def require_module(name: str, how_to_install: str = "") -> Any:
-    """Import an optional package; like `require_tool`, skips the test loudly or fails it if the package is missing."""
+    """Import an optional package; like `require_tool`, skips the test
+    loudly or fails it if the package is missing.
+    """
     try:
         return importlib.import_module(name)
     except ImportError:
         package = name.partition(".")[0]
-        how_to_install = how_to_install or (install_command(package) if package in EXTRAS else "sh install.sh test")
+        how_to_install = how_to_install or (
+            install_command(package) if package in EXTRAS else "sh install.sh test"
+        )
     leave_out(f"{name} IS MISSING, THIS IS NOT TESTED: {how_to_install}")

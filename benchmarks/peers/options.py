@@ -1,4 +1,7 @@
-"""Options of `python -m benchmarks.peers`, the libraries that it needs, and its files. Imports no solver."""
+"""Options of `python -m benchmarks.peers`, the libraries that it needs, and its files.
+
+Imports no solver.
+"""
 
 from __future__ import annotations
 
@@ -18,16 +21,22 @@ def read_options(solvers: str, seconds: float, boards: int) -> tuple[str, ...]:
     names = tuple(dict.fromkeys(name.strip() for name in solvers.split(",") if name.strip()))
     known = ", ".join(PEERS)
     issues = [
-        Issue("--solvers", f"{name!r} is not known; choose among {known}.") for name in names if name not in PEERS
+        Issue("--solvers", f"{name!r} is not known; choose among {known}.")
+        for name in names
+        if name not in PEERS
     ]
+
     if not names:
-        issues.append(Issue("--solvers", f"{solvers!r} names no solver; give at least one of {known}."))
+        issues.append(
+            Issue("--solvers", f"{solvers!r} names no solver; give at least one of {known}.")
+        )
     if not 1.0 <= seconds <= 60.0:
         issues.append(Issue("--seconds", f"{seconds:g} s is out of bounds; choose 1 to 60 s."))
     if not 1 <= boards <= 1_000_000:
         issues.append(Issue("--boards", f"{boards} is out of bounds; choose 1 to 1000000."))
     if issues:
         raise FingertipError(issues)
+
     return names
 
 

@@ -1,4 +1,6 @@
-"""Run of `python -m benchmarks.peers`: what it measures, in which order, and what it writes of it."""
+"""Run of `python -m benchmarks.peers`: what it measures, in which order, and what it
+writes of it.
+"""
 
 from __future__ import annotations
 
@@ -52,21 +54,28 @@ class BenchResult:
 
 
 def run(
-    peers: tuple[str, ...], seconds: float, boards: int, first_run: bool, progress: Callable[[str], None]
+    peers: tuple[str, ...],
+    seconds: float,
+    boards: int,
+    first_run: bool,
+    progress: Callable[[str], None],
 ) -> BenchResult:
     """Measure fingertip and its peers. Units: `seconds` [s] of the contact problem."""
     machine = describe_machine()
     with compiled(), compile_solvers(peers) as native:
         for name, reason in native.missing.items():
             progress(f"{name} is NOT MEASURED: {reason}")
+
         work = Work("bench", STAGES, progress)
         work.begin("contact")
         diagrams = [measure_contact(seconds, peers, native, work.advance)]
         work.begin("board")
         diagrams.append(measure_board(seconds / 5, peers, native, work.advance))
+
         if seconds != SECONDS:
             for diagram in diagrams:
                 diagram.targets.clear()
+
         work.begin("start-up")
         start_up = throughput.measure_start_up(peers, native)
         work.begin("a whole trial")
@@ -77,10 +86,12 @@ def run(
         manipulations = throughput.measure_manipulations()
         work.begin("many boards")
         many = throughput.measure_boards(boards)
+
     first = None
     if first_run:
         work.begin("fresh process")
         first = throughput.measure_first_run()
+
     machine["load_after"] = describe_machine()["load"]
     data: dict[str, Any] = {
         "machine": machine,
@@ -98,44 +109,68 @@ def run(
     )
     picture = draw(
         diagrams,
-        f"{load}. CPU time of the integration, without start-up and input. Pale: beaten by another point of the solver",
+        f"{load}. CPU time of the integration, without start-up and input. Pale: beaten by "
+        "another point of the solver",
     )
-    trial_picture = draw_trials(whole_trial, f"{load}. A trial of the article with each variant of the board.")
+    trial_picture = draw_trials(
+        whole_trial, f"{load}. A trial of the article with each variant of the board."
+    )
     targets = {
         **{diagram.problem: diagram.misses_target for diagram in diagrams},
         "whole trial": whole_trial.misses_target,
         **{
             name: found["cpu_s"] > found["target_s"]
-            for name, found in (("trials", trials), ("manipulations", manipulations), ("boards", many))
+            for name, found in (
+                ("trials", trials),
+                ("manipulations", manipulations),
+                ("boards", many),
+            )
         },
     }
     misses = any(targets.values())
     verdict = ["a target is MISSED" if misses else "all targets are met"]
     verdict += [f"  {'MISSED' if missed else 'met   '}  {name}" for name, missed in targets.items()]
     verdict += [
-        f"  {diagram.problem}: {solver} takes {found.mean:.1f} times fingertip's CPU time, target {found.target:g}"
+        f"  {diagram.problem}: {solver} takes {found.mean:.1f} times fingertip's CPU time, target "
+        f"{found.target:g}"
         for diagram in diagrams
         for solver, found in diagram.comparisons().items()
         if found.is_missed
     ]
     if seconds != SECONDS:
         verdict.append(f"  multiples of CPU time are judged at --seconds {SECONDS:g} alone")
+
     lines = [load]
     for diagram in diagrams:
         lines += diagram.as_text()
+
     lines.append("start-up, not part of any point above, CPU time:")
     lines += [f"  {name}: {cpu_s:.2f} s" for name, cpu_s in start_up.items()]
     lines += whole_trial.as_text()
     lines += [
-        f"{trials['trials']} trials: {trials['cpu_s']:.2f} s of CPU time, target {trials['target_s']:g} s",
-        f"{manipulations['manipulations']} manipulations of {manipulations['simulated_s']:.0f} s in total, "
-        f"controlled every 10 ms: {manipulations['cpu_s']:.2f} s of CPU time, target {manipulations['target_s']:g} s",
-        f"{many['boards']} boards x {many['samples']} samples: {many['cpu_s']:.2f} s of CPU time, target "
-        f"{many['target_s']:g} s; the diode conducts in {100 * many['conducting_ratio']:.1f} % of the steps",
+        f"{trials['trials']} trials: {trials['cpu_s']:.2f} s of CPU time, target "
+        f"{trials['target_s']:g} s",
+        f"{manipulations['manipulations']} manipulations of {manipulations['simulated_s']:.0f} s "
+        "in total, "
+        f"controlled every 10 ms: {manipulations['cpu_s']:.2f} s of CPU time, target "
+        f"{manipulations['target_s']:g} s",
+        f"{many['boards']} boards x {many['samples']} samples: {many['cpu_s']:.2f} s of CPU time, "
+        "target "
+        f"{many['target_s']:g} s; the diode conducts in {100 * many['conducting_ratio']:.1f} % of "
+        "the steps",
     ]
+
     if first:
         lines.append(
-            f"fresh process: {first['empty_cache_cpu_s']:.1f} s of CPU time with an empty compiler cache, then "
+            f"fresh process: {first['empty_cache_cpu_s']:.1f} s of CPU time with an empty "
+            "compiler cache, then "
             f"{first['full_cache_cpu_s']:.1f} s with a full one"
         )
-    return BenchResult(data, verdict, "\n".join([*verdict, "", *lines]), (picture, trial_picture), misses)
+
+    return BenchResult(
+        data=data,
+        verdict=verdict,
+        text="\n".join([*verdict, "", *lines]),
+        pictures=(picture, trial_picture),
+        misses_target=misses,
+    )

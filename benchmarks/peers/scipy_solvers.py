@@ -42,34 +42,62 @@ def solve_with_scipy(
     longest_s: float | None = None,
     stops_s: Array | None = None,
 ) -> tuple[Array, int]:
-    """Return the states at the samples, (states, samples), with a fresh start at every corner, and the evaluations.
+    """Return the states at the samples, (states, samples), with a fresh start at every corner, and
+    the evaluations.
 
     Raises ArithmeticError.
     """
     integrate = importlib.import_module("scipy.integrate")
-    state, parts, evaluations = start, [start[:, None]], 0
+    state = start
+    parts = [start[:, None]]
+    evaluations = 0
+
     for segment in segments:
         t = segment.time_s
         if method == "odeint":
             found, report = integrate.odeint(
-                system.rates, state, t, segment.arguments, Dfun=system.jacobian, tfirst=True, rtol=relative,
-                atol=absolute, hmax=longest_s or 0.0, mxstep=_MAX_STEPS, full_output=True,
+                system.rates,
+                state,
+                t,
+                segment.arguments,
+                Dfun=system.jacobian,
+                tfirst=True,
+                rtol=relative,
+                atol=absolute,
+                hmax=longest_s or 0.0,
+                mxstep=_MAX_STEPS,
+                full_output=True,
                 tcrit=t[-1:] if stops_s is None else stops_s,
-            )  # fmt: skip
-            values, message, calls = found.T, report["message"], int(report["nfe"][-1])
+            )
+            values = found.T
+            message = report["message"]
+            calls = int(report["nfe"][-1])
             succeeded = message == "Integration successful."
         else:
             solution = integrate.solve_ivp(
-                system.rates, (t[0], t[-1]), state, method, t, args=segment.arguments, rtol=relative, atol=absolute,
-                max_step=longest_s or np.inf, jac=system.jacobian,
-            )  # fmt: skip
-            values, message, succeeded = solution.y, solution.message, solution.success
+                system.rates,
+                (t[0], t[-1]),
+                state,
+                method,
+                t,
+                args=segment.arguments,
+                rtol=relative,
+                atol=absolute,
+                max_step=longest_s or np.inf,
+                jac=system.jacobian,
+            )
+            values = solution.y
+            message = solution.message
+            succeeded = solution.success
             calls = solution.nfev
+
         if not succeeded:
             raise ArithmeticError(message)
+
         parts.append(values[:, 1:])
         state = values[:, -1]
         evaluations += calls
+
     return np.concatenate(parts, axis=1), evaluations
 
 

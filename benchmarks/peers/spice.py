@@ -1,7 +1,8 @@
 """ngspice on the benchmark's board: deck, run and result.
 
-ngspice evaluates its source itself. Its CPU time is that of a run that writes no result, less that of a run of the same
-deck that stops after one step: reading the deck and starting the program do not count.
+ngspice evaluates its source itself. Its CPU time is that of a run that writes no result, less that
+of a run of the same deck that stops after one step: reading the deck and starting the program do
+not count.
 """
 
 from __future__ import annotations
@@ -62,14 +63,27 @@ class Spice:
     def simulate(self, reltol: float, longest_s: float) -> tuple[Array, Array, Array]:
         """Return time [s], filtered voltage and envelope [V] at ngspice's own time points."""
         with temporary_folder() as folder:
-            self._run(folder, self.end_s, reltol, longest_s, _WRITE)
+            self._run(
+                folder,
+                end_s=self.end_s,
+                reltol=reltol,
+                longest_s=longest_s,
+                write=_WRITE,
+            )
             t, filtered, envelope = read_points(folder)
+
         return t, filtered, envelope
 
     def measure_cpu_s(self, reltol: float, longest_s: float) -> float:
         """Measure the CPU time of the integration [s]."""
         with temporary_folder() as folder:
-            return self._run(folder, self.end_s, reltol, longest_s, "") - self._start_up_s(folder)
+            return self._run(
+                folder,
+                end_s=self.end_s,
+                reltol=reltol,
+                longest_s=longest_s,
+                write="",
+            ) - self._start_up_s(folder)
 
     def measure_start_up_s(self) -> float:
         """Measure the CPU time of the program's start and of reading the deck [s]."""
@@ -77,17 +91,43 @@ class Spice:
             return self._start_up_s(folder)
 
     def _start_up_s(self, folder: Path) -> float:
-        return min(self._run(folder, self.step_s, 1e-3, self.step_s, "") for _ in range(3))
+        return min(
+            self._run(
+                folder,
+                end_s=self.step_s,
+                reltol=1e-3,
+                longest_s=self.step_s,
+                write="",
+            )
+            for _ in range(3)
+        )
 
-    def _run(self, folder: Path, end_s: float, reltol: float, longest_s: float, write: str) -> float:
+    def _run(
+        self,
+        folder: Path,
+        end_s: float,
+        reltol: float,
+        longest_s: float,
+        write: str,
+    ) -> float:
         deck = _DECK.format(
-            source=self.source, gain=gain(self.board), diode=self.board.diode, reltol=reltol, step=self.step_s,
-            end=end_s, longest=longest_s, write=write, **self.board.components,
-        )  # fmt: skip
+            source=self.source,
+            gain=gain(self.board),
+            diode=self.board.diode,
+            reltol=reltol,
+            step=self.step_s,
+            end=end_s,
+            longest=longest_s,
+            write=write,
+            **self.board.components,
+        )
         (folder / "slip.cir").write_text(deck)
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run([self.program, "-b", "slip.cir"], cwd=folder, check=True, capture_output=True)
+        subprocess.run(
+            [self.program, "-b", "slip.cir"], cwd=folder, check=True, capture_output=True
+        )
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
+
         return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 
 
@@ -98,8 +138,15 @@ def sampled_source(step_s: float, voltage_v: Array) -> str:
     return f"V1 in 0 PWL(\n{points}\n+ )"
 
 
-def burst_source(constant_v: float, amplitude_v: float, frequency_hz: float, begin_s: float, end_s: float) -> str:
-    """Burst of a sine on a constant: two native sources in series, of which the second cancels the first at the end.
+def burst_source(
+    constant_v: float,
+    amplitude_v: float,
+    frequency_hz: float,
+    begin_s: float,
+    end_s: float,
+) -> str:
+    """Burst of a sine on a constant: two native sources in series, of which the second cancels the
+    first at the end.
 
     Begin and end are zeros of the sine.
     """

@@ -1,5 +1,6 @@
-"""CPU time of the article's 120 trials and 12 manipulations, of thousands of boards, of the first compilation, and of
-each solver's start-up, which is part of no point of the diagrams."""
+"""CPU time of the article's 120 trials and 12 manipulations, of thousands of boards, of the first
+compilation, and of each solver's start-up, which is part of no point of the diagrams.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +44,9 @@ RESISTOR_TOLERANCE = 0.01
 CAPACITOR_TOLERANCE = 0.05
 """Relative tolerance of the capacitors."""
 SATURATION_FACTOR = 2.0
-"""Range of the diodes' saturation current: from the nominal value divided by this to the value times it. Assumption."""
+"""Range of the diodes' saturation current: from the nominal value
+divided by this to the value times it. Assumption.
+"""
 _COLD = """
 import time
 start = time.process_time()
@@ -53,7 +56,8 @@ from fingertip.foundation.jit import compiled
 scene = SceneFile(slide={"distance_m": 0.01}, outputs=["voltage_v", "envelope_v"])
 with compiled():
     run_scene(Design(), scene)
-    run_scene(Design(), scene.model_copy(update={"contact": scene.contact.model_copy(update={"feedback": True})}))
+    contact = scene.contact.model_copy(update={"feedback": True})
+    run_scene(Design(), scene.model_copy(update={"contact": contact}))
 print(time.process_time() - start)
 """
 _PROCESS = """
@@ -81,19 +85,30 @@ def measure_trials() -> dict[str, Any]:
     planned = list(article_trials())
     run_scene(design, *planned[0])
     start = time.process_time()
-    slipping = sum(bool(run_scene(design, scene, seed).columns["slip"].any()) for scene, seed in planned)
+    slipping = sum(
+        bool(run_scene(design, scene, seed).columns["slip"].any()) for scene, seed in planned
+    )
     cpu = time.process_time() - start
-    return {"trials": len(planned), "slipping": slipping, "cpu_s": cpu, "target_s": CAMPAIGN_TARGET_S}
+
+    return {
+        "trials": len(planned),
+        "slipping": slipping,
+        "cpu_s": cpu,
+        "target_s": CAMPAIGN_TARGET_S,
+    }
 
 
 def measure_manipulations() -> dict[str, Any]:
-    """Measure the CPU time of the 12 manipulations [s] under a controller without feedback, with compiled loops."""
+    """Measure the CPU time of the 12 manipulations [s] under a
+    controller without feedback, with compiled loops.
+    """
     design = Design()
     planned = list(article_manipulations())
     run_manipulation(design, planned[0][0], FixedGrip(), 0)
     start = time.process_time()
     results = [run_manipulation(design, scene, FixedGrip(), seed) for scene, seed in planned]
     cpu = time.process_time() - start
+
     return {
         "manipulations": len(results),
         "simulated_s": round(sum(float(result.time_s[-1]) for result in results), 3),
@@ -111,7 +126,9 @@ class FixedGrip:
 
 
 def measure_boards(count: int) -> dict[str, Any]:
-    """Measure the CPU time of many boards on 5 s of one strong trial [s], and the spread of the envelope's peak."""
+    """Measure the CPU time of many boards on 5 s of one strong trial
+    [s], and the spread of the envelope's peak.
+    """
     design = Design()
     scene = SceneFile(
         contact={"surface": "wood"},
@@ -119,15 +136,23 @@ def measure_boards(count: int) -> dict[str, Any]:
         slide={"distance_m": 0.04},
         outputs=["tactile_v"],
     )
-    voltage = run_scene(design, scene, 1).columns["tactile_v"][: round(5 * design.detector.sample_rate_hz) + 1]
-    step, nominal = 1 / design.detector.sample_rate_hz, AnalogBoard.from_design(design, "ideal")
+    voltage = run_scene(design, scene, 1).columns["tactile_v"][
+        : round(5 * design.detector.sample_rate_hz) + 1
+    ]
+    step = 1 / design.detector.sample_rate_hz
+    nominal = AnalogBoard.from_design(design, "ideal")
     simulate_board(nominal, step, voltage[:10])
     start = time.process_time()
-    peaks, implicit, steps = [], 0, 0
+    peaks = []
+    implicit = 0
+    steps = 0
+
     for boards in split_boards(draw_boards(nominal, count)):
         chunk = simulate_board(boards, step, voltage, BOARDS_TOLERANCE_V)
         peaks.append(chunk.envelope_v.max(axis=1))
-        implicit, steps = implicit + chunk.implicit, steps + chunk.steps
+        implicit = implicit + chunk.implicit
+        steps = steps + chunk.steps
+
     cpu = time.process_time() - start
     low, middle, high = np.quantile(np.concatenate(peaks), [0.05, 0.5, 0.95]).tolist()
     return {
@@ -142,61 +167,93 @@ def measure_boards(count: int) -> dict[str, Any]:
 
 
 def measure_first_run() -> dict[str, Any]:
-    """Measure the CPU time of a fresh process that uses the loops [s], with an empty and with a full compiler cache."""
+    """Measure the CPU time of a fresh process that uses the loops [s],
+    with an empty and with a full compiler cache.
+    """
     with temporary_folder() as folder:
         times = []
         for _ in range(2):
             done = subprocess.run(
-                [sys.executable, "-c", _COLD], env=os.environ | {"NUMBA_CACHE_DIR": str(folder)}, capture_output=True,
-                text=True, check=True,
-            )  # fmt: skip
+                [sys.executable, "-c", _COLD],
+                env=os.environ | {"NUMBA_CACHE_DIR": str(folder)},
+                capture_output=True,
+                text=True,
+                check=True,
+            )
             times.append(float(done.stdout))
+
     return {"empty_cache_cpu_s": times[0], "full_cache_cpu_s": times[1]}
 
 
 def measure_start_up(peers: tuple[str, ...], native: NativeSolvers) -> dict[str, float]:
     """Measure the CPU time of each solver's start-up [s], with filled caches.
 
-    fingertip and scipy start in a fresh process of Python. Equations in C are compiled with their solver, and ngspice
-    reads a deck.
+    fingertip and scipy start in a fresh process of Python. Equations in C are compiled with their
+    solver, and ngspice reads a deck.
     """
-    found = {"fingertip: process, imports, and loading both compiled loops": _time_process(_LOAD_LOOPS)}
+    found = {
+        "fingertip: process, imports, and loading both compiled loops": _time_process(_LOAD_LOOPS)
+    }
     if set(peers) - {*NATIVE, "ngspice"}:
-        found["scipy: process and import, without the compilation of the equations"] = _time_process(
-            "import scipy.integrate"
+        found["scipy: process and import, without the compilation of the equations"] = (
+            _time_process("import scipy.integrate")
         )
+
     for name, cpu_s in native.compilation_s.items():
         found[f"{name}: compilation of both problems"] = cpu_s
+
     if "ngspice" in peers and (program := spice.find_program()):
         board = AnalogBoard.from_design(Design.load("article"), "ideal")
         problem = BoardProblem(board, 1.0)
         source = spice.sampled_source(STEP_S, problem.voltage_v)
-        simulator = Spice(program, board, source, STEP_S, problem.seconds)
-        found["ngspice: process and reading a deck of 2001 samples"] = simulator.measure_start_up_s()
+        simulator = Spice(
+            program=program,
+            board=board,
+            source=source,
+            step_s=STEP_S,
+            end_s=problem.seconds,
+        )
+        found["ngspice: process and reading a deck of 2001 samples"] = (
+            simulator.measure_start_up_s()
+        )
+
     return found
 
 
 def _time_process(imports: str) -> float:
     """CPU time of a fresh process [s]; the second of two, so that caches are filled."""
     code = _PROCESS.format(imports=imports)
-    runs = [subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True) for _ in range(2)]
+    runs = [
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        for _ in range(2)
+    ]
     return float(runs[-1].stdout)
 
 
 def draw_boards(board: AnalogBoard, count: int, seed: int = 0) -> AnalogBoard:
-    """Draw boards with independent components, uniform within their tolerances. Raises TraceError."""
+    """Draw boards with independent components, uniform within their tolerances.
+
+    Raises TraceError.
+    """
     if count < 1:
         raise TraceError(Issue("count", f"{count} is too few; give at least 1 board."))
+
     rng = random.Random(f"{seed}:boards")
     nominal = board.components
-    drawn = np.array([[2 * rng.random() - 1 for _ in range(len(nominal) + 1)] for _ in range(count)])
+    drawn = np.array(
+        [[2 * rng.random() - 1 for _ in range(len(nominal) + 1)] for _ in range(count)]
+    )
     values: dict[str, NDArray[np.float64]] = {
-        name: value * (1 + (RESISTOR_TOLERANCE if name.startswith("R") else CAPACITOR_TOLERANCE) * drawn[:, i])
+        name: value
+        * (1 + (RESISTOR_TOLERANCE if name.startswith("R") else CAPACITOR_TOLERANCE) * drawn[:, i])
         for i, (name, value) in enumerate(nominal.items())
     }
     factors = np.array([SATURATION_FACTOR**x for x in drawn[:, -1].tolist()])
     saturation = np.asarray(board.diode.saturation_a) * factors
-    return replace(board.with_components(**values), diode=replace(board.diode, saturation_a=saturation))
+
+    return replace(
+        board.with_components(**values), diode=replace(board.diode, saturation_a=saturation)
+    )
 
 
 def split_boards(boards: AnalogBoard) -> Iterator[AnalogBoard]:
@@ -204,5 +261,7 @@ def split_boards(boards: AnalogBoard) -> Iterator[AnalogBoard]:
     saturation = np.asarray(boards.diode.saturation_a)
     for start in range(0, len(saturation), _CHUNK):
         part = slice(start, start + _CHUNK)
-        chunk = boards.with_components(**{name: np.asarray(row)[part] for name, row in boards.components.items()})
+        chunk = boards.with_components(
+            **{name: np.asarray(row)[part] for name, row in boards.components.items()}
+        )
         yield replace(chunk, diode=replace(boards.diode, saturation_a=saturation[part]))

@@ -1,10 +1,12 @@
-"""Detectors of this project and of its field, each run over one recording at some factors of its threshold.
+"""Detectors of this project and of its field, each run over one recording at some factors of its
+threshold.
 
-The article's chain and its FFT are those of `fingertip.slip.detectors`, the FFT as published and in a stronger form.
+The article's chain and its FFT are those of `fingertip.slip.detectors`, the FFT as published and in
+a stronger form.
 
-References: CUSUM: E. S. Page, Biometrika 41, 1954, for a step of the variance of Gaussian samples: M. Basseville and
-I. V. Nikiforov, Detection of Abrupt Changes, 1993, section 2.2. Ratio of a short to a long mean of the energy:
-R. Allen, Bull. Seismol. Soc. Am. 68, 1978.
+References: CUSUM: E. S. Page, Biometrika 41, 1954, for a step of the variance of Gaussian samples:
+M. Basseville and I. V. Nikiforov, Detection of Abrupt Changes, 1993, section 2.2. Ratio of a short
+to a long mean of the energy: R. Allen, Bull. Seismol. Soc. Am. 68, 1978.
 """
 
 from __future__ import annotations
@@ -29,27 +31,35 @@ Flags = NDArray[np.bool_]
 
 
 def adapt(design: Design, recording: Recording) -> tuple[Design, Recording]:
-    """Adapt a design's filters and windows to the rate of a recording, and the recording to the design's direction."""
+    """Adapt a design's filters and windows to the rate of a recording,
+    and the recording to the design's direction.
+    """
     rises = recording.rises_with_force
     if rises is not None and rises != design.board.tactile_rises:
         signal = replace(recording.signal, voltage_v=-recording.signal.voltage_v)
         quiet = None if recording.quiet is None else -recording.quiet
         recording = replace(recording, signal=signal, quiet=quiet)
+
     return adapt_rate(design, recording.signal.rate_hz), recording
 
 
 def find_noise_v(name: str, design: Design, recording: Recording) -> float | None:
-    """Noise for a detector of this project, from the quiet stretch of the recording; None: the design's."""
+    """Noise for a detector of this project, from the quiet
+    stretch of the recording; None: the design's.
+    """
     quiet = recording.quiet
     return None if quiet is None else equivalent_noise_v(name, design, quiet, recording.signal.kind)
 
 
 def make_fast_run(name: str) -> Callable[[Design, Recording, Sequence[float]], Iterator[Flags]]:
-    """Make the run of `fast` at one of its operating points, whose floors depend on the threshold: one run for each."""
+    """Make the run of `fast` at one of its operating points, whose
+    floors depend on the threshold: one run for each.
+    """
 
     def run(design: Design, recording: Recording, factors: Sequence[float]) -> Iterator[Flags]:
         design, recording = adapt(design, recording)
-        noise_v, inputs = find_noise_v("fast", design, recording), select_inputs(recording.signal, name)
+        noise_v = find_noise_v("fast", design, recording)
+        inputs = select_inputs(recording.signal, name)
         for factor in factors:
             yield make_detector(name, design, noise_v, factor).process(*inputs).on
 
@@ -77,30 +87,45 @@ def make_fft_run(is_plain: bool) -> Callable[[Design, Recording, Sequence[float]
 
 
 def band_signal(design: Design, recording: Recording) -> Array:
-    """Signal above the board's cutoff: the board's own where it gives one, otherwise filtered in software."""
+    """Signal above the board's cutoff: the board's own where it
+    gives one, otherwise filtered in software.
+    """
     filtered = recording.signal.filtered_v
     if filtered is not None:
         return (filtered - float(np.median(filtered))) / design.board.passband_gain
+
     chain = SlipChain(ChainSettings.from_design(design))
     return chain.process(recording.signal.voltage_v).filtered_v / design.board.passband_gain
 
 
-NOISE_S, SLOWER = 2.0, 0.05
-"""Time constant of the learned noise energy [s], and how much of its speed is left while slip is ON."""
+NOISE_S = 2.0
+SLOWER = 0.05
+"""Time constant of the learned noise energy [s], and how much
+of its speed is left while slip is ON.
+"""
 SHORT_S = 0.01
 """Short mean of the energy [s]."""
 HEARD = 4.0
 """Ratio of the energies in slip and in noise for which CUSUM is best."""
-RATIO_THRESHOLD, CUSUM_THRESHOLD = 4.0, 12.0
+RATIO_THRESHOLD = 4.0
+CUSUM_THRESHOLD = 12.0
 """Thresholds at the factor 1: ratio of energies, and log likelihood."""
 CAP = 2.0
-"""Bound of the sum of CUSUM over its threshold: without one, ON would outlast a slip by the slip's duration."""
+"""Bound of the sum of CUSUM over its threshold: without one, ON
+would outlast a slip by the slip's duration.
+"""
 
 
 def _ratio_loop(
-    samples: Sequence[float], short: float, long: float, least: float, threshold: float, on: MutableSequence[float]
+    samples: Sequence[float],
+    short: float,
+    long: float,
+    least: float,
+    threshold: float,
+    on: MutableSequence[float],
 ) -> None:
-    mean, noise = least, least
+    mean = least
+    noise = least
     for i in range(len(samples)):
         energy = samples[i] * samples[i]
         mean += short * (energy - mean)
@@ -110,9 +135,14 @@ def _ratio_loop(
 
 
 def _cusum_loop(
-    samples: Sequence[float], long: float, least: float, threshold: float, on: MutableSequence[float]
+    samples: Sequence[float],
+    long: float,
+    least: float,
+    threshold: float,
+    on: MutableSequence[float],
 ) -> None:
-    total, noise = 0.0, least
+    total = 0.0
+    noise = least
     for i in range(len(samples)):
         energy = samples[i] * samples[i]
         # Log likelihood of a variance that is HEARD times the noise's, over that of the noise.
@@ -128,27 +158,47 @@ _CUSUM = CompiledLoop(_cusum_loop, samples="samples", plain_us=0.5)
 
 def run_ratio(design: Design, recording: Recording, factors: Sequence[float]) -> Iterator[Flags]:
     design, recording = adapt(design, recording)
-    samples, rate_hz = band_signal(design, recording), recording.signal.rate_hz
-    least, on = least_energy(design, recording), np.zeros(len(samples))
+    samples = band_signal(design, recording)
+    rate_hz = recording.signal.rate_hz
+    least = least_energy(design, recording)
+    on = np.zeros(len(samples))
+
     for factor in factors:
-        _RATIO(samples, 1 / (SHORT_S * rate_hz), 1 / (NOISE_S * rate_hz), least, factor * RATIO_THRESHOLD, on)
+        _RATIO(
+            samples,
+            1 / (SHORT_S * rate_hz),
+            1 / (NOISE_S * rate_hz),
+            least,
+            factor * RATIO_THRESHOLD,
+            on,
+        )
         yield on > 0.0
 
 
 def run_cusum(design: Design, recording: Recording, factors: Sequence[float]) -> Iterator[Flags]:
     design, recording = adapt(design, recording)
-    samples, rate_hz = band_signal(design, recording), recording.signal.rate_hz
-    least, on = least_energy(design, recording), np.zeros(len(samples))
+    samples = band_signal(design, recording)
+    rate_hz = recording.signal.rate_hz
+    least = least_energy(design, recording)
+    on = np.zeros(len(samples))
+
     for factor in factors:
         _CUSUM(samples, 1 / (NOISE_S * rate_hz), least, factor * CUSUM_THRESHOLD, on)
         yield on > 0.0
 
 
 def least_energy(design: Design, recording: Recording) -> float:
-    """Energy of the stated noise or of the quiet stretch above the board's cutoff, below which none is learned."""
+    """Energy of the stated noise or of the quiet stretch above the
+    board's cutoff, below which none is learned.
+    """
     chain = SlipChain(ChainSettings.from_design(design))
     if recording.quiet is None:
         noise_v = noise_level(design).mean_v * math.sqrt(2 * math.pi)
     else:
-        noise_v = float(np.std(chain.process(recording.quiet).filtered_v[round(0.1 * recording.signal.rate_hz) :]))
+        noise_v = float(
+            np.std(
+                chain.process(recording.quiet).filtered_v[round(0.1 * recording.signal.rate_hz) :]
+            )
+        )
+
     return max(noise_v / design.board.passband_gain, 1e-9) ** 2

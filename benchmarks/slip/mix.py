@@ -1,9 +1,10 @@
 """Wider mix of signals beside a campaign, with seeds of its own, and what a detector makes of it.
 
-Scenes of hands that are not steady follow published figures. Bands of tremor: G. G. Sutton, K. Sykes, J. Physiol.
-191, 1967. Force variation of able fingers: H. S. Baweja et al., Exp. Brain Res. 197, 2009, most of it below 4 Hz. Play
-of servos: makers and users state 0.25 degrees (brushless) to 1 degree (hobby), which at a finger of 30 mm on the 90 N/m
-of the article's hand are 12 to 47 mN. Steps of a walker: J. K. Urbanek et al., 2018. All other ranges are assumptions.
+Scenes of hands that are not steady follow published figures. Bands of tremor: G. G. Sutton, K.
+Sykes, J. Physiol. 191, 1967. Force variation of able fingers: H. S. Baweja et al., Exp. Brain Res.
+197, 2009, most of it below 4 Hz. Play of servos: makers and users state 0.25 degrees (brushless) to
+1 degree (hobby), which at a finger of 30 mm on the 90 N/m of the article's hand are 12 to 47 mN.
+Steps of a walker: J. K. Urbanek et al., 2018. All other ranges are assumptions.
 """
 
 from __future__ import annotations
@@ -34,7 +35,9 @@ from fingertip.slip.detectors.registry import find_detector_type, make_detector,
 from fingertip.slip.traces.truth import intervals
 
 EARLY_S = 0.005
-"""Time before gross slip from which a detection counts as one of this slip [s]: the pad creeps already."""
+"""Time before gross slip from which a detection counts as one of
+this slip [s]: the pad creeps already.
+"""
 SLIDE_STRENGTHS_V = (0.002, 0.004, 0.008, 0.016)
 BURSTS_V = (0.006, 0.025)
 _CONTACT_S = 1.7
@@ -52,35 +55,63 @@ def _log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
     return round(math.exp(rng.uniform(math.log(low), math.log(high))), 6)
 
 
-def _draw_tremor(rng: np.random.Generator, share: tuple[float, float], slow_share: tuple[float, float]) -> SceneFile:
+def _draw_tremor(
+    rng: np.random.Generator, share: tuple[float, float], slow_share: tuple[float, float]
+) -> SceneFile:
     tremor = {
         "share": _log_uniform(rng, *share),
         "frequency_hz": _uniform(rng, 8.0, 12.0),
         "voluntary_share": _uniform(rng, *slow_share),
         "voluntary_hz": _uniform(rng, 0.5, 2.5),
     }
-    return SceneFile(scene="tremor", pose=GRASP_POSE, hold={**_HOLD, "min_s": 4.0}, tremor=tremor)
+    return SceneFile(
+        scene="tremor",
+        pose=GRASP_POSE,
+        hold={**_HOLD, "min_s": 4.0},
+        tremor=tremor,
+    )
 
 
 _draw_stump = partial(_draw_tremor, share=(0.01, 0.05), slow_share=(0.05, 0.15))
 
 
-def _draw_servo(rng: np.random.Generator, step_n: tuple[float, float], rise_s: tuple[float, float]) -> SceneFile:
+def _draw_servo(
+    rng: np.random.Generator, step_n: tuple[float, float], rise_s: tuple[float, float]
+) -> SceneFile:
     servo = {"step_n": _log_uniform(rng, *step_n), "rise_s": _uniform(rng, *rise_s)}
     servo["interval_s"] = _uniform(rng, 0.2, 1.0)
-    return SceneFile(scene="servo_steps", pose=GRASP_POSE, hold={**_HOLD, "min_s": 3.0}, servo=servo)
+    return SceneFile(
+        scene="servo_steps",
+        pose=GRASP_POSE,
+        hold={**_HOLD, "min_s": 3.0},
+        servo=servo,
+    )
 
 
 def _draw_set_down(rng: np.random.Generator) -> SceneFile:
     change = {"by_n": -_uniform(rng, 0.2, 0.8), "rise_s": _uniform(rng, 0.005, 0.02)}
-    return SceneFile(scene="set_down", pose=GRASP_POSE, hold={**_HOLD, "min_force_n": 1.0}, load_change=change)
+    return SceneFile(
+        scene="set_down",
+        pose=GRASP_POSE,
+        hold={**_HOLD, "min_force_n": 1.0},
+        load_change=change,
+    )
 
 
 def _draw_walk(rng: np.random.Generator) -> SceneFile:
     tap = {"force_n": _log_uniform(rng, 0.05, 0.5), "rise_s": _uniform(rng, 0.02, 0.06), "count": 6}
     tap["interval_s"] = _uniform(rng, 0.5, 0.7)
-    tremor = {"voluntary_share": _uniform(rng, 0.02, 0.1), "voluntary_hz": round(1 / tap["interval_s"], 3)}
-    return SceneFile(scene="walking", pose=GRASP_POSE, hold=_HOLD, tap=tap, tremor=tremor)
+    tremor = {
+        "voluntary_share": _uniform(rng, 0.02, 0.1),
+        "voluntary_hz": round(1 / tap["interval_s"], 3),
+    }
+    return SceneFile(
+        scene="walking",
+        pose=GRASP_POSE,
+        hold=_HOLD,
+        tap=tap,
+        tremor=tremor,
+    )
 
 
 def _draw_edge(rng: np.random.Generator) -> SceneFile:
@@ -92,14 +123,34 @@ def _draw_edge(rng: np.random.Generator) -> SceneFile:
 def _draw_slip_after_ramp(rng: np.random.Generator) -> SceneFile:
     rise_s = _log_uniform(rng, 0.02, 0.2)
     sign = 1.0 if rng.random() < 0.5 else -1.0
-    change = {"by_n": sign * _uniform(rng, 0.2, 0.7), "rise_s": rise_s, "at_s": round(1.0 - rise_s, 6)}
-    hold, slide = {**_HOLD, "min_force_n": 1.0}, _draw_slide(rng, 0.02)
-    return SceneFile(scene="slip_after_ramp", pose=GRASP_POSE, hold=hold, load_change=change, slide=slide)
+    change = {
+        "by_n": sign * _uniform(rng, 0.2, 0.7),
+        "rise_s": rise_s,
+        "at_s": round(1.0 - rise_s, 6),
+    }
+    hold = {**_HOLD, "min_force_n": 1.0}
+    slide = _draw_slide(rng, 0.02)
+
+    return SceneFile(
+        scene="slip_after_ramp",
+        pose=GRASP_POSE,
+        hold=hold,
+        load_change=change,
+        slide=slide,
+    )
 
 
 def _draw_pauses(rng: np.random.Generator) -> SceneFile:
-    slide = _draw_slide(rng, 0.04) | {"moves": int(rng.integers(2, 6)), "pause_s": _uniform(rng, 0.1, 0.5)}
-    return SceneFile(scene="slips_with_pauses", pose=GRASP_POSE, hold=_HOLD, slide=slide)
+    slide = _draw_slide(rng, 0.04) | {
+        "moves": int(rng.integers(2, 6)),
+        "pause_s": _uniform(rng, 0.1, 0.5),
+    }
+    return SceneFile(
+        scene="slips_with_pauses",
+        pose=GRASP_POSE,
+        hold=_HOLD,
+        slide=slide,
+    )
 
 
 def _draw_slide(rng: np.random.Generator, distance_m: float) -> dict[str, Any]:
@@ -110,9 +161,19 @@ def _draw_slide(rng: np.random.Generator, distance_m: float) -> dict[str, Any]:
 def _draw_grip_change(rng: np.random.Generator) -> SceneFile:
     """Change of a grasp's force by 1 N, up or down."""
     grows = bool(rng.random() < 0.5)
-    hold = {"mode": "grasp", "min_force_n": 0.5 if grows else 1.3, "max_force_n": 1.5 if grows else 2.5}
+    hold = {
+        "mode": "grasp",
+        "min_force_n": 0.5 if grows else 1.3,
+        "max_force_n": 1.5 if grows else 2.5,
+    }
     change = {"by_n": 1.0 if grows else -1.0, "rise_s": float(rng.uniform(0.02, 0.15))}
-    return SceneFile(scene="grip_change", pose=GRASP_POSE, hold=hold, load_change=change)
+
+    return SceneFile(
+        scene="grip_change",
+        pose=GRASP_POSE,
+        hold=hold,
+        load_change=change,
+    )
 
 
 def _draw_fast_closing(rng: np.random.Generator) -> SceneFile:
@@ -121,13 +182,24 @@ def _draw_fast_closing(rng: np.random.Generator) -> SceneFile:
 
 
 def _draw_taps(rng: np.random.Generator) -> SceneFile:
-    tap = {"force_n": float(rng.uniform(0.3, 2.0)), "rise_s": float(rng.uniform(0.002, 0.01)), "count": 3}
-    return SceneFile(scene="taps", pose=GRASP_POSE, hold=_HOLD, tap=tap)
+    tap = {
+        "force_n": float(rng.uniform(0.3, 2.0)),
+        "rise_s": float(rng.uniform(0.002, 0.01)),
+        "count": 3,
+    }
+    return SceneFile(
+        scene="taps",
+        pose=GRASP_POSE,
+        hold=_HOLD,
+        tap=tap,
+    )
 
 
 EVENTS: Mapping[str, tuple[Callable[[np.random.Generator], SceneFile], int]] = {
-    "grip change": (_draw_grip_change, 1), "fast closing": (_draw_fast_closing, 1), "tap": (_draw_taps, 3),
-}  # fmt: skip
+    "grip change": (_draw_grip_change, 1),
+    "fast closing": (_draw_fast_closing, 1),
+    "tap": (_draw_taps, 3),
+}
 """Kind -> function that draws a scene of it, and the number of its events."""
 UNSTEADY: Mapping[str, Callable[[np.random.Generator], SceneFile]] = {
     "tremor of an able hand": partial(_draw_tremor, share=(0.002, 0.02), slow_share=(0.015, 0.075)),
@@ -142,13 +214,17 @@ UNSTEADY: Mapping[str, Callable[[np.random.Generator], SceneFile]] = {
 }
 """Kind -> function that draws a scene of it."""
 EXCLUDED_FROM_TRAINING = ("steps of a hobby servo", "steps of a brushless servo", "setting down")
-"""Kinds that the detector `fast` was not fitted to: each of their steps looks like the start of a slip."""
+"""Kinds that the detector `fast` was not fitted to: each of their
+steps looks like the start of a slip.
+"""
 
 
 @dataclass(frozen=True)
 class MixSize:
     events: int = 100
-    """Number of changes of grip; of fast closings; of taps; of controller's steps, about; of bursts of either kind."""
+    """Number of changes of grip; of fast closings; of taps; of
+    controller's steps, about; of bursts of either kind.
+    """
     noisy: int = 48
     """Trials in each condition of `benchmarks.slip.mix_signals.NOISES`."""
 
@@ -156,7 +232,9 @@ class MixSize:
 def generate_mix(design: Design, size: MixSize, first_seed: int) -> Iterator[LabelledSignal]:
     """Draw and simulate all signals of the mix; a hand gives one for each finger."""
     seeds = itertools.count(first_seed)
-    for found in call_each(itertools.chain(_plan_events(design, size.events, seeds), _plan_noisy(design, size, seeds))):
+    for found in call_each(
+        itertools.chain(_plan_events(design, size.events, seeds), _plan_noisy(design, size, seeds))
+    ):
         yield from [found] if isinstance(found, LabelledSignal) else found
 
 
@@ -167,15 +245,36 @@ Draw: TypeAlias = "partial[Any]"
 def _plan_events(design: Design, events: int, seeds: Iterator[int]) -> Iterator[Draw]:
     for kind, (draw_scene, share) in EVENTS.items():
         for seed in itertools.islice(seeds, math.ceil(events / share)):
-            yield partial(mix_signals.simulate_scene, design, draw_scene(np.random.default_rng(seed)), seed, kind)
+            yield partial(
+                mix_signals.simulate_scene,
+                design,
+                draw_scene(np.random.default_rng(seed)),
+                seed,
+                kind,
+            )
+
     for draw, share, options in (
-        (mix_signals.grip_steps, 7, ()), (mix_signals.manipulation, 7, ()),
-        (mix_signals.abrupt_burst, 1, BURSTS_V), (mix_signals.low_burst, 2, BURSTS_V),
-    ):  # fmt: skip
-        yield from (partial(draw, design, next(seeds), *options) for _ in range(math.ceil(events / share)))
+        (mix_signals.grip_steps, 7, ()),
+        (mix_signals.manipulation, 7, ()),
+        (mix_signals.abrupt_burst, 1, BURSTS_V),
+        (mix_signals.low_burst, 2, BURSTS_V),
+    ):
+        yield from (
+            partial(draw, design, next(seeds), *options) for _ in range(math.ceil(events / share))
+        )
+
     for i in range(math.ceil(events / 2)):
-        yield partial(mix_signals.long_slide, design, next(seeds), SLIDE_STRENGTHS_V[i % len(SLIDE_STRENGTHS_V)])
-    yield from (partial(mix_signals.ringing_knock, design, next(seeds)) for _ in range(math.ceil(events / 3)))
+        yield partial(
+            mix_signals.long_slide,
+            design,
+            next(seeds),
+            SLIDE_STRENGTHS_V[i % len(SLIDE_STRENGTHS_V)],
+        )
+
+    yield from (
+        partial(mix_signals.ringing_knock, design, next(seeds))
+        for _ in range(math.ceil(events / 3))
+    )
     for kind, draw_scene in UNSTEADY.items():
         for seed in itertools.islice(seeds, math.ceil(events / 8)):
             scene = draw_scene(np.random.default_rng(seed))
@@ -183,14 +282,24 @@ def _plan_events(design: Design, events: int, seeds: Iterator[int]) -> Iterator[
 
 
 def _plan_noisy(design: Design, size: MixSize, seeds: Iterator[int]) -> Iterator[Draw]:
-    trials, held = [scene for scene, _ in article_trials()], NEGATIVE_SCENES["drift"][0]
+    trials = [scene for scene, _ in article_trials()]
+    held = NEGATIVE_SCENES["drift"][0]
     for name, condition in mix_signals.NOISES.items():
         slides = [trials[i * len(trials) // size.noisy] for i in range(size.noisy)]
         for scene in (*slides, *[held] * math.ceil(size.noisy / 6)):
             yield partial(mix_signals.in_condition, design, scene, next(seeds), name, condition)
+
     hand = SceneFile(**(held.model_dump() | {"noise": {"hand_v": 5e-4}}))
     for _ in range(math.ceil(size.noisy / 3)):
-        yield partial(mix_signals.simulate_scene, design, hand, next(seeds), "vibration with the grasp", _CONTACT_S)
+        yield partial(
+            mix_signals.simulate_scene,
+            design,
+            hand,
+            next(seeds),
+            "vibration with the grasp",
+            _CONTACT_S,
+        )
+
     coarse = {"converter": {"bits": 10, "high_v": 5.0}}
     for i in range(math.ceil(size.noisy / 4)):
         for scene in (trials[(8 * i) % len(trials)], held):
@@ -220,51 +329,76 @@ class Outcome:
 def assess(signal: LabelledSignal, on: NDArray[np.bool_], memory_s: float) -> Outcome:
     """Compare the flags of a detector with what is known about a signal.
 
-    A slip is found if the detector turns ON between its onset, less `EARLY_S`, and its end. An alarm is a transition to
-    ON outside the slips, their creep, and the detector's memory after them. Alarms closer together than
-    `fingertip.lab.campaign.run.SAME_EVENT_S` count once.
+    A slip is found if the detector turns ON between its onset, less `EARLY_S`, and its end. An
+    alarm is a transition to ON outside the slips, their creep, and the detector's memory after
+    them. Alarms closer together than `fingertip.lab.campaign.run.SAME_EVENT_S` count once.
     """
     time_s = np.arange(len(on)) / signal.rate_hz
     found = intervals(time_s, on)
-    delays, motion_delays, shares = [], [], []
+    delays = []
+    motion_delays = []
+    shares = []
     is_slip = np.zeros(len(on), dtype=bool)
+
     for slide in signal.slides:
         inside = [i for i in found if slide.onset_s - EARLY_S <= i.onset_s < slide.end_s]
         if inside:
             delays.append(max(0.0, inside[0].onset_s - slide.onset_s))
             motion_delays.append(max(0.0, inside[0].onset_s - slide.motion_s))
+
         during = (time_s >= slide.onset_s) & (time_s < slide.end_s)
         shares.append(float(np.mean(on[during])) if during.any() else 0.0)
         is_slip |= (time_s >= slide.motion_s) & (time_s < slide.end_s + memory_s)
+
     alarms = separate_events(
         i
         for i in found
         if i.onset_s >= signal.alarms_from_s
         and not any(s.onset_s - EARLY_S <= i.onset_s < s.end_s + memory_s for s in signal.slides)
     )
-    # Right before a slip, an alarm that the event causes and the detection of the slip cannot be told apart.
+    # Right before a slip, an alarm that the event causes and the detection of the slip cannot be
+    # told apart.
     events = [
         event
         for event in signal.events
-        if not any(event.onset_s < s.end_s and s.motion_s < event.end_s + REACTION_S for s in signal.slides)
+        if not any(
+            event.onset_s < s.end_s and s.motion_s < event.end_s + REACTION_S for s in signal.slides
+        )
     ]
-    disturbed = sum(any(event.onset_s <= i.onset_s < event.end_s + REACTION_S for i in found) for event in events)
+    disturbed = sum(
+        any(event.onset_s <= i.onset_s < event.end_s + REACTION_S for i in found)
+        for event in events
+    )
     counted = ~is_slip & (time_s >= signal.alarms_from_s)
+
     return Outcome(
-        signal.kind, signal.strength_v, signal.duration_s / 60, len(signal.slides), tuple(delays), tuple(motion_delays),
-        tuple(shares), len(alarms), tuple(alarm.onset_s for alarm in alarms), len(events), disturbed,
-        float(np.mean(on[counted])) if counted.any() else 0.0,
-    )  # fmt: skip
+        kind=signal.kind,
+        strength_v=signal.strength_v,
+        minutes=signal.duration_s / 60,
+        slides=len(signal.slides),
+        delays_s=tuple(delays),
+        motion_delays_s=tuple(motion_delays),
+        on_shares=tuple(shares),
+        alarms=len(alarms),
+        alarms_s=tuple(alarm.onset_s for alarm in alarms),
+        events=len(events),
+        disturbed=disturbed,
+        false_on_share=float(np.mean(on[counted])) if counted.any() else 0.0,
+    )
 
 
 def run_detector(name: str, design: Design, signals: Iterable[LabelledSignal]) -> list[Outcome]:
-    """Run a detector, or the design's simulated board ahead of one that reads it, with the design's noise."""
+    """Run a detector, or the design's simulated board ahead of one
+    that reads it, with the design's noise.
+    """
     outcomes = []
     takes_envelope = find_detector_type(name).takes_envelope
+
     for signal in signals:
         detector = SimulatedBoardDetector(design) if takes_envelope else make_detector(name, design)
         inputs = (signal.voltage_v,) if takes_envelope else select_inputs(signal, name)
         outcomes.append(assess(signal, detector.process(*inputs).on, detector.memory_s))
+
     return outcomes
 
 
@@ -280,13 +414,21 @@ class MixSummary:
 
     @property
     def found_share(self) -> float:
-        return sum(len(outcome.delays_s) for outcome in self.outcomes) / self.slides if self.slides else math.nan
+        return (
+            sum(len(outcome.delays_s) for outcome in self.outcomes) / self.slides
+            if self.slides
+            else math.nan
+        )
 
     def delay_s(self, fraction: float) -> float:
-        return quantile_s([d for outcome in self.outcomes for d in outcome.delays_s], self.slides, fraction)
+        return quantile_s(
+            [d for outcome in self.outcomes for d in outcome.delays_s], self.slides, fraction
+        )
 
     def motion_delay_s(self, fraction: float) -> float:
-        return quantile_s([d for outcome in self.outcomes for d in outcome.motion_delays_s], self.slides, fraction)
+        return quantile_s(
+            [d for outcome in self.outcomes for d in outcome.motion_delays_s], self.slides, fraction
+        )
 
     @property
     def worst_s(self) -> float:
@@ -296,7 +438,9 @@ class MixSummary:
     @property
     def smallest_on_share(self) -> float:
         """Smallest share of any slip that is ON."""
-        return min((share for outcome in self.outcomes for share in outcome.on_shares), default=math.nan)
+        return min(
+            (share for outcome in self.outcomes for share in outcome.on_shares), default=math.nan
+        )
 
     @property
     def minutes(self) -> float:
@@ -317,7 +461,11 @@ class MixSummary:
 
     @property
     def disturbed_share(self) -> float:
-        return sum(outcome.disturbed for outcome in self.outcomes) / self.events if self.events else math.nan
+        return (
+            sum(outcome.disturbed for outcome in self.outcomes) / self.events
+            if self.events
+            else math.nan
+        )
 
     def as_data(self) -> dict[str, float | None]:
         """Convert it to plain data for JSON; None for what these signals do not show."""
@@ -335,15 +483,22 @@ class MixSummary:
             "disturbed": sum(outcome.disturbed for outcome in self.outcomes),
             "alarms": self.alarms,
             "minutes": self.minutes,
-            "most_alarms_per_minute": poisson_interval(self.alarms)[1] / self.minutes if self.minutes else math.nan,
+            "most_alarms_per_minute": poisson_interval(self.alarms)[1] / self.minutes
+            if self.minutes
+            else math.nan,
         }
         return {name: value if math.isfinite(value) else None for name, value in found.items()}
 
 
 def summarise(outcomes: Iterable[Outcome]) -> dict[str, MixSummary]:
-    """Pool outcomes by kind, and those in all conditions of `benchmarks.slip.mix_signals.NOISES` together."""
+    """Pool outcomes by kind, and those in all conditions of
+    `benchmarks.slip.mix_signals.NOISES` together.
+    """
     groups: dict[str, list[Outcome]] = {}
     for outcome in outcomes:
         groups.setdefault(outcome.kind, []).append(outcome)
-    groups["unstated noise"] = [outcome for kind in mix_signals.NOISES for outcome in groups.get(kind, [])]
+
+    groups["unstated noise"] = [
+        outcome for kind in mix_signals.NOISES for outcome in groups.get(kind, [])
+    ]
     return {kind: MixSummary(tuple(group)) for kind, group in groups.items() if group}

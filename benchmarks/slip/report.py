@@ -27,9 +27,15 @@ from fingertip.foundation.errors import join_words
 
 FILES = ("slip_curve.png", "slip_bench.json", "slip_bench.txt")
 _STYLES = {
-    "fast": (RED, "o"), "incipient": (RED, "D"), "digital": (TEAL, "^"), "fft": (ORANGE, "s"), "plain_fft": (SKY, "v"),
-    "cusum": (BLUE, "<"), "recurrent": (PURPLE, "P"), "ratio": (REFERENCE, ">"),
-}  # fmt: skip
+    "fast": (RED, "o"),
+    "incipient": (RED, "D"),
+    "digital": (TEAL, "^"),
+    "fft": (ORANGE, "s"),
+    "plain_fft": (SKY, "v"),
+    "cusum": (BLUE, "<"),
+    "recurrent": (PURPLE, "P"),
+    "ratio": (REFERENCE, ">"),
+}
 _WITHOUT_CURVE = ("incipient",)
 """Detectors without a curve: `incipient` judges each score, and its threshold has one value."""
 _SHOWN_MS = 2.0, 300.0
@@ -42,7 +48,9 @@ class Report:
     found: Mapping[str, Sequence[Point]]
     competitors: Mapping[str, Competitor]
     instructions: int | None
-    """Instructions a sample of `fast` in slip on a Cortex-M4F; None at another sampling rate than was measured."""
+    """Instructions a sample of `fast` in slip on a Cortex-M4F; None
+    at another sampling rate than was measured.
+    """
 
     def as_data(self) -> dict[str, Any]:
         """Convert it to plain mappings and lists for JSON. Keys contain their units."""
@@ -50,14 +58,18 @@ class Report:
             "title": self.title,
             "minutes": _round(self._first.counted_minutes),
             "slips": self._first.slips,
-            "minutes_by_kind": {kind: _round(minutes) for kind, minutes in self._first.minutes.items()},
+            "minutes_by_kind": {
+                kind: _round(minutes) for kind, minutes in self._first.minutes.items()
+            },
             "stretches_by_kind": self._first.stretches,
             "detectors": {
                 name: {
                     "label": self.competitors[name].label,
                     "points": [_point_data(point) for point in points],
                     "at_rates": {
-                        f"{rate:g}_per_minute": None if (p := at_rate(points, rate)) is None else _point_data(p)
+                        f"{rate:g}_per_minute": None
+                        if (p := at_rate(points, rate)) is None
+                        else _point_data(p)
                         for rate in RATES
                     },
                 }
@@ -70,39 +82,54 @@ class Report:
         return at_own_threshold(next(iter(self.found.values())))
 
     def as_text(self) -> str:
-        """Describe what each detector reaches, at its own threshold and at equal rates of alarms."""
+        """Describe what each detector reaches, at its own threshold and at equal rates
+        of alarms.
+        """
         first = self._first
         lines = [
             f"{self.title}: {first.slips} slips, {first.counted_minutes:.1f} min without slip.",
-            "Delays from gross slip to ON, median / 90th percentile, ms; a slip that was not found is infinitely late.",
+            "Delays from gross slip to ON, median / 90th percentile, ms; a slip that was not "
+            "found is infinitely late.",
             "",
-            f"{'':20}{'at its own threshold':^56}" + "".join(f"{f'at most {rate:g} alarms/min':^30}" for rate in RATES),
+            f"{'':20}{'at its own threshold':^56}"
+            + "".join(f"{f'at most {rate:g} alarms/min':^30}" for rate in RATES),
             f"{'detector':20}{'found':>8}{'delay':>15}{'ON':>7}{'alarms/min':>12}{'95 %':>14}"
             + f"{'delay':>15}{'found':>8}{'ON':>7}" * len(RATES),
         ]
+
         for name, points in self.found.items():
             own = at_own_threshold(points)
-            line = (
-                f"{self.competitors[name].label:20}{_percent(own.found_share):>8}{_delays(own):>15}{own.on_share:>7.3f}"
-            )
+            label = self.competitors[name].label
+            line = f"{label:20}{_percent(own.found_share):>8}{_delays(own):>15}{own.on_share:>7.3f}"
             low, high = own.alarm_interval
+
             if self._has_rates:
                 line += f"{own.alarms_per_minute:>12.2f}{f'{low:.2g} to {high:.2g}':>14}"
             else:
                 line += f"{'-':>12}{'-':>14}"
+
             for rate in RATES:
                 kept = at_rate(points, rate)
                 cells = ("-", "-", "-")
                 if kept is not None:
                     cells = (_delays(kept), _percent(kept.found_share), f"{kept.on_share:.3f}")
+
                 line += f"{cells[0]:>15}{cells[1]:>8}{cells[2]:>7}"
+
             lines.append(line)
+
         if not self._has_rates:
             lines += ["", "No stretch without slip: nothing is known of false alarms."]
         elif first.counted_minutes < 1 / min(RATES):
-            shown = join_words([f"{rate:g}" for rate in RATES if first.counted_minutes < 1 / rate], "or")
+            shown = join_words(
+                [f"{rate:g}" for rate in RATES if first.counted_minutes < 1 / rate], "or"
+            )
             minutes = f"{first.counted_minutes:.1f} min without slip"
-            lines += ["", f"{minutes} are too short to show {shown} alarms a minute: one alarm is more."]
+            lines += [
+                "",
+                f"{minutes} are too short to show {shown} alarms a minute: one alarm is more.",
+            ]
+
         owns = [at_own_threshold(points) for points in self.found.values()]
         kinds = [kind for kind in first.minutes if any(own.alarms.get(kind) for own in owns)]
         if kinds:
@@ -110,14 +137,18 @@ class Report:
             names = [f"{self.competitors[name].label:>20}" for name in self.found]
             lines += ["", "Alarms at the own threshold, by what the recording shows:"]
             lines.append(f"  {'':{width}}{'stretches':>11}{'minutes':>9}{''.join(names)}")
+
             for kind in kinds:
                 counts = (own.alarms.get(kind, 0) for own in owns)
                 lines.append(
-                    f"  {kind:{width}}{first.stretches.get(kind, '-'):>11}{first.minutes[kind]:>9.2f}"
-                    + "".join(f"{count:>20}" for count in counts)
+                    f"  {kind:{width}}{first.stretches.get(kind, '-'):>11}"
+                    f"{first.minutes[kind]:>9.2f}" + "".join(f"{count:>20}" for count in counts)
                 )
+
         lines += ["", "Work of a sample:"]
-        lines += [f"  {self.competitors[name].label:20}{self._describe_work(name)}" for name in self.found]
+        lines += [
+            f"  {self.competitors[name].label:20}{self._describe_work(name)}" for name in self.found
+        ]
         return "\n".join(lines)
 
     def _describe_work(self, name: str) -> str:
@@ -127,6 +158,7 @@ class Report:
             work = "not counted at this rate"
             if self.instructions is not None:
                 work = f"{self.instructions} instructions in slip, on a Cortex-M4F"
+
         return f"{work}; {competitor.words}"
 
     @property
@@ -138,36 +170,72 @@ class Report:
         figure = new_figure(11, 5.6)
         panels = figure.subplots(1, 2, sharey=True)
         least = 0.5 / self._first.counted_minutes if self._has_rates else 1.0
-        for axes, fraction, words in zip(panels, (0.5, 0.9), ("median", "90th percentile"), strict=True):
+
+        for axes, fraction, words in zip(
+            panels, (0.5, 0.9), ("median", "90th percentile"), strict=True
+        ):
             for name, points in self.found.items():
                 colour, marker = _STYLES.get(name, (TEXT_COLOUR, "*"))
                 own = at_own_threshold(points)
-                best = [] if name in _WITHOUT_CURVE and "fast" in self.found else best_points(points, fraction)
-                for shown, style in ((best, {"linewidth": 1.6}), ([own], {"marker": marker, "markersize": 9})):
-                    rates = [max(point.alarms_per_minute, least) if self._has_rates else least for point in shown]
+                best = (
+                    []
+                    if name in _WITHOUT_CURVE and "fast" in self.found
+                    else best_points(points, fraction)
+                )
+
+                for shown, style in (
+                    (best, {"linewidth": 1.6}),
+                    ([own], {"marker": marker, "markersize": 9}),
+                ):
+                    rates = [
+                        max(point.alarms_per_minute, least) if self._has_rates else least
+                        for point in shown
+                    ]
                     delays = [max(point.quantile_ms(fraction), _SHOWN_MS[0]) for point in shown]
                     axes.plot(rates, delays, color=colour, **style)
-                axes.plot([], [], color=colour, marker=marker, linewidth=1.6, label=self.competitors[name].label)
+
+                axes.plot(
+                    [],
+                    [],
+                    color=colour,
+                    marker=marker,
+                    linewidth=1.6,
+                    label=self.competitors[name].label,
+                )
+
             axes.set_xscale("log")
             axes.set_yscale("log")
             axes.set_ylim(*_SHOWN_MS)
-            axes.set_yticks([2, 5, 10, 20, 50, 100, 200], ["2", "5", "10", "20", "50", "100", "200"])
+            axes.set_yticks(
+                [2, 5, 10, 20, 50, 100, 200], ["2", "5", "10", "20", "50", "100", "200"]
+            )
             axes.minorticks_off()
             axes.xaxis.set_major_formatter("{x:g}")
             axes.set_xlim(min(least, min(RATES)) / 1.5, max(axes.get_xlim()[1], 2.0 * max(RATES)))
             for rate in RATES:
                 axes.axvline(rate, color=REFERENCE, linestyle=":", linewidth=1)
+
             axes.set_title(f"{words} of the delay", loc="left", fontweight="bold")
             axes.set_xlabel("false alarms per minute")
             style_axes(axes, "both")
+
         panels[0].set_ylabel("delay from gross slip to ON [ms]")
-        figure.legend(*panels[1].get_legend_handles_labels(), frameon=False, fontsize=9, loc="outside right upper")
+        figure.legend(
+            *panels[1].get_legend_handles_labels(),
+            frameon=False,
+            fontsize=9,
+            loc="outside right upper",
+        )
         figure.supxlabel(
-            f"{self.title}: {self._first.slips} slips, {self._first.counted_minutes:.3g} min without slip.\n"
+            f"{self.title}: {self._first.slips} slips, {self._first.counted_minutes:.3g} min "
+            "without slip.\n"
             "Lower left is better. Symbols: each detector's own threshold. "
             f"No alarm at all is drawn at {least:.2g} a minute.",
-            x=0.01, ha="left", fontsize=8, color=TEXT_COLOUR,
-        )  # fmt: skip
+            x=0.01,
+            ha="left",
+            fontsize=8,
+            color=TEXT_COLOUR,
+        )
         return to_png(figure)
 
     def encode(self) -> tuple[bytes, ...]:

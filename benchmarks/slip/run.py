@@ -39,39 +39,68 @@ class Source:
 
 
 def read_options(
-    folder: Path | None, layout: str | None, detectors: str | None, own: Path | None, share: float
+    folder: Path | None,
+    layout: str | None,
+    detectors: str | None,
+    own: Path | None,
+    share: float,
 ) -> Source:
     """Check the options, before any work. Raises FingertipError with all faults."""
     issues = list[Issue]()
-    names = tuple(COMPETITORS) if detectors is None else tuple(name.strip() for name in detectors.split(","))
+    names = (
+        tuple(COMPETITORS)
+        if detectors is None
+        else tuple(name.strip() for name in detectors.split(","))
+    )
+
     for name in names:
         if name not in COMPETITORS:
-            issues.append(Issue("--detectors", f"{name!r} is not known; choose among {', '.join(COMPETITORS)}."))
+            issues.append(
+                Issue(
+                    "--detectors", f"{name!r} is not known; choose among {', '.join(COMPETITORS)}."
+                )
+            )
+
     if layout is not None and layout not in LAYOUTS:
         known = "; ".join(f"{name} ({one.words})" for name, one in LAYOUTS.items())
         issues.append(Issue("--layout", f"{layout!r} is not known; choose among {known}."))
+
     if layout is not None and folder is None:
         issues.append(Issue("--layout", "describes a folder; give the folder that holds the set."))
     if folder is not None and not folder.is_dir():
-        issues.append(Issue(str(folder), "is not a folder; give the one that holds the recordings."))
+        issues.append(
+            Issue(str(folder), "is not a folder; give the one that holds the recordings.")
+        )
     if not 0.05 <= share <= 1.0:
         issues.append(Issue("--share", f"{share:g} is out of bounds; choose 0.05 to 1."))
+
     competitors = {name: COMPETITORS[name] for name in names if name in COMPETITORS}
     if own is not None:
         with gather(issues):
             competitors[own.stem] = load_own(own)
+
     if folder is not None and share != DEFAULT_SHARE:
-        issues.append(Issue("--share", "draws from the project's own signals; leave it out, or leave out the folder."))
+        issues.append(
+            Issue(
+                "--share",
+                "draws from the project's own signals; leave it out, or leave out the folder.",
+            )
+        )
     if issues:
         raise FingertipError(issues)
+
     extras.require("python -m benchmarks.slip", "scipy", "numba", "matplotlib")
     return Source(folder, layout, competitors, share)
 
 
 def run(
-    design: Design, source: Source, progress: Callable[[str], None], warn: Callable[[list[str]], None] = lambda _: None
+    design: Design,
+    source: Source,
+    progress: Callable[[str], None],
+    warn: Callable[[list[str]], None] = lambda _: None,
 ) -> Report:
-    """Read or draw the recordings, warn of hum in those of a folder, and run the detectors over them.
+    """Read or draw the recordings, warn of hum in those of a folder, and run the detectors over
+    them.
 
     Raises TraceError.
     """
@@ -81,10 +110,21 @@ def run(
         recordings = draw_held_out(design, source.share, 1)
         count = sum(count_held_out(row, source.share) for row in held_out_signals.ROWS)
     else:
-        found = read_folder(source.folder) if source.layout is None else read_layout(source.layout, source.folder)
+        found = (
+            read_folder(source.folder)
+            if source.layout is None
+            else read_layout(source.layout, source.folder)
+        )
         title, recordings, count = found.title, found.recordings, len(found.recordings)
         signals = [recording.signal for recording in recordings]
-        warn([f"{one.kind}: {text}" for one in signals for text in hum_warnings(one.voltage_v, one.rate_hz)])
+        warn(
+            [
+                f"{one.kind}: {text}"
+                for one in signals
+                for text in hum_warnings(one.voltage_v, one.rate_hz)
+            ]
+        )
+
     work = Work("slip detectors", {"detectors": 1.0}, progress)
     work.begin("detectors")
     done = 0
@@ -99,10 +139,13 @@ def run(
 
 
 def _read_instructions(design: Design) -> int | None:
-    """Instructions a sample in slip, measured by the emulator of a Cortex-M4F; None for another sampling rate."""
+    """Instructions a sample in slip, measured by the emulator of a
+    Cortex-M4F; None for another sampling rate.
+    """
     import json
 
     measured = json.loads(resources.files("fingertip.firmware").joinpath(TABLE).read_text("utf-8"))
     if not math.isclose(design.detector.sample_rate_hz, measured["sample_rate_hz"]):
         return None
+
     return int(measured["targets"]["Cortex-M4F"]["instructions"]["slip"])

@@ -1,4 +1,6 @@
-"""Scores of detectors over a set of recordings: delay against alarms, at each factor of the threshold."""
+"""Scores of detectors over a set of recordings: delay against
+alarms, at each factor of the threshold.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,9 @@ from fingertip.lab.campaign.run import quantile_s
 RATES = (0.1, 1.0)
 """Rates of alarms at which delays are compared [1/min]."""
 FOUND_S = 0.2
-"""Time after gross slip within which ON finds it [s]: one that rises later in a long slide did not find its start."""
+"""Time after gross slip within which ON finds it [s]: one that rises
+later in a long slide did not find its start.
+"""
 
 
 @dataclass
@@ -49,15 +53,18 @@ class Point:
         self.delays_s += itertools.compress(outcome.delays_s, kept)
         self.motion_delays_s += itertools.compress(outcome.motion_delays_s, kept)
         self.on_shares += outcome.on_shares
+
         for alarm_s in outcome.alarms_s:
             kind = _find_kind(recording, alarm_s)
             self.alarms[kind] = self.alarms.get(kind, 0) + 1
+
         left = signal.duration_s - sum(slide.end_s - slide.motion_s for slide in signal.slides)
         for stretch in recording.stretches:
             length_s = max(0.0, stretch.end_s - max(stretch.start_s, signal.alarms_from_s))
             left -= length_s
             self.minutes[stretch.kind] = self.minutes.get(stretch.kind, 0.0) + length_s / 60
             self.stretches[stretch.kind] = self.stretches.get(stretch.kind, 0) + 1
+
         self.minutes[UNLABELLED] = self.minutes.get(UNLABELLED, 0.0) + max(0.0, left) / 60
 
     def quantile_ms(self, fraction: float, since_motion: bool = False) -> float:
@@ -91,11 +98,17 @@ class Point:
     def alarm_interval(self) -> tuple[float, float]:
         """Interval that contains the rate of alarms with 95 % probability [1/min]."""
         low, high = poisson_interval(self.counted)
-        return (low / self.counted_minutes, high / self.counted_minutes) if self.counted_minutes else (0.0, math.inf)
+        return (
+            (low / self.counted_minutes, high / self.counted_minutes)
+            if self.counted_minutes
+            else (0.0, math.inf)
+        )
 
 
 def _find_kind(recording: Recording, alarm_s: float) -> str:
-    """Find the stretch that an alarm belongs to: the one that it began in, or that ended right before."""
+    """Find the stretch that an alarm belongs to: the one that it
+    began in, or that ended right before.
+    """
     inside = [one for one in recording.stretches if one.start_s <= alarm_s < one.end_s + REACTION_S]
     return max(inside, key=lambda one: one.start_s).kind if inside else UNLABELLED
 
@@ -107,20 +120,27 @@ def measure(
     advance: Callable[[Recording], None] = lambda _: None,
 ) -> dict[str, tuple[Point, ...]]:
     """Run detectors over recordings, and pool what they find at each factor of their thresholds."""
-    found = {name: tuple(map(Point, competitor.factors)) for name, competitor in competitors.items()}
+    found = {
+        name: tuple(map(Point, competitor.factors)) for name, competitor in competitors.items()
+    }
     with compiled():
         for recording in recordings:
             for name, points in found.items():
                 competitor = competitors[name]
                 memory_s = competitor.memory_s(design)
-                for point, on in zip(points, competitor.run(design, recording, competitor.factors), strict=True):
+                for point, on in zip(
+                    points, competitor.run(design, recording, competitor.factors), strict=True
+                ):
                     point.add(recording, assess(recording.signal, on, memory_s))
+
             advance(recording)
+
     return found
 
 
 def at_rate(points: Sequence[Point], rate_per_minute: float) -> Point | None:
-    """Find the threshold with the shortest 90th percentile of the delay that keeps a rate of alarms, if any does.
+    """Find the threshold with the shortest 90th percentile of the delay that keeps a rate of
+    alarms, if any does.
 
     Recordings in which this rate means less than one alarm show none.
     """
@@ -131,18 +151,26 @@ def at_rate(points: Sequence[Point], rate_per_minute: float) -> Point | None:
         and point.alarms_per_minute <= rate_per_minute
         and point.delays_s
     ]
-    return min(kept, key=lambda point: (point.quantile_ms(0.9), point.quantile_ms(0.5)), default=None)
+    return min(
+        kept, key=lambda point: (point.quantile_ms(0.9), point.quantile_ms(0.5)), default=None
+    )
 
 
 def best_points(points: Sequence[Point], fraction: float) -> list[Point]:
-    """Select the thresholds that no other one of the detector beats in both delay and alarms, by rate of alarms."""
-    ranked = sorted(points, key=lambda point: (point.alarms_per_minute, point.quantile_ms(fraction)))
+    """Select the thresholds that no other one of the detector beats
+    in both delay and alarms, by rate of alarms.
+    """
+    ranked = sorted(
+        points, key=lambda point: (point.alarms_per_minute, point.quantile_ms(fraction))
+    )
     best: list[Point] = []
+
     for point in ranked:
         if math.isfinite(point.quantile_ms(fraction)) and (
             not best or point.quantile_ms(fraction) < best[-1].quantile_ms(fraction)
         ):
             best.append(point)
+
     return best
 
 

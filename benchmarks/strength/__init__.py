@@ -1,1 +1,3 @@
-"""Finite elements of bones in CalculiX, beside which `tests/cad/test_bone_elements.py` puts the predicted stresses."""
+"""Finite elements of bones in CalculiX, beside which
+`tests/cad/test_bone_elements.py` puts the predicted stresses.
+"""

@@ -1,4 +1,6 @@
-"""A slip detector and a check of parts that fingertip finds by the entry points in pyproject.toml."""
+"""A slip detector and a check of parts that fingertip finds by the entry points in
+pyproject.toml.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,8 @@ from fingertip.design import Design
 from fingertip.slip.detectors.input_noise import input_noise_v
 from fingertip.slip.detectors.registry import Detector, DetectorOutput, DetectorType
 
-MEAN_S, NOISE_RATIO = 0.01, 2.5
+MEAN_S = 0.01
+NOISE_RATIO = 2.5
 """Time over which the energy is averaged [s], and ratio of the threshold to the noise."""
 MAX_BONE_G = 20.0
 
@@ -25,10 +28,13 @@ class ChangeDetector(Detector):
     def __init__(self, design: Design, noise_v: float, threshold_scale: float) -> None:
         self._threshold_v = NOISE_RATIO * threshold_scale * noise_v
         self._share = 1.0 / (MEAN_S * design.detector.sample_rate_hz)
-        self._energy, self._last_v = 0.0, math.nan
+        self._energy = 0.0
+        self._last_v = math.nan
 
     @classmethod
-    def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> Detector:
+    def for_design(
+        cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0
+    ) -> Detector:
         return cls(design, input_noise_v(design) if noise_v is None else noise_v, threshold_scale)
 
     @classmethod
@@ -37,7 +43,9 @@ class ChangeDetector(Detector):
 
     def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
         statistic = np.array([self._update(float(value)) for value in voltage_v])
-        return DetectorOutput(statistic, np.full(len(statistic), self._threshold_v), statistic > self._threshold_v)
+        return DetectorOutput(
+            statistic, np.full(len(statistic), self._threshold_v), statistic > self._threshold_v
+        )
 
     def _update(self, voltage_v: float) -> float:
         change = 0.0 if math.isnan(self._last_v) else voltage_v - self._last_v
@@ -46,10 +54,19 @@ class ChangeDetector(Detector):
         return math.sqrt(self._energy)
 
 
-OWN = DetectorType("own", "voltage_v", "statistic of own", "own_detector_and_check:ChangeDetector", "black", "x")
+OWN = DetectorType(
+    "own", "voltage_v", "statistic of own", "own_detector_and_check:ChangeDetector", "black", "x"
+)
 
 
 def check_mass(design: Design, solids: Solids) -> Iterator[Check]:
     if "bone" in solids.parts:
         mass_g = solids["bone"].volume() / 1000.0 * design.strength.material.density_g_cm3
-        yield Check("own.bone_mass", mass_g, MAX_BONE_G, "g", change=("bone.base_length_mm",), source=__name__)
+        yield Check(
+            "own.bone_mass",
+            mass_g,
+            MAX_BONE_G,
+            "g",
+            change=("bone.base_length_mm",),
+            source=__name__,
+        )

@@ -1,4 +1,5 @@
-"""Parametric design of a sensorised prosthetic fingertip: printable parts, filter board, simulation, slip detection.
+"""Parametric design of a sensorised prosthetic fingertip: printable parts, filter board,
+simulation, slip detection.
 
 The public names follow the commands of the command line::
 
@@ -44,7 +45,14 @@ if TYPE_CHECKING:
     from fingertip.lab.campaign.plan import CampaignPlan
     from fingertip.lab.validation import validate
     from fingertip.pictures.picture import picture
-    from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene, simulate
+    from fingertip.sim import (
+        ManipulationFile,
+        SceneFile,
+        Trial,
+        run_manipulation,
+        run_scene,
+        simulate,
+    )
     from fingertip.sim.signal.readout import Readout
     from fingertip.slip.detectors.analog_and_digital import SlipChain
     from fingertip.slip.scored_detection import Detection
@@ -60,7 +68,8 @@ if TYPE_CHECKING:
 
 _NAMES = {
     "board": "BoardValues board_values",
-    "cad.convert": "assembly bone frames mesh_of mold part_mesh part_solid part_trimesh part_workplane skin",
+    "cad.convert": "assembly bone frames mesh_of mold part_mesh part_solid part_trimesh "
+    "part_workplane skin",
     "cad.report": "Build",
     "cad.verification.verify": "check",
     "calibration.printer": "calibrate_printer",
@@ -88,28 +97,74 @@ _NAMES = {
     "tasks.robot": "write_robot",
 }
 """Module of the package -> its public names."""
-_MODULES = {name: f"fingertip.{module}" for module, names in _NAMES.items() for name in names.split()}
+_MODULES = {
+    name: f"fingertip.{module}" for module, names in _NAMES.items() for name in names.split()
+}
 
 __all__ = [
-    "BoardValues", "Build", "CampaignPlan", "Design", "Detection", "FileDetection", "FingertipError", "Made",
-    "ManipulationFile", "Picture", "Readout", "SceneFile", "SlipChain", "StreamDetection", "Trace", "Trial",
-    "__version__", "assembly", "board_values", "bone", "build", "calibrate_printer", "calibrate_sensor", "check",
-    "detect", "detect_channels", "detect_file", "detect_stream", "frames", "make", "mesh_of", "mold", "part_mesh",
-    "part_solid", "part_trimesh", "part_workplane", "picture", "read_trace", "read_weighings", "run_manipulation",
-    "run_scene", "run_sweep", "simulate", "skin", "validate", "write_board", "write_drawing", "write_firmware",
+    "BoardValues",
+    "Build",
+    "CampaignPlan",
+    "Design",
+    "Detection",
+    "FileDetection",
+    "FingertipError",
+    "Made",
+    "ManipulationFile",
+    "Picture",
+    "Readout",
+    "SceneFile",
+    "SlipChain",
+    "StreamDetection",
+    "Trace",
+    "Trial",
+    "__version__",
+    "assembly",
+    "board_values",
+    "bone",
+    "build",
+    "calibrate_printer",
+    "calibrate_sensor",
+    "check",
+    "detect",
+    "detect_channels",
+    "detect_file",
+    "detect_stream",
+    "frames",
+    "make",
+    "mesh_of",
+    "mold",
+    "part_mesh",
+    "part_solid",
+    "part_trimesh",
+    "part_workplane",
+    "picture",
+    "read_trace",
+    "read_weighings",
+    "run_manipulation",
+    "run_scene",
+    "run_sweep",
+    "simulate",
+    "skin",
+    "validate",
+    "write_board",
+    "write_drawing",
+    "write_firmware",
     "write_robot",
-]  # fmt: skip
+]
 
 
 def __getattr__(name: str) -> Any:
     if name not in _MODULES:
         raise AttributeError(f"module 'fingertip' has no attribute {name!r}")
+
     value = getattr(import_module(_MODULES[name]), name)
     if callable(value) and not isinstance(value, type):
         from fingertip.foundation.errors import checked  # noqa: PLC0415
 
         value = checked(value)
         value.__module__ = __name__  # where pickle finds it
+
     globals()[name] = value
     return value
 

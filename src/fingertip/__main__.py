@@ -20,9 +20,12 @@ def main() -> None:
 
 
 def _open_missing_streams() -> None:
-    """Open the null device in the place of closed standard streams, for which the next file would be taken."""
+    """Open the null device in the place of closed standard streams,
+    for which the next file would be taken.
+    """
     while (handle := os.open(os.devnull, os.O_RDWR)) <= 2:
         pass
+
     os.close(handle)
     # Standard input stays None: `detect -` says that it is closed.
     if sys.stdout is None:
@@ -32,16 +35,25 @@ def _open_missing_streams() -> None:
 
 
 def _run() -> None:
-    """Run the command line. A program that cannot even be loaded ends with the exit code of a fault too."""
+    """Run the command line.
+
+    A program that cannot even be loaded ends with the exit code of a fault too.
+    """
     try:
         from fingertip.cli import main as run
     except Exception as error:
         if interruption.find_signal(error) is not None:
             raise SystemExit(interruption.report(error)) from None
+
         reason = " ".join(str(error).split())
-        print(f"error: fingertip cannot be loaded ({type(error).__name__}: {reason[:200]}); ", end="", file=sys.stderr)
+        print(
+            f"error: fingertip cannot be loaded ({type(error).__name__}: {reason[:200]}); ",
+            end="",
+            file=sys.stderr,
+        )
         print("install it again, and see that files may be opened (ulimit -n).", file=sys.stderr)
         raise SystemExit(70) from None
+
     run()
 
 

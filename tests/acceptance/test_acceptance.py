@@ -29,12 +29,16 @@ def load(name: str, *changes: str) -> Design:
 
 
 def test_voltage_is_that_of_the_loaded_front_end_by_hand() -> None:
-    """The front end is a source with a resistance, and the sensor's current moves the output in proportion."""
+    """The front end is a source with a resistance, and the sensor's
+    current moves the output in proportion.
+    """
     design = load("fsr400")
     response = board_values(design).tactile_response
     for reading in expect_readings(design):
         current = response.sensor_v / (reading.sensor_ohm + response.source_ohm)
-        assert reading.tactile_v == pytest.approx(response.open_v - response.transfer_ohm * current, rel=1e-12)
+        assert reading.tactile_v == pytest.approx(
+            response.open_v - response.transfer_ohm * current, rel=1e-12
+        )
         current = response.sensor_v / (reading.sensor_ohm / SPREAD + response.source_ohm)
         shown = re.search(r"(\S+) V \(20 N\)", (ROOT / "pcb/README.md").read_text())
         assert shown
@@ -54,24 +58,30 @@ def test_a_short_circuit_is_not_accepted(name: str) -> None:
 
 
 CALIBRATED = (
-    "force_curve.curve=calibrated", "force_curve.min_force_n=0.5", "force_curve.max_force_n=10",
+    "force_curve.curve=calibrated",
+    "force_curve.min_force_n=0.5",
+    "force_curve.max_force_n=10",
     "force_curve.interval_factor=1.2",
-)  # fmt: skip
+)
 
 
 def test_calibration_narrows_the_limits_in_its_range() -> None:
-    typical, calibrated = expect_readings(load("fsr400")), expect_readings(load("fsr400", *CALIBRATED))
+    typical = expect_readings(load("fsr400"))
+    calibrated = expect_readings(load("fsr400", *CALIBRATED))
     for wide, narrow in zip(typical, calibrated, strict=True):
         assert narrow.limits_v[1] - narrow.limits_v[0] < 0.3 * (wide.limits_v[1] - wide.limits_v[0])
     light, heavy = expect_readings(load("fsr400", *CALIBRATED, "force_curve.max_force_n=3"))
     assert light.limits_v == calibrated[0].limits_v
     width_v = heavy.limits_v[1] - heavy.limits_v[0]
-    assert width_v > 2 * (calibrated[1].limits_v[1] - calibrated[1].limits_v[0]), "500 g lie beyond the calibration"
+    assert width_v > 2 * (calibrated[1].limits_v[1] - calibrated[1].limits_v[0]), (
+        "500 g lie beyond the calibration"
+    )
 
 
 def test_a_sensor_without_a_curve_has_no_voltages_until_it_is_calibrated() -> None:
     for changes in (["sensor.model=custom"], ["sensor.model=custom", "board.variant=divider"]):
-        unknown, known = load("fsr400", *changes), load("fsr400", *changes, *CALIBRATED)
+        unknown = load("fsr400", *changes)
+        known = load("fsr400", *changes, *CALIBRATED)
         pages = [render_acceptance(acceptance_sheet(design)) for design in (unknown, known)]
         assert ["calibrate this one first" in page for page in pages] == [True, False]
         assert [" V, then " in page for page in pages] == [False, True]
@@ -81,9 +91,13 @@ def test_a_sensor_without_a_curve_has_no_voltages_until_it_is_calibrated() -> No
 @pytest.mark.parametrize("name", NAMES)
 def test_ratio_of_the_drops_holds_for_sensors_that_differ_by_factors(name: str) -> None:
     design = load(name)
-    readings, response = expect_readings(design), board_values(design).tactile_response
+    readings = expect_readings(design)
+    response = board_values(design).tactile_response
     for factor in (0.3, 1.0, 3.0):
-        light, heavy = (abs(response.open_v - response.tactile_v(factor / reading.sensor_ohm)) for reading in readings)
+        light, heavy = (
+            abs(response.open_v - response.tactile_v(factor / reading.sensor_ohm))
+            for reading in readings
+        )
         assert heavy / light == pytest.approx(expect_change_ratio(design), rel=0.3), factor
     assert 1.0 < expect_change_ratio(design) < 5.5, "no more than the weights differ by"
 

@@ -1,7 +1,9 @@
-"""Process that plays the firmware's stream: the lines of `slip_line.h` on a pseudo terminal, of simulated trials.
+"""Process that plays the firmware's stream: the lines of `slip_line.h` on a pseudo terminal, of
+simulated trials.
 
-`python -m tests.bench.player FILE.npy RATE_HZ` opens a pseudo terminal, prints its name, and writes the samples of FILE
-(columns voltage_v, moving), again and again, at that rate; at 0 as fast as they are read.
+`python -m tests.bench.player FILE.npy RATE_HZ` opens a pseudo terminal, prints its name, and writes
+the samples of FILE (columns voltage_v, moving), again and again, at that rate; at 0 as fast as they
+are read.
 """
 
 from __future__ import annotations
@@ -30,9 +32,12 @@ def format_line(number: int, volts: float, moving: float, rate_hz: float = 2000.
 
 def slide_scene(surface: str, force_n: float, speed_m_s: float, felt_um: float = 0.0) -> SceneFile:
     return SceneFile(
-        scene="sliding_finger", contact={"surface": surface}, surface={"felt_um": felt_um},
-        hold={"min_force_n": force_n, "max_force_n": force_n}, slide={"distance_m": 0.04, "speed_m_s": speed_m_s},
-    )  # fmt: skip
+        scene="sliding_finger",
+        contact={"surface": surface},
+        surface={"felt_um": felt_um},
+        hold={"min_force_n": force_n, "max_force_n": force_n},
+        slide={"distance_m": 0.04, "speed_m_s": speed_m_s},
+    )
 
 
 def simulate_person(
@@ -44,19 +49,31 @@ def simulate_person(
     speed_m_s: float = 0.06,
 ) -> np.ndarray:
     """Samples (n, 2) of a person who follows the schedule of `trials` trials to the moment."""
-    rate, parts = design.detector.sample_rate_hz, []
+    rate = design.detector.sample_rate_hz
+    parts = []
     for number in range(1, trials + 1):
-        phases, kind = KINDS[kind_of(number)], kind_of(number)
+        phases = KINDS[kind_of(number)]
+        kind = kind_of(number)
         force_n = forces_n[(number - 1) * len(forces_n) // trials]
         scene = slide_scene(surface, force_n, speed_m_s, felt_um)
         if kind != "slide":
-            scene = SceneFile(scene="contact", hold={"min_force_n": force_n, "max_force_n": force_n, "min_s": 5.0})
+            scene = SceneFile(
+                scene="contact", hold={"min_force_n": force_n, "max_force_n": force_n, "min_s": 5.0}
+            )
         done = run_scene(design, scene, number)
-        trace, count = done.trace, round(rate * sum(phases.values()))
-        start_s = trace.origin.motion_s if kind == "slide" else trace.time_s[np.argmax(trace.force_n > 0.9 * force_n)]
-        told_s = phases["away"] + phases["press"] + (phases["wait"] + 0.2 if kind == "slide" else -0.2)
+        trace = done.trace
+        count = round(rate * sum(phases.values()))
+        start_s = (
+            trace.origin.motion_s
+            if kind == "slide"
+            else trace.time_s[np.argmax(trace.force_n > 0.9 * force_n)]
+        )
+        told_s = (
+            phases["away"] + phases["press"] + (phases["wait"] + 0.2 if kind == "slide" else -0.2)
+        )
         shift = round(rate * (told_s - start_s))
-        volts, moving = np.full(count, np.median(trace.voltage_v[:200])), np.zeros(count)
+        volts = np.full(count, np.median(trace.voltage_v[:200]))
+        moving = np.zeros(count)
         volts += np.random.default_rng(number).normal(0.0, design.detector.noise_v, count)
         place = slice(max(0, shift), min(count, shift + len(trace.voltage_v)))
         volts[place] = trace.voltage_v[place.start - shift : place.stop - shift]
@@ -70,18 +87,24 @@ def simulate_person(
 
 
 def play(samples: np.ndarray, rate_hz: float) -> None:
-    """Write samples as a controller does: those that nobody reads wait in a ring of 1024, as in slip_buffer.h."""
+    """Write samples as a controller does: those that nobody reads
+    wait in a ring of 1024, as in slip_buffer.h.
+    """
     main, other = os.openpty()
     tty.setraw(other)
     print(os.ttyname(other), flush=True)
     os.set_blocking(main, rate_hz == 0)
-    start, number, waiting = time.monotonic(), 0, b""
+    start = time.monotonic()
+    number = 0
+    waiting = b""
     while True:
         due = number + 200 if rate_hz == 0 else int((time.monotonic() - start) * rate_hz)
         if waiting and due - number > RING:  # nobody reads: this process may be late itself
             number = due
         while not waiting and number < due:
-            waiting = HEADER * (number % 2000 == 0) + format_line(number, *samples[number % len(samples)])
+            waiting = HEADER * (number % 2000 == 0) + format_line(
+                number, *samples[number % len(samples)]
+            )
             number += 1
             try:
                 waiting = waiting[os.write(main, waiting) :]

@@ -1,4 +1,6 @@
-"""Recording over a pseudo terminal: labels, lost samples, interruptions, and the folder that is given away."""
+"""Recording over a pseudo terminal: labels, lost samples,
+interruptions, and the folder that is given away.
+"""
 
 from __future__ import annotations
 
@@ -36,11 +38,16 @@ DESIGN = Design.load("first_finger")
 PACE = 0.05
 
 
-def record_over_a_terminal(folder: Path, lines: list[bytes], plan: Plan) -> tuple[Recorded, list[str]]:
-    """Record what a thread writes to a pseudo terminal, and return it with what the person is told."""
+def record_over_a_terminal(
+    folder: Path, lines: list[bytes], plan: Plan
+) -> tuple[Recorded, list[str]]:
+    """Record what a thread writes to a pseudo terminal, and return it with what the
+    person is told.
+    """
     main, other = os.openpty()
     tty.setraw(other)
-    port, told = Port(os.ttyname(other), stale_s=0.0), list[str]()
+    port = Port(os.ttyname(other), stale_s=0.0)
+    told = list[str]()
 
     def write() -> None:
         with suppress(OSError):  # the recorder has all, and the terminal is closed
@@ -50,7 +57,9 @@ def record_over_a_terminal(folder: Path, lines: list[bytes], plan: Plan) -> tupl
     threading.Thread(target=write, daemon=True).start()
     prepare_folder(folder, DESIGN)
     try:
-        recorder = Recorder(DESIGN, folder, plan, lambda number, phase, line: told.append(line), told.append)
+        recorder = Recorder(
+            DESIGN, folder, plan, lambda number, phase, line: told.append(line), told.append
+        )
         return recorder.run(SampleReader(port)), told
     finally:
         port.close()
@@ -59,16 +68,21 @@ def record_over_a_terminal(folder: Path, lines: list[bytes], plan: Plan) -> tupl
 
 
 def test_trials_have_their_labels_and_lost_samples_are_counted(tmp_path: Path) -> None:
-    """Three lines are lost in the first trial, one is damaged in the second, and a gap repeats the third."""
+    """Three lines are lost in the first trial, one is damaged in
+    the second, and a gap repeats the third.
+    """
     count = [round(2000 * PACE * sum(KINDS[kind_of(number)].values())) for number in (1, 2, 3)]
     pause = round(2000 * PACE * PAUSE_S)  # before each force
     lines = [
-        format_line(i, 1.0 + 1e-4 * (i % 7), pause + 500 <= i < pause + 600) for i in range(9 * count[0] + 9 * pause)
+        format_line(i, 1.0 + 1e-4 * (i % 7), pause + 500 <= i < pause + 600)
+        for i in range(9 * count[0] + 9 * pause)
     ]
     lines[2 * pause + count[0] + 10] = b"0.4\xff05,1.0\n"
     late = 3 * pause + sum(count[:2]) + 100
     kept = [*lines[: pause + 200], *lines[pause + 203 : late], *lines[late + 60 :]]
-    found, told = record_over_a_terminal(tmp_path, [HEADER, *kept], Plan(3, (0.5, 1.0, 2.0), "paper", pace=PACE))
+    found, told = record_over_a_terminal(
+        tmp_path, [HEADER, *kept], Plan(3, (0.5, 1.0, 2.0), "paper", pace=PACE)
+    )
     assert found == Recorded((1, 2, 3), lost=4, repeated=1, samples=sum(count))
     trials = read_recordings(tmp_path)
     assert [trial.labels.lost for trial in trials] == [3, 1, 0]
@@ -80,15 +94,38 @@ def test_trials_have_their_labels_and_lost_samples_are_counted(tmp_path: Path) -
         assert len(trial.trace.time_s) == expected
         assert np.diff(trial.trace.time_s) == pytest.approx(5e-4)
     assert np.flatnonzero(trials[0].trace.slip)[[0, -1]].tolist() == [500, 599]
-    assert trials[0].trace.voltage_v[200:203] == pytest.approx(trials[0].trace.voltage_v[199]), "as in the firmware"
+    assert trials[0].trace.voltage_v[200:203] == pytest.approx(trials[0].trace.voltage_v[199]), (
+        "as in the firmware"
+    )
     assert any("trial 1 of 3, slide: let the slide go" in text for text in told)
     assert [text for text in told if "moved" in text][:1] == ["trial 1: moved for 50 ms"], "at once"
 
 
 def test_a_folder_is_given_away_when_all_is_filled_in_and_somebody_agreed(tmp_path: Path) -> None:
     lines = b"".join([HEADER, *(format_line(i, 1.0 + 1e-4 * (i % 7), 0) for i in range(4000))])
-    words = ("--trials", "1", "--force-n", "1.5", "--surface", "paper", "--stroke-mm", "25", "--onset-error-ms", "3")
-    record = ("record", "first_finger", "--port", "-", "--pace", str(PACE), "--temperature-c", "21", *words)
+    words = (
+        "--trials",
+        "1",
+        "--force-n",
+        "1.5",
+        "--surface",
+        "paper",
+        "--stroke-mm",
+        "25",
+        "--onset-error-ms",
+        "3",
+    )
+    record = (
+        "record",
+        "first_finger",
+        "--port",
+        "-",
+        "--pace",
+        str(PACE),
+        "--temperature-c",
+        "21",
+        *words,
+    )
     assert run_fingertip(*record, given=lines.decode(), PWD=str(tmp_path)).returncode == 0
     (tmp_path / "measured").mkdir()
     (tmp_path / "measured/recordings.txt").write_text("of somebody else")
@@ -103,22 +140,35 @@ def test_a_folder_is_given_away_when_all_is_filled_in_and_somebody_agreed(tmp_pa
     assert "nobody agrees" in done.stdout
     assert "is open in line" in done.stdout
     for name in ("README.md", "CONSENT.md"):
-        text = (tmp_path / name).read_text().replace("agrees: FILL IN with yes or no", "agrees: yes")
+        text = (
+            (tmp_path / name).read_text().replace("agrees: FILL IN with yes or no", "agrees: yes")
+        )
         (tmp_path / name).write_text(text.replace("FILL IN", "somebody"))
     assert check_recordings(tmp_path) == (1, [], [])
     trial = (tmp_path / "trial_0001.csv").read_bytes()
-    (tmp_path / "trial_0001.csv").write_bytes(trial.replace(b'"simulated":false', b'"simulated":true'))
+    (tmp_path / "trial_0001.csv").write_bytes(
+        trial.replace(b'"simulated":false', b'"simulated":true')
+    )
     assert ["1 trials are simulated" in note for note in check_recordings(tmp_path)[2]] == [True]
-    damaged = (tmp_path / "trial_0001.csv").read_bytes().replace(b'"kind":"slide"', b'"kind":"glide"')
+    damaged = (
+        (tmp_path / "trial_0001.csv").read_bytes().replace(b'"kind":"slide"', b'"kind":"glide"')
+    )
     (tmp_path / "trial_0001.csv").write_bytes(damaged)
-    assert ["(kind: input should be 'slide', " in fault for fault in check_recordings(tmp_path)[1]] == [True]
+    assert [
+        "(kind: input should be 'slide', " in fault for fault in check_recordings(tmp_path)[1]
+    ] == [True]
 
 
 @pytest.mark.parametrize(
-    "words", [("--port", "/dev/no_such"), ("--force-n", "1,-2"), ("--trials", "0"), ("--pace", "9e9")]
+    "words",
+    [("--port", "/dev/no_such"), ("--force-n", "1,-2"), ("--trials", "0"), ("--pace", "9e9")],
 )
-def test_what_cannot_be_is_refused_before_a_folder_is_made(words: tuple[str, str], tmp_path: Path) -> None:
-    done = run_fingertip("record", "first_finger", "--port", "/dev/null", *words, "--out", str(tmp_path / "new"))
+def test_what_cannot_be_is_refused_before_a_folder_is_made(
+    words: tuple[str, str], tmp_path: Path
+) -> None:
+    done = run_fingertip(
+        "record", "first_finger", "--port", "/dev/null", *words, "--out", str(tmp_path / "new")
+    )
     assert done.returncode == 2
     assert not (tmp_path / "new").exists()
 
@@ -140,7 +190,9 @@ def playing(folder: Path, volts: np.ndarray | None = None) -> Iterator[str]:
     volts = np.linspace(0.5, 1.5, 4001) if volts is None else volts
     np.save(folder / "samples.npy", np.column_stack([volts, np.arange(len(volts)) % 3 == 0]))
     command = [sys.executable, "-m", "tests.bench.player", str(folder / "samples.npy"), "2000"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT) as player:
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT
+    ) as player:
         assert player.stdout
         try:
             yield player.stdout.readline().strip()
@@ -149,8 +201,20 @@ def playing(folder: Path, volts: np.ndarray | None = None) -> Iterator[str]:
 
 
 def start(port: str, folder: Path, *words: str) -> subprocess.Popen[str]:
-    command = [sys.executable, "-m", "fingertip", "record", "first_finger", "--port", port, "--out", str(folder)]
-    return subprocess.Popen([*command, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    command = [
+        sys.executable,
+        "-m",
+        "fingertip",
+        "record",
+        "first_finger",
+        "--port",
+        port,
+        "--out",
+        str(folder),
+    ]
+    return subprocess.Popen(
+        [*command, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
 
 
 @pytest.mark.full
@@ -190,4 +254,7 @@ def test_thirty_minutes_lose_nothing(tmp_path: Path) -> None:
         words = ("--pace", "4.9", "--trials", "45")
         said, errors = start(port, tmp_path / "out", *words).communicate(timeout=2400)
     assert " 0 lost, 0 trials repeated" in said, errors
-    assert sum(len(trial.trace.time_s) for trial in read_recordings(tmp_path / "out")) >= 30 * 60 * 2000
+    assert (
+        sum(len(trial.trace.time_s) for trial in read_recordings(tmp_path / "out"))
+        >= 30 * 60 * 2000
+    )

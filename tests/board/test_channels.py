@@ -1,4 +1,6 @@
-"""The board of several fingers: KiCad's checks, its channels against the board of one, crosstalk, and the bring-up."""
+"""The board of several fingers: KiCad's checks, its channels against
+the board of one, crosstalk, and the bring-up.
+"""
 
 from __future__ import annotations
 
@@ -44,14 +46,24 @@ def load(channels: int) -> Design:
 
 def test_each_channel_is_the_board_of_one_finger() -> None:
     values = board_values(load(PLACES))
-    single, whole = board_circuit(values), board_circuit(values, PLACES)
+    single = board_circuit(values)
+    whole = board_circuit(values, PLACES)
     connectors = (SENSOR_CONNECTOR, HOST)
     for channel in range(1, PLACES + 1):
         named = [(part, *split_name(part.reference)) for part in whole.components]
-        parts = {replace(part, reference=own) for part, number, own in named if number in (0, channel)}
-        assert [part for part in single.components if part.reference not in connectors and part not in parts] == []
+        parts = {
+            replace(part, reference=own) for part, number, own in named if number in (0, channel)
+        }
+        assert [
+            part
+            for part in single.components
+            if part.reference not in connectors and part not in parts
+        ] == []
         assert len(parts) == len(single.components)
-        nets = [(*split_name(name), pin, split_net(net)[1]) for (name, pin), net in whole.net_by_pin.items()]
+        nets = [
+            (*split_name(name), pin, split_net(net)[1])
+            for (name, pin), net in whole.net_by_pin.items()
+        ]
         by_pin = {(own, pin): net for number, own, pin, net in nets if number in (0, channel)}
         for (name, pin), net in single.net_by_pin.items():
             assert name in connectors or by_pin[name, pin] == net
@@ -63,7 +75,11 @@ def test_each_channel_is_the_board_of_one_finger() -> None:
 
 
 def sorted_pins(circuit: Any) -> list[tuple[int, str]]:
-    pins = ((int(pin), net) for (part, pin), net in circuit.net_by_pin.items() if part == HOST and pin.isdigit())
+    pins = (
+        (int(pin), net)
+        for (part, pin), net in circuit.net_by_pin.items()
+        if part == HOST and pin.isdigit()
+    )
     return sorted(pins)
 
 
@@ -84,7 +100,8 @@ def test_a_plug_connects_its_sensor_in_the_socket_of_its_finger_alone() -> None:
 
 
 def test_board_of_five_fingers_keeps_its_limits() -> None:
-    values, placement = board_values(load(PLACES)), load_project("precision", PLACES).placement
+    values = board_values(load(PLACES))
+    placement = load_project("precision", PLACES).placement
     circuit = board_circuit(values, PLACES)
     lines = list_bom(circuit)
     assert placement.width <= 60.0
@@ -106,7 +123,9 @@ def test_empty_places_are_neither_bought_nor_counted(channels: int) -> None:
     files = board_files(load(channels))
     assert files[SCHEMATIC].count(b"(dnp yes)") == 2 * (PLACES - channels)  # a sheet and its socket
     touching = re.findall(r"^C\d\d f(\d)_\S+ f(\d)_", files[DECK].decode(), re.MULTILINE)
-    assert touching == [(str(k), str(k + 1)) for k in range(1, channels) for _ in range(5)], "wires side by side"
+    assert touching == [(str(k), str(k + 1)) for k in range(1, channels) for _ in range(5)], (
+        "wires side by side"
+    )
     empty = [part for part in circuit.components if not part.is_fitted]
     assert files[LAYOUT].count(b" dnp)") == len(empty)
     single = board_circuit(values)
@@ -117,7 +136,8 @@ def test_empty_places_are_neither_bought_nor_counted(channels: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("wire_f", "least_db", "most_db"), [(interference.WIRE_F_PER_M, -69.0, -68.0), (1e-18, -110.0, -95.0)]
+    ("wire_f", "least_db", "most_db"),
+    [(interference.WIRE_F_PER_M, -69.0, -68.0), (1e-18, -110.0, -95.0)],
 )
 def test_crosstalk_is_that_of_ngspice(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, wire_f: float, least_db: float, most_db: float
@@ -125,7 +145,8 @@ def test_crosstalk_is_that_of_ngspice(
     """With wires that touch, and with supply, ground and references alone."""
     monkeypatch.setattr(interference, "WIRE_F_PER_M", wire_f)
     circuit = board_circuit(board_values(load(PLACES)), PLACES)
-    bandwidth_hz = find_gain_bandwidth_hz(board := load(PLACES).board)
+    board = load(PLACES).board
+    bandwidth_hz = find_gain_bandwidth_hz(board)
     deck = spice_deck(interference.connect_cables(circuit, board), bandwidth_hz, 3.3).decode()
     pins = " ".join(f"vm(f{k}_adc_filtered,host_ground)" for k in range(1, PLACES + 1))
     found_db, hz = interference.find_crosstalk(circuit, board, bandwidth_hz)
@@ -155,7 +176,9 @@ def test_long_cables_warn_with_a_length_that_does_not() -> None:
 def test_edited_sheet_of_a_channel_keeps_its_edits(tmp_path: Path) -> None:
     write_board(load(2), tmp_path)
     sheet = tmp_path / CHANNEL_SHEET
-    moved = sheet.read_text("utf-8").replace('"Reference" "R101" (at ', '"Reference" "R101" (at 1', 1)
+    moved = sheet.read_text("utf-8").replace(
+        '"Reference" "R101" (at ', '"Reference" "R101" (at 1', 1
+    )
     sheet.write_text(moved, encoding="utf-8")
     notes: list[str] = []
     changed = Design.load("fsr400", changes=["board.channels=2", "board.cutoff_hz=80"])
@@ -169,17 +192,25 @@ def test_edited_sheet_of_a_channel_keeps_its_edits(tmp_path: Path) -> None:
     assert (tmp_path / LAYOUT).read_bytes() == board_files(changed)[LAYOUT]
 
 
-def test_commands_say_how_many_fingers_and_firmware_takes_them_from_the_board(tmp_path: Path) -> None:
+def test_commands_say_how_many_fingers_and_firmware_takes_them_from_the_board(
+    tmp_path: Path,
+) -> None:
     assert plan_fingers(load(3)).names == NAMES[:3]
     with pytest.raises(
-        FingertipError, match=r"5 are more than the 3 .*give fingers=3, or changes=\{.board.channels.: 5\}"
+        FingertipError,
+        match=r"5 are more than the 3 .*give fingers=3, or changes=\{.board.channels.: 5\}",
     ):
         plan_fingers(load(3), "5")
-    said = run_fingertip("board", "params/fsr400.toml", "--set", *ALL, "--out", str(tmp_path / "b")).stdout
+    said = run_fingertip(
+        "board", "params/fsr400.toml", "--set", *ALL, "--out", str(tmp_path / "b")
+    ).stdout
     assert "5 fingers: 11.0 mA at rest, crosstalk at most -69 dB (at 201 Hz)" in said
     run_fingertip("firmware", "params/fsr400.toml", "--set", *ALL, "--out", str(tmp_path / "f"))
     text = (tmp_path / "f/README.md").read_text("utf-8")
-    assert "| 14 | S5 | analog in: S of little | analog input PB1: the detector reads it |" in " ".join(text.split())
+    assert (
+        "| 14 | S5 | analog in: S of little | analog input PB1: the detector reads it |"
+        in " ".join(text.split())
+    )
 
 
 def test_other_variants_are_refused() -> None:

@@ -1,4 +1,6 @@
-"""Divider in place of a board: one circuit in all its files, the signal it gives, and what it refuses."""
+"""Divider in place of a board: one circuit in all its files, the
+signal it gives, and what it refuses.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +50,9 @@ def hand_calculated_v(ohm: float, sensor_ohm: float, supply_v: float = 3.3) -> f
 
 @given(st.floats(1000, 1e6), st.floats(100, 1e7))
 def test_response_is_that_of_two_resistors(ohm: float, sensor_ohm: float) -> None:
-    design = DESIGN.model_copy(update={"board": DESIGN.board.model_copy(update={"divider_ohm": ohm})})
+    design = DESIGN.model_copy(
+        update={"board": DESIGN.board.model_copy(update={"divider_ohm": ohm})}
+    )
     found_v = find_tactile_response(design).tactile_v(1 / sensor_ohm)
     assert found_v == pytest.approx(hand_calculated_v(ohm, sensor_ohm), rel=1e-9)
 
@@ -63,9 +67,17 @@ def test_folder_states_one_circuit(tmp_path: Path) -> None:
     assert nets["VCC"] == {("J1", "1"), ("J3", "1")}
     assert nets["GND"] == {("R1", "2"), ("J3", "3")}
     assert "\nVJ3 vcc 0 3.3\n" in (tmp_path / "slip_filter.cir").read_text(encoding="utf-8")
-    words = {text.text for text in ElementTree.parse(tmp_path / "wiring.svg").iter("{http://www.w3.org/2000/svg}text")}
+    words = {
+        text.text
+        for text in ElementTree.parse(tmp_path / "wiring.svg").iter(
+            "{http://www.w3.org/2000/svg}text"
+        )
+    }
     assert {"ADC_VREF (pin 35)", "A0: GP26 (pin 31)", "GND (pin 33)", "10k ohm"} <= words
-    assert all("pin 35" in (tmp_path / name).read_text(encoding="utf-8") for name in ("README.md", "slip_filter.net"))
+    assert all(
+        "pin 35" in (tmp_path / name).read_text(encoding="utf-8")
+        for name in ("README.md", "slip_filter.net")
+    )
     assert ".kicad_sch" not in (tmp_path / "slip_filter.net").read_text(encoding="utf-8")
     values = json.loads((tmp_path / "values.json").read_text(encoding="utf-8"))
     assert values["parameters"] == {"variant": "divider", "divider_ohm": 10e3, "supply_v": 3.3}
@@ -77,18 +89,29 @@ def test_folder_states_one_circuit(tmp_path: Path) -> None:
 def test_ngspice_gives_the_expected_readings(tmp_path: Path) -> None:
     ngspice = require_tool("ngspice", HOW_TO_INSTALL_NGSPICE)
     write_board(DESIGN, tmp_path)
-    done = subprocess.run([ngspice, "-b", "slip_filter.cir"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [ngspice, "-b", "slip_filter.cir"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     rows = [line.split() for line in done.stdout.splitlines() if line[:1] in ("0", "1")]
     computed = sorted(float(volts) for _, _, volts in rows)
     readings = json.loads((tmp_path / "values.json").read_text(encoding="utf-8"))["readings"]
     assert [one["mass_g"] for one in readings] == [0.0, 100.0, 500.0]
     assert [round(volts, 2) for volts in computed] == [one["tactile_v"] for one in readings[1:]]
-    assert [one["counts"] for one in readings] == [0, *(round(volts / 3.3 * 4096) for volts in computed)]
+    assert [one["counts"] for one in readings] == [
+        0,
+        *(round(volts / 3.3 * 4096) for volts in computed),
+    ]
 
 
 @pytest.mark.parametrize("change", ["board.divider_ohm=10000", "force_curve.curve=calibrated"])
 def test_hand_reads_the_weight_off_the_expected_voltage(change: str) -> None:
-    """The skin carries a part of the weight, for the readings as for the forces of sketch and simulated hand."""
+    """The skin carries a part of the weight, for the readings as for
+    the forces of sketch and simulated hand.
+    """
     design = Design.load("fsr400", changes=[*CHANGES, change])
     for reading in expect_readings(design):
         found_n = ForceCurve.from_design(design).force_n(reading.tactile_v)
@@ -96,15 +119,24 @@ def test_hand_reads_the_weight_off_the_expected_voltage(change: str) -> None:
 
 
 def test_current_and_range_are_stated() -> None:
-    ohm = 10e3 + 3.3 / 3.3 * 250  # the data sheet's 250 ohm at 10 kg; the sensor conducts less at 20 N
-    assert 0.9 < compute_current_ratio(DESIGN) / (3.3 / ohm / (1e-3 * math.pi / 4 * 0.508**2)) <= 1.0
+    ohm = (
+        10e3 + 3.3 / 3.3 * 250
+    )  # the data sheet's 250 ohm at 10 kg; the sensor conducts less at 20 N
+    assert (
+        0.9 < compute_current_ratio(DESIGN) / (3.3 / ohm / (1e-3 * math.pi / 4 * 0.508**2)) <= 1.0
+    )
     assert not list(find_range_warnings(DESIGN))
     clipped = Design.load("fsr400", changes=[*CHANGES, "board.supply_v=5"])
     assert "--set board.supply_v=3.3" in next(find_range_warnings(clipped))
 
 
 def test_rules_of_the_filter_do_not_refuse_a_divider() -> None:
-    changes = ["board.capacitor_uf=3", "board.passband_gain=9000", "detector.threshold_v=3", "board.r5_ohm=9e6"]
+    changes = [
+        "board.capacitor_uf=3",
+        "board.passband_gain=9000",
+        "detector.threshold_v=3",
+        "board.r5_ohm=9e6",
+    ]
     assert Design.load("fsr400", changes=[*CHANGES, *changes]).board.has_filter is False
     with pytest.raises(FingertipError):
         Design.load("fsr400", changes=changes)
@@ -124,7 +156,9 @@ def test_only_fast_works_on_it() -> None:
         with pytest.raises(FingertipError) as refused:
             make_detector(name, DESIGN)
         assert "use detector fast, or a board with" in str(refused.value)
-        make_detector(name, Design.load("fsr400", changes=[*CHANGES, "board.variant=precision"]))  # the other remedy
+        make_detector(
+            name, Design.load("fsr400", changes=[*CHANGES, "board.variant=precision"])
+        )  # the other remedy
 
 
 def test_what_needs_a_board_is_refused(tmp_path: Path) -> None:
@@ -168,4 +202,6 @@ def test_validation_says_what_a_board_would_add() -> None:
 def test_divider_whose_filter_has_no_board_is_validated_alone() -> None:
     refused = Design.load("fsr400", changes=[*CHANGES, "board.capacitor_uf=3"])
     result = run_campaign(refused, CampaignPlan(1, 0.5), ("fast",), (1.0,))
-    assert "does not suffice; no board is compared" in compare_with_board(refused, result, "fast").tell(passed=False)
+    assert "does not suffice; no board is compared" in compare_with_board(
+        refused, result, "fast"
+    ).tell(passed=False)

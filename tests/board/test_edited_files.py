@@ -1,4 +1,6 @@
-"""A layout or schematic that somebody edited: values follow the design, everything else stays as it was edited."""
+"""A layout or schematic that somebody edited: values follow the
+design, everything else stays as it was edited.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,12 @@ from fingertip.catalogues.output_files import BOARD, LAYOUT, NETLIST, PROJECT, S
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.output_set import Revision
 from fingertip.tasks.board import write_board
-from fingertip.tasks.edited_board import enter_texts, find_edited, refuse_other_circuit, revise_edited
+from fingertip.tasks.edited_board import (
+    enter_texts,
+    find_edited,
+    refuse_other_circuit,
+    revise_edited,
+)
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.board.test_layout import NO_VIOLATIONS, run_drc
 from tests.conftest import run_fingertip
@@ -63,9 +70,15 @@ def move_label(path: Path) -> bytes:
 
 
 def reindent(path: Path) -> None:
-    """Indent a file in another way, with the line ends of Windows and a list that this program does not write."""
+    """Indent a file in another way, with the line ends of Windows
+    and a list that this program does not write.
+    """
     text = path.read_bytes().decode().replace("\n  ", "\r\n\t").replace(")(", ") (")
-    path.write_bytes(text.replace("(embedded_fonts no))", '(embedded_fonts no)(mine "a \\"b\\" (c" 1e3))').encode())
+    path.write_bytes(
+        text.replace(
+            "(embedded_fonts no))", '(embedded_fonts no)(mine "a \\"b\\" (c" 1e3))'
+        ).encode()
+    )
 
 
 def fields(tree: Expression, kind: str) -> dict[str, dict[str, str]]:
@@ -78,7 +91,9 @@ def fields(tree: Expression, kind: str) -> dict[str, dict[str, str]]:
 
 
 def without_fields(tree: Expression) -> Expression:
-    """A file without the texts of its parts' fields and of what is printed on the board, such as the values."""
+    """A file without the texts of its parts' fields and of what is
+    printed on the board, such as the values.
+    """
     return [
         (
             ["property", item[1], *item[3:]]
@@ -102,7 +117,9 @@ def folder(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize(("name", "kind"), [(LAYOUT, "footprint"), (SCHEMATIC, "symbol")])
 @pytest.mark.parametrize(
-    "change", [lambda path: None, pytest.param(reindent, marks=pytest.mark.full)], ids=["as written", "indented"]
+    "change",
+    [lambda path: None, pytest.param(reindent, marks=pytest.mark.full)],
+    ids=["as written", "indented"],
 )
 def test_values_are_entered_and_every_other_byte_stays(
     folder: Path, tmp_path: Path, name: str, kind: str, change: Callable[[Path], None]
@@ -140,14 +157,20 @@ def small_board(tmp_path: Path) -> Path:
 def small_files(value: str, symbol: Symbol = RESISTOR) -> dict[str, bytes]:
     """Netlist, layout, schematic and project of two parts of a value."""
     parts = [Component(name, value, symbol, R_0603, "of a divider") for name in ("R1", "R2")]
-    netlist = kicad_netlist_file(build_circuit("small", {part: {"1": "A", "2": "B"} for part in parts}))
+    netlist = kicad_netlist_file(
+        build_circuit("small", {part: {"1": "A", "2": "B"} for part in parts})
+    )
     items = [
         (f'(path "{part.identifier}") (uuid "{part.identifier[1:]}")', name, part.fields["Value"])
         for name, part in read_netlist(netlist).parts.items()
     ]
-    fields = [f'{ends} (property "Reference" "{name}") (property "Value" "{word}")' for ends, name, word in items]
+    fields = [
+        f'{ends} (property "Reference" "{name}") (property "Value" "{word}")'
+        for ends, name, word in items
+    ]
     layout, schematic = (
-        f"(kicad {' '.join(f'({kind} {each})' for each in fields)})".encode() for kind in ("footprint", "symbol")
+        f"(kicad {' '.join(f'({kind} {each})' for each in fields)})".encode()
+        for kind in ("footprint", "symbol")
     )
     return {NETLIST: netlist, LAYOUT: layout, SCHEMATIC: schematic, PROJECT: b"{}"}
 
@@ -165,20 +188,27 @@ def test_guard_revises_what_somebody_edited_and_nothing_else(small_board: Path) 
     assert revisions.keys() == {LAYOUT, PROJECT}
     assert revisions[PROJECT].after == b"{} by hand"
     assert [note.partition(": ")[2].partition(", and")[0] for note in notes] == [
-        "was changed in KiCad", "was edited; the values of R1 and R2 are updated"
-    ]  # fmt: skip
+        "was changed in KiCad",
+        "was edited; the values of R1 and R2 are updated",
+    ]
 
 
 def test_guard_refuses_what_an_edited_file_cannot_follow(small_board: Path) -> None:
     others = small_files("2k", CAPACITOR)
-    with pytest.raises(OutputError, match=r"holds a board of 'fsr400' with another circuit.*with out beside"):
+    with pytest.raises(
+        OutputError, match=r"holds a board of 'fsr400' with another circuit.*with out beside"
+    ):
         refuse_other_circuit(small_board, others[NETLIST], Path("beside"))
     refuse_other_circuit(small_board, small_files("2k")[NETLIST], Path("beside"))
     schematic = small_board / SCHEMATIC
     schematic.write_bytes(schematic.read_bytes().replace(b'"1k"', b'"3k"', 1))
-    refuse_other_circuit(small_board, others[NETLIST], Path("beside"))  # what is edited is left to the other guard
+    refuse_other_circuit(
+        small_board, others[NETLIST], Path("beside")
+    )  # what is edited is left to the other guard
     assert find_edited(small_board) == [SCHEMATIC]
-    with pytest.raises(OutputError, match="R1 has Value '3k' by hand, and this design changes it from '1k' to '2k'"):
+    with pytest.raises(
+        OutputError, match="R1 has Value '3k' by hand, and this design changes it from '1k' to '2k'"
+    ):
         revise_small(small_board, small_files("2k"))
     with pytest.raises(OutputError, match="was edited, and this design changes more than values"):
         revise_small(small_board, others)
@@ -188,7 +218,13 @@ def test_guard_refuses_what_an_edited_file_cannot_follow(small_board: Path) -> N
 
 
 def test_change_of_parts_or_nets_writes_nothing(folder: Path) -> None:
-    words = ("board", *ARTICLE_OPTIONS, "--out", folder, *(w for change in OTHER_PARTS for w in ("--set", change)))
+    words = (
+        "board",
+        *ARTICLE_OPTIONS,
+        "--out",
+        folder,
+        *(w for change in OTHER_PARTS for w in ("--set", change)),
+    )
     move_label(folder / SCHEMATIC)
     move_r1(folder)
     before = files_in(folder)
@@ -207,14 +243,21 @@ def test_change_of_parts_or_nets_writes_nothing(folder: Path) -> None:
 
 def test_every_change_of_structure_is_described() -> None:
     """Values alone are none."""
-    parts = {name: Part(f"id {name}", ("Lib:Footprint", "Lib:R"), {"Value": "1k"}) for name in ("R1", "R2", "R3")}
+    parts = {
+        name: Part(f"id {name}", ("Lib:Footprint", "Lib:R"), {"Value": "1k"})
+        for name in ("R1", "R2", "R3")
+    }
     nets = {"A": frozenset({("R1", "1"), ("R2", "1")}), "B": frozenset({("R1", "2"), ("R3", "1")})}
     old = CircuitRecord(parts, nets)
 
-    def describe(parts: Mapping[str, Part] = parts, nets: Mapping[str, frozenset[tuple[str, str]]] = nets) -> str:
+    def describe(
+        parts: Mapping[str, Part] = parts, nets: Mapping[str, frozenset[tuple[str, str]]] = nets
+    ) -> str:
         return "; ".join(describe_structure_changes(old, CircuitRecord(parts, nets)))
 
-    assert describe() == describe({**parts, "R1": replace(parts["R1"], fields={"Value": "2k"})}) == ""
+    assert (
+        describe() == describe({**parts, "R1": replace(parts["R1"], fields={"Value": "2k"})}) == ""
+    )
     assert describe({**parts, "R4": parts["R1"]}) == "it adds R4"
     assert describe({"R1": parts["R1"]}) == "it removes R2 and R3"
     for kind in (("Lib:Other", "Lib:R"), ("Lib:Footprint", "Lib:Other")):
@@ -231,7 +274,8 @@ def test_value_changed_by_hand_stays_where_the_design_does_not_change_it(folder:
     write_board(load_article(OTHER_VALUES), folder, progress=notes.append)
     (note,) = notes
     assert note.endswith(
-        "Your values of R13 are in it alone: bom.csv, slip_filter.net, slip_filter.cir, values.json and assembly.svg "
+        "Your values of R13 are in it alone: bom.csv, slip_filter.net, slip_filter.cir, "
+        "values.json and assembly.svg "
         "have those of the design."
     )
     found = fields(parse((folder / LAYOUT).read_text("utf-8")), "footprint")
@@ -283,9 +327,13 @@ def test_edit_that_values_cannot_be_entered_into_is_refused(
 def test_fabrication_files_of_an_edited_board_are_refused(folder: Path) -> None:
     move_r1(folder)
     before = files_in(folder)
-    run = run_fingertip("board", *ARTICLE_OPTIONS, "--out", folder, "--fab", "--set", OTHER_VALUES[0])
+    run = run_fingertip(
+        "board", *ARTICLE_OPTIONS, "--out", folder, "--fab", "--set", OTHER_VALUES[0]
+    )
     assert run.returncode == 2
-    assert "kicad_pcb: was edited, and --fab would export the board without your edits" in run.stderr
+    assert (
+        "kicad_pcb: was edited, and --fab would export the board without your edits" in run.stderr
+    )
     assert files_in(folder) == before
 
 
@@ -312,18 +360,24 @@ def test_layout_saved_by_kicad_keeps_its_positions_and_passes_the_checks(folder:
     home = folder.parent / "home"
     home.mkdir()
     subprocess.run(
-        ["/usr/bin/python3", "-c", MOVE_WITH_KICAD, folder / LAYOUT], check=True, capture_output=True,
+        ["/usr/bin/python3", "-c", MOVE_WITH_KICAD, folder / LAYOUT],
+        check=True,
+        capture_output=True,
         env=environment | {"HOME": str(home), "KICAD_CONFIG_HOME": str(home)},
-    )  # fmt: skip
+    )
     move_label(folder / SCHEMATIC)
     saved = parse((folder / LAYOUT).read_text("utf-8"))
     assert run_drc(folder) == NO_VIOLATIONS
     write_board(load_article(OTHER_VALUES), folder)
     now = parse((folder / LAYOUT).read_text("utf-8"))
     assert without_fields(now) == without_fields(saved)
-    assert fields(now, "footprint")["R1"]["Value"] == "2k" != fields(saved, "footprint")["R1"]["Value"]
+    assert (
+        fields(now, "footprint")["R1"]["Value"] == "2k" != fields(saved, "footprint")["R1"]["Value"]
+    )
     assert run_drc(folder) == NO_VIOLATIONS
-    erc = kicad_cli(folder, "sch", "erc", SCHEMATIC, "--severity-all", "--exit-code-violations", "-o", "erc.rpt")
+    erc = kicad_cli(
+        folder, "sch", "erc", SCHEMATIC, "--severity-all", "--exit-code-violations", "-o", "erc.rpt"
+    )
     assert erc.returncode == 0, (folder / "erc.rpt").read_text()
 
 
@@ -337,20 +391,37 @@ def layout_with_texts(**texts: str) -> bytes:
 def test_printed_values_follow_and_other_texts_stay() -> None:
     old = layout_with_texts(a="R1 2.4k", b="R2 1k", c="board")
     new = layout_with_texts(a="R1 2k", b="R2 2k", c="board")
-    edited = layout_with_texts(c="board of mine", b="R2 by hand", a="R1 2.4k", d="R1 2.4k").replace(b"at 1", b"at 7")
+    edited = layout_with_texts(c="board of mine", b="R2 by hand", a="R1 2.4k", d="R1 2.4k").replace(
+        b"at 1", b"at 7"
+    )
     after, is_complete = enter_texts(edited, old, new)
-    assert after == edited.replace(b'"R1 2.4k" (at 7 2) (uuid "a")', b'"R1 2k" (at 7 2) (uuid "a")') != edited
+    assert (
+        after
+        == edited.replace(b'"R1 2.4k" (at 7 2) (uuid "a")', b'"R1 2k" (at 7 2) (uuid "a")')
+        != edited
+    )
     assert is_complete
     assert enter_texts(edited, old, layout_with_texts(a="R1 2k")) == (after, False)
 
 
-TEXTS = ("(a)", '(a "b" (c 1 "") d)', ' \r\n(kicad_pcb\t(x "say \\"(no)\\" \\\\")\n(y -1.5e3 ä "ü\\n") )\n')
+TEXTS = (
+    "(a)",
+    '(a "b" (c 1 "") d)',
+    ' \r\n(kicad_pcb\t(x "say \\"(no)\\" \\\\")\n(y -1.5e3 ä "ü\\n") )\n',
+)
 
 
 def leading_words(node: Node) -> list[tuple[Node, int, str]]:
-    """Words of a list and of those within it that stand before any list, each with its list and index."""
-    words = [(node, i, word) for i, word in enumerate(takewhile(lambda item: isinstance(item, str), node.items))]
-    return words + [word for item in node.items if isinstance(item, Node) for word in leading_words(item)]
+    """Words of a list and of those within it that stand before
+    any list, each with its list and index.
+    """
+    words = [
+        (node, i, word)
+        for i, word in enumerate(takewhile(lambda item: isinstance(item, str), node.items))
+    ]
+    return words + [
+        word for item in node.items if isinstance(item, Node) for word in leading_words(item)
+    ]
 
 
 @pytest.mark.parametrize("text", TEXTS)
@@ -358,7 +429,13 @@ def test_words_are_found_in_their_place(text: str) -> None:
     assert replace_spans(text, {}) == text
     for node, index, word in leading_words(read_expression(text)):
         start, end = find_word(text, node, index)
-        found = text[start:end].strip('"').replace("\\n", "\n").replace('\\"', '"').replace("\\\\", "\\")
+        found = (
+            text[start:end]
+            .strip('"')
+            .replace("\\n", "\n")
+            .replace('\\"', '"')
+            .replace("\\\\", "\\")
+        )
         assert found == word
         assert text[node.start] == "("
         assert text[node.end - 1] == ")"

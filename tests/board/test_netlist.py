@@ -18,7 +18,9 @@ def test_every_pin_is_in_one_net_and_every_net_has_two_pins(name: str) -> None:
     circuit = board_circuit(board_values(load_article(VARIANT_CHANGES[name])))
     nodes = [node for net in circuit.nets for node in net.nodes]
     assert len(nodes) == len(set(nodes))
-    assert set(nodes) == {(c.reference, pin.number) for c in circuit.components for pin in c.symbol.pins}
+    assert set(nodes) == {
+        (c.reference, pin.number) for c in circuit.components for pin in c.symbol.pins
+    }
     assert all(len(net.nodes) >= 2 for net in circuit.nets)
     assert len({c.reference for c in circuit.components}) == len(circuit.components)
     assert all(c.reference[-1].isdigit() for c in circuit.components)
@@ -27,9 +29,19 @@ def test_every_pin_is_in_one_net_and_every_net_has_two_pins(name: str) -> None:
 @pytest.mark.every_case
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(4700, "4.7k"), (1180, "1.18k"), (10e6, "10M"), (47, "47"), (1e-6, "1u"), (2.2e-6, "2.2u"), (1e-7, "100n"),
-     (1e-12, "1p"), (1e-3, "1m"), (0.99999999999999e-6, "1u")],
-)  # fmt: skip
+    [
+        (4700, "4.7k"),
+        (1180, "1.18k"),
+        (10e6, "10M"),
+        (47, "47"),
+        (1e-6, "1u"),
+        (2.2e-6, "2.2u"),
+        (1e-7, "100n"),
+        (1e-12, "1p"),
+        (1e-3, "1m"),
+        (0.99999999999999e-6, "1u"),
+    ],
+)
 def test_format_component_value_uses_si_prefixes(value: float, text: str) -> None:
     assert format_component_value(value) == text
 

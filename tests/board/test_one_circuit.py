@@ -1,4 +1,6 @@
-"""One place for each component: a change there reaches netlist, bill of materials, deck, analysis and simulation."""
+"""One place for each component: a change there reaches netlist, bill
+of materials, deck, analysis and simulation.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,8 @@ from fingertip.sim.signal.filter_board import simulate_board
 from tests.board.ngspice import run_ngspice
 from tests.designs import load_article
 
-TONE_HZ, STEP_S = 100.0, 1 / 16_000
+TONE_HZ = 100.0
+STEP_S = 1 / 16_000
 DESIGN = load_article(["board.variant=comparator"])
 
 
@@ -44,7 +47,9 @@ def simulated_gain(design: Design) -> float:
     """Gain of a tone from the tactile voltage to the filtered one, in the simulation over time."""
     time = np.arange(32_000) * STEP_S
     board = AnalogBoard.from_design(design)
-    filtered = simulate_board(board, STEP_S, 1e-4 * np.sin(math.tau * TONE_HZ * time)).filtered_v[16_000:]
+    filtered = simulate_board(board, STEP_S, 1e-4 * np.sin(math.tau * TONE_HZ * time)).filtered_v[
+        16_000:
+    ]
     # The input is linear between samples, which a tone of 160 samples per period hardly notices.
     chords = 2 * (1 - math.cos(math.tau * TONE_HZ * STEP_S)) / (math.tau * TONE_HZ * STEP_S) ** 2
     return float(np.sqrt(2 * np.mean(filtered**2)) / 1e-4 / chords)
@@ -53,14 +58,22 @@ def simulated_gain(design: Design) -> float:
 def bode_gain(design: Design) -> float:
     """Gain of a tone in the Bode table."""
     rows = csv.DictReader(io.StringIO(bode_table(design)))
-    return next(10 ** (float(row["whole_db"]) / 20) for row in rows if float(row["frequency_hz"]) == TONE_HZ)
+    return next(
+        10 ** (float(row["whole_db"]) / 20) for row in rows if float(row["frequency_hz"]) == TONE_HZ
+    )
 
 
 def ngspice_gain(folder: Path, design: Design) -> float:
     """Gain of a tone in the SPICE deck."""
-    deck = spice_deck(board_circuit(board_values(design)), find_gain_bandwidth_hz(design.board), design.board.supply_v)
+    deck = spice_deck(
+        board_circuit(board_values(design)),
+        find_gain_bandwidth_hz(design.board),
+        design.board.supply_v,
+    )
     rows = run_ngspice(
-        folder, deck.decode(), f"ac lin 1 {TONE_HZ} {TONE_HZ}\nlet h = abs(v(filtered)/v(tactile))\nwrdata out h"
+        folder,
+        deck.decode(),
+        f"ac lin 1 {TONE_HZ} {TONE_HZ}\nlet h = abs(v(filtered)/v(tactile))\nwrdata out h",
     )
     return rows[0][1]
 
@@ -76,18 +89,33 @@ def bom_rows(content: bytes) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(content.decode())))
 
 
-def test_component_added_in_one_place_is_everywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_component_added_in_one_place_is_everywhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """R99 of 47k parallel to R3, which it halves, where the signal path is wired."""
-    parallel = {"boards": "", "reference": "R99", "kind": "part", "value": "47k", "symbol": "R", "footprint": "R_0603",
-                "role": "parallel to R3", "pins": "1=STAGE2_IN 2=GND"}  # fmt: skip
+    parallel = {
+        "boards": "",
+        "reference": "R99",
+        "kind": "part",
+        "value": "47k",
+        "symbol": "R",
+        "footprint": "R_0603",
+        "role": "parallel to R3",
+        "pins": "1=STAGE2_IN 2=GND",
+    }
     rows = (*circuits.load_rows(), parallel)
     original_gain = bode_gain(DESIGN)
     monkeypatch.setattr(circuits, "load_rows", lambda: rows)
-    values, circuit = board_values(DESIGN), board_circuit(board_values(DESIGN))
+    values = board_values(DESIGN)
+    circuit = board_circuit(board_values(DESIGN))
     assert '(ref "R99")' in kicad_netlist_file(circuit).decode()
     assert any("R99" in row["References"].split() for row in bom_rows(bill_of_materials(circuit)))
-    assert values.achieved_response.section_quality == pytest.approx(math.sqrt(2350 / 4800), rel=1e-9)
-    assert asdict(compute_filter(DESIGN.board)[1]) == pytest.approx(asdict(values.achieved_response))
+    assert values.achieved_response.section_quality == pytest.approx(
+        math.sqrt(2350 / 4800), rel=1e-9
+    )
+    assert asdict(compute_filter(DESIGN.board)[1]) == pytest.approx(
+        asdict(values.achieved_response)
+    )
     assert any(item.cause == "R99" for item in analyse(DESIGN, boards=10).noise)
     gain = bode_gain(DESIGN)
     assert gain < 0.9 * original_gain

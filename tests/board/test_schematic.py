@@ -1,4 +1,6 @@
-"""Schematic and netlist against KiCad: its rules check, its netlist of the drawing, its libraries, its PCB editor."""
+"""Schematic and netlist against KiCad: its rules check, its netlist of
+the drawing, its libraries, its PCB editor.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ from tests.tools import require_tool
 
 
 def run_erc(folder: Path) -> list[str]:
-    run = kicad_cli(folder, "sch", "erc", SCHEMATIC, "--severity-all", "--format", "json", "-o", "erc.json")
+    run = kicad_cli(
+        folder, "sch", "erc", SCHEMATIC, "--severity-all", "--format", "json", "-o", "erc.json"
+    )
     assert run.returncode == 0, run.stderr
     report = json.loads((folder / "erc.json").read_text("utf-8"))
     return [violation["type"] for sheet in report["sheets"] for violation in sheet["violations"]]
@@ -36,9 +40,18 @@ def export_netlist(folder: Path) -> tuple[object, object]:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("changes", [*BOARDS.values(), ("board.variant=precision", "board.channels=5"), (
-    "board.variant=precision", "board.channels=3")], ids=str)  # fmt: skip
-def test_kicad_finds_no_fault_and_the_same_circuit(board_folder: BoardFolder, changes: tuple[str, ...]) -> None:
+@pytest.mark.parametrize(
+    "changes",
+    [
+        *BOARDS.values(),
+        ("board.variant=precision", "board.channels=5"),
+        ("board.variant=precision", "board.channels=3"),
+    ],
+    ids=str,
+)
+def test_kicad_finds_no_fault_and_the_same_circuit(
+    board_folder: BoardFolder, changes: tuple[str, ...]
+) -> None:
     folder = board_folder(*changes)
     assert run_erc(folder) == []
     assert run_drc(folder) == NO_VIOLATIONS
@@ -50,13 +63,19 @@ def test_pin_positions_equal_those_of_kicads_library(name: str) -> None:
     """Symbols can then be updated from the library without disconnecting wires."""
     (drawn,) = children(parse(load_project(name).schematics[SCHEMATIC]), "lib_symbols")
     symbols = {own[1]: own for own in children(drawn, "symbol")}
-    assert [n for n, own in symbols.items() if pin_places(own) != pin_places(list_symbols(*n.split(":"))[-1])] == []
+    assert [
+        n
+        for n, own in symbols.items()
+        if pin_places(own) != pin_places(list_symbols(*n.split(":"))[-1])
+    ] == []
 
 
 def pin_places(symbol: Expression) -> dict[str, tuple[float, ...]]:
     """Position and angle of each pin of a library symbol."""
     return {
-        next(children(pin, "number"))[1]: tuple(float(word) for word in next(children(pin, "at"))[1:])
+        next(children(pin, "number"))[1]: tuple(
+            float(word) for word in next(children(pin, "at"))[1:]
+        )
         for pin in descendants(symbol, "pin")
     }
 
@@ -68,12 +87,16 @@ COMPONENTS = {
     for component in board_circuit(board_values(load_article(changes))).components
 }.values()
 SYMBOLS = sorted(
-    {component.symbol for component in COMPONENTS} | set(DUAL_AMPLIFIERS.values()), key=lambda s: (s.library, s.name)
+    {component.symbol for component in COMPONENTS} | set(DUAL_AMPLIFIERS.values()),
+    key=lambda s: (s.library, s.name),
 )
 
 
 class LazySymbols(dict[str, Expression]):
-    """Symbols of a library by name. Each is parsed on first access, because the whole library takes seconds."""
+    """Symbols of a library by name.
+
+    Each is parsed on first access, because the whole library takes seconds.
+    """
 
     def __init__(self, library: Path) -> None:
         chunks = library.read_text("utf-8").split('\n\t(symbol "')[1:]
@@ -91,7 +114,9 @@ def load_symbols(library: Path) -> LazySymbols:
 
 def list_symbols(library: str, name: str) -> list[Expression]:
     """Symbol of KiCad's library and those that it extends, the one with pins last."""
-    symbols = load_symbols(require_tool("/usr/share/kicad/symbols", HOW_TO_INSTALL_KICAD) / f"{library}.kicad_sym")
+    symbols = load_symbols(
+        require_tool("/usr/share/kicad/symbols", HOW_TO_INSTALL_KICAD) / f"{library}.kicad_sym"
+    )
     assert name in symbols.texts, f"{library} has no {name}"
     chain = [symbols[name]]
     while extended := next(children(chain[-1], "extends"), None):
@@ -100,12 +125,15 @@ def list_symbols(library: str, name: str) -> list[Expression]:
 
 
 def library_symbol(library: str, name: str) -> tuple[dict[str, str], dict[str, tuple[str, str]]]:
-    """Properties and pins (number -> name, type) of a symbol, including those of the symbol that it extends."""
+    """Properties and pins (number -> name, type) of a symbol,
+    including those of the symbol that it extends.
+    """
     chain = list_symbols(library, name)
     properties = {p[1]: p[2] for symbol in reversed(chain) for p in children(symbol, "property")}
     pins = {}
     for pin in descendants(chain[-1], "pin"):
-        number, label = next(children(pin, "number"))[1], next(children(pin, "name"))[1]
+        number = next(children(pin, "number"))[1]
+        label = next(children(pin, "name"))[1]
         pins[number] = (label, pin[1])
     return properties, pins
 
@@ -125,6 +153,8 @@ def test_footprints_match_the_filters_of_their_symbols() -> None:
         properties, _ = library_symbol(component.symbol.library, component.symbol.name)
         filters = properties["ki_fp_filters"].split()
         candidates = (component.footprint, component.footprint.split(":")[1])
-        if not any(fnmatch.fnmatchcase(name, pattern) for name in candidates for pattern in filters):
+        if not any(
+            fnmatch.fnmatchcase(name, pattern) for name in candidates for pattern in filters
+        ):
             wrong.append((component.reference, component.footprint))
     assert wrong == []

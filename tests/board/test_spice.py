@@ -27,7 +27,12 @@ from tests.oracles.filter_formulas import filter_transfer
 
 DESIGNS = {
     "article": [],
-    "another": ["board.cutoff_hz=120", "board.capacitor_uf=0.22", "board.passband_gain=21", "board.series=E96"],
+    "another": [
+        "board.cutoff_hz=120",
+        "board.capacitor_uf=0.22",
+        "board.passband_gain=21",
+        "board.series=E96",
+    ],
     "slow": ["board.cutoff_hz=5", "board.capacitor_uf=10"],
     "precision": ["board.variant=precision"],
     "precision, 500 Hz": ["board.variant=precision", "board.band_limit_hz=500"],
@@ -44,11 +49,21 @@ def write_deck(folder: Path, changes: list[str]) -> tuple[Design, str]:
 
 def max_deviation_db(folder: Path, design: Design, deck: str) -> float:
     """Maximum deviation of the deck from our transfer function [dB], from 1 Hz to 100 kHz."""
-    rows = run_ngspice(folder, deck, "ac dec 40 1 100k\nwrdata out vr(tactile) vi(tactile) vr(filtered) vi(filtered)")
+    rows = run_ngspice(
+        folder,
+        deck,
+        "ac dec 40 1 100k\nwrdata out vr(tactile) vi(tactile) vr(filtered) vi(filtered)",
+    )
     assert len(rows) > 200
     assert (rows[0][0], round(rows[-1][0])) == (1.0, 100_000)
-    values, amplifier = board_values(design), choose_amplifier(design.board)
-    arguments = values.preferred, amplifier.bandwidth_hz, values.first_stage_capacitors, amplifier.input_f
+    values = board_values(design)
+    amplifier = choose_amplifier(design.board)
+    arguments = (
+        values.preferred,
+        amplifier.bandwidth_hz,
+        values.first_stage_capacitors,
+        amplifier.input_f,
+    )
     return max(
         abs(decibel(complex(fr, fi) / complex(tr, ti)) - decibel(filter_transfer(f, *arguments)))
         for f, tr, ti, fr, fi in rows
@@ -77,19 +92,25 @@ def replace_elements(deck: str, **elements: str) -> str:
 @pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_supply_ripple_agrees_with_ngspice(tmp_path: Path, name: str) -> None:
     design, deck = write_deck(tmp_path, [*VARIANT_CHANGES[name]])
-    ripple, is_article = board_values(design).supply_ripple, name.startswith("article")
+    ripple = board_values(design).supply_ripple
+    is_article = name.startswith("article")
     sensor = deck[deck.index("RJ1 ") :].splitlines()[0].rsplit(" ", 1)[0]
-    deck = replace_elements(deck, RJ1=f"{sensor} {1 / (sensor_conductance_s(ripple.force_n) or 1e-12):.10g}")
+    deck = replace_elements(
+        deck, RJ1=f"{sensor} {1 / (sensor_conductance_s(ripple.force_n) or 1e-12):.10g}"
+    )
     (source,) = (line for line in deck.splitlines() if line.startswith(("VJ2a ", "VJ3 ")))
     ripple_only = deck.replace(f"\n{source}\n", f"\n{source} ac 1\n").replace("dc 0 ac 1u", "dc 0")
     ground = "" if is_article else "-v(vmid)"
-    rows = run_ngspice(tmp_path, ripple_only, f"ac dec 100 30 100k\nlet g = abs(v(filtered){ground})\nwrdata out g")
+    rows = run_ngspice(
+        tmp_path, ripple_only, f"ac dec 100 30 100k\nlet g = abs(v(filtered){ground})\nwrdata out g"
+    )
     gains = {f: g for f, g, *_ in rows}
     worst_hz = max(gains, key=gains.__getitem__)
     assert ripple.gain == pytest.approx(gains[worst_hz], rel=0.002 if is_article else 0.01)
     assert ripple.worst_hz == pytest.approx(worst_hz, rel=0.05)
     assert (ripple.low_hz, ripple.high_hz) == (30, 100e3)
-    # Without a low-pass (variant article) ripple of a switching converter counts more than that of the mains.
+    # Without a low-pass (variant article) ripple of a switching converter counts more than that of
+    # the mains.
     assert (worst_hz > 5000) == (is_article and "3v3" not in name)
     peak = 0.45 if is_article else math.pi * design.detector.threshold_v
     assert ripple.max_v == pytest.approx(peak / gains[worst_hz], rel=0.01)
@@ -174,23 +195,32 @@ def measure_output(deck: str, amplifier: str) -> str:
 @pytest.mark.full
 @pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_amplifier_loads_agree_with_the_currents_in_ngspice(tmp_path: Path, name: str) -> None:
-    """A small signal around no bias, with 1 ohm in place of the diode D1, which then conducts all the time."""
+    """A small signal around no bias, with 1 ohm in place of the
+    diode D1, which then conducts all the time.
+    """
     design, deck = write_deck(tmp_path, list(VARIANT_CHANGES[name]))
-    values, bandwidth_hz = board_values(design), find_gain_bandwidth_hz(design.board)
+    values = board_values(design)
+    bandwidth_hz = find_gain_bandwidth_hz(design.board)
     currents = compute_output_currents(board_circuit(values), bandwidth_hz, design.board.cutoff_hz)
-    # The comparator's switch, which drives none of these outputs, keeps ngspice from finding the operating point.
+    # The comparator's switch, which drives none of these outputs, keeps ngspice from finding the
+    # operating point.
     deck = "\n".join(line for line in deck.splitlines() if not line.startswith("SU4 ")) + "\n"
     assert currents[0].output.amplifier == "U1a"
     diode = next((line for line in deck.splitlines() if line.startswith("D1 ")), None)
     blocked, conducting = (
-        deck.replace(diode, f"RD1 {' '.join(diode.split()[1:3])} {ohm}") if diode else deck for ohm in ("1e12", "1")
+        deck.replace(diode, f"RD1 {' '.join(diode.split()[1:3])} {ohm}") if diode else deck
+        for ohm in ("1e12", "1")
     )
     filter_ohm = []
     for each in currents:
-        if (amplifier := each.output.amplifier) not in AMPLIFIER_OUTPUTS:  # the buffer of VMID
+        amplifier = each.output.amplifier
+        if amplifier not in AMPLIFIER_OUTPUTS:  # the buffer of VMID
             continue
         output = AMPLIFIER_OUTPUTS[amplifier]
-        for variant, siemens in ((conducting, each.filter_s + each.diode_s), (blocked, each.filter_s)):
+        for variant, siemens in (
+            (conducting, each.filter_s + each.diode_s),
+            (blocked, each.filter_s),
+        ):
             is_blocked = variant is blocked and diode is not None
             if not siemens.any() or (is_blocked and not name.startswith("article")):
                 continue
@@ -203,7 +233,9 @@ def test_amplifier_loads_agree_with_the_currents_in_ngspice(tmp_path: Path, name
             ohm = min(row[1] for row in rows)
             assert np.abs(each.gain / siemens).min() == pytest.approx(ohm, rel=0.02), amplifier
             if not is_blocked:
-                assert np.abs(siemens).max() == pytest.approx(max(row[-1] for row in rows), rel=0.02)
+                assert np.abs(siemens).max() == pytest.approx(
+                    max(row[-1] for row in rows), rel=0.02
+                )
             if amplifier in ("U1a", "U1b") and (siemens == each.filter_s).all():
                 filter_ohm.append(ohm)
     assert values.filter_load_ohm == pytest.approx(min(filter_ohm), rel=0.02)
@@ -212,8 +244,14 @@ def test_amplifier_loads_agree_with_the_currents_in_ngspice(tmp_path: Path, name
 @pytest.mark.full
 @pytest.mark.parametrize("cutoff", ["40", "67", "150"])
 @pytest.mark.parametrize("series", ["E12", "E24", "E96"])
-def test_load_below_that_of_the_data_sheets_is_warned_of_with_a_remedy(series: str, cutoff: str) -> None:
-    changes = [f"board.series={series}", f"board.cutoff_hz={cutoff}", "board.envelope_capacitor_uf=1"]
+def test_load_below_that_of_the_data_sheets_is_warned_of_with_a_remedy(
+    series: str, cutoff: str
+) -> None:
+    changes = [
+        f"board.series={series}",
+        f"board.cutoff_hz={cutoff}",
+        "board.envelope_capacitor_uf=1",
+    ]
     changes.append("board.amplifier=OPA2197")  # others cannot drive the load at all
 
     def warnings(*more: str) -> list[str]:
@@ -236,13 +274,20 @@ def test_load_below_that_of_the_data_sheets_is_warned_of_with_a_remedy(series: s
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_total_noise_agrees_with_ngspice(tmp_path: Path, name: str) -> None:
-    """All amplifiers and resistors, 0.1 Hz to 1 MHz: 20 mV after the article's filters, 0.1 mV on the other boards."""
+    """All amplifiers and resistors, 0.1 Hz to 1 MHz: 20 mV after the
+    article's filters, 0.1 mV on the other boards.
+    """
     design, deck = write_deck(tmp_path, list(VARIANT_CHANGES[name]))
-    rows, total = noise_budget(add_noise(board_circuit(board_values(design)), find_gain_bandwidth_hz(design.board)))
+    rows, total = noise_budget(
+        add_noise(board_circuit(board_values(design)), find_gain_bandwidth_hz(design.board))
+    )
     assert rows[0].cause == ("U2" if name == "article" else "U2a")
     for net in ("TACTILE", "FILTERED", "ADC_TACTILE"):
-        # The noise is measured against ground, as the ADC measures it. On boards for a controller it contains VMID's.
-        assert total[NETS.index(net)] == pytest.approx(read_noise_total(tmp_path, deck, net), rel=0.005), net
+        # The noise is measured against ground, as the ADC measures it. On boards for a controller
+        # it contains VMID's.
+        assert total[NETS.index(net)] == pytest.approx(
+            read_noise_total(tmp_path, deck, net), rel=0.005
+        ), net
     found = board_values(design).noise
     assert [found.tactile_v, found.tactile_pin_v] == pytest.approx([total[0], total[3]], rel=1e-3)
     pin = "FILTERED" if name == "article" else "ADC_FILTERED"
@@ -252,9 +297,15 @@ def test_total_noise_agrees_with_ngspice(tmp_path: Path, name: str) -> None:
     assert found.filtered_v == pytest.approx(figures.get(name, found.filtered_v), rel=0.01)
 
 
-@pytest.mark.parametrize(("gain_resistor", "density_nv"), [("1M", 57.37), ("100k", 43.01), ("10k", 35.29)])
-def test_output_noise_of_the_bridge_amplifier_shows_at_low_gain(gain_resistor: str, density_nv: float) -> None:
-    """AD623's data sheet: 35 nV at the input and 50 nV at the output; with gains of 1.1, 2 and 11 [nV/sqrt(Hz)]."""
+@pytest.mark.parametrize(
+    ("gain_resistor", "density_nv"), [("1M", 57.37), ("100k", 43.01), ("10k", 35.29)]
+)
+def test_output_noise_of_the_bridge_amplifier_shows_at_low_gain(
+    gain_resistor: str, density_nv: float
+) -> None:
+    """AD623's data sheet: 35 nV at the input and 50 nV at the output;
+    with gains of 1.1, 2 and 11 [nV/sqrt(Hz)].
+    """
     circuit = board_circuit(board_values(ARTICLE)).replace("R14", gain_resistor)
     sources = {source.name: source for source in add_noise(circuit, 4e6).sources}
     assert sources["U2"].noise == pytest.approx(density_nv * 1e-9, rel=1e-3)

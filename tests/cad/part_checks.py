@@ -26,6 +26,10 @@ def failed_checks(*changes: str, name: str = "fsr400") -> set[str]:
 
 
 def run_all_checks(design: Design) -> dict[str, Check]:
-    """Return the checks of a design by name, with those of its files for the printer and of its strength."""
-    found = verify.verify(design, list(parts_by_name(design)), ("stl",), MeshEvaluator(TOLERANCE)).checks
+    """Return the checks of a design by name, with those of its
+    files for the printer and of its strength.
+    """
+    found = verify.verify(
+        design, list(parts_by_name(design)), ("stl",), MeshEvaluator(TOLERANCE)
+    ).checks
     return {check.name: check for check in found}

@@ -37,7 +37,9 @@ def draw() -> Any:
     """Draw the bar, whose width lies along z, height along x, length along y."""
     low = (POINT[0] - SIZE[1] / 2, POINT[1], POINT[2] - SIZE[0] / 2)
     bar = cq.Workplane().box(SIZE[1], SIZE[2], SIZE[0], centered=False).translate(low)
-    return bar.cut(cq.Workplane("XY").center(POINT[0], POINT[1] + 9.0).circle(1.5).extrude(20, both=True))
+    return bar.cut(
+        cq.Workplane("XY").center(POINT[0], POINT[1] + 9.0).circle(1.5).extrude(20, both=True)
+    )
 
 
 def save(shape: Any, path: Path) -> Path:
@@ -47,18 +49,28 @@ def save(shape: Any, path: Path) -> Path:
 
 def load(path: Path, **changes: Any) -> Design:
     own = {"bone.interface": "file", "bone.adapter_file": str(path), "bone.adapter_axis": "-y"}
-    return Design.load("fsr400", changes={**own, **AT, **{f"bone.{key}": value for key, value in changes.items()}})
+    return Design.load(
+        "fsr400", changes={**own, **AT, **{f"bone.{key}": value for key, value in changes.items()}}
+    )
 
 
 @pytest.mark.parametrize("sunk_mm", [0.0, 0.5])
 @pytest.mark.parametrize("suffix", [pytest.param(".step", marks=pytest.mark.full), ".stl"])
-def test_the_bone_has_the_volume_of_base_and_adapter(tmp_path: Path, suffix: str, sunk_mm: float) -> None:
+def test_the_bone_has_the_volume_of_base_and_adapter(
+    tmp_path: Path, suffix: str, sunk_mm: float
+) -> None:
     design = load(save(draw(), tmp_path / f"bar{suffix}"), adapter_y_mm=POINT[1] + sunk_mm)
-    base = difference(finger.filled_bone(design), finger.sensor_recess(design), finger.cable_channel(design))
-    shared, mesh = sunk_mm * SIZE[0] * SIZE[1], MeshEvaluator(0.01)
-    bone, adapter = mesh.manifold(finger.bone(design)), mesh.manifold(place_adapter(design))
+    base = difference(
+        finger.filled_bone(design), finger.sensor_recess(design), finger.cable_channel(design)
+    )
+    shared = sunk_mm * SIZE[0] * SIZE[1]
+    mesh = MeshEvaluator(0.01)
+    bone = mesh.manifold(finger.bone(design))
+    adapter = mesh.manifold(place_adapter(design))
     assert adapter.volume() == pytest.approx(VOLUME, abs=0.005 * 2 * math.pi * 1.5 * SIZE[0])
-    assert bone.volume() == pytest.approx(mesh.manifold(base).volume() + adapter.volume() - shared, rel=1e-6)
+    assert bone.volume() == pytest.approx(
+        mesh.manifold(base).volume() + adapter.volume() - shared, rel=1e-6
+    )
     assert (bone.genus(), finger.genus(design), len(bone.decompose())) == (2, 2, 1)
     middle = (design.dimensions.bone_outline.section.dorsal - design.dimensions.base_flat_depth) / 2
     low = (-SIZE[0] / 2, middle - SIZE[1] / 2, -design.bone.base_length_mm - SIZE[2] + sunk_mm)
@@ -68,12 +80,16 @@ def test_the_bone_has_the_volume_of_base_and_adapter(tmp_path: Path, suffix: str
 
         exact = brep.BrepEvaluator()
         solid = exact.solid(finger.bone(design))
-        assert brep.volume(solid) == pytest.approx(brep.volume(exact.shape(base)) + VOLUME - shared, rel=1e-6)
+        assert brep.volume(solid) == pytest.approx(
+            brep.volume(exact.shape(base)) + VOLUME - shared, rel=1e-6
+        )
         assert brep.genus(solid) == 2
 
 
 @pytest.mark.parametrize("axis", ["x", "-x", "y", "-y", "z", "-z"])
-def test_an_axis_of_the_file_comes_to_point_to_the_tip_and_a_turn_is_about_it(tmp_path: Path, axis: str) -> None:
+def test_an_axis_of_the_file_comes_to_point_to_the_tip_and_a_turn_is_about_it(
+    tmp_path: Path, axis: str
+) -> None:
     way = np.eye(3)["xyz".index(axis[-1])] * (-1.0 if axis[0] == "-" else 1.0)
     end = {f"adapter_{name}_mm": float(value) for name, value in zip("xyz", 5 * way, strict=True)}
     path = save(cq.Workplane().box(10, 10, 10), tmp_path / "box.stl")
@@ -90,17 +106,23 @@ def write_stl(path: Path, change: Callable[[Mesh], Mesh] = lambda mesh: mesh) ->
 
 
 def write_inches(path: Path) -> None:
-    text, mm = save(draw(), path).read_text(), "( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.MILLI.,.METRE.) );"
+    text = save(draw(), path).read_text()
+    mm = "( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.MILLI.,.METRE.) );"
     assert mm in text
     inch = (
-        "( CONVERSION_BASED_UNIT('INCH',#9001) LENGTH_UNIT() NAMED_UNIT(#9003) );\n#9001 = LENGTH_MEASURE_WITH_UNIT("
-        f"LENGTH_MEASURE(25.4),#9002);\n#9002 = {mm}\n#9003 = DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.);"
+        "( CONVERSION_BASED_UNIT('INCH',#9001) LENGTH_UNIT() NAMED_UNIT(#9003) );\n#9001 = "
+        "LENGTH_MEASURE_WITH_UNIT("
+        f"LENGTH_MEASURE(25.4),#9002);\n#9002 = {mm}\n#9003 = "
+        "DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.);"
     )
     path.write_text(text.replace(mm, inch))
 
 
 def write_two(path: Path) -> Path:
-    return save(cq.Workplane().add([draw().val(), cq.Solid.makeSphere(3, cq.Vector(99, 0, 0))]).combine(), path)
+    return save(
+        cq.Workplane().add([draw().val(), cq.Solid.makeSphere(3, cq.Vector(99, 0, 0))]).combine(),
+        path,
+    )
 
 
 def write_hollow(path: Path) -> Path:
@@ -108,12 +130,22 @@ def write_hollow(path: Path) -> Path:
 
 
 UNUSABLE: dict[str, tuple[str, Callable[[Path], object]]] = {
-    "not closed": ("a.stl", lambda path: write_stl(path, lambda mesh: replace(mesh, triangles=mesh.triangles[1:]))),
-    "inside out": ("a.stl", lambda path: write_stl(path, lambda m: replace(m, triangles=m.triangles[:, ::-1]))),
-    "is 0.5512 mm long; export it in mm": (
-        "a.stl", lambda path: write_stl(path, lambda mesh: replace(mesh, vertices=mesh.vertices / 25.4)),
+    "not closed": (
+        "a.stl",
+        lambda path: write_stl(path, lambda mesh: replace(mesh, triangles=mesh.triangles[1:])),
     ),
-    "no whole STL file": ("a.stl", lambda path: path.write_bytes(write_stl(path).read_bytes()[:-1])),
+    "inside out": (
+        "a.stl",
+        lambda path: write_stl(path, lambda m: replace(m, triangles=m.triangles[:, ::-1])),
+    ),
+    "is 0.5512 mm long; export it in mm": (
+        "a.stl",
+        lambda path: write_stl(path, lambda mesh: replace(mesh, vertices=mesh.vertices / 25.4)),
+    ),
+    "no whole STL file": (
+        "a.stl",
+        lambda path: path.write_bytes(write_stl(path).read_bytes()[:-1]),
+    ),
     "holds 2 bodies; unite them": ("a.stl", write_two),
     "hollow without a mouth": ("a.stl", write_hollow),
     "is neither .step, .stp nor .stl": ("a.obj", lambda path: path.write_text("")),
@@ -123,13 +155,16 @@ UNUSABLE: dict[str, tuple[str, Callable[[Path], object]]] = {
     "holds 2 solids; unite those of an assembly": ("a.step", write_two),
     "holds no solid": ("a.step", lambda path: save(draw().faces(">Y"), path)),
     "no whole STEP file": ("a.stp", lambda path: path.write_text("ISO-10303-21;")),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize(
-    "reason", [pytest.param(key, marks=[pytest.mark.full] * (".st" in name and name != "a.stl"), id=key)
-               for key, (name, _) in UNUSABLE.items()]
-)  # fmt: skip
+    "reason",
+    [
+        pytest.param(key, marks=[pytest.mark.full] * (".st" in name and name != "a.stl"), id=key)
+        for key, (name, _) in UNUSABLE.items()
+    ],
+)
 def test_a_file_that_cannot_be_used_is_refused_with_the_reason(tmp_path: Path, reason: str) -> None:
     name, write = UNUSABLE[reason]
     write(tmp_path / name)
@@ -148,7 +183,8 @@ def test_an_adapter_off_its_place_is_refused_with_the_one_that_passes(tmp_path: 
         with pytest.raises(DesignError, match=reason):
             load(path, **{f"adapter_{axis}_mm": place_mm})
     centred = load(path)
-    section, flat = centred.dimensions.bone_outline.section, centred.dimensions.base_flat_depth
+    section = centred.dimensions.bone_outline.section
+    flat = centred.dimensions.base_flat_depth
     heights = np.linspace(-flat, section.dorsal, 4001)
     end_mm2 = 2 * np.mean([section.half_width_at(y) for y in heights]) * (flat + section.dorsal)
     reach_mm, *_, share = adapter._measure(centred)
@@ -159,12 +195,18 @@ def test_an_adapter_off_its_place_is_refused_with_the_one_that_passes(tmp_path: 
 
 
 @pytest.mark.full
-def test_a_folder_holds_the_adapter_beside_the_design_and_is_made_of_it_again(tmp_path: Path) -> None:
-    """An STL file gives no exact bone; mold and skin are those of a finger with another interface."""
+def test_a_folder_holds_the_adapter_beside_the_design_and_is_made_of_it_again(
+    tmp_path: Path,
+) -> None:
+    """An STL file gives no exact bone; mold and skin are those of a finger with another
+    interface.
+    """
     path = write_stl(tmp_path / "bar.stl")
     made = build(load(path), tmp_path / "a", formats=["stl", "step"])
     assert [check.name for check in made.checks if not check.passed] == []
-    again = build(Design.load(tmp_path / "a" / "design.toml"), tmp_path / "b", formats=["stl", "step"])
+    again = build(
+        Design.load(tmp_path / "a" / "design.toml"), tmp_path / "b", formats=["stl", "step"]
+    )
     assert made.contents == again.contents
     assert made.contents["adapter.stl"] == path.read_bytes()
     assert made.contents.keys() >= {"bone.stl", "core.step", "assembly.step"}
@@ -179,7 +221,10 @@ def test_a_folder_holds_the_adapter_beside_the_design_and_is_made_of_it_again(tm
 def test_walls_of_an_adapter_are_measured(tmp_path: Path) -> None:
     pocket = cq.Workplane().box(6.5, 10.0, 4.0).translate((POINT[0], 13.0, POINT[2]))
     design = load(save(draw().cut(pocket), tmp_path / "tube.stl"))
-    checks = {check.name: check for check in verify(design, ("bone",), ("stl",), MeshEvaluator(0.02)).checks}
+    checks = {
+        check.name: check
+        for check in verify(design, ("bone",), ("stl",), MeshEvaluator(0.02)).checks
+    }
     assert checks["bone.wall.adapter"].value == pytest.approx(0.5, abs=0.01)
     failed = [name for name, check in checks.items() if not check.passed]
     assert [name for name in failed if "safety" not in name] == ["bone.wall.adapter"]

@@ -1,4 +1,6 @@
-"""Figures of designs, compared whole with approved ones: sizes, solids, checks, and the catalogues."""
+"""Figures of designs, compared whole with approved ones: sizes, solids, checks, and the
+catalogues.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,8 @@ CHANGES = {
     "fsr400": "",
     "fsr402": "",
     "adult_finger": "",
-    "socket": "bone.interface=socket bone.base_length_mm=28 strength.knock_speed_m_s=0.1 name=forty_" + 34 * "x",
+    "socket": "bone.interface=socket bone.base_length_mm=28 strength.knock_speed_m_s=0.1 "
+    "name=forty_" + 34 * "x",
     "article": "",
 }
 """Changes of each design; those without are bundled ones."""
@@ -52,7 +55,10 @@ def render(value: object) -> str:
         case Mapping():
             return f"{{{', '.join(f'{key}: {render(item)}' for key, item in value.items())}}}"
     if dataclasses.is_dataclass(value):
-        fields = (f"{field.name}={render(getattr(value, field.name))}" for field in dataclasses.fields(value))
+        fields = (
+            f"{field.name}={render(getattr(value, field.name))}"
+            for field in dataclasses.fields(value)
+        )
         return f"{type(value).__name__}({', '.join(fields)})"
     return str(value)
 
@@ -67,13 +73,16 @@ def list_properties(value: object) -> Iterator[str]:
 
 @cache
 def load(name: str) -> Design:
-    return Design.load(design_file("fsr400" if CHANGES[name] else name), changes=CHANGES[name].split())
+    return Design.load(
+        design_file("fsr400" if CHANGES[name] else name), changes=CHANGES[name].split()
+    )
 
 
 def list_sizes(design: Design) -> Iterator[str]:
     yield from list_properties(design.dimensions)
     yield from list_properties(design.mold_layout)
-    interface, low_z = interface_of(design), -design.dimensions.full_base_length
+    interface = interface_of(design)
+    low_z = -design.dimensions.full_base_length
     yield f"interface {type(interface).__name__}, genus {interface.genus(design)}"
     for z in (0.7 * low_z, low_z + 0.5):
         factors = interface.moment_share(design, z), interface.stress_factors(design, z)
@@ -84,14 +93,17 @@ def list_sizes(design: Design) -> Iterator[str]:
 
 
 def list_solids(design: Design) -> Iterator[str]:
-    """Volume, area, bounding box and moment of volume of each solid: what is moved or mirrored changes the last."""
+    """Volume, area, bounding box and moment of volume of each solid:
+    what is moved or mirrored changes the last.
+    """
     evaluator = MeshEvaluator(0.05)
     parts = parts_by_name(design)
     solids = {name: part.solid(design) for name, part in parts.items()}
     solids |= {item.name: item.solid for item in hardware(design, list(parts))}
     solids |= {"cavity": cavity(design)}
     for name, solid in solids.items():
-        body, mesh = evaluator.manifold(solid), evaluator.mesh(solid)
+        body = evaluator.manifold(solid)
+        mesh = evaluator.mesh(solid)
         corners = mesh.vertices[mesh.triangles]
         moment = np.linalg.det(corners) @ corners.sum(axis=1) / 24.0
         moment[abs(moment) < 1e-3] = 0.0  # what remains of two equal halves
@@ -100,37 +112,56 @@ def list_solids(design: Design) -> Iterator[str]:
     yield f"poured {render(measure_poured_cm3(design, evaluator))}"
     supports = supports_by_part(design)
     for name, pose in print_orientations(design).items():
-        yield f"{name}: {render(pose)}, {slicer_settings(FDM, name, pose, supports[name])}, {supports[name].note}"
+        yield (
+            f"{name}: {render(pose)}, {slicer_settings(FDM, name, pose, supports[name])}, "
+            f"{supports[name].note}"
+        )
 
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", [name for name in CHANGES if name != "fsr402"])
 @pytest.mark.parametrize("list_figures", [list_sizes, list_solids])
-def test_figures_of_designs_are_the_approved_ones(name: str, list_figures: Callable[[Design], Iterator[str]]) -> None:
+def test_figures_of_designs_are_the_approved_ones(
+    name: str, list_figures: Callable[[Design], Iterator[str]]
+) -> None:
     kind = list_figures.__name__.removeprefix("list_")
     whole = APPROVED / f"fsr400_{kind}.txt" if name in ("socket", "article") else None
     check_figures(APPROVED / f"{name}_{kind}.txt", list_figures(load(name)), 1e-4, 1e-4, whole)
 
 
-FAULTS = ("*.stl.*", "*_balance.*", "overlap.*", "demolding_overlap.*", "skin.surface_deviation", "mold.*ing_overlap")
+FAULTS = (
+    "*.stl.*",
+    "*_balance.*",
+    "overlap.*",
+    "demolding_overlap.*",
+    "skin.surface_deviation",
+    "mold.*ing_overlap",
+)
 
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", some_of(sorted(CHANGES), "adult_finger", "fsr400"))
 def test_values_of_checks_are_the_approved_ones(name: str) -> None:
-    """Each check names the parameters to change, or none where its failure would be a fault of the program.
+    """Each check names the parameters to change, or none where its failure would be a fault of the
+    program.
 
     Those that want an exact value, and have it as they pass, are listed by that value.
     """
-    lines, exact, checks = [], dict[str, list[str]](), run_all_checks(load(name))
+    lines = []
+    exact = dict[str, list[str]]()
+    checks = run_all_checks(load(name))
     assert [check.name for check in checks.values() if not check.passed] == []
     for check in checks.values():
         wanted = f"{check.sign} {render(check.limit)} {check.unit}"
         if check.sign == "=":
-            exact.setdefault(f"{check.name.rpartition('.')[2]} {wanted}", []).append(check.name.rpartition(".")[0])
+            exact.setdefault(f"{check.name.rpartition('.')[2]} {wanted}", []).append(
+                check.name.rpartition(".")[0]
+            )
         else:
             lines.append(f"{check.name}: {render(check.value)} {wanted}")
-        assert bool(check.change) != any(fnmatchcase(check.name, pattern) for pattern in FAULTS), check.name
+        assert bool(check.change) != any(fnmatchcase(check.name, pattern) for pattern in FAULTS), (
+            check.name
+        )
     lines += (f"{wanted}: {' '.join(files)}" for wanted, files in exact.items())
     whole = APPROVED / "fsr400_checks.txt" if name != "fsr400" else None
     check_figures(APPROVED / f"{name}_checks.txt", lines, 1e-3, 1e-3, whole)
@@ -139,7 +170,11 @@ def test_values_of_checks_are_the_approved_ones(name: str) -> None:
 def test_catalogues_are_the_approved_ones() -> None:
     """Each figure is entered a second time, from the document that its entry names."""
     entries = [
-        *materials.load_silicones().values(), *electronics.SENSORS.values(), *electronics.AMPLIFIER_CATALOGUE.values(),
-        *materials.PRINT_MATERIALS.values(), *load_controllers(), *THREADS,
-    ]  # fmt: skip
+        *materials.load_silicones().values(),
+        *electronics.SENSORS.values(),
+        *electronics.AMPLIFIER_CATALOGUE.values(),
+        *materials.PRINT_MATERIALS.values(),
+        *load_controllers(),
+        *THREADS,
+    ]
     check_figures(APPROVED / "catalogues.txt", map(render, entries), 0.0, 0.0)

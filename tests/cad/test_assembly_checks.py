@@ -1,4 +1,6 @@
-"""Each check of part files and of the assembly fails when the geometry it verifies is broken; volumes by hand."""
+"""Each check of part files and of the assembly fails when the
+geometry it verifies is broken; volumes by hand.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,11 @@ from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes import finger
 from fingertip.cad.shapes.finger import filled_bone
 from fingertip.cad.shapes.parts import PARTS, Part, parts_by_name
-from fingertip.cad.verification.assembly import brep_balance_solids, check_assembly, check_brep_assembly
+from fingertip.cad.verification.assembly import (
+    brep_balance_solids,
+    check_assembly,
+    check_brep_assembly,
+)
 from fingertip.cad.verification.check import Solids
 from fingertip.cad.verification.printing import check_brep_solid, check_mesh_file, count_open_edges
 from fingertip.design import Design
@@ -42,15 +48,27 @@ def evaluator() -> MeshEvaluator:
 
 
 def mesh_failures(part: Part, mesh: Mesh) -> set[str]:
-    return {check.name.rsplit(".", 1)[1] for check in check_mesh_file(Design(), part, mesh, "stl") if not check.passed}
+    return {
+        check.name.rsplit(".", 1)[1]
+        for check in check_mesh_file(Design(), part, mesh, "stl")
+        if not check.passed
+    }
 
 
 def assembly_failures(design: Design, evaluator: MeshEvaluator, **changed: Solid) -> set[str]:
-    parts = {name: changed.get(name, part.solid(design)) for name, part in parts_by_name(design).items()}
-    return {check.name for check in check_assembly(design, Solids(design, evaluator, parts)) if not check.passed}
+    parts = {
+        name: changed.get(name, part.solid(design)) for name, part in parts_by_name(design).items()
+    }
+    return {
+        check.name
+        for check in check_assembly(design, Solids(design, evaluator, parts))
+        if not check.passed
+    }
 
 
-def brep_failures(design: Design, part: Part, mesh: Mesh, exact: BrepMeasurements, tolerance_mm: float) -> set[str]:
+def brep_failures(
+    design: Design, part: Part, mesh: Mesh, exact: BrepMeasurements, tolerance_mm: float
+) -> set[str]:
     found = check_brep_solid(design, part, mesh, exact, 1.0, tolerance_mm)
     return {check.name.rsplit(".", 1)[1] for check in found if not check.passed}
 
@@ -59,12 +77,21 @@ def test_missing_doubled_or_inverted_triangles_fail(evaluator: MeshEvaluator) ->
     whole = evaluator.mesh(finger.bone(FINGER))
     assert count_open_edges(whole) == 0
     assert count_open_edges(replace(whole, triangles=np.delete(whole.triangles, 100, axis=0))) == 3
-    assert count_open_edges(replace(whole, triangles=np.vstack((whole.triangles, whole.triangles[:1])))) > 0
-    assert "inverted" in mesh_failures(PARTS["bone"], replace(whole, triangles=whole.triangles[:, ::-1].copy()))
+    assert (
+        count_open_edges(
+            replace(whole, triangles=np.vstack((whole.triangles, whole.triangles[:1])))
+        )
+        > 0
+    )
+    assert "inverted" in mesh_failures(
+        PARTS["bone"], replace(whole, triangles=whole.triangles[:, ::-1].copy())
+    )
 
 
 def test_vertex_on_an_edge_leaves_a_degenerate_triangle(evaluator: MeshEvaluator) -> None:
-    """Every edge is matched and the volume is unchanged, but many programs drop the triangle that closes the mesh."""
+    """Every edge is matched and the volume is unchanged, but many
+    programs drop the triangle that closes the mesh.
+    """
     whole = evaluator.mesh(PARTS["bone"].solid(FINGER))
     a, b, c = whole.triangles[0]
     midpoint = len(whole.vertices)
@@ -76,10 +103,17 @@ def test_vertex_on_an_edge_leaves_a_degenerate_triangle(evaluator: MeshEvaluator
 
 
 def test_ledge_in_the_cavity_prevents_demolding(evaluator: MeshEvaluator) -> None:
-    """A ledge in the cavity above the widest section of the skin, with a matching notch in the skin as it is cast."""
+    """A ledge in the cavity above the widest section of the skin, with
+    a matching notch in the skin as it is cast.
+    """
     ledge = Box((7.4, 2.0, 8.0), (12.0, 2.6, 12.0))
-    lower = union(PARTS["mold_palmar"].solid(FINGER), difference(ledge, Box((7.4, 2.0, 0.0), (7.4001, 2.6, 1.0))))
-    notched = difference(PARTS["skin"].solid(FINGER), scaled(ledge, 1.0 / FINGER.dimensions.shrinkage))
+    lower = union(
+        PARTS["mold_palmar"].solid(FINGER),
+        difference(ledge, Box((7.4, 2.0, 0.0), (7.4001, 2.6, 1.0))),
+    )
+    notched = difference(
+        PARTS["skin"].solid(FINGER), scaled(ledge, 1.0 / FINGER.dimensions.shrinkage)
+    )
     upper = difference(PARTS["mold_dorsal"].solid(FINGER), ledge)
     found = assembly_failures(FINGER, evaluator, mold_palmar=lower, skin=notched, mold_dorsal=upper)
     assert "demolding_overlap.mold_palmar" in found
@@ -91,15 +125,20 @@ def test_ledge_in_the_cavity_prevents_demolding(evaluator: MeshEvaluator) -> Non
 
 @pytest.mark.full
 def test_mesh_too_coarse_for_its_stated_tolerance_fails() -> None:
-    part, coarse = PARTS["skin"], MeshEvaluator(0.5).mesh(PARTS["skin"].solid(FINGER))
+    part = PARTS["skin"]
+    coarse = MeshEvaluator(0.5).mesh(PARTS["skin"].solid(FINGER))
     exact = MeshEvaluator(0.0005).mesh(PARTS["skin"].solid(FINGER)).volume()
     assert brep_failures(FINGER, part, coarse, BrepMeasurements(exact, 0), 0.5) == set()
-    assert brep_failures(FINGER, part, coarse, BrepMeasurements(exact, 0), 0.001) == {"volume_difference_to_mesh"}
+    assert brep_failures(FINGER, part, coarse, BrepMeasurements(exact, 0), 0.001) == {
+        "volume_difference_to_mesh"
+    }
 
 
 @pytest.mark.full
 def test_brep_solid_with_an_extra_hole_fails(evaluator: MeshEvaluator) -> None:
-    """The genus follows from the B-rep solid itself by the Euler-Poincare formula, not from its mesh."""
+    """The genus follows from the B-rep solid itself by the
+    Euler-Poincare formula, not from its mesh.
+    """
     from fingertip.cad.kernel import brep
 
     pierced = brep.BrepEvaluator().solid(difference(finger.bone(FINGER), HOLE))
@@ -121,11 +160,14 @@ def test_kernels_agree_on_volume_and_place_of_every_primitive(design: Design) ->
     """The kernels share no geometry code, so an error in either one shows as a difference."""
     from fingertip.cad.kernel import brep, occ
 
-    exact, meshes = brep.BrepEvaluator(), MeshEvaluator(0.001)
+    exact = brep.BrepEvaluator()
+    meshes = MeshEvaluator(0.001)
     for solid in sorted(
-        {s for part in parts_by_name(design).values() for s in primitives(part.solid(design))}, key=repr
+        {s for part in parts_by_name(design).values() for s in primitives(part.solid(design))},
+        key=repr,
     ):
-        mesh, shape = meshes.manifold(solid), exact.shape(solid)
+        mesh = meshes.manifold(solid)
+        shape = exact.shape(solid)
         assert abs(brep.volume(shape) - mesh.volume()) <= 0.001 * mesh.surface_area(), solid
         low, high = occ.bounds(shape)
         assert (*low, *high) == pytest.approx(mesh.bounding_box(), abs=0.01), solid
@@ -138,7 +180,9 @@ def test_brep_volume_equals_the_closed_form() -> None:
     from fingertip.design.geometry.conic import ConicBody, CrossSection
 
     section = CrossSection(10.55, 5.35, 7.15, 4.0, 0.75)
-    shape = brep.BrepEvaluator().shape(SuperconicSolid(ConicBody(section, ((-18.4, 1.0), (0.25, 1.0)))))
+    shape = brep.BrepEvaluator().shape(
+        SuperconicSolid(ConicBody(section, ((-18.4, 1.0), (0.25, 1.0))))
+    )
     assert brep.volume(shape) == pytest.approx(section_area(section) * 18.65, abs=1e-6)
 
 
@@ -169,19 +213,31 @@ def test_part_of_another_topology_fails(evaluator: MeshEvaluator) -> None:
 @pytest.mark.parametrize(
     ("part", "change", "failed"),
     [
-        ("skin", lambda skin: difference(skin, cylinder("y", (20.0, 0.0), 0.0, 20.0, 1.0)), "volume_balance.cavity"),
+        (
+            "skin",
+            lambda skin: difference(skin, cylinder("y", (20.0, 0.0), 0.0, 20.0, 1.0)),
+            "volume_balance.cavity",
+        ),
         (
             "core",
-            lambda core: union(core, Box((-1.0, 3.0, 15.0), (1.0, FINGER.skin.semi_axis_dorsal_mm - 0.8, 17.0))),
+            lambda core: union(
+                core, Box((-1.0, 3.0, 15.0), (1.0, FINGER.skin.semi_axis_dorsal_mm - 0.8, 17.0))
+            ),
             "overlap.skin.core",
         ),
-        ("mold_dorsal", lambda half: difference(half, Box((15.0, 9.0, 0.0), (30.0, 30.0, 5.0))), "volume_balance.mold"),
+        (
+            "mold_dorsal",
+            lambda half: difference(half, Box((15.0, 9.0, 0.0), (30.0, 30.0, 5.0))),
+            "volume_balance.mold",
+        ),
     ],
 )
 def test_part_that_does_not_fit_the_others_fails(
     evaluator: MeshEvaluator, part: str, change: Callable[[Solid], Solid], failed: str
 ) -> None:
-    assert assembly_failures(FINGER, evaluator, **{part: change(PARTS[part].solid(FINGER))}) == {failed}
+    assert assembly_failures(FINGER, evaluator, **{part: change(PARTS[part].solid(FINGER))}) == {
+        failed
+    }
 
 
 SOCKET = "bone.interface=socket bone.base_length_mm=32 bone.socket_depth_mm={}"
@@ -200,13 +256,21 @@ def disc(diameter_mm: float) -> float:
     [
         ("bone", "", "bone.post_length_mm=13.5", -POST),
         ("bone", SOCKET.format(8), SOCKET.format(7), disc(5.0)),
-        ("bone", FLANGE.format("hole_diameter_mm=3.2"), FLANGE.format("hole_diameter_mm=2.2"),
-         2 * (disc(3.2) - disc(2.2)) * 4.0),
+        (
+            "bone",
+            FLANGE.format("hole_diameter_mm=3.2"),
+            FLANGE.format("hole_diameter_mm=2.2"),
+            2 * (disc(3.2) - disc(2.2)) * 4.0,
+        ),
     ],
-)  # fmt: skip
-def test_one_parameter_adds_its_volume(part: str, before: str, after: str, added_mm3: float) -> None:
+)
+def test_one_parameter_adds_its_volume(
+    part: str, before: str, after: str, added_mm3: float
+) -> None:
     volumes = [
-        MeshEvaluator(0.02).manifold(PARTS[part].solid(Design.load("fsr400", changes=changes.split()))).volume()
+        MeshEvaluator(0.02)
+        .manifold(PARTS[part].solid(Design.load("fsr400", changes=changes.split())))
+        .volume()
         for changes in (before, after)
     ]
     assert volumes[1] - volumes[0] == pytest.approx(added_mm3, rel=0.015)
@@ -218,7 +282,9 @@ class BrepVolumes:
     def __init__(self, design: Design) -> None:
         from fingertip.cad.kernel import brep
 
-        self.design, self._brep, self._volume = design, brep.BrepEvaluator(), brep.volume
+        self.design = design
+        self._brep = brep.BrepEvaluator()
+        self._volume = brep.volume
         self.part = {name: part.solid(design) for name, part in parts_by_name(design).items()}
 
     def __call__(self, solid: Solid) -> float:
@@ -233,7 +299,10 @@ def volume(design: Design) -> BrepVolumes:
 def failed_balances(volume: BrepVolumes, **changed: Solid) -> set[str]:
     """Return the names of the balances that fail when some parts are replaced by other solids."""
     design = volume.design
-    parts = {name: BrepMeasurements(volume(changed.get(name, solid)), 0) for name, solid in volume.part.items()}
+    parts = {
+        name: BrepMeasurements(volume(changed.get(name, solid)), 0)
+        for name, solid in volume.part.items()
+    }
     volumes = {name: volume(solid) for name, solid in brep_balance_solids(design, parts)}
     return {check.name for check in check_brep_assembly(design, parts, volumes) if not check.passed}
 
@@ -242,14 +311,20 @@ def failed_balances(volume: BrepVolumes, **changed: Solid) -> set[str]:
 def test_volume_balances_hold_on_brep_solids_that_do_not_overlap(volume: BrepVolumes) -> None:
     assert len(list(brep_balance_solids(volume.design, volume.part))) == 3
     assert failed_balances(volume) == set()
-    for one, other in (("core", "mold_palmar"), ("core", "mold_dorsal"), ("mold_palmar", "mold_dorsal")):
+    for one, other in (
+        ("core", "mold_palmar"),
+        ("core", "mold_dorsal"),
+        ("mold_palmar", "mold_dorsal"),
+    ):
         assert abs(volume(intersection(volume.part[one], volume.part[other]))) < 1e-3
 
 
 @pytest.mark.full
 def test_dented_skin_breaks_the_cavity_balance(volume: BrepVolumes) -> None:
     dent = cylinder("y", (8.0, 0.0), 6.3, 20.0, 0.4)
-    assert failed_balances(volume, skin=difference(volume.part["skin"], dent)) == {"step.volume_balance.cavity"}
+    assert failed_balances(volume, skin=difference(volume.part["skin"], dent)) == {
+        "step.volume_balance.cavity"
+    }
     chip = Box((10.0, 9.0, 0.0), (30.0, 30.0, 5.0))
     chipped = difference(volume.part["mold_dorsal"], chip)
     assert failed_balances(volume, mold_dorsal=chipped) == {"step.volume_balance.mold"}
@@ -258,5 +333,7 @@ def test_dented_skin_breaks_the_cavity_balance(volume: BrepVolumes) -> None:
 def test_only_solids_needed_for_the_built_parts_are_measured(design: Design) -> None:
     names = [name for name, _ in brep_balance_solids(design, ["bone", "skin"])]
     assert names == ["cavity", "core_in_cavity"]
-    assert [name for name, _ in brep_balance_solids(design, ["mold_palmar", "mold_dorsal"])] == ["hollow"]
+    assert [name for name, _ in brep_balance_solids(design, ["mold_palmar", "mold_dorsal"])] == [
+        "hollow"
+    ]
     assert brep_balance_solids(design, ["bone", "mold_palmar"]) == ()

@@ -22,19 +22,27 @@ DESIGNS = {
     "post, wide": ("fsr402", "", 1.15),
     "post, short": ("first_finger", "", 1.15),
     "socket": ("fsr402", "bone.interface=socket bone.base_length_mm=32", 1.15),
-    "flange": ("fsr400", "bone.interface=flange bone.base_length_mm=27 bone.foot_radius_mm=1.65", 1.25),
+    "flange": (
+        "fsr400",
+        "bone.interface=flange bone.base_length_mm=27 bone.foot_radius_mm=1.65",
+        1.25,
+    ),
     "cheeks of a joint": ("adult_finger", "", 1.25),
 }
 """Bundled design, its changes, and the largest stress of beam theory over that of the elements."""
 ELEMENTS_MM = (0.8, 0.65, 0.5)
 BESIDE_MM = 3.0
-"""Length of the fine mesh on each side of the predicted place, within which the elements must find theirs [mm]."""
+"""Length of the fine mesh on each side of the predicted place, within
+which the elements must find theirs [mm].
+"""
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", DESIGNS)
 def test_elements_find_the_predicted_stress(name: str, tmp_path: Path) -> None:
-    """Under forces at the apex: at the weakest section the stress of beam theory holds, and nowhere is it exceeded."""
+    """Under forces at the apex: at the weakest section the stress of
+    beam theory holds, and nowhere is it exceeded.
+    """
     require_elements()
     design = Design.load(design_file(DESIGNS[name][0]), changes=DESIGNS[name][1].split())
     write_step(design, tmp_path)
@@ -42,18 +50,24 @@ def test_elements_find_the_predicted_stress(name: str, tmp_path: Path) -> None:
         (z, cut, strength._find_concentration(design, z))
         for z, cut in strength._cut(design, MeshEvaluator(0.02), strength.STATIONS)
     ]
-    (weakest,) = strength._find_weakest_section(design, strength.list_load_points(design)["apex"], cuts)
+    (weakest,) = strength._find_weakest_section(
+        design, strength.list_load_points(design)["apex"], cuts
+    )
     low = interface_of(design).beam_begin_z(design, -np.inf)
     if design.bone.interface == "post":
-        low = -design.bone.base_length_mm - design.bone.post_length_mm / 3  # past it the model holds the post
+        low = (
+            -design.bone.base_length_mm - design.bone.post_length_mm / 3
+        )  # past it the model holds the post
     if design.bone.interface == "socket":
         low = -design.bone.base_length_mm + 0.6 * design.bone.socket_depth_mm
-    predicted, zone = weakest.stress_per_n, (weakest.z_mm - BESIDE_MM, weakest.z_mm + BESIDE_MM)
+    predicted = weakest.stress_per_n
+    zone = (weakest.z_mm - BESIDE_MM, weakest.z_mm + BESIDE_MM)
     for fine_mm in ELEMENTS_MM:
         solved = solve_bone(design, tmp_path, fine_mm, zone)
         z = solved.points_mm[:, 2]
         stresses = solved.tension_mpa_per_n * ((z > low) & (z < design.dimensions.taper_end_z))
-        there, largest = stresses[abs(z - weakest.z_mm) < BESIDE_MM].max(), stresses.max()
+        there = stresses[abs(z - weakest.z_mm) < BESIDE_MM].max()
+        largest = stresses.max()
     assert predicted / DESIGNS[name][2] <= there <= 1.02 * predicted
     assert largest <= 1.02 * predicted
 
@@ -64,13 +78,19 @@ LOAD_N = 20.0
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", JOINTED)
-def test_elements_with_contact_find_the_predicted_stress_of_the_eye(name: str, tmp_path: Path) -> None:
-    """On a straight finger the largest tension lies at the bore of the pin, and the prediction is on the safe side."""
+def test_elements_with_contact_find_the_predicted_stress_of_the_eye(
+    name: str, tmp_path: Path
+) -> None:
+    """On a straight finger the largest tension lies at the bore of the
+    pin, and the prediction is on the safe side.
+    """
     require_elements()
     design = Design.load(name)
     points, tension, load_z = solve_eye(design, tmp_path, 0.5, LOAD_N)
-    joint, predicted = design.dimensions.joint, predict(design, load_z, "eye")
-    at, found = points[tension.argmax()], tension.max() / LOAD_N
+    joint = design.dimensions.joint
+    predicted = predict(design, load_z, "eye")
+    at = points[tension.argmax()]
+    found = tension.max() / LOAD_N
     assert joint
     assert abs(np.hypot(at[1] - joint.axis_y, at[2] - joint.axis_z) - joint.pin_radius) < 0.1
     assert predicted / 1.3 <= found <= 1.02 * predicted
@@ -79,7 +99,9 @@ def test_elements_with_contact_find_the_predicted_stress_of_the_eye(name: str, t
 @pytest.mark.long
 @pytest.mark.parametrize("name", JOINTED)
 def test_elements_find_the_predicted_stress_of_the_horn(name: str, tmp_path: Path) -> None:
-    """On a bent finger, which the tendon holds: at most 15 % more, and 25 % less on the safe side, with two meshes."""
+    """On a bent finger, which the tendon holds: at most 15 % more, and
+    25 % less on the safe side, with two meshes.
+    """
     require_elements()
     design = Design.load(name)
     predicted = predict(design, design.skin.length_mm, "horn of the tendon")
@@ -90,7 +112,10 @@ def test_elements_find_the_predicted_stress_of_the_horn(name: str, tmp_path: Pat
 
 def predict(design: Design, load_z: float, place: str) -> float:
     """Stress of a place of the joint [MPa/N]."""
-    return {found.place: found.stress_per_n for found in interface_of(design).local_stresses(design, load_z)}[place]
+    return {
+        found.place: found.stress_per_n
+        for found in interface_of(design).local_stresses(design, load_z)
+    }[place]
 
 
 def require_elements() -> None:

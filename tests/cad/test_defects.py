@@ -1,4 +1,6 @@
-"""Checks of bone, sensor, skin and joint: each fails when its feature is broken, and its value is measured."""
+"""Checks of bone, sensor, skin and joint: each fails when its
+feature is broken, and its value is measured.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,8 @@ from fingertip.design.interfaces import INTERFACES, clevis_solids
 from fingertip.pad.survey import GRASP_DEG, WIDE_DEG, survey_pad
 from tests.cad.part_checks import SOCKET, TOLERANCE, failed_checks, run_checks
 
-EYE, SPACE = clevis_solids.eye_profile, clevis_solids.space
+EYE = clevis_solids.eye_profile
+SPACE = clevis_solids.space
 UNLIMITED = [*SOCKET, "strength.min_grip_factor=0", "strength.min_knock_factor=0"]
 
 
@@ -51,61 +54,95 @@ def change_socket(**sizes: float) -> Callable[..., object]:
 
 DEFECTS = {
     "bump under the skin": Defect(
-        skin_checks, "skin_interior", add(cylinder("y", (12.0, 0.0), 0.0, 7.2, 0.8)),
+        skin_checks,
+        "skin_interior",
+        add(cylinder("y", (12.0, 0.0), 0.0, 7.2, 0.8)),
         {"skin.min_thickness"},
     ),
     "channel too close to the surface": Defect(
-        finger, "cable_channel",
+        finger,
+        "cable_channel",
         lambda tube, design: replace(tube, start_z=tube.start_z - 0.5, exit_z=tube.exit_z - 0.5),
         {"bone.wall.channel_to_outside"},
     ),
     "pocket without a rim": Defect(
-        finger, "sensor_recess", add(Box((-5.3, -9.0, 20.0), (5.3, -4.0, 25.0))),
+        finger,
+        "sensor_recess",
+        add(Box((-5.3, -9.0, 20.0), (5.3, -4.0, 25.0))),
         {"bone.wall.sensor_to_outside"},
     ),
     "pocket without clearance": Defect(
-        finger, "sensor_recess", cut(Box((3.85, -9.0, 20.0), (4.5, 9.0, 25.0))),
+        finger,
+        "sensor_recess",
+        cut(Box((3.85, -9.0, 20.0), (4.5, 9.0, 25.0))),
         {"sensor.pocket_clearance", "sensor.room_overlap"},
     ),
     "burr on the seat": Defect(
-        finger, "sensor_recess", cut(Box((-0.3, -4.3, 22.0), (0.3, 0.0, 22.6))),
+        finger,
+        "sensor_recess",
+        cut(Box((-0.3, -4.3, 22.0), (0.3, 0.0, 22.6))),
         {"sensor.pocket_clearance", "overlap.bone.sensor", "sensor.room_overlap"},
     ),
     "hole in the seat": Defect(
-        finger, "sensor_recess", add(cylinder("y", (21.0, 1.0), -5.0, -1.5, 0.5)), {"sensor.unsupported_area"}
+        finger,
+        "sensor_recess",
+        add(cylinder("y", (21.0, 1.0), -5.0, -1.5, 0.5)),
+        {"sensor.unsupported_area"},
     ),
     "socket too close to the outside": Defect(
-        INTERFACES["socket"], "shapes", change_socket(low_radius=5.0, high_radius=5.0),
-        {"bone.wall.socket_to_outside"}, UNLIMITED,
+        INTERFACES["socket"],
+        "shapes",
+        change_socket(low_radius=5.0, high_radius=5.0),
+        {"bone.wall.socket_to_outside"},
+        UNLIMITED,
     ),
     "socket too close to sensor and channel": Defect(
-        INTERFACES["socket"], "shapes", change_socket(high=-6.0, low_radius=3.4, high_radius=3.4),
-        {"bone.wall.socket_to_sensor", "bone.wall.channel_to_interface"}, UNLIMITED,
+        INTERFACES["socket"],
+        "shapes",
+        change_socket(high=-6.0, low_radius=3.4, high_radius=3.4),
+        {"bone.wall.socket_to_sensor", "bone.wall.channel_to_interface"},
+        UNLIMITED,
     ),
     "cross bolt too close to the channel": Defect(
-        INTERFACES["post"], "shapes", lambda shapes, design: (shapes[0], (replace(*shapes[1], centre=(0.0, -19.6)),)),
+        INTERFACES["post"],
+        "shapes",
+        lambda shapes, design: (shapes[0], (replace(*shapes[1], centre=(0.0, -19.6)),)),
         {"bone.wall.channel_to_interface", "stand.bolt_overlap"},
     ),
     "eyes so large that they block the travel": Defect(
-        clevis_solids, "eye_profile", lambda eye, joint, reach: clevis_solids.union(
-            eye, clevis_solids.cylinder("x", (joint.axis_y, joint.axis_z), -reach, reach, joint.radius + 0.5)
+        clevis_solids,
+        "eye_profile",
+        lambda eye, joint, reach: clevis_solids.union(
+            eye,
+            clevis_solids.cylinder(
+                "x", (joint.axis_y, joint.axis_z), -reach, reach, joint.radius + 0.5
+            ),
         ),
-        {"joint.travel_overlap", "hand_stub.travel_overlap"}, design="adult_finger",
+        {"joint.travel_overlap", "hand_stub.travel_overlap"},
+        design="adult_finger",
     ),
     "missing stops": Defect(
-        clevis_solids, "eye_profile", lambda _, joint, reach: EYE(replace(joint, travel_deg=0.0), reach),
-        {"joint.stop_straight_overlap", "joint.stop_bent_overlap"}, design="adult_finger",
+        clevis_solids,
+        "eye_profile",
+        lambda _, joint, reach: EYE(replace(joint, travel_deg=0.0), reach),
+        {"joint.stop_straight_overlap", "joint.stop_bent_overlap"},
+        design="adult_finger",
     ),
     "missing way of the tendon": Defect(
-        clevis_solids, "tendon_way", lambda _, design, anchor, joint: (), {"joint.tendon_overlap"},
+        clevis_solids,
+        "tendon_way",
+        lambda _, design, anchor, joint: (),
+        {"joint.tendon_overlap"},
         design="adult_finger",
     ),
     "narrow joint": Defect(
-        clevis_solids, "space",
+        clevis_solids,
+        "space",
         lambda _, design, joint: SPACE(design, replace(joint, half_width=joint.half_width - 0.2)),
-        {"joint.clearance", "hand_stub.clearance"}, design="adult_finger",
+        {"joint.clearance", "hand_stub.clearance"},
+        design="adult_finger",
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.full
@@ -126,24 +163,39 @@ def test_closed_air_vent_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     """With the tail's passage through the collar filled, air is trapped behind the sensor."""
     part = parts.PARTS["bone"]
     plug = Box((-4.0, -5.0, -3.0), (4.0, 1.0, 1.0))
-    monkeypatch.setitem(parts.PARTS, "bone", replace(part, solid=lambda d: union(part.solid(d), plug)))
+    monkeypatch.setitem(
+        parts.PARTS, "bone", replace(part, solid=lambda d: union(part.solid(d), plug))
+    )
     assert failed_checks() == {
-        "sensor.air_volumes", "overlap.bone.sensor", "sensor.pocket_clearance", "bone.overhang", "sensor.room_overlap",
-    }  # fmt: skip
+        "sensor.air_volumes",
+        "overlap.bone.sensor",
+        "sensor.pocket_clearance",
+        "bone.overhang",
+        "sensor.room_overlap",
+    }
 
 
 @pytest.mark.full
 @pytest.mark.parametrize("fullness", [None, 0.9721, 0.9784, 0.9815, 0.0])
 def test_min_skin_thickness_agrees_with_the_design_rule(fullness: float | None) -> None:
-    """The squarer edges of the bone are closer to the surface than its sides; meshes and sections agree.
+    """The squarer edges of the bone are closer to the surface than its sides; meshes and sections
+    agree.
 
-    The first skin is thinnest beside the end of the bone's flat, the last one in the middle of the dorsal side.
+    The first skin is thinnest beside the end of the bone's flat, the last one in the middle of the
+    dorsal side.
     """
-    changes = [
-        "skin.thickness_side_mm=1.2", "skin.min_thickness_mm=0.3", "mold.core_inset_mm=0",
-        "bone.post_width_mm=10",
-        f"bone.palmar_fullness={fullness}",
-    ] if fullness else ["skin.crown_radius_mm=9"] if fullness is None else ["skin.thickness_dorsal_mm=1"]  # fmt: skip
+    if fullness:
+        changes = [
+            "skin.thickness_side_mm=1.2",
+            "skin.min_thickness_mm=0.3",
+            "mold.core_inset_mm=0",
+            "bone.post_width_mm=10",
+            f"bone.palmar_fullness={fullness}",
+        ]
+    elif fullness is None:
+        changes = ["skin.crown_radius_mm=9"]
+    else:
+        changes = ["skin.thickness_dorsal_mm=1"]
     design = Design.load(changes=changes)
     expected = 1.0 if fullness == 0.0 else min_skin_thickness(design, design.dimensions)
     assert run_checks(*changes)["skin.min_thickness"].value == pytest.approx(expected, abs=0.01)
@@ -151,7 +203,10 @@ def test_min_skin_thickness_agrees_with_the_design_rule(fullness: float | None) 
 
 @pytest.mark.full
 def test_parts_larger_than_the_build_volume_fail(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The bone is 66 mm high. The plate of the core, of 41 x 37.3 mm, may be rotated by 90 degrees."""
+    """The bone is 66 mm high.
+
+    The plate of the core, of 41 x 37.3 mm, may be rotated by 90 degrees.
+    """
     assert failed_checks("printer.bed_z_mm=50") == {"bone.build_volume_excess"}
     assert failed_checks("printer.bed_x_mm=36") == {"core.build_volume_excess"}
     assert failed_checks("printer.bed_x_mm=38", "printer.bed_y_mm=42") == set()
@@ -159,7 +214,9 @@ def test_parts_larger_than_the_build_volume_fail(monkeypatch: pytest.MonkeyPatch
 
 
 def test_skin_that_must_stretch_too_far_fails() -> None:
-    """A skin may stretch by a fifth of the silicone's elongation at break while it is pulled over the bone."""
+    """A skin may stretch by a fifth of the silicone's elongation at
+    break while it is pulled over the bone.
+    """
     own = "silicone.product=own silicone.elongation_percent={}".format
     check = skin_checks.check_fitting_stretch(Design.load("first_finger"), MeshEvaluator(TOLERANCE))
     assert 5 < check.value < 50
@@ -170,7 +227,11 @@ def test_skin_that_must_stretch_too_far_fails() -> None:
 
 def test_search_for_a_distance_that_does_not_exist_ends() -> None:
     assert 500.0 <= search_distance(lambda reach_mm: reach_mm, 1.6) <= 1000.0
-    for first_mm in (1.6, 0.0, -0.4):  # a limit less a coarse tolerance may be negative; the search then never ended
+    for first_mm in (
+        1.6,
+        0.0,
+        -0.4,
+    ):  # a limit less a coarse tolerance may be negative; the search then never ended
         assert search_distance(lambda reach_mm: min(reach_mm, 7.25), first_mm) == 7.25
 
 
@@ -178,21 +239,32 @@ STANDARD = ["sensor.model=fsr400", "bone.base_length_mm=27", "strength.grip_forc
 """Words of the heading of `first_finger`."""
 OPEN_TROUGHS = {
     "no room for the tabs of the longest tail": (
-        cut(Box((-9.0, -20.0, -20.0), (9.0, 20.0, -6.5))), {"sensor.room_overlap"}
+        cut(Box((-9.0, -20.0, -20.0), (9.0, 20.0, -6.5))),
+        {"sensor.room_overlap"},
     ),
     "closed slot of the film's height behind the tail": (
-        cut(Box((-9.0, -20.0, -20.0), (9.0, 20.0, Design.load("first_finger").dimensions.tail_end_z - 0.2))),
+        cut(
+            Box(
+                (-9.0, -20.0, -20.0),
+                (9.0, 20.0, Design.load("first_finger").dimensions.tail_end_z - 0.2),
+            )
+        ),
         {"sensor.room_overlap", "sensor.vent_open"},
     ),
     "trough without walls": (
-        add(Box((-9.0, -9.0, -5.0), (9.0, -2.0, -4.0))), {"bone.wall.sensor_to_outside"}
+        add(Box((-9.0, -9.0, -5.0), (9.0, -2.0, -4.0))),
+        {"bone.wall.sensor_to_outside"},
     ),
-}  # fmt: skip
+}
 
 
 def find_failed(design: Design) -> set[str]:
     solids = Solids.of(design, MeshEvaluator(0.02), ("bone", "skin"))
-    return {check.name for check in (*check_bone(design, solids), *check_laid_in(design, solids)) if not check.passed}
+    return {
+        check.name
+        for check in (*check_bone(design, solids), *check_laid_in(design, solids))
+        if not check.passed
+    }
 
 
 @pytest.mark.every_case
@@ -207,9 +279,10 @@ def test_defect_of_an_open_trough_is_found(name: str, monkeypatch: pytest.Monkey
 @pytest.mark.parametrize(
     ("name", "changes"),
     [
-        ("first_finger", STANDARD), ("fsr402", ("sensor.model=fsr402", "bone.base_length_mm=37")),
+        ("first_finger", STANDARD),
+        ("fsr402", ("sensor.model=fsr402", "bone.base_length_mm=37")),
     ],
-)  # fmt: skip
+)
 def test_longer_sensors_are_laid_in(name: str, changes: tuple[str, ...]) -> None:
     """Those of the bundled designs are, as tests/cad/test_approved.py and test_clevis.py find."""
     design = Design.load(name, changes=changes)
@@ -232,16 +305,26 @@ def test_the_first_finger_reaches_what_is_wanted() -> None:
 
 
 def test_bump_that_presses_on_the_sensor_at_rest_fails() -> None:
-    assert not skin_checks.check_rest_force(Design.load("first_finger", changes=["skin.bump_radius_mm=2.54"])).passed
+    assert not skin_checks.check_rest_force(
+        Design.load("first_finger", changes=["skin.bump_radius_mm=2.54"])
+    ).passed
 
 
 def test_hold_and_slide_are_those_of_the_study() -> None:
-    """Its rib of 0.8 mm, of 1.2 MPa, held 13 N at a friction of 0.3; a bead some 20 N more; it slid by 0.16 mm."""
-    design = Design.load("first_finger", changes=["silicone.product=own", "silicone.modulus_mpa=1.2"])
-    assert skin_checks.pull_off_n(design) == pytest.approx(13.0, rel=0.15)
-    assert skin_checks.pull_off_n(design, is_glued=True) - skin_checks.pull_off_n(design) == pytest.approx(
-        20.0, rel=0.05
+    """Its rib of 0.8 mm, of 1.2 MPa, held 13 N at a friction of 0.3;
+    a bead some 20 N more; it slid by 0.16 mm.
+    """
+    design = Design.load(
+        "first_finger", changes=["silicone.product=own", "silicone.modulus_mpa=1.2"]
     )
+    assert skin_checks.pull_off_n(design) == pytest.approx(13.0, rel=0.15)
+    assert skin_checks.pull_off_n(design, is_glued=True) - skin_checks.pull_off_n(
+        design
+    ) == pytest.approx(20.0, rel=0.05)
     assert skin_checks.slide_mm(design) == pytest.approx(0.16, abs=0.04)
     tight = Design.load("first_finger", changes=["mold.core_inset_mm=0.1"])
-    assert 0.3 < skin_checks.pull_off_n(tight) - skin_checks.pull_off_n(Design.load("first_finger")) < 2.0
+    assert (
+        0.3
+        < skin_checks.pull_off_n(tight) - skin_checks.pull_off_n(Design.load("first_finger"))
+        < 2.0
+    )

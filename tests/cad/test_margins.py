@@ -23,14 +23,18 @@ def test_the_margin_is_the_distance_relative_to_the_limit() -> None:
 
 @pytest.mark.parametrize("name", DESIGNS)
 def test_a_rule_turns_at_its_limit(name: str) -> None:
-    design, check = Design.load(name), Check("x", 1.0, 0.97, "", "at least")
+    design = Design.load(name)
+    check = Check("x", 1.0, 0.97, "", "at least")
     listed = list_margins(design, [check, Check("edges", 0.0, 0.0, "", "exactly")])
     assert [one.margin_percent for one in listed] == sorted(one.margin_percent for one in listed)
     listed.remove(check)
     assert len(listed) >= 5
-    assert all(one.margin_percent > 1e-4 for one in listed)  # bone.wall_mm of fsr400 is chosen at its limit
+    assert all(
+        one.margin_percent > 1e-4 for one in listed
+    )  # bone.wall_mm of fsr400 is chosen at its limit
     for one in listed:
-        field, beyond = one.name.partition(":")[0], (-0.02 if one.relation == "at least" else 0.02) * one.limit
+        field = one.name.partition(":")[0]
+        beyond = (-0.02 if one.relation == "at least" else 0.02) * one.limit
         label = one.name.partition(": ")[2].replace(" ", "_")
 
         def breaks(value: float, field: str = field, label: str = label) -> bool:

@@ -7,7 +7,12 @@ import math
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, MAX_LEDGE_MM, MAX_UNSUPPORTED_MM2, find_ceilings
+from fingertip.cad.printing.overhang import (
+    MAX_BRIDGE_MM,
+    MAX_LEDGE_MM,
+    MAX_UNSUPPORTED_MM2,
+    find_ceilings,
+)
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.check import Solids
 from fingertip.cad.verification.printing import check_overhang
@@ -26,33 +31,47 @@ def unsupported_mm2(solid: Solid) -> float:
 
 def shelf(reach: float) -> Solid:
     """A wall with a shelf that stands out by `reach`."""
-    return union(Box((-2.0, 0.0, 0.0), (0.0, WIDTH, 8.0)), Box((-1.0, 0.0, 5.0), (reach, WIDTH, 8.0)))
+    return union(
+        Box((-2.0, 0.0, 0.0), (0.0, WIDTH, 8.0)), Box((-1.0, 0.0, 5.0), (reach, WIDTH, 8.0))
+    )
 
 
 def gate(span: float) -> Solid:
     """Two pillars with a beam across."""
     beam = Box((-1.0, 0.0, 5.0), (span + 1.0, WIDTH, 8.0))
-    return union(Box((-2.0, 0.0, 0.0), (0.0, WIDTH, 8.0)), Box((span, 0.0, 0.0), (span + 2.0, WIDTH, 8.0)), beam)
+    return union(
+        Box((-2.0, 0.0, 0.0), (0.0, WIDTH, 8.0)),
+        Box((span, 0.0, 0.0), (span + 2.0, WIDTH, 8.0)),
+        beam,
+    )
 
 
 def test_long_shelves_and_beams_are_unsupported_over_their_whole_area() -> None:
     """Askew threads hold on to a little of a shelf, at its corners."""
     assert unsupported_mm2(shelf(MAX_LEDGE_MM - 0.01)) == 0.0
-    assert unsupported_mm2(shelf(1.5 * MAX_LEDGE_MM)) == pytest.approx(1.5 * MAX_LEDGE_MM * WIDTH, rel=0.03)
+    assert unsupported_mm2(shelf(1.5 * MAX_LEDGE_MM)) == pytest.approx(
+        1.5 * MAX_LEDGE_MM * WIDTH, rel=0.03
+    )
     assert unsupported_mm2(gate(MAX_BRIDGE_MM - 0.01)) == 0.0
-    assert unsupported_mm2(gate(MAX_BRIDGE_MM + 1.0)) == pytest.approx((MAX_BRIDGE_MM + 1.0) * WIDTH, rel=0.03)
+    assert unsupported_mm2(gate(MAX_BRIDGE_MM + 1.0)) == pytest.approx(
+        (MAX_BRIDGE_MM + 1.0) * WIDTH, rel=0.03
+    )
 
 
 @pytest.mark.parametrize("angle", [30.0, 45.0, 90.0])
 def test_bridge_is_found_in_every_direction(angle: float) -> None:
     """A beam of 9 mm across two pillars that stand askew; its ends are parallel to them."""
-    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    c = math.cos(math.radians(angle))
+    s = math.sin(math.radians(angle))
 
     def block(low: float, high: float, bottom: float) -> Solid:
         ring = ((low, -3.0), (high, -3.0), (high, 3.0), (low, 3.0))
         return Prism("z", tuple((c * u - s * v, s * u + c * v) for u, v in ring), bottom, 8.0)
 
-    assert unsupported_mm2(union(block(-2.0, 0.0, 0.0), block(9.0, 11.0, 0.0), block(-1.0, 10.0, 5.0))) < 0.01
+    assert (
+        unsupported_mm2(union(block(-2.0, 0.0, 0.0), block(9.0, 11.0, 0.0), block(-1.0, 10.0, 5.0)))
+        < 0.01
+    )
 
 
 @pytest.mark.parametrize(("run", "overhangs"), [(0.99, False), (1.01, True)])
@@ -66,16 +85,26 @@ def test_slope_counts_above_45_degrees(run: float, overhangs: bool) -> None:
 
 def test_small_horizontal_bore_needs_no_supports() -> None:
     block = Box((-8.0, -8.0, 0.0), (8.0, 8.0, 16.0))
-    across = MAX_BRIDGE_MM * math.sqrt(2.0)  # of a bore whose overhanging arc is as wide as the longest bridge
-    assert unsupported_mm2(difference(block, cylinder("x", (0.0, 8.0), -9.0, 9.0, 0.49 * across))) == 0.0
-    assert unsupported_mm2(difference(block, cylinder("x", (0.0, 8.0), -9.0, 9.0, 0.51 * across))) > 100.0
+    across = MAX_BRIDGE_MM * math.sqrt(
+        2.0
+    )  # of a bore whose overhanging arc is as wide as the longest bridge
+    assert (
+        unsupported_mm2(difference(block, cylinder("x", (0.0, 8.0), -9.0, 9.0, 0.49 * across)))
+        == 0.0
+    )
+    assert (
+        unsupported_mm2(difference(block, cylinder("x", (0.0, 8.0), -9.0, 9.0, 0.51 * across)))
+        > 100.0
+    )
 
 
 def overhang(part: str, *changes: str, added: Solid | None = None, name: str = "fsr400") -> float:
     """Value of the check for a part of a design, with something added to it."""
     design = Design.load(name, changes=changes)
     solid = PARTS[part].solid(design)
-    solids = Solids(design, MeshEvaluator(TOLERANCE), {part: union(solid, added) if added else solid})
+    solids = Solids(
+        design, MeshEvaluator(TOLERANCE), {part: union(solid, added) if added else solid}
+    )
     check = check_overhang(design, solids, part)
     assert check.name == f"{part}.overhang"
     assert check.passed == (check.value <= MAX_UNSUPPORTED_MM2)
@@ -91,4 +120,7 @@ def test_fin_above_the_collar_fails_and_below_it_where_supports_may_stand_does_n
     assert overhang("bone", added=fin(10.0), name="adult_finger") > 5.0
     assert overhang("bone", added=fin(-12.0), name="adult_finger") <= MAX_UNSUPPORTED_MM2
     for scale in (98, 103):  # the places of supports follow the scale of the print
-        assert overhang("bone", f"printer.scale_percent={scale}", name="adult_finger") <= MAX_UNSUPPORTED_MM2
+        assert (
+            overhang("bone", f"printer.scale_percent={scale}", name="adult_finger")
+            <= MAX_UNSUPPORTED_MM2
+        )

@@ -36,11 +36,14 @@ UNLIMITED = ["strength.min_grip_factor=0", "strength.min_knock_factor=0"]
 
 
 def generate_accepted(seed: int) -> Iterator[Design]:
-    """Generate designs that the rules accept: a bundled one, some of whose parameters are scaled by 0.5 to 2."""
+    """Generate designs that the rules accept: a bundled one, some of
+    whose parameters are scaled by 0.5 to 2.
+    """
     rng = random.Random(seed)
     while True:
         file = design_file(rng.choice((*DESIGNS, *PRESETS)))
-        base, near = Design.load(file), rng.choice((1.03, 1.2, 2.0))
+        base = Design.load(file)
+        near = rng.choice((1.03, 1.2, 2.0))
         changes = [*UNLIMITED]
         for path in rng.sample(VARIED, rng.randint(3, 12)):
             changes.append(f"{path}={base.value(path) * rng.uniform(1.0 / near, near)}")
@@ -67,10 +70,13 @@ def test_fitted_design_passes_every_check_in_both_kernels(number: int) -> None:
 
 
 def find_faults(design: Design, left_out: tuple[str, ...]) -> Iterator[Check]:
-    """Find the checks that a design fails in both kernels, but for those that are no errors of the geometry."""
+    """Find the checks that a design fails in both kernels, but for
+    those that are no errors of the geometry.
+    """
     from fingertip.cad.kernel import brep
 
-    evaluator, exact = MeshEvaluator(TOLERANCE), brep.BrepEvaluator()
+    evaluator = MeshEvaluator(TOLERANCE)
+    exact = brep.BrepEvaluator()
     parts = parts_by_name(design)
     found = [*verify(design, list(parts), ("stl",), evaluator).checks]
     for part in parts.values():
@@ -78,5 +84,6 @@ def find_faults(design: Design, left_out: tuple[str, ...]) -> Iterator[Check]:
         brep_solid = exact.solid(solid)
         measured = BrepMeasurements(brep.volume(brep_solid), brep.genus(brep_solid))
         found += check_brep_solid(design, part, evaluator.mesh(solid), measured, 1.0, TOLERANCE)
-    # A part that exceeds the printer, and a pad whose bump is too high or too low, are no errors of the geometry.
+    # A part that exceeds the printer, and a pad whose bump is too high or too low, are no errors of
+    # the geometry.
     return (check for check in found if not check.passed and not check.name.endswith(left_out))

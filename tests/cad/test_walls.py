@@ -15,18 +15,26 @@ def test_thickness_and_area_of_a_plate() -> None:
     found = measure_walls(Manifold.cube((20.0, 10.0, 0.5)), 0.8)
     assert found.thickness_mm == pytest.approx(0.5, abs=1e-9)
     assert found.area_mm2 == pytest.approx(2 * 20 * 10, rel=0.01)
-    assert found.patches().area() == pytest.approx(len(found.points) * SPACING_MM**2), "a square for each"
+    assert found.patches().area() == pytest.approx(len(found.points) * SPACING_MM**2), (
+        "a square for each"
+    )
     assert measure_walls(Manifold.cube((20.0, 10.0, 0.5)), 0.49).area_mm2 == 0.0
 
 
 def test_edge_of_a_wedge_is_thin_as_far_as_its_angle_says() -> None:
-    """A ray across a wedge of the angle a meets the other face after x tan(a); its edge of 90 degrees is no wall."""
+    """A ray across a wedge of the angle a meets the other face after x
+    tan(a); its edge of 90 degrees is no wall.
+    """
     tangent = math.tan(math.radians(20.0))
-    wedge = Manifold.hull_points([(x, y, z) for y in (0, 30) for x, z in ((0, 0), (9, 0), (9, 9 * tangent))])
+    wedge = Manifold.hull_points(
+        [(x, y, z) for y in (0, 30) for x, z in ((0, 0), (9, 0), (9, 9 * tangent))]
+    )
     found = measure_walls(wedge, 0.8)
     along = found.points[np.abs(found.points[:, 2]) < 1e-9]
     assert along[:, 0].max() == pytest.approx(0.8 / tangent, abs=0.1)
-    assert found.area_mm2 == pytest.approx(30 * 0.8 / tangent * (1 + math.cos(math.radians(20.0))), rel=0.1)
+    assert found.area_mm2 == pytest.approx(
+        30 * 0.8 / tangent * (1 + math.cos(math.radians(20.0))), rel=0.1
+    )
 
 
 def test_cavity_is_measured_to_the_outside() -> None:

@@ -1,4 +1,6 @@
-"""Force curve of a sensor from weighings: the fit against numpy, its errors and intervals, and the command."""
+"""Force curve of a sensor from weighings: the fit against numpy,
+its errors and intervals, and the command.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +51,9 @@ def volts(curve: ConductanceCurve, force_n: float) -> float:
     return RESPONSE.tactile_v(curve.conductance_s(force_n))
 
 
-def weighings_csv(curve: ConductanceCurve = WEAK, delimiter: str = ",", offset_v: float = 0.0) -> str:
+def weighings_csv(
+    curve: ConductanceCurve = WEAK, delimiter: str = ",", offset_v: float = 0.0
+) -> str:
     lines = [f"{g:g}{delimiter}{volts(curve, g * 9.80665e-3) + offset_v:.6f}" for g in WEIGHTS_G]
     return "\n".join([f"weight_g{delimiter}voltage_v", *lines]) + "\n"
 
@@ -61,7 +65,9 @@ def test_exact_readings_give_the_curve_back() -> None:
     assert found.interval_factor == pytest.approx(1.0, abs=1e-3)
     calibrated = apply_calibration(DESIGN, found.changes)
     forces = np.array([g * 9.80665e-3 for g in WEIGHTS_G])
-    assert compute_bridge_v(calibrated, forces) == pytest.approx([volts(WEAK, f) for f in forces], abs=1e-4)
+    assert compute_bridge_v(calibrated, forces) == pytest.approx(
+        [volts(WEAK, f) for f in forces], abs=1e-4
+    )
     assert found.points[2].voltage_v == pytest.approx(volts(WEAK, forces[2]), abs=1e-4)
     middle = forces[2]
     assert found.ratio_to_typical == pytest.approx(
@@ -71,9 +77,13 @@ def test_exact_readings_give_the_curve_back() -> None:
 
 def test_a_calibrated_design_can_be_calibrated_again() -> None:
     """The bridge keeps its resistances: they are sized for the typical sensor."""
-    once = apply_calibration(DESIGN, calibrate_sensor(DESIGN, parse_weighings(weighings_csv(), "w.csv")).changes)
+    once = apply_calibration(
+        DESIGN, calibrate_sensor(DESIGN, parse_weighings(weighings_csv(), "w.csv")).changes
+    )
     assert board_values(once).tactile_response == RESPONSE
-    again = apply_calibration(once, calibrate_sensor(once, parse_weighings(weighings_csv(), "w.csv")).changes)
+    again = apply_calibration(
+        once, calibrate_sensor(once, parse_weighings(weighings_csv(), "w.csv")).changes
+    )
     assert again == once
 
 
@@ -96,7 +106,9 @@ def test_volts_counts_ohms_and_newtons_give_one_curve(delimiter: str, tmp_path: 
         if delimiter == ";":
             text = text.replace(".", ",")
         (tmp_path / "w.csv").write_bytes(("\ufeff" + text).encode())
-        found = calibrate_sensor(DESIGN, read_weighings(tmp_path / "w.csv"), step if "counts" in header else None)
+        found = calibrate_sensor(
+            DESIGN, read_weighings(tmp_path / "w.csv"), step if "counts" in header else None
+        )
         assert found.law.exponent == pytest.approx(0.7, abs=1e-4), header
         assert found.law.conductance_s == pytest.approx(WEAK.scale, rel=1e-4), header
 
@@ -110,14 +122,25 @@ def test_readings_without_load_take_the_offset_off() -> None:
     assert abs(without.law.exponent - 0.7) > 0.01
 
 
-@pytest.mark.parametrize(("kind", "scale", "end"), [("counts", 3.3 / 4096, 4095.0), ("voltage_v", None, 2.0)])
-def test_weighings_at_a_limit_are_left_out_and_named(kind: str, scale: float | None, end: float) -> None:
-    """The readings of the largest loads stand still; without them the curve is that of the others."""
+@pytest.mark.parametrize(
+    ("kind", "scale", "end"), [("counts", 3.3 / 4096, 4095.0), ("voltage_v", None, 2.0)]
+)
+def test_weighings_at_a_limit_are_left_out_and_named(
+    kind: str, scale: float | None, end: float
+) -> None:
+    """The readings of the largest loads stand still; without them the curve is that of
+    the others.
+    """
     design = Design.load("fsr400")
-    response, curve = board_values(design).tactile_response, ConductanceCurve(TURN_ON_N, WEAK.scale, 0.52)
+    response = board_values(design).tactile_response
+    curve = ConductanceCurve(TURN_ON_N, WEAK.scale, 0.52)
     forces = (0.5, 1.0, 2.0, 3.0, 20.0, 40.0)
-    readings = [response.tactile_v(curve.conductance_s(force)) / (scale or 1.0) for force in forces[:4]] + [end, end]
-    table = f"force_n,{kind}\n" + "".join(f"{f},{r:.6f}\n" for f, r in zip(forces, readings, strict=True))
+    readings = [
+        response.tactile_v(curve.conductance_s(force)) / (scale or 1.0) for force in forces[:4]
+    ] + [end, end]
+    table = f"force_n,{kind}\n" + "".join(
+        f"{f},{r:.6f}\n" for f, r in zip(forces, readings, strict=True)
+    )
     weighings = parse_weighings(table, "w.csv")
     assert [row.line for row in weighings.saturated] == [6, 7]
     assert "lines 6 and 7 at" in list_warnings(weighings)[0]
@@ -130,7 +153,12 @@ def test_a_sensor_that_is_pressed_at_rest_is_named() -> None:
         weighings = parse_weighings(text, "w.csv")
         found = calibrate_sensor(DESIGN, weighings)
         pressed = (found.points[-1].voltage_v - found.points[0].voltage_v) * found.offset_v > 0
-        assert any("the skin presses on the sensor" in each for each in list_warnings(weighings, found)) == pressed
+        assert (
+            any(
+                "the skin presses on the sensor" in each for each in list_warnings(weighings, found)
+            )
+            == pressed
+        )
 
 
 def test_fit_equals_numpys_and_its_interval_is_that_of_a_prediction() -> None:
@@ -138,15 +166,21 @@ def test_fit_equals_numpys_and_its_interval_is_that_of_a_prediction() -> None:
     forces = np.array([0.5, 1.0, 2.0, 5.0, 10.0, 10.0])
     conductances = 1e-4 * (forces - 0.2) ** 0.6 * np.exp(rng.normal(0, 0.05, 6))
     law = fit_power_law(forces.tolist(), conductances.tolist(), 0.2)
-    x, y = np.log(forces - 0.2), np.log(conductances)
+    x = np.log(forces - 0.2)
+    y = np.log(conductances)
     (b, a), covariance = np.polyfit(x, y, 1, cov=True)
     assert (law.exponent, math.log(law.conductance_s)) == pytest.approx((b, a))
     assert law.exponent_uncertainty == pytest.approx(math.sqrt(covariance[0, 0]))
-    # At either end of the interval the reading lies at an edge of the prediction interval of that force.
+    # At either end of the interval the reading lies at an edge of the prediction interval of that
+    # force.
     for reading in (3e-5, 1e-4, 4e-4):
         for end in law.interval_n(reading):
             d = math.log(end - 0.2) - x.mean()
-            half = law.coverage_factor * law.scatter * math.sqrt(1 + 1 / 6 + d * d / ((x - x.mean()) ** 2).sum())
+            half = (
+                law.coverage_factor
+                * law.scatter
+                * math.sqrt(1 + 1 / 6 + d * d / ((x - x.mean()) ** 2).sum())
+            )
             assert abs(math.log(reading) - a - b * math.log(end - 0.2)) == pytest.approx(half)
         low, high = law.interval_n(reading)
         assert low < force_at(law, reading) < high
@@ -156,7 +190,10 @@ def test_fit_equals_numpys_and_its_interval_is_that_of_a_prediction() -> None:
 @pytest.mark.parametrize(("turn_on_n", "bound"), [(0.0, 0.09), (0.1, 0.05), (0.3, 0.07)])
 @pytest.mark.parametrize("exponent", [0.5, 1.0])
 def test_sensor_with_another_turn_on(turn_on_n: float, bound: float, exponent: float) -> None:
-    """The turn-on is not fitted. What a wrong one costs is within the interval, as it shows as scatter."""
+    """The turn-on is not fitted.
+
+    What a wrong one costs is within the interval, as it shows as scatter.
+    """
     forces = [0.5, 1.0, 3.0, 10.0]
     law = fit_power_law(forces, [(f - turn_on_n) ** exponent for f in forces], TURN_ON_N)
     for force in (0.7, 2.0, 5.0, 8.0):
@@ -168,7 +205,11 @@ def test_sensor_with_another_turn_on(turn_on_n: float, bound: float, exponent: f
 
 @pytest.mark.parametrize(
     ("content", "message"),
-    [(None, "cannot be read"), (b"PK\0\0", "is not a text file"), (b"1" * (2**20 + 1), "of less than 1 MB")],
+    [
+        (None, "cannot be read"),
+        (b"PK\0\0", "is not a text file"),
+        (b"1" * (2**20 + 1), "of less than 1 MB"),
+    ],
 )
 def test_files_that_are_no_weighings(content: bytes | None, message: str, tmp_path: Path) -> None:
     if content is not None:
@@ -194,7 +235,9 @@ def test_the_command_writes_a_design_that_the_printed_changes_give_too(tmp_path:
     assert done.exit_code == 0, done.stderr
     (changes,) = (line for line in done.stdout.splitlines() if line.startswith("--set "))
     calibrated = Design.load(out)
-    assert calibrated == Design.load("article", changes=[word for word in shlex.split(changes) if word != "--set"])
+    assert calibrated == Design.load(
+        "article", changes=[word for word in shlex.split(changes) if word != "--set"]
+    )
     assert str(tmp_path) not in out.read_text()
     data = json.loads(run("calibrate", "sensor", path, "article", "--json", "-q").stdout)
     assert " ".join(f"--set {change}" for change in data["set"]) == changes

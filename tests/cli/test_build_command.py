@@ -35,7 +35,9 @@ def fake_module(tmp_path: Path, name: str, text: str) -> str:
 @pytest.mark.full
 def test_without_libgl_the_step_error_names_the_packages_to_install(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    fake = fake_module(tmp_path, "OCP", "raise ImportError('libGL.so.1: cannot open shared object file')\n")
+    fake = fake_module(
+        tmp_path, "OCP", "raise ImportError('libGL.so.1: cannot open shared object file')\n"
+    )
     done = run_fingertip("build", FSR400, "--out", out, PYTHONPATH=fake)
     assert done.returncode == 2
     errors = [line for line in done.stderr.splitlines() if line.startswith("error")]
@@ -65,8 +67,11 @@ def test_string_instead_of_a_list_is_rejected() -> None:
     from fingertip.foundation.errors import DesignError
 
     with pytest.raises(
-        DesignError, match=r"formats: 'stl,3mf' is a single text; give a list, such as \['stl', '3mf'\]"
+        DesignError,
+        match=r"formats: 'stl,3mf' is a single text; give a list, such as \['stl', '3mf'\]",
     ):
         build(Design(), formats="stl,3mf")
-    with pytest.raises(DesignError, match=r"changes: 'skin.width_mm=18' is a single text; use changes="):
+    with pytest.raises(
+        DesignError, match=r"changes: 'skin.width_mm=18' is a single text; use changes="
+    ):
         Design.load(changes="skin.width_mm=18")

@@ -16,7 +16,8 @@ from fingertip.cli.check_reports import Finding
 from fingertip.design.geometry.solids import Box
 from tests.conftest import design_file, run_fingertip
 
-FSR400, FSR402 = design_file("fsr400"), design_file("fsr402")
+FSR400 = design_file("fsr400")
+FSR402 = design_file("fsr402")
 COARSE = ("--tolerance-mm", "0.05")
 
 
@@ -24,7 +25,16 @@ COARSE = ("--tolerance-mm", "0.05")
 def test_valid_designs_exit_0(tmp_path: Path) -> None:
     report = tmp_path / "reports" / "check.xml"
     done = run_fingertip(
-        "check", FSR400, FSR402, *COARSE, "--junit", report, "--json", "--quiet", "--margins", PWD=str(tmp_path)
+        "check",
+        FSR400,
+        FSR402,
+        *COARSE,
+        "--junit",
+        report,
+        "--json",
+        "--quiet",
+        "--margins",
+        PWD=str(tmp_path),
     )
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
@@ -39,7 +49,9 @@ def test_valid_designs_exit_0(tmp_path: Path) -> None:
     written = [case.get("name") for case in ElementTree.parse(report).iter("testcase")]
     assert written == [check["name"] for design in output["designs"] for check in design["checks"]]
     assert {"bone.stl.genus", "demolding_overlap.mold_palmar", "overlap.skin.core"} <= set(written)
-    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["check.xml"], "nothing is exported"
+    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["check.xml"], (
+        "nothing is exported"
+    )
 
 
 def test_any_mesh_is_checked_and_another_file_is_told_what_check_takes(tmp_path: Path) -> None:
@@ -57,7 +69,12 @@ def test_any_mesh_is_checked_and_another_file_is_told_what_check_takes(tmp_path:
     (tmp_path / "mold_palmar.stl").write_bytes(stl.to_bytes(deeper, "deeper"))
     done = run_fingertip("check", tmp_path / "open.stl", tmp_path / "mold_dorsal.stl", "--json")
     assert done.returncode == 1
-    failed = {c["name"] for mesh in json.loads(done.stdout)["meshes"] for c in mesh["checks"] if not c["passed"]}
+    failed = {
+        c["name"]
+        for mesh in json.loads(done.stdout)["meshes"]
+        for c in mesh["checks"]
+        if not c["passed"]
+    }
     assert failed >= {"open_edges", "mesh.trimesh.open", "mold_palmar.overlap"}
     (tmp_path / "cut.stl").write_bytes(b"no mesh")
     (tmp_path / "part.step").write_bytes(b"\xff")
@@ -70,7 +87,9 @@ def test_any_mesh_is_checked_and_another_file_is_told_what_check_takes(tmp_path:
         assert said in done.stderr
 
 
-def test_failed_checks_exit_1_and_appear_in_every_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_checks_exit_1_and_appear_in_every_report(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     # With a negative limit every check of a zero volume fails, but no check of topology.
     monkeypatch.setattr(check, "VOLUME_TOLERANCE_MM3", -1.0)
     report = tmp_path / "check.xml"
@@ -79,20 +98,28 @@ def test_failed_checks_exit_1_and_appear_in_every_report(tmp_path: Path, monkeyp
     assert done.returncode == 1, done.stderr
     rows = [line for line in done.stdout.splitlines() if line.endswith("FAILED")]
     failed = {line.split()[0] for line in rows}
-    assert len({len(re.findall(r"^\S+ +\S+", line)[0]) for line in rows}) == 1, "values end below each other"
+    assert len({len(re.findall(r"^\S+ +\S+", line)[0]) for line in rows}) == 1, (
+        "values end below each other"
+    )
     assert "demolding_overlap.mold_dorsal" in failed
     assert "bone.stl.genus" not in failed
     assert done.stdout.endswith("try --tolerance-mm 0.01 first.\n")
     root = ElementTree.parse(report).getroot()
-    assert {case.get("name") for case in root.iter("testcase") if case.find("failure") is not None} == failed
+    assert {
+        case.get("name") for case in root.iter("testcase") if case.find("failure") is not None
+    } == failed
     assert root.get("failures") == str(len(failed))
     output = json.loads(run_fingertip(*arguments, "--json").stdout)
     assert output["passed"] is False
     assert {c["name"] for c in output["designs"][0]["checks"] if not c["passed"]} == failed
 
 
-def test_of_many_designs_the_valid_ones_are_checked_and_each_refusal_has_its_line(tmp_path: Path) -> None:
-    (tmp_path / "bad.toml").write_text('name = "bad"\n[skin]\nwidth_mm = 99 # too wide\n[bone]\nmaterial = "x"\n')
+def test_of_many_designs_the_valid_ones_are_checked_and_each_refusal_has_its_line(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "bad.toml").write_text(
+        'name = "bad"\n[skin]\nwidth_mm = 99 # too wide\n[bone]\nmaterial = "x"\n'
+    )
     (tmp_path / "empty.toml").write_text("# nothing\n")
     (tmp_path / "twice.toml").write_text("[skin]\n[bone]\n[skin]\n")
     reports = ("--junit", "r.xml", "--sarif", "r.sarif")
@@ -104,19 +131,23 @@ def test_of_many_designs_the_valid_ones_are_checked_and_each_refusal_has_its_lin
     assert found["designs"][0]["passed"]
     lines = {(one["file"], one["line"], one["field"], one["value"]) for one in found["issues"]}
     assert lines == {
-        ("bad.toml", 3, "skin.width_mm", 99), ("bad.toml", 5, "bone.material", "x"),
-        ("empty.toml", None, "empty.toml", None), ("twice.toml", 3, "twice.toml", None),
-    }  # fmt: skip
+        ("bad.toml", 3, "skin.width_mm", 99),
+        ("bad.toml", 5, "bone.material", "x"),
+        ("empty.toml", None, "empty.toml", None),
+        ("twice.toml", 3, "twice.toml", None),
+    }
     root = ElementTree.parse(tmp_path / "r.xml").getroot()
     assert (root.get("errors"), root.get("failures")) == ("4", "0")
-    assert {case.get("name") for case in root.iter("testcase") if case.find("error") is not None} == {
-        field for _, _, field, _ in lines
-    }
+    assert {
+        case.get("name") for case in root.iter("testcase") if case.find("error") is not None
+    } == {field for _, _, field, _ in lines}
     results = json.loads((tmp_path / "r.sarif").read_text())["runs"][0]["results"]
     assert len(results) == 4
     assert "::error file=bad.toml,line=3,title=skin.width_mm::99 mm is too large" in done.stderr
     escaped = Finding("f.toml", None, "a:b,c", "1 %,\nor: 2").to_annotation()
-    assert escaped == "::error file=f.toml,title=a%3Ab%2Cc::1 %25,%0Aor: 2", "as GitHub reads workflow commands"
+    assert escaped == "::error file=f.toml,title=a%3Ab%2Cc::1 %25,%0Aor: 2", (
+        "as GitHub reads workflow commands"
+    )
     assert "error: empty.toml: sets no parameter" in done.stderr
 
 
@@ -124,5 +155,10 @@ def test_of_many_designs_the_valid_ones_are_checked_and_each_refusal_has_its_lin
 def test_designs_of_the_same_name_are_labelled_by_their_files(tmp_path: Path) -> None:
     for name in ("a.toml", "b.toml"):
         (tmp_path / name).write_text('name = "tip"')
-    done = run_fingertip("check", "a.toml", "b.toml", "a.toml", *COARSE, "--json", "-q", PWD=str(tmp_path))
-    assert [design["design"] for design in json.loads(done.stdout)["designs"]] == ["a.toml", "b.toml"]
+    done = run_fingertip(
+        "check", "a.toml", "b.toml", "a.toml", *COARSE, "--json", "-q", PWD=str(tmp_path)
+    )
+    assert [design["design"] for design in json.loads(done.stdout)["designs"]] == [
+        "a.toml",
+        "b.toml",
+    ]

@@ -40,7 +40,9 @@ def scripts(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def complete_in_bash(scripts: Path, line: str) -> list[str]:
-    """What bash offers for the word at the end of a line: the words are split as readline splits them."""
+    """What bash offers for the word at the end of a line: the
+    words are split as readline splits them.
+    """
     bash = require_tool("bash", "apt-get install bash")
     program = """
         source "$1"
@@ -59,15 +61,20 @@ def complete_in_bash(scripts: Path, line: str) -> list[str]:
     """
     done = subprocess.run(
         [bash, "--norc", "-c", program, "bash", scripts / "bash", line],
-        capture_output=True, text=True, check=True, cwd=scripts / "work",
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=scripts / "work",
+    )
     assert done.stderr == ""
     return done.stdout.split()
 
 
 @pytest.mark.full
 def test_bash_completes(scripts: Path) -> None:
-    """What the program answers, `transcripts/completion.txt` shows; bash cuts words at = and completes files itself."""
+    """What the program answers, `transcripts/completion.txt` shows;
+    bash cuts words at = and completes files itself.
+    """
     for line, expected in (
         ("fingertip calibrate ", ["printer", "sensor"]),
         ("fingertip build mi", ["mine.toml"]),
@@ -82,5 +89,7 @@ def test_bash_completes(scripts: Path) -> None:
 @pytest.mark.parametrize("shell", SHELLS)
 def test_scripts_are_valid(scripts: Path, shell: str) -> None:
     program = require_tool(shell, f"apt-get install {shell}")
-    done = subprocess.run([program, "-n", scripts / shell], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [program, "-n", scripts / shell], capture_output=True, text=True, check=False
+    )
     assert (done.returncode, done.stderr) == (0, "")

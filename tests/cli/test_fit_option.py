@@ -1,4 +1,6 @@
-"""`--fit`: what follows from a change moves, is listed before anything is written, and passes when it is typed."""
+"""`--fit`: what follows from a change moves, is listed before
+anything is written, and passes when it is typed.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,17 @@ CHANGE = "skin.thickness_palmar_mm=2.7"
 def test_what_moved_is_listed_and_passes_when_it_is_typed(tmp_path: Path) -> None:
     with pytest.raises(DesignError):
         Design.load("adult_finger", changes=[CHANGE])
-    words = ("build", "adult_finger", "--set", CHANGE, "--fit", "--parts=bone", "--formats=stl", "--out", tmp_path)
+    words = (
+        "build",
+        "adult_finger",
+        "--set",
+        CHANGE,
+        "--fit",
+        "--parts=bone",
+        "--formats=stl",
+        "--out",
+        tmp_path,
+    )
     done = run_fingertip(*words, "--json")
     listed = json.loads(done.stdout)["fitted"]
     assert listed
@@ -30,13 +42,20 @@ def test_what_moved_is_listed_and_passes_when_it_is_typed(tmp_path: Path) -> Non
     first = Design.load("adult_finger")
     for move in listed:
         assert (move["design"], move["was"]) == ("adult_finger", first.value(move["parameter"]))
-        assert f"# Fitted: {move['parameter']} was {move['was']}; " in (tmp_path / "design.toml").read_text()
-        assert all(word in done.stderr for word in (move["parameter"], str(move["is"]), move["why"]))
+        assert (
+            f"# Fitted: {move['parameter']} was {move['was']}; "
+            in (tmp_path / "design.toml").read_text()
+        )
+        assert all(
+            word in done.stderr for word in (move["parameter"], str(move["is"]), move["why"])
+        )
     with pytest.raises(DesignError):  # each was needed
         Design.load("adult_finger", changes=typed[:-1])
     quiet = run_fingertip(*words, "--quiet")
     assert quiet.stderr == ""
-    assert quiet.stdout.splitlines()[: len(listed) + 2] == done.stderr.splitlines()[: len(listed) + 2]
+    assert (
+        quiet.stdout.splitlines()[: len(listed) + 2] == done.stderr.splitlines()[: len(listed) + 2]
+    )
     moves = first.fit({"skin.thickness_palmar_mm": 2.7}).moves
     assert [(move.name, move.before, move.after) for move in moves] == [
         (move["parameter"], move["was"], move["is"]) for move in listed
@@ -49,7 +68,9 @@ def test_a_failed_check_offers_the_fit_that_mends_it() -> None:
     refused = run_fingertip(*words).stdout
     assert "pad.rest_force: change" in refused
     assert refused.endswith("  or add --fit, which moves skin.bump_height_mm\n")
-    assert json.loads(run_fingertip(*words, "--json").stdout)["designs"][0]["fit_moves"] == ["skin.bump_height_mm"]
+    assert json.loads(run_fingertip(*words, "--json").stdout)["designs"][0]["fit_moves"] == [
+        "skin.bump_height_mm"
+    ]
     assert "all 100 checks passed" in run_fingertip(*words, "--fit").stdout
 
 
@@ -63,19 +84,36 @@ def test_each_finger_of_a_set_is_fitted(tmp_path: Path) -> None:
     ring = 'design = "adult_finger"\nname = "adult_ring"\nskin.length_mm = 25.5'
     text = f'name = "two"\n[fingers.index]\ndesign = "adult_finger"\n[fingers.ring]\n{ring}\n'
     (tmp_path / "two.toml").write_text(text, encoding="utf-8")
-    words = ("firmware", tmp_path / "two.toml", "--set", CHANGE, "--fit", "--json", "--out", tmp_path / "out")
+    words = (
+        "firmware",
+        tmp_path / "two.toml",
+        "--set",
+        CHANGE,
+        "--fit",
+        "--json",
+        "--out",
+        tmp_path / "out",
+    )
     listed = json.loads(run_fingertip(*words).stdout)["fitted"]
     assert {move["design"] for move in listed} == {"adult_finger", "adult_ring"}
     moves = Design.load("adult_finger").fit({"skin.thickness_palmar_mm": 2.7}).moves
-    of_index = [(move["parameter"], move["is"]) for move in listed if move["design"] == "adult_finger"]
+    of_index = [
+        (move["parameter"], move["is"]) for move in listed if move["design"] == "adult_finger"
+    ]
     assert of_index == [(move.name, move.after) for move in moves]
 
 
 @pytest.mark.parametrize(
     ("message", "told"),
     [
-        ("9 mm is too wide; at most 8 mm, or add --fit, which moves a.b.", "9 mm is too wide; at most 8 mm."),
-        ("9 mm is too wide; add --fit, which moves a.b.", "9 mm is too wide; `{}`, which moves a.b."),
+        (
+            "9 mm is too wide; at most 8 mm, or add --fit, which moves a.b.",
+            "9 mm is too wide; at most 8 mm.",
+        ),
+        (
+            "9 mm is too wide; add --fit, which moves a.b.",
+            "9 mm is too wide; `{}`, which moves a.b.",
+        ),
         ("breaks a rule; --fit fixes all of this.", "breaks a rule; `{}` fixes all of this."),
     ],
 )

@@ -1,4 +1,6 @@
-"""Help pages: width, groups, examples that run, flags without a type; and lines that a terminal can hold."""
+"""Help pages: width, groups, examples that run, flags without a
+type; and lines that a terminal can hold.
+"""
 
 from __future__ import annotations
 
@@ -43,14 +45,21 @@ def describe_option(option: Any) -> str:
 def test_help_pages_fit_and_show_every_option_and_examples() -> None:
     """What is there if an option is left out is the approved value."""
     assert set(load_examples()) == {"", *COMMANDS}
-    wrong, defaults = [], []
+    wrong = []
+    defaults = []
     for name, command in {"": ROOT_COMMAND, **COMMANDS}.items():
         done = run_fingertip(*name.split(), "--help")
         page = done.stdout
         listed = [each for each in command.params if each.param_type_name == "option"]
-        defaults.append(f"{name} {', '.join(describe_option(each) for each in listed if each.name != 'help')}\n")
+        defaults.append(
+            f"{name} {', '.join(describe_option(each) for each in listed if each.name != 'help')}\n"
+        )
         options = [one for each in listed for one in each.opts]
-        wrong += [(name, one) for one in options if not re.search(rf"(^|[ ,]){one}([ ,]|$)", page, re.MULTILINE)]
+        wrong += [
+            (name, one)
+            for one in options
+            if not re.search(rf"(^|[ ,]){one}([ ,]|$)", page, re.MULTILINE)
+        ]
         wrong += [(name, line) for line in page.splitlines() if len(line) > MAX_WIDTH]
         wrong += [(name, python_type) for python_type in re.findall(r"<\w+>", page)]
         given = [one for each in command.params if (one := each.default) and one is not True]
@@ -62,7 +71,9 @@ def test_help_pages_fit_and_show_every_option_and_examples() -> None:
 
 
 def test_examples_are_understood() -> None:
-    """Every word of an example is a command, an option or a value; tests/test_readme.py runs most of them."""
+    """Every word of an example is a command, an option or a value;
+    tests/test_readme.py runs most of them.
+    """
     wrong = []
     for example in (example for group in load_examples().values() for example in group):
         program, *words = shlex.split(example)
@@ -88,7 +99,10 @@ def test_a_narrow_terminal_gets_a_narrow_page() -> None:
 
 
 def test_lines_break_between_words_below_the_last_column() -> None:
-    table = "R1         2375.4 ohm  first stage\nR8 C9      1k 330n     tactile voltage, the first anti-aliasing pole"
+    table = (
+        "R1         2375.4 ohm  first stage\nR8 C9      1k 330n     tactile voltage, the "
+        "first anti-aliasing pole"
+    )
     assert fit_width(table, 200) == table
     assert fit_width(table, 60).splitlines() == [
         "R1         2375.4 ohm  first stage",

@@ -26,7 +26,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def base(sensor: str) -> Design:
     known = SENSORS.get(sensor, SENSORS["fsr400"])
-    return Design.load(known.bundled_design, changes=[f"sensor.model={sensor}", "name=mine", *known.changes])
+    return Design.load(
+        known.bundled_design, changes=[f"sensor.model={sensor}", "name=mine", *known.changes]
+    )
 
 
 @pytest.mark.parametrize("sensor", CHOICES)
@@ -34,7 +36,10 @@ def test_the_file_is_the_bundled_design_of_its_sensor(sensor: str, folder: Path)
     done = run_fingertip("new", "mine", "--sensor", sensor)
     assert done.returncode == 0, done.stderr
     note, _, written = done.stdout.rpartition("wrote mine.toml; ")
-    assert ("calibrate" in note, written) == (sensor[:4] != "fsr4", "edit it, then run: fingertip make mine.toml\n")
+    assert ("calibrate" in note, written) == (
+        sensor[:4] != "fsr4",
+        "edit it, then run: fingertip make mine.toml\n",
+    )
     assert Design.load("mine.toml") == base(sensor)
     assert run_fingertip("params", "mine.toml").returncode == 0
 
@@ -44,7 +49,11 @@ def test_every_parameter_stands_in_the_file_once_and_is_described(sensor: str) -
     text = write_new_design("mine", sensor).text
     uncommented = re.sub(r"^#(?=[a-z0-9_.]+ = )", "", text, flags=re.MULTILINE)
     assert Design(**tomllib.loads(uncommented)) == base(sensor)
-    lines = {line.partition(" = ")[0]: line for line in uncommented.splitlines() if not line.startswith("#") and line}
+    lines = {
+        line.partition(" = ")[0]: line
+        for line in uncommented.splitlines()
+        if not line.startswith("#") and line
+    }
     assert set(lines) == {parameter.path for parameter in list_parameters()}
     for parameter in list_parameters():
         line = lines[parameter.path]
@@ -54,13 +63,20 @@ def test_every_parameter_stands_in_the_file_once_and_is_described(sensor: str) -
 
 
 def test_pages_state_the_sizes_of_the_presets_and_what_to_measure() -> None:
-    designs, sets = (" ".join((ROOT / page).read_text().split()) for page in ("docs/designs.md", "docs/sets.md"))
+    designs, sets = (
+        " ".join((ROOT / page).read_text().split()) for page in ("docs/designs.md", "docs/sets.md")
+    )
     for name in PRESETS:
         design = Design.load(name)
         to_axis_mm = design.skin.length_mm + design.bone.base_length_mm
-        assert re.search(rf"`{name}` \({design.skin.width_mm:g} mm( wide)?, {to_axis_mm:.0f} mm[ )]", designs), name
+        assert re.search(
+            rf"`{name}` \({design.skin.width_mm:g} mm( wide)?, {to_axis_mm:.0f} mm[ )]", designs
+        ), name
     adult = Design.load("adult_finger")
-    assert f"`bone.base_length_mm` behind it, {adult.bone.base_length_mm:g} mm in `adult_finger`" in sets
+    assert (
+        f"`bone.base_length_mm` behind it, {adult.bone.base_length_mm:g} mm in `adult_finger`"
+        in sets
+    )
     assert -adult.dimensions.joint.axis_z == adult.bone.base_length_mm
 
 
@@ -76,15 +92,26 @@ def test_the_file_states_the_hands_own_sizes_and_what_moved_for_them(folder: Pat
     write_hand(folder, clearance_radius_mm=5.8, width_mm=6.9, travel_deg=45.0, axis_height_mm=9.0)
     done = run_fingertip("new", "mine", "--preset", "adult_finger", "--hand", "hand.toml", "--json")
     assert done.returncode == 0, done.stderr
-    design, result = Design.load("mine.toml"), json.loads(done.stdout)
+    design = Design.load("mine.toml")
+    result = json.loads(done.stdout)
     assert design.hand == Design.load("adult_finger").hand.model_copy(
-        update={"clearance_radius_mm": 5.8, "width_mm": 6.9, "travel_deg": 45.0, "axis_height_mm": 9.0}
+        update={
+            "clearance_radius_mm": 5.8,
+            "width_mm": 6.9,
+            "travel_deg": 45.0,
+            "axis_height_mm": 9.0,
+        }
     )
     moved = {one["parameter"]: one for one in result["fitted"]}
     assert "skin.semi_axis_dorsal_mm" in moved
-    assert f"skin.semi_axis_dorsal_mm  derived  {moved['skin.semi_axis_dorsal_mm']['was']}" in done.stderr
+    assert (
+        f"skin.semi_axis_dorsal_mm  derived  {moved['skin.semi_axis_dorsal_mm']['was']}"
+        in done.stderr
+    )
     text = Path("mine.toml").read_text()
-    wishes, measured, fitted, derived = re.split("# (?:Measured on|Fitted to|Derived from) .*", text)[:4]
+    wishes, measured, fitted, derived = re.split(
+        "# (?:Measured on|Fitted to|Derived from) .*", text
+    )[:4]
     assert "skin.width_mm = 18.0" in wishes
     assert "hand.width_mm = 6.9 " in measured
     assert all(f"\n{name} = {one['is']}" in fitted + wishes for name, one in moved.items())
@@ -94,13 +121,22 @@ def test_the_file_states_the_hands_own_sizes_and_what_moved_for_them(folder: Pat
 
 
 @pytest.mark.full
-def test_loads_that_are_given_are_refused_if_too_heavy_and_others_become_what_the_finger_holds(folder: Path) -> None:
+def test_loads_that_are_given_are_refused_if_too_heavy_and_others_become_what_the_finger_holds(
+    folder: Path,
+) -> None:
     write_hand(
-        folder, width_mm=9.0, axis_height_mm=7.0, pin_diameter_mm=3.0, clearance_radius_mm=5.0, tendon_distance_mm=4.4,
+        folder,
+        width_mm=9.0,
+        axis_height_mm=7.0,
+        pin_diameter_mm=3.0,
+        clearance_radius_mm=5.0,
+        tendon_distance_mm=4.4,
         travel_deg=60.0,
-    )  # fmt: skip
+    )
     command = ("new", "mine", "--hand", "hand.toml")
-    weak = run_fingertip(*command, "--set", "strength.grip_force_n=30", "--set", "strength.knock_speed_m_s=1")
+    weak = run_fingertip(
+        *command, "--set", "strength.grip_force_n=30", "--set", "strength.knock_speed_m_s=1"
+    )
     assert weak.returncode == 2
     assert "strength.grip_force_n" in weak.stderr
     assert not (folder / "mine.toml").exists()

@@ -1,4 +1,6 @@
-"""Files and folders that a command is asked to write: each option refuses before any work what cannot be written."""
+"""Files and folders that a command is asked to write: each option
+refuses before any work what cannot be written.
+"""
 
 from __future__ import annotations
 
@@ -31,10 +33,22 @@ FILES = (
     ("simulate", "--plot", ".png", "fingertip.sim.Simulation.run"),
     ("detect trace.csv", "--plot", ".png", "fingertip.detection.recordings.detect_file"),
     ("new tip", "--out", ".toml", "fingertip.foundation.files.write_file"),
-    ("calibrate printer fsr400 --half-thickness-mm 10.0", "--out", ".toml", "fingertip.foundation.files.write_file"),
-    ("calibrate sensor weighings.csv", "--out", ".toml", "fingertip.calibration.sensor.calibrate_sensor"),
+    (
+        "calibrate printer fsr400 --half-thickness-mm 10.0",
+        "--out",
+        ".toml",
+        "fingertip.foundation.files.write_file",
+    ),
+    (
+        "calibrate sensor weighings.csv",
+        "--out",
+        ".toml",
+        "fingertip.calibration.sensor.calibrate_sensor",
+    ),
 )
-"""Words of a command, its option that names a file to write, a suffix that is written, and what must not be called."""
+"""Words of a command, its option that names a file to write, a suffix
+that is written, and what must not be called.
+"""
 FOLDERS = (
     ("build fsr400", "fingertip.tasks.build.verify"),
     ("make fsr400", "fingertip.tasks.build.verify"),
@@ -60,10 +74,20 @@ def fail(*arguments: object, **options: object) -> None:
 
 @pytest.fixture(autouse=True)
 def restored() -> Iterator[None]:
-    """Find modules that were imported while `fail` stood in for what they take from another: they would keep it."""
+    """Find modules that were imported while `fail` stood in for what
+    they take from another: they would keep it.
+    """
     yield
-    modules = [module for name, module in sys.modules.items() if name.startswith(("fingertip", "benchmarks"))]
-    kept = [module.__name__ for module in modules if any(value is fail for value in vars(module).values())]
+    modules = [
+        module
+        for name, module in sys.modules.items()
+        if name.startswith(("fingertip", "benchmarks"))
+    ]
+    kept = [
+        module.__name__
+        for module in modules
+        if any(value is fail for value in vars(module).values())
+    ]
     assert not kept, "replace the function in the module that uses it"
 
 
@@ -73,13 +97,19 @@ def list_path_options(group: Any, words: tuple[str, ...] = ()) -> Iterator[tuple
             yield from list_path_options(command, (*words, name))
         else:
             for parameter in command.params:
-                if parameter.param_type_name == "option" and metavar(parameter).startswith(("PATH", "FILE")):
+                if parameter.param_type_name == "option" and metavar(parameter).startswith(
+                    ("PATH", "FILE")
+                ):
                     yield " ".join((*words, name)), max(parameter.opts, key=len)
 
 
 def test_every_option_that_names_a_file_or_folder_is_listed_here() -> None:
-    listed = [(words, option) for words, option, *_ in FILES] + [(words, "--out") for words, _ in FOLDERS]
-    found = [option for option in list_path_options(typer.main.get_command(app)) if option[1] not in READ]
+    listed = [(words, option) for words, option, *_ in FILES] + [
+        (words, "--out") for words, _ in FOLDERS
+    ]
+    found = [
+        option for option in list_path_options(typer.main.get_command(app)) if option[1] not in READ
+    ]
     commands = [(re.match(r"(calibrate) \w+|\w+", words)[0], option) for words, option in listed]  # type: ignore[index]
     assert sorted(commands) == sorted(found)
 
@@ -92,8 +122,14 @@ def test_a_file_that_cannot_be_written_is_refused_before_work(
     monkeypatch.setattr(work, fail)
     for name, said in (
         (tmp_path, f"{tmp_path}: is a folder; choose another file with {option}."),
-        (f"x{suffix}.txt", f"{option}: 'x{suffix}.txt' is of no format that is written; end it in {suffix}"),
-        (f"/proc/x{suffix}", f"/proc/x{suffix}: cannot be written (No such file or directory); choose another file"),
+        (
+            f"x{suffix}.txt",
+            f"{option}: 'x{suffix}.txt' is of no format that is written; end it in {suffix}",
+        ),
+        (
+            f"/proc/x{suffix}",
+            f"/proc/x{suffix}: cannot be written (No such file or directory); choose another file",
+        ),
     ):
         done = run_fingertip(*words.split(), option, name, PWD=str(tmp_path))
         assert done.returncode == 2
@@ -109,11 +145,16 @@ def test_a_folder_that_cannot_be_written_is_refused_before_work(
     monkeypatch.setattr(work, fail)
     done = run_fingertip(*words.split(), "--out", "/proc/x/y", PWD=str(tmp_path))
     assert done.returncode == 2
-    assert "/proc/x/y: cannot be written (No such file or directory); choose another folder with --out" in done.stderr
+    assert (
+        "/proc/x/y: cannot be written (No such file or directory); choose another folder with --out"
+        in done.stderr
+    )
     assert not any(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(("words", "option", "suffix", "work"), [case for case in FILES if " fsr400" in case[0]][:3])
+@pytest.mark.parametrize(
+    ("words", "option", "suffix", "work"), [case for case in FILES if " fsr400" in case[0]][:3]
+)
 def test_a_file_beside_the_parts_of_another_design_is_refused_before_work(
     words: str, option: str, suffix: str, work: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -129,11 +170,21 @@ def test_a_file_beside_the_parts_of_another_design_is_refused_before_work(
     [
         ("folder.toml", "folder.toml: is a folder; choose another file with --out."),
         (".toml", "--out: '.toml' is of no format that is written; end it in .toml or .TXT."),
-        ("mine.toml/x.toml", "mine.toml/x.toml: cannot be written (Not a directory); choose another file with --out."),
-        ("a/../" + 300 * "x" + ".toml", "cannot be written (File name too long); choose another file with --out."),
+        (
+            "mine.toml/x.toml",
+            "mine.toml/x.toml: cannot be written (Not a directory); choose another file with "
+            "--out.",
+        ),
+        (
+            "a/../" + 300 * "x" + ".toml",
+            "cannot be written (File name too long); choose another file with --out.",
+        ),
         ("loop.toml/x.toml", "loop.toml/x.toml: cannot be written ("),
         ("./mine.toml", "--out: mine.toml is an input of this command; give another name."),
-        ("gone.toml", "gone.toml: exists and is not overwritten; choose another file with --out, or pay."),
+        (
+            "gone.toml",
+            "gone.toml: exists and is not overwritten; choose another file with --out, or pay.",
+        ),
         ("a/b/c.TOML", None),
     ],
 )
@@ -155,16 +206,23 @@ def test_each_fault_of_a_file_is_named(
 
 @pytest.mark.parametrize("words", [("board", "--out", ""), ("board", "--out="), ("build", "")])
 def test_an_empty_word_names_no_folder(
-    words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    words: tuple[str, ...],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """A variable of the shell that is not set once wrote a board among the files of the current folder."""
+    """A variable of the shell that is not set once wrote a board
+    among the files of the current folder.
+    """
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("sys.argv", ["fingertip", *words])
     with pytest.raises(SystemExit) as ended:
         main()
     assert ended.value.code == 2
     name = "--out" if "board" in words else "argument"
-    assert capsys.readouterr().err.startswith(f"error: {name}: is empty, perhaps a variable that is not set; give a")
+    assert capsys.readouterr().err.startswith(
+        f"error: {name}: is empty, perhaps a variable that is not set; give a"
+    )
     assert not any(tmp_path.iterdir())
 
 

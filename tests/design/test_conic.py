@@ -13,7 +13,9 @@ from fingertip.design.geometry.profile import Tip, arc_abscissa, arc_point
 from tests.oracles.conic_area import arc_area
 
 WEIGHTS = st.floats(0.4, 8.0)
-BODY = ConicBody(CrossSection(8.5, 6.0, 7.0, 0.8, 0.75), ((0.0, 1.0), (24.0, 0.94)), Tip(34.0, 0.75))
+BODY = ConicBody(
+    CrossSection(8.5, 6.0, 7.0, 0.8, 0.75), ((0.0, 1.0), (24.0, 0.94)), Tip(34.0, 0.75)
+)
 
 
 @given(t=st.floats(0, 1), w=WEIGHTS)
@@ -24,7 +26,9 @@ def test_abscissa_lies_on_the_arc(t: float, w: float) -> None:
     assert arc_abscissa(y, w) == pytest.approx(x, abs=1e-7)
 
 
-@pytest.mark.parametrize(("w", "area"), [(ELLIPSE, math.pi / 4), (1e-9, 0.5), (1.0, 5 / 6), (1e9, 1.0)])
+@pytest.mark.parametrize(
+    ("w", "area"), [(ELLIPSE, math.pi / 4), (1e-9, 0.5), (1.0, 5 / 6), (1e9, 1.0)]
+)
 def test_area_of_arcs_with_known_areas(w: float, area: float) -> None:
     assert arc_area(w) == pytest.approx(area, abs=1e-8)
 
@@ -40,5 +44,7 @@ def test_tip_continues_the_taper_without_a_kink(t: float) -> None:
 
 @given(y=st.floats(-6, 7), z=st.floats(0, 34))
 def test_sections_widen_towards_the_parting_plane(y: float, z: float) -> None:
-    """Both halves of a mold pull because no point lies further out than the points nearer to y = 0."""
+    """Both halves of a mold pull because no point lies further out than the points nearer
+    to y = 0.
+    """
     assert BODY.half_width_at(y, z) <= BODY.half_width_at(y * 0.9, z) + 1e-12

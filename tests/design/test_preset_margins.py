@@ -26,9 +26,14 @@ LEAST = {"mm": 0.1, "degree": 0.5}
 
 
 def list_moves(name: str) -> list[tuple[str, float]]:
-    """List each size that a preset states, moved down and up by 3 %, and by 0.1 mm or 0.5 degrees at least."""
-    design, moves = Design.load(name), list[tuple[str, float]]()
-    others = tuple(f"bone.{one}_" for one in ("post", "socket", "flange") if one != design.bone.interface)
+    """List each size that a preset states, moved down and up by 3
+    %, and by 0.1 mm or 0.5 degrees at least.
+    """
+    design = Design.load(name)
+    moves = list[tuple[str, float]]()
+    others = tuple(
+        f"bone.{one}_" for one in ("post", "socket", "flange") if one != design.bone.interface
+    )
     for path, value in flatten(read_file(PRESETS[name], DESIGN)):
         unit = find_unit(PARAMETERS[path])
         if unit in LEAST and value and path in STATED and not path.startswith(others):
@@ -40,7 +45,8 @@ def list_moves(name: str) -> list[tuple[str, float]]:
 @pytest.mark.parametrize("name", PRESETS)
 def test_each_size_moves_by_three_percent_and_derived_ones_follow(name: str) -> None:
     """All moves in the full set. In the first set some, drawn at random."""
-    tables, moves = DesignTables(**Design.load(name).model_dump()), list_moves(name)
+    tables = DesignTables(**Design.load(name).model_dump())
+    moves = list_moves(name)
     assert len(moves) >= 8
     for path, value in moves if FULL else random.Random(5).sample(moves, 2):
         fit = fit_design(tables.with_values({path: value}), STATED)
@@ -50,6 +56,7 @@ def test_each_size_moves_by_three_percent_and_derived_ones_follow(name: str) -> 
 
 @pytest.mark.parametrize("name", PRESETS)
 def test_loads_are_at_most_97_percent_of_what_the_bone_holds(name: str) -> None:
-    strength = assess_strength(design := Design.load(name), MeshEvaluator(0.01))
+    design = Design.load(name)
+    strength = assess_strength(design, MeshEvaluator(0.01))
     assert 0.97 * strength.grip_safety_factor >= design.strength.min_grip_factor
     assert 0.97 * strength.knock_safety_factor >= design.strength.min_knock_factor

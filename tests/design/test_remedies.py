@@ -40,31 +40,44 @@ def refuse(changes: Sequence[str], name: str = "fsr400") -> tuple[Issue, ...]:
 def test_search_begins_at_any_positive_number(smallest):
     """The ratio of two numbers of a search may exceed the largest number."""
     tables = DesignTables(name="own").with_values({"force_curve.min_force_n": 0.5})
-    found = Search((calibration_spans_forces,), ()).refine(tables, "force_curve.max_force_n", smallest, 10.0)
+    found = Search((calibration_spans_forces,), ()).refine(
+        tables, "force_curve.max_force_n", smallest, 10.0
+    )
     assert 0.5 <= found <= 10.0
 
 
 def test_a_value_that_was_found_is_rounded_only_to_one_that_passes(monkeypatch):
-    low, high = 10.1234561, 10.1234569
-    monkeypatch.setattr(Search, "passes", lambda _, tables: low <= tables.force_curve.max_force_n <= high)
+    low = 10.1234561
+    high = 10.1234569
+    monkeypatch.setattr(
+        Search, "passes", lambda _, tables: low <= tables.force_curve.max_force_n <= high
+    )
     found = Search((), ()).refine(DesignTables(name="own"), "force_curve.max_force_n", 10.0, high)
     assert low <= found <= high
 
 
 def check_remedies(changes: Sequence[str], name: str = "fsr400") -> tuple[Issue, ...]:
-    """Type in the remedies of a refusal, all together, and each alternative; the design must then pass."""
+    """Type in the remedies of a refusal, all together, and each
+    alternative; the design must then pass.
+    """
     issues = refuse(changes, name)
     assert not issues or read_remedy(issues[0]), f"{changes}: no remedy in {issues[0]}"
     for issue in issues:
-        others = [other for other in issues if is_electronic(other.field) != is_electronic(issue.field)]
+        others = [
+            other for other in issues if is_electronic(other.field) != is_electronic(issue.field)
+        ]
         ways = [[alternative] for alternative in read_alternatives(issue)]
         if "add --fit" in issue.message:
             loaded = load_tables([design_file(name)], changes)
             fit = fit_design(DesignTables(**loaded.tables), loaded.changed)
-            assert issue.message.endswith(f"add --fit, which moves {join_words(move.name for move in fit.moves)}.")
+            assert issue.message.endswith(
+                f"add --fit, which moves {join_words(move.name for move in fit.moves)}."
+            )
             ways.append([f"{move.name}={move.after!r}" for move in fit.moves])
         for way in ways:
-            assert not refuse([*changes, *as_changes(others), *way], name), f"{changes}: {way} of {issue}"
+            assert not refuse([*changes, *as_changes(others), *way], name), (
+                f"{changes}: {way} of {issue}"
+            )
     remedies = as_changes(issues)
     if not any(FIT in read_remedy(issue) for issue in issues):
         assert not refuse([*changes, *remedies], name), f"{changes}: {remedies}"
@@ -76,9 +89,15 @@ def is_electronic(name: str) -> bool:
 
 
 def check_change(name: str, preset: str, share: float) -> None:
-    """Change one number of a bundled design: a refusal must name it first, and its remedies must pass."""
+    """Change one number of a bundled design: a refusal must name
+    it first, and its remedies must pass.
+    """
     present = load(preset).value(name)
-    value = round(share * present) if PARAMETERS[name].annotation is int else float(f"{share * present:.6g}")
+    value = (
+        round(share * present)
+        if PARAMETERS[name].annotation is int
+        else float(f"{share * present:.6g}")
+    )
     if value != present and (issues := check_remedies([f"{name}={value!r}"], preset)):
         assert issues[0].field == name, issues
 
@@ -92,11 +111,14 @@ def load(preset: str) -> Design:
 @pytest.mark.parametrize(
     ("preset", "name", "share"),
     [
-        ("adult_finger", "skin.width_mm", 0.9), ("adult_finger", "hand.tendon_distance_mm", 1.1),
-        ("adult_finger", "bone.collar_length_mm", 1.3), ("child_thumb", "hand.travel_deg", 1.3),
-        ("fsr402", "bone.post_height_mm", 1.1), ("article", "board.passband_gain", 1.3),
+        ("adult_finger", "skin.width_mm", 0.9),
+        ("adult_finger", "hand.tendon_distance_mm", 1.1),
+        ("adult_finger", "bone.collar_length_mm", 1.3),
+        ("child_thumb", "hand.travel_deg", 1.3),
+        ("fsr402", "bone.post_height_mm", 1.1),
+        ("article", "board.passband_gain", 1.3),
     ],
-)  # fmt: skip
+)
 def test_a_refusal_names_the_changed_parameter_first(preset: str, name: str, share: float) -> None:
     check_change(name, preset, share)
 
@@ -106,7 +128,9 @@ def test_a_refusal_names_the_changed_parameter_first(preset: str, name: str, sha
 def test_a_refusal_names_any_changed_number_of_any_bundled_design_first(
     preset: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The fit is tried for one change of each number, and another one in each design: it takes most of the time."""
+    """The fit is tried for one change of each number, and another one
+    in each design: it takes most of the time.
+    """
     shares = (0.97, 1.03, 0.9, 1.1, 0.7, 1.3)
     for number, name in enumerate(NUMERIC, sorted(list_bundled_files(DESIGN)).index(preset)):
         check_change(name, preset, shares[number % len(shares)])
@@ -118,7 +142,8 @@ def test_a_refusal_names_any_changed_number_of_any_bundled_design_first(
 
 def draw_value(random_numbers: random.Random, name: str) -> float:
     """Value of a numeric parameter within its bounds: anywhere, at a bound, or near the default."""
-    bounds, default = find_bounds(PARAMETERS[name]), PARAMETERS[name].default
+    bounds = find_bounds(PARAMETERS[name])
+    default = PARAMETERS[name].default
     assert bounds.maximum is not None
     high = bounds.maximum
     low = bounds.minimum if bounds.minimum is not None else (bounds.above or 0.0) + 1e-3 * high
@@ -176,6 +201,10 @@ def test_refusals_in_python_and_without_remedies_blame_the_same_fields() -> None
         Design.without_remedies(**tables)
     with pytest.raises(DesignError) as full:
         Design(**tables)
-    assert {issue.field for issue in quick.value.issues} == {issue.field for issue in full.value.issues}
-    assert not any("at most" in issue.message or "set " in issue.message for issue in quick.value.issues)
+    assert {issue.field for issue in quick.value.issues} == {
+        issue.field for issue in full.value.issues
+    }
+    assert not any(
+        "at most" in issue.message or "set " in issue.message for issue in quick.value.issues
+    )
     assert Design.without_remedies(skin={"width_mm": 18.0}) == Design(skin={"width_mm": 18.0})

@@ -1,5 +1,6 @@
-"""Rules at their edges: at equality of parameters, at every bound, at bounds in pairs, and at the last value that
-passes. Random numbers never meet these."""
+"""Rules at their edges: at equality of parameters, at every bound, at bounds in pairs, and at the
+last value that passes. Random numbers never meet these.
+"""
 
 from __future__ import annotations
 
@@ -21,12 +22,25 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.interfaces import adapter
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.design.rules.ruleset import BrokenRule, Rule, Violation, find_violations, record_reads
+from fingertip.design.rules.ruleset import (
+    BrokenRule,
+    Rule,
+    Violation,
+    find_violations,
+    record_reads,
+)
 from fingertip.design.search import RULES as ALL_RULES
 from fingertip.foundation.errors import DesignError, Issue
 from tests.approved import check_figures
 from tests.conftest import design_file
-from tests.design.edges import DEFAULTS, NUMERIC, find_edge, find_ends, list_levels, make_covering_array
+from tests.design.edges import (
+    DEFAULTS,
+    NUMERIC,
+    find_edge,
+    find_ends,
+    list_levels,
+    make_covering_array,
+)
 from tests.design.test_rules import CASES
 from tools.fuzz.remedies import as_changes, read_remedy
 
@@ -71,7 +85,10 @@ def _without_fits(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def check_rules(tables: DesignTables) -> list[BrokenRule]:
-    """Broken rules of a design. A rule that raises an exception is the fault these tests look for."""
+    """Broken rules of a design.
+
+    A rule that raises an exception is the fault these tests look for.
+    """
     return list(find_violations(RULES, tables))
 
 
@@ -81,9 +98,15 @@ def find_broken() -> Mapping[Rule, BrokenRule]:
     designs = []
     for case in CASES:
         with contextlib.suppress(ValidationError):  # some cases break a bound, before any rule
-            name, *changes = case.split() if "=" not in case.split()[0] else ("fsr400", *case.split())
+            name, *changes = (
+                case.split() if "=" not in case.split()[0] else ("fsr400", *case.split())
+            )
             designs.append(DesignTables(**load_tables([design_file(name)], changes).tables))
-    electronic = {name: levels for name, levels in list_levels().items() if name.startswith(("board.", "detector."))}
+    electronic = {
+        name: levels
+        for name, levels in list_levels().items()
+        if name.startswith(("board.", "detector."))
+    }
     designs += (DEFAULTS.with_values({name: end}) for name in NUMERIC for end in find_ends(name))
     designs += (DEFAULTS.with_values(row) for row in make_covering_array(electronic))
     found: dict[Rule, tuple[int, BrokenRule]] = {}
@@ -96,7 +119,9 @@ def find_broken() -> Mapping[Rule, BrokenRule]:
 
 
 def list_edges(broken: BrokenRule) -> Iterator[tuple[str, float, float]]:
-    """Yield parameters of a broken rule with the last value that breaks it and the first one that passes it."""
+    """Yield parameters of a broken rule with the last value that
+    breaks it and the first one that passes it.
+    """
     names = [name for name in broken.own_reads if name in NUMERIC]
     count = 0
     for name in sorted(names, key=lambda each: (each != broken.rule.field, each)):
@@ -105,7 +130,8 @@ def list_edges(broken: BrokenRule) -> Iterator[tuple[str, float, float]]:
             end = broken.design.with_values({name: target})
             if any(one.check(end) for one in broken.rule.prerequisites) or broken.rule.check(end):
                 continue
-            if edge := find_edge(broken.rule, broken.design, name, value, target):
+            edge = find_edge(broken.rule, broken.design, name, value, target)
+            if edge:
                 yield (name, *edge)
                 count += 1
                 break
@@ -114,7 +140,9 @@ def list_edges(broken: BrokenRule) -> Iterator[tuple[str, float, float]]:
 
 
 def list_broken(rule: Rule) -> Iterator[Violation]:
-    """Yield how designs break a rule, in which all that it reads is another, and its field the lowest or highest."""
+    """Yield how designs break a rule, in which all that it reads is
+    another, and its field the lowest or highest.
+    """
     rng = random.Random(rule.check.__name__)
     ends = find_ends(rule.field) if rule.field in NUMERIC else ()
     for words, name in BASES.items():
@@ -128,7 +156,10 @@ def list_broken(rule: Rule) -> Iterator[Violation]:
                 other = round(value * rng.uniform(0.5, 2.0), 0 if isinstance(value, int) else 3)
                 if find_bounds(PARAMETERS[path]).contain(other):
                     changes[path] = type(value)(other)
-            every = (base.with_values(changes | ({} if end is None else {rule.field: end})) for end in (None, *ends))
+            every = (
+                base.with_values(changes | ({} if end is None else {rule.field: end}))
+                for end in (None, *ends)
+            )
             yield from itertools.islice(filter(None, map(rule.check, every)), 1)
 
 
@@ -137,10 +168,20 @@ def test_bounds_of_rules_are_the_approved_ones() -> None:
     lines = []
     for rule in RULES:
         found = list(list_broken(rule))
-        bounds = {end for one in found for interval in one.passing for end in interval if math.isfinite(end)}
-        others = [f"{path}={value}" for one in found[:1] for path, value in one.alternatives.items()]
+        bounds = {
+            end
+            for one in found
+            for interval in one.passing
+            for end in interval
+            if math.isfinite(end)
+        }
+        others = [
+            f"{path}={value}" for one in found[:1] for path, value in one.alternatives.items()
+        ]
         said = "; ".join(text for one in found[:1] for text in (one.problem, one.note, *others))
-        lines.append(f"{rule.check.__name__}: {said} {' '.join(f'{end:.5g}' for end in sorted(bounds))}")
+        lines.append(
+            f"{rule.check.__name__}: {said} {' '.join(f'{end:.5g}' for end in sorted(bounds))}"
+        )
     check_figures(Path(__file__).parent / "approved" / "bounds.txt", lines, abs_=1e-6)
 
 
@@ -148,7 +189,9 @@ def test_bounds_of_rules_are_the_approved_ones() -> None:
 @pytest.mark.full
 @pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.check.__name__)
 def test_the_edge_of_a_rule(rule: Rule) -> None:
-    """Both neighbours of the edge are checked by all rules, and the bound that the rule states is the edge."""
+    """Both neighbours of the edge are checked by all rules, and the
+    bound that the rule states is the edge.
+    """
     edges = list(list_edges(find_broken()[rule]))
     tables = find_broken()[rule].design
     for name, broken, passing in edges:
@@ -175,12 +218,17 @@ def check_tightness(rule: Rule, edge: float, violation: Violation) -> None:
 
 
 def check_stated_values(rule: Rule, design: DesignTables, name: str, violation: Violation) -> None:
-    """Check that the ends of the intervals that a rule states pass it, and that none holds the present value."""
-    bounds, value = find_bounds(PARAMETERS[name]), design.value(name)
+    """Check that the ends of the intervals that a rule states pass
+    it, and that none holds the present value.
+    """
+    bounds = find_bounds(PARAMETERS[name])
+    value = design.value(name)
     for low, high in violation.passing:
         assert not low + ROUNDING <= value <= high - ROUNDING, (name, value, violation)
         for end in (low, high):
-            if bounds.contain(end) and not (PARAMETERS[name].annotation is int and end != round(end)):
+            if bounds.contain(end) and not (
+                PARAMETERS[name].annotation is int and end != round(end)
+            ):
                 assert rule.check(design.with_values({name: end})) is None, (name, end, violation)
 
 
@@ -195,7 +243,11 @@ def test_equal_parameters_raise_no_exception() -> None:
 
 def list_rule_rows(rule: Rule) -> Iterator[dict[str, Any]]:
     """Yield rows with every pair of bounds and words of the parameters that a rule reads."""
-    read = {name: levels for name, levels in list_levels().items() if name in find_broken()[rule].own_reads}
+    read = {
+        name: levels
+        for name, levels in list_levels().items()
+        if name in find_broken()[rule].own_reads
+    }
     if len(read) == 1:
         yield from ({name: level} for name, levels in read.items() for level in levels)
     else:
@@ -205,20 +257,30 @@ def list_rule_rows(rule: Rule) -> Iterator[dict[str, Any]]:
 @pytest.mark.full
 @pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.check.__name__)
 def test_bounds_in_pairs_have_remedies_that_pass(rule: Rule) -> None:
-    """The rows begin from a design that reaches the rule, so that its prerequisites pass in many of them."""
+    """The rows begin from a design that reaches the rule, so that
+    its prerequisites pass in many of them.
+    """
     base = find_broken()[rule].design
     for row in itertools.islice(list_rule_rows(rule), 6):
         check_typed_remedies(base.with_values(row))
 
 
 def check_typed_remedies(tables: DesignTables) -> None:
-    """Type in what a refusal asks for until the design passes, at most three times: a rule may await others."""
+    """Type in what a refusal asks for until the design passes, at
+    most three times: a rule may await others.
+    """
     changes: list[str] = []
     for _ in range(3):
         issues = refuse(tables, changes)
-        values = [issue for issue in issues if issue.field != "bone.adapter_file"]  # no value mends a file
+        values = [
+            issue for issue in issues if issue.field != "bone.adapter_file"
+        ]  # no value mends a file
         assert not values or read_remedy(values[0]), issues
-        changes += as_changes(values) if values == [*issues] else [*as_changes(values), "bone.interface=post"]
+        changes += (
+            as_changes(values)
+            if values == [*issues]
+            else [*as_changes(values), "bone.interface=post"]
+        )
     assert not refuse(tables, changes), changes
 
 

@@ -1,4 +1,6 @@
-"""Engine of the rules, on rules that are made up: order, prerequisites, what was read, and what cannot be checked."""
+"""Engine of the rules, on rules that are made up: order,
+prerequisites, what was read, and what cannot be checked.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +51,9 @@ def test_a_rule_is_checked_once_and_only_after_its_prerequisites_pass() -> None:
         calls.append(1)
         return None
 
-    good, bad, counted = Rule("a", passing), Rule("b", broken), Rule("c", count)
+    good = Rule("a", passing)
+    bad = Rule("b", broken)
+    counted = Rule("c", count)
     checker = RuleChecker(TABLES)
     assert checker.passes(good)
     assert not checker.passes(bad)
@@ -63,11 +67,16 @@ def test_a_rule_is_checked_once_and_only_after_its_prerequisites_pass() -> None:
 
 
 def test_a_rule_that_reads_what_is_invalid_is_left_out_with_those_behind_it() -> None:
-    wall, width = Rule("bone.wall_mm", reads_wall), Rule("skin.width_mm", reads_width)
+    wall = Rule("bone.wall_mm", reads_wall)
+    width = Rule("skin.width_mm", reads_width)
     behind = Rule("mold.wall_mm", broken, (wall,))
     invalid = frozenset({"bone.wall_mm"})
-    assert [item.rule for item in find_violations([wall, behind, width], TABLES, invalid)] == [width]
-    assert [item.rule for item in find_violations([wall, width], TABLES, frozenset({"bone"}))] == [width]
+    assert [item.rule for item in find_violations([wall, behind, width], TABLES, invalid)] == [
+        width
+    ]
+    assert [item.rule for item in find_violations([wall, width], TABLES, frozenset({"bone"}))] == [
+        width
+    ]
     checker = RuleChecker(TABLES, invalid)
     assert not checker.passes(wall)
     assert checker.passes(Rule("a", passing, ()))
@@ -75,10 +84,16 @@ def test_a_rule_that_reads_what_is_invalid_is_left_out_with_those_behind_it() ->
 
 
 def test_what_decides_a_violation_is_recorded() -> None:
-    """Of a rule with its prerequisites, and of itself alone: a repair must change one of the latter."""
+    """Of a rule with its prerequisites, and of itself alone: a
+    repair must change one of the latter.
+    """
 
     def reads_both(design: DesignTables) -> Violation | None:
-        return Violation("is thin") if design.bone.wall_mm < design.printer.min_wall_mm + 99.0 else None
+        return (
+            Violation("is thin")
+            if design.bone.wall_mm < design.printer.min_wall_mm + 99.0
+            else None
+        )
 
     def reads_length(design: DesignTables) -> Violation | None:
         return None if design.skin.length_mm > 0.0 else Violation("is short")
@@ -117,7 +132,9 @@ def test_copy_has_the_values_of_the_tables_and_refuses_invalid_ones() -> None:
         (lambda tables: tables.detector.adc_step_v, {"detector.adc_polarity", *ADC}),
     ],
 )
-def test_what_a_method_or_property_reads_is_recorded(read: Callable[[DesignTables], object], names: set[str]) -> None:
+def test_what_a_method_or_property_reads_is_recorded(
+    read: Callable[[DesignTables], object], names: set[str]
+) -> None:
     tables, reads = record_reads(TABLES)
     assert read(tables) == read(TABLES)
     assert reads == names
@@ -127,14 +144,20 @@ def test_what_a_method_or_property_reads_is_recorded(read: Callable[[DesignTable
 
 def test_a_bound_refuses_values_beyond_it_in_the_unit_of_its_field() -> None:
     ruleset = Ruleset()
-    most = ruleset.at_most("mold.wall_mm")(lambda design: Limit(2.0, "are steep", "so far", {"bone.rim_mm": 1.0}))
-    least = ruleset.at_least("bone.wall_mm", most, slack=0.0)(lambda design: Limit(0.8 + 1e-9, "is thin"))
+    most = ruleset.at_most("mold.wall_mm")(
+        lambda design: Limit(2.0, "are steep", "so far", {"bone.rim_mm": 1.0})
+    )
+    least = ruleset.at_least("bone.wall_mm", most, slack=0.0)(
+        lambda design: Limit(0.8 + 1e-9, "is thin")
+    )
     absent = ruleset.at_most("bone.wall_mm")(lambda design: None)
     assert list(ruleset) == [most, least, absent]
     assert least.prerequisites == (most,)
     assert at_least(2.0) == ((2.0, math.inf),)
     assert at_most(2.0) == ((-math.inf, 2.0),)
-    assert most.check(TABLES) == Violation("4 mm are steep", at_most(2.0), "so far", {"bone.rim_mm": 1.0})
+    assert most.check(TABLES) == Violation(
+        "4 mm are steep", at_most(2.0), "so far", {"bone.rim_mm": 1.0}
+    )
     assert most.check(TABLES.with_values({"mold.wall_mm": 2.0 + SLACK})) is None
     assert least.check(TABLES) == Violation("0.8 mm is thin", at_least(0.8 + 1e-9))
     assert absent.check(TABLES) is None

@@ -1,4 +1,6 @@
-"""What a builder must read, do and buy: counted for every preset, and every thing that a step names is in the list."""
+"""What a builder must read, do and buy: counted for every preset, and
+every thing that a step names is in the list.
+"""
 
 from __future__ import annotations
 
@@ -30,17 +32,20 @@ NAMES = ("first_finger", "article", "fsr400", "fsr402", *PRESETS)
 FLANGE = "first_finger bone.interface=flange bone.foot_radius_mm=0.45"
 MOUNTED = {
     "first_finger": "the stand",
-    "first_finger bone.interface=socket bone.base_length_mm=32": "onto the post of your hand, of 4.8 mm",
+    "first_finger bone.interface=socket bone.base_length_mm=32": "onto the post of your hand, of "
+    "4.8 mm",
     f"{FLANGE} bone.base_length_mm=27": "Screw the flange to your hand with 2 bolts",
 }
 """Designs with another way to hold the finger -> words of the step that says it."""
 TOOLS = (
     "adhesive|baking|breadboard|brush|cloth|drill|epoxy|felt|glue|goggles|jumper|key|lacquer|needle|oven|pen|pliers|pot|"
-    "primer|reamer|ruler|sandpaper|scissors|screw|screwdriver|sealant|shim|soap|syringe|tape|thread|cable tie|towel|"
+    "primer|reamer|ruler|sandpaper|scissors|screw|screwdriver|sealant|shim|soap|syringe|tape|thread|cable tie|towel|"  # noqa: E501
     "tweezers|vacuum|vise|voltmeter|washer|water|wax|wedges?|weights?"
 )
 """Words of tools and materials that most lists do not hold."""
-PRIVATE = "trough|dent|ridge|rib|bump|ring groove|bed|step|foot|notches in the seam|tongue|eyes|horn"
+PRIVATE = (
+    "trough|dent|ridge|rib|bump|ring groove|bed|step|foot|notches in the seam|tongue|eyes|horn"
+)
 """Words of this project's own: where a step says one, its picture names it."""
 
 
@@ -65,7 +70,15 @@ def to_read(words: str) -> dict[str, str]:
     pages = {
         "sheet": render_sheet(sheet, [f"steps/{step.picture}.png" for step in steps]),
         "start": render_start(
-            FirstScreen(design, sheet, None, [19.0, 16.0, 49.0], {"acceptance.md"}, len(steps), "All checks passed")
+            FirstScreen(
+                design,
+                sheet,
+                None,
+                [19.0, 16.0, 49.0],
+                {"acceptance.md"},
+                len(steps),
+                "All checks passed",
+            )
         ),
         "acceptance": render_acceptance(acceptance_sheet(design)),
     }
@@ -88,8 +101,12 @@ def count_words(text: str) -> int:
 @pytest.mark.parametrize("name", NAMES)
 def test_builder_reads_little_buys_little_and_waits_little(name: str) -> None:
     design, sheet = load(name)
-    most_steps, most_things, most_words = (12, 20, 1500) if name == "first_finger" else (18, 30, 2500)
-    assert len(list_steps(sheet)) <= most_steps - 6 * (design.dimensions.joint is None and name != "first_finger")
+    most_steps, most_things, most_words = (
+        (12, 20, 1500) if name == "first_finger" else (18, 30, 2500)
+    )
+    assert len(list_steps(sheet)) <= most_steps - 6 * (
+        design.dimensions.joint is None and name != "first_finger"
+    )
     assert len(sheet.things) <= most_things
     assert 0 < sum(bool(thing.reason) for thing in sheet.things) <= 8
     assert sheet.days <= 2
@@ -97,13 +114,17 @@ def test_builder_reads_little_buys_little_and_waits_little(name: str) -> None:
 
 
 def test_the_readme_states_what_a_first_finger_takes() -> None:
-    sheet, readme = load("first_finger")[1], (ROOT / "README.md").read_text(encoding="utf-8")
+    sheet = load("first_finger")[1]
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
     least, most, in_all = add_prices(sheet.things)
     for words in (
-        f"{sheet.printed_g:g} g of PETG, {round(sheet.print_h)} hours", f"{sheet.batch.total_g:g} g of two-part",
-        "{} days with {:g} h and {:g} h of work, after up to {}".format(sheet.days, *sheet.work_h, sheet.mail_days),
+        f"{sheet.printed_g:g} g of PETG, {round(sheet.print_h)} hours",
+        f"{sheet.batch.total_g:g} g of two-part",
+        "{} days with {:g} h and {:g} h of work, after up to {}".format(
+            sheet.days, *sheet.work_h, sheet.mail_days
+        ),
         f"{least} to {most} US dollars to order, up to {in_all} with all tools",
-    ):  # fmt: skip
+    ):
         assert words in readme
 
 
@@ -118,11 +139,15 @@ def test_steps_are_short_and_every_thing_they_name_is_in_the_list(name: str) -> 
     listed = " ".join(thing.label for thing in sheet.things)
     assert {word for word in re.findall(rf"\b(?:{TOOLS})\b", said) if word not in listed} == set()
     with pytest.raises(KeyError, match="scale"):
-        list_steps(replace(sheet, things=tuple(thing for thing in sheet.things if thing.key != "scale")))
+        list_steps(
+            replace(sheet, things=tuple(thing for thing in sheet.things if thing.key != "scale"))
+        )
 
 
 @pytest.mark.parametrize("name", ["first_finger", "article", "adult_finger", "child_thumb"])
-def test_every_step_has_a_picture_that_names_what_the_step_names_by_a_word_of_its_own(name: str) -> None:
+def test_every_step_has_a_picture_that_names_what_the_step_names_by_a_word_of_its_own(
+    name: str,
+) -> None:
     design, sheet = load(name)
     page = render_sheet(sheet)
     for step in list_steps(sheet):
@@ -132,15 +157,27 @@ def test_every_step_has_a_picture_that_names_what_the_step_names_by_a_word_of_it
             assert word in labels, (step.picture, word)
         for number in re.findall(r"\d+(?:\.\d+)? (?:mm|g|N|s|h|degrees)\b", labels):
             assert number in page, (step.picture, number)
-        boxes = [(item.mesh.vertices.min(axis=0) - 0.15, item.mesh.vertices.max(axis=0) + 0.15) for item in scene.shown]
+        boxes = [
+            (item.mesh.vertices.min(axis=0) - 0.15, item.mesh.vertices.max(axis=0) + 0.15)
+            for item in scene.shown
+        ]
         for label in scene.labels:
-            assert any(np.all((low <= label.point_mm) & (label.point_mm <= high)) for low, high in boxes), label
+            assert any(
+                np.all((low <= label.point_mm) & (label.point_mm <= high)) for low, high in boxes
+            ), label
     drawn = draw_steps(design, sheet, ["print"])
-    assert len(Image.open(io.BytesIO(drawn["01-print.png"])).convert("RGB").getcolors(1 << 20) or ()) > 20
+    assert (
+        len(Image.open(io.BytesIO(drawn["01-print.png"])).convert("RGB").getcolors(1 << 20) or ())
+        > 20
+    )
 
 
 def test_every_scene_is_used() -> None:
-    used = {step.picture for name in ("first_finger", "adult_finger") for step in list_steps(load(name)[1])}
+    used = {
+        step.picture
+        for name in ("first_finger", "adult_finger")
+        for step in list_steps(load(name)[1])
+    }
     assert used == set(SCENES)
 
 
@@ -152,11 +189,16 @@ def test_step_says_how_the_finger_is_held(words: str) -> None:
 
 
 def test_front_end_decides_what_is_wired_and_read() -> None:
-    divider, board = (load(words)[1] for words in ("first_finger", "first_finger board.variant=precision"))
+    divider, board = (
+        load(words)[1] for words in ("first_finger", "first_finger board.variant=precision")
+    )
     only = {thing.key for thing in board.things} ^ {thing.key for thing in divider.things}
     assert only == {"controller", "resistor", "board", "multimeter"}
     assert "board/README.md" in to_read("first_finger board.variant=precision")["sheet"]
-    read = {board: to_read(f"first_finger board.variant={board}")["acceptance"] for board in ("divider", "precision")}
+    read = {
+        board: to_read(f"first_finger board.variant={board}")["acceptance"]
+        for board in ("divider", "precision")
+    }
     assert "the LED lights" in read["divider"]
     assert "multimeter" in read["precision"]
     falling = to_read("article")["acceptance"]
@@ -171,13 +213,22 @@ def test_only_a_print_of_resin_is_said_to_stop_silicone() -> None:
 
 
 def test_sheet_states_what_the_parts_and_the_silicone_give() -> None:
-    """Heights are measured on meshes; the mixture is that of the container's ratio, and fills the cup."""
-    (design, sheet), evaluator = load("first_finger"), MeshEvaluator(0.05)
-    boxes = {name: evaluator.manifold(PARTS[name].solid(design)).bounding_box() for name in ("core", "mold_palmar")}
+    """Heights are measured on meshes; the mixture is that of the
+    container's ratio, and fills the cup.
+    """
+    (design, sheet) = load("first_finger")
+    evaluator = MeshEvaluator(0.05)
+    boxes = {
+        name: evaluator.manifold(PARTS[name].solid(design)).bounding_box()
+        for name in ("core", "mold_palmar")
+    }
     low, high = sheet.height_mm
     assert low + 0.05 < boxes["mold_palmar"][5] - boxes["core"][2] < high - 0.05 < low + 1.0
-    batch, silicone = sheet.batch, design.silicone.material
-    assert batch.a_g / batch.b_g == pytest.approx(silicone.parts_a.low / silicone.parts_b.low, rel=0.03)
+    batch = sheet.batch
+    silicone = design.silicone.material
+    assert batch.a_g / batch.b_g == pytest.approx(
+        silicone.parts_a.low / silicone.parts_b.low, rel=0.03
+    )
     cast_cm3 = evaluator.manifold(PARTS["skin"].solid(design)).volume() / 1000.0
     assert batch.total_g > 1.25 * 1.1 * cast_cm3 * silicone.density_g_cm3.high
     page = render_sheet(sheet)

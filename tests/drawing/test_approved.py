@@ -31,7 +31,12 @@ DESIGNS = {
     "calibrated": ("adult_finger", (*CALIBRATED, "hand.axis_height_mm=6")),
     "flange": (
         "fsr400",
-        ("bone.interface=flange", "bone.base_length_mm=27", "bone.foot_radius_mm=1.65", "printer.surface_error_mm=0"),
+        (
+            "bone.interface=flange",
+            "bone.base_length_mm=27",
+            "bone.foot_radius_mm=1.65",
+            "printer.surface_error_mm=0",
+        ),
     ),
 }
 
@@ -43,7 +48,10 @@ def describe_drawing(drawing: PartDrawing) -> Iterator[str]:
 
 
 def describe_size(size: Size) -> Iterator[str]:
-    yield f"{size.name}: {size.text()}, {size.printed:.4g} in print, grows {size.growth:g}; {size.view}"
+    yield (
+        f"{size.name}: {size.text()}, {size.printed:.4g} in print, grows {size.growth:g}; "
+        f"{size.view}"
+    )
     if isinstance(size, Circle):
         yield f"  circle about {size.axis} at {sum_up(size.centre)}, {size.count} times"
     else:
@@ -57,30 +65,47 @@ def describe_size(size: Size) -> Iterator[str]:
 @pytest.mark.parametrize("name", DESIGNS)
 def test_sizes_of_all_parts_are_the_approved_ones(name: str) -> None:
     drawings = part_drawings(load_variant(DESIGNS[name]))
-    check_figures(APPROVED / f"sizes_{name}.txt", (line for one in drawings for line in describe_drawing(one)))
+    check_figures(
+        APPROVED / f"sizes_{name}.txt", (line for one in drawings for line in describe_drawing(one))
+    )
 
 
 def draw_box(design: Design, drawing: PartDrawing) -> dict[ViewName, ProjectedView]:
     """Views of the box around a part, with a hidden line, and its section filled."""
-    corners, views = MeshEvaluator(0.2).mesh(PARTS[drawing.part].solid(design)).vertices, {}
+    corners = MeshEvaluator(0.2).mesh(PARTS[drawing.part].solid(design)).vertices
+    views = {}
     for name in drawing.views:
-        flat = [PROJECTIONS[name].flatten(tuple(corner)) for corner in (corners.min(axis=0), corners.max(axis=0))]
+        flat = [
+            PROJECTIONS[name].flatten(tuple(corner))
+            for corner in (corners.min(axis=0), corners.max(axis=0))
+        ]
         (left, right), (low, high) = (sorted(values) for values in zip(*flat, strict=True))
         ring = ((left, low), (right, low), (right, high), (left, high))
         hidden = (((left, 0.0), (right, 0.0)),)
-        views[name] = ProjectedView(((*ring, ring[0]),), hidden, (ring,) if name == "section" else ())
+        views[name] = ProjectedView(
+            ((*ring, ring[0]),), hidden, (ring,) if name == "section" else ()
+        )
     return views
 
 
 def describe_sheet(sheet: Sheet) -> Iterator[str]:
-    """Every text with its place, and of the lines of each kind their number, length and mean end [mm]."""
+    """Every text with its place, and of the lines of each kind
+    their number, length and mean end [mm].
+    """
     yield f"{sheet.name}, {sheet.width:g} x {sheet.height:g}"
     drawn: dict[str, list[np.ndarray]] = {}
     for one in sheet.primitives:
         if isinstance(one, Text):
-            yield f"text {one.text!r} {one.height:g} high at {sum_up(one.at)} {one.anchor}{' upwards' * one.turned}"
+            yield (
+                f"text {one.text!r} {one.height:g} high at {sum_up(one.at)} "
+                f"{one.anchor}{' upwards' * one.turned}"
+            )
         else:
-            style = "" if isinstance(one, Arrow) else f" {one.style.name} {one.style.width_mm} {one.style.dashes_mm}"
+            style = (
+                ""
+                if isinstance(one, Arrow)
+                else f" {one.style.name} {one.style.width_mm} {one.style.dashes_mm}"
+            )
             drawn.setdefault(f"{type(one).__name__}{style}", []).extend(map(np.array, one.trace()))
     for kind, lines in drawn.items():
         length = sum(np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in lines)
@@ -92,7 +117,11 @@ def describe_sheet(sheet: Sheet) -> Iterator[str]:
 def test_sheet_is_the_approved_one(name: str, part: str) -> None:
     design = load_variant(DESIGNS[name])
     (drawing,) = (one for one in part_drawings(design) if one.part == part)
-    sheet = lay_out(drawing, draw_box(design, drawing), Heading("a-name-of-forty-characters-is-cut-1234567", "", 2, 4))
+    sheet = lay_out(
+        drawing,
+        draw_box(design, drawing),
+        Heading("a-name-of-forty-characters-is-cut-1234567", "", 2, 4),
+    )
     check_figures(APPROVED / f"sheet_{part}.txt", describe_sheet(sheet), 0.0, 0.02)
 
 
@@ -103,7 +132,9 @@ def test_pdf_and_svg_of_all_primitives_are_the_approved_ones() -> None:
     data = render_pdf((SHEET, SHEET), "title")
     assert data == render_pdf((SHEET, SHEET), "title")
     assert re.findall(rb"/CreationDate \(D:(\d{4})", data) == [b"2000"]
-    assert re.findall(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", data) == 2 * [(b"283.4646", b"198.4252")]
+    assert re.findall(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", data) == 2 * [
+        (b"283.4646", b"198.4252")
+    ]
     contents = re.findall(rb"stream\r?\n(.*?)endstream", data, re.DOTALL)
     first, second = (
         zlib.decompress(base64.a85decode(text.strip(), adobe=False) if text else b"")

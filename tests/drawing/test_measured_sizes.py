@@ -1,4 +1,6 @@
-"""Every number on a sheet, measured on the STEP file of a build: planes, cylinders, circles, vertices, bounding box."""
+"""Every number on a sheet, measured on the STEP file of a build:
+planes, cylinders, circles, vertices, bounding box.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,9 @@ class StepFeatures:
         self.circles: list[tuple[Point3, Point3, float]] = []
         self.vertices = [vertex.toTuple() for vertex in shape.Vertices()]
         self.curved: list[tuple[float, ...]] = []
-        """Bounds of points on faces that are neither planes nor cylinders: a crown is deepest within one."""
+        """Bounds of points on faces that are neither planes nor
+        cylinders: a crown is deepest within one.
+        """
         for face in shape.Faces():
             adaptor = BRepAdaptor_Surface(face.wrapped)
             if face.geomType() not in ("PLANE", "CYLINDER"):
@@ -56,18 +60,24 @@ class StepFeatures:
                 normal = adaptor.Plane().Axis().Direction()
                 place = adaptor.Plane().Location()
                 for axis, along, at in (
-                    ("x", normal.X(), place.X()), ("y", normal.Y(), place.Y()), ("z", normal.Z(), place.Z()),
-                ):  # fmt: skip
+                    ("x", normal.X(), place.X()),
+                    ("y", normal.Y(), place.Y()),
+                    ("z", normal.Z(), place.Z()),
+                ):
                     if abs(abs(along) - 1.0) < 1e-9:
                         self.planes[axis].append(at)
             elif face.geomType() == "CYLINDER":
                 found = adaptor.Cylinder()
-                d, p = found.Axis().Direction(), found.Location()
-                self.cylinders.append(((p.X(), p.Y(), p.Z()), (d.X(), d.Y(), d.Z()), found.Radius()))
+                d = found.Axis().Direction()
+                p = found.Location()
+                self.cylinders.append(
+                    ((p.X(), p.Y(), p.Z()), (d.X(), d.Y(), d.Z()), found.Radius())
+                )
         for edge in shape.Edges():
             if edge.geomType() == "CIRCLE":
                 circle = edge._geomAdaptor().Circle()
-                d, p = circle.Axis().Direction(), circle.Location()
+                d = circle.Axis().Direction()
+                p = circle.Location()
                 self.circles.append(((p.X(), p.Y(), p.Z()), (d.X(), d.Y(), d.Z()), circle.Radius()))
         box = Bnd_Box()
         BRepBndLib.AddOptimal_s(shape.wrapped, box, False, False)
@@ -75,7 +85,9 @@ class StepFeatures:
         self.shape = shape
 
     def station(self, axis: Axis, at: Point3) -> float:
-        """Coordinate of the plane, axis or side of a hole, extreme of the part or vertex that is nearest to a place."""
+        """Coordinate of the plane, axis or side of a hole, extreme of
+        the part or vertex that is nearest to a place.
+        """
         i = AXES[axis]
         found = [*self.planes[axis], self.bounds[i], self.bounds[i + 3]]
         across = [(p[i], r) for p, d, r in (*self.cylinders, *self.circles) if abs(d[i]) < 1e-9]
@@ -90,18 +102,30 @@ class StepFeatures:
         """Length of the material on the line through two points, at its middle [mm]."""
         import cadquery as cq
 
-        middle, half = (cq.Vector(*a) + cq.Vector(*b)) / 2, cq.Vector(*b) - cq.Vector(*a)
+        middle = (cq.Vector(*a) + cq.Vector(*b)) / 2
+        half = cq.Vector(*b) - cq.Vector(*a)
         line = cq.Edge.makeLine(middle - half, middle + half)
-        return min(line.intersect(self.shape).Edges(), key=lambda edge: (edge.Center() - middle).Length).Length()
+        return min(
+            line.intersect(self.shape).Edges(), key=lambda edge: (edge.Center() - middle).Length
+        ).Length()
 
     def radius(self, axis: Axis, centre: Point3, nominal: float) -> tuple[float, int]:
-        """Radius of the cylinder or circle about an axis that is nearest to a nominal one, and how many have it."""
-        i, others = AXES[axis], [k for k in range(3) if k != AXES[axis]]
-        parallel = [(p, r) for p, d, r in (*self.cylinders, *self.circles) if abs(abs(d[i]) - 1.0) < 1e-9]
+        """Radius of the cylinder or circle about an axis that is
+        nearest to a nominal one, and how many have it.
+        """
+        i = AXES[axis]
+        others = [k for k in range(3) if k != AXES[axis]]
+        parallel = [
+            (p, r) for p, d, r in (*self.cylinders, *self.circles) if abs(abs(d[i]) - 1.0) < 1e-9
+        ]
         coaxial = [r for p, r in parallel if all(abs(p[k] - centre[k]) < 0.01 for k in others)]
         if not coaxial:  # a fillet of chords, whose ends lie on it
-            ends = (math.hypot(*(vertex[k] - centre[k] for k in others)) for vertex in self.vertices)
-            ((end, count),) = Counter(round(end, 4) for end in ends if abs(end - nominal) < _NEAR_MM).most_common(1)
+            ends = (
+                math.hypot(*(vertex[k] - centre[k] for k in others)) for vertex in self.vertices
+            )
+            ((end, count),) = Counter(
+                round(end, 4) for end in ends if abs(end - nominal) < _NEAR_MM
+            ).most_common(1)
             assert count >= 6, f"no cylinder about {centre}"
             return end, 1
         found = min(coaxial, key=lambda r: abs(r - nominal))
@@ -118,7 +142,9 @@ def measure(features: StepFeatures, size: Size) -> float:
     if "thickness of each eye" in size.name:  # whose outer side is curved
         return features.material(size.start, size.end)
     i = AXES[size.axis]
-    ends = [0.0 if at[i] == 0.0 else features.station(size.axis, at) for at in (size.start, size.end)]
+    ends = [
+        0.0 if at[i] == 0.0 else features.station(size.axis, at) for at in (size.start, size.end)
+    ]
     return abs(ends[1] - ends[0])
 
 
@@ -128,7 +154,8 @@ def wrong_sizes(result: Build, shift_mm: float = 0.0) -> list[str]:
     for drawing in part_drawings(result.design):
         features = StepFeatures(result.folder / f"{drawing.part}.step")
         for size in drawing.sizes:
-            printed, measured = round(size.value + shift_mm, 2), measure(features, size)
+            printed = round(size.value + shift_mm, 2)
+            measured = measure(features, size)
             if abs(printed - measured) > TOLERANCE_MM:
                 found.append(f"{drawing.part}: {size.name} is {printed:g}, measured {measured:.4f}")
     return found
@@ -151,9 +178,13 @@ VARIANTS = (
 
 @pytest.mark.full
 @pytest.mark.parametrize(
-    "variant", some_of(VARIANTS, VARIANTS[0], VARIANTS[3]), ids=lambda variant: "-".join((variant[0], *variant[1]))
+    "variant",
+    some_of(VARIANTS, VARIANTS[0], VARIANTS[3]),
+    ids=lambda variant: "-".join((variant[0], *variant[1])),
 )
-def test_numbers_of_other_interfaces_and_methods(variant: tuple[str, tuple[str, ...]], tmp_path: Path) -> None:
+def test_numbers_of_other_interfaces_and_methods(
+    variant: tuple[str, tuple[str, ...]], tmp_path: Path
+) -> None:
     result = build(load_variant(variant), tmp_path / "out", formats=["step"])
     assert not wrong_sizes(result)
     if variant == VARIANTS[0]:

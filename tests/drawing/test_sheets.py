@@ -1,4 +1,6 @@
-"""Sheets of all bundled designs: nothing covers a text, nothing leaves the frame, and every size is there."""
+"""Sheets of all bundled designs: nothing covers a text, nothing
+leaves the frame, and every size is there.
+"""
 
 from __future__ import annotations
 
@@ -35,20 +37,27 @@ def segments(sheet: Sheet) -> Iterator[tuple[Point, Point]]:
 
 
 def overlap(a: Box, b: Box) -> bool:
-    return min(a[2], b[2]) - max(a[0], b[0]) > TOUCHING_MM and min(a[3], b[3]) - max(a[1], b[1]) > TOUCHING_MM
+    return (
+        min(a[2], b[2]) - max(a[0], b[0]) > TOUCHING_MM
+        and min(a[3], b[3]) - max(a[1], b[1]) > TOUCHING_MM
+    )
 
 
 def crosses(box: Box, a: Point, b: Point) -> bool:
     """Whether a segment passes through a box (Liang and Barsky's clipping)."""
-    low, high = 0.0, 1.0
+    low = 0.0
+    high = 1.0
     for k in (0, 1):
-        d, begin, end = b[k] - a[k], box[k] + TOUCHING_MM, box[k + 2] - TOUCHING_MM
+        d = b[k] - a[k]
+        begin = box[k] + TOUCHING_MM
+        end = box[k + 2] - TOUCHING_MM
         if abs(d) < 1e-12:
             if not begin < a[k] < end:
                 return False
             continue
         t0, t1 = sorted(((begin - a[k]) / d, (end - a[k]) / d))
-        low, high = max(low, t0), min(high, t1)
+        low = max(low, t0)
+        high = min(high, t1)
     return low < high
 
 
@@ -56,7 +65,9 @@ def faults(sheet: Sheet) -> list[str]:
     """Texts that cover each other, are crossed by a line, or leave the sheet's frame."""
     found = []
     boxes = [(text.text, text.box()) for text in texts(sheet)]
-    found += [f"{a} covers {b}" for (a, one), (b, other) in combinations(boxes, 2) if overlap(one, other)]
+    found += [
+        f"{a} covers {b}" for (a, one), (b, other) in combinations(boxes, 2) if overlap(one, other)
+    ]
     for a, b in segments(sheet):
         found += [f"a line crosses {text}" for text, box in boxes if crosses(box, a, b)]
     frame = (20.0, 10.0, sheet.width - 10.0, sheet.height - 10.0)
@@ -65,7 +76,12 @@ def faults(sheet: Sheet) -> list[str]:
             found.append(f"{text} leaves the frame")
     for a, b in segments(sheet):
         for x, y in (a, b):
-            if x < frame[0] - 1e-6 or y < frame[1] - 1e-6 or x > frame[2] + 1e-6 or y > frame[3] + 1e-6:
+            if (
+                x < frame[0] - 1e-6
+                or y < frame[1] - 1e-6
+                or x > frame[2] + 1e-6
+                or y > frame[3] + 1e-6
+            ):
                 found.append(f"a line leaves the frame at {x:.2f}, {y:.2f}")
     return found
 
@@ -86,7 +102,9 @@ def test_every_size_stands_on_its_sheet_once_and_checks_have_a_row(drawn: Drawn)
         for number, size in enumerate(drawing.checked, 1):
             tolerance = (size.tolerance or general(size.printed)).text()
             nominal = size.text().removesuffix(f" {tolerance}")
-            wanted.update([str(number), str(number), nominal, tolerance])  # in its balloon, and its row of the table
+            wanted.update(
+                [str(number), str(number), nominal, tolerance]
+            )  # in its balloon, and its row of the table
         assert {text: found[text] for text in wanted} == wanted, drawing.part
 
 
@@ -110,5 +128,8 @@ def test_box_is_projected_exactly_with_its_hidden_bore() -> None:
     assert hidden == {((3.5, -1.0), (3.5, 3.0)), ((4.5, -1.0), (4.5, 3.0))}
     circle = max(views["dorsal"].visible, key=len)
     assert all(math.dist(point, (4.0, 0.0)) == pytest.approx(0.5, abs=2e-4) for point in circle)
-    area = sum(math.dist(*hatched.points) for hatched in Hatch(views["section"].cut, 0.01).lines()) * 0.01
+    area = (
+        sum(math.dist(*hatched.points) for hatched in Hatch(views["section"].cut, 0.01).lines())
+        * 0.01
+    )
     assert area == pytest.approx(9.0 * 4.0 - 4.0, rel=2e-3)

@@ -14,12 +14,18 @@ from tests.conftest import run_fingertip, run_python
 
 def read_files(folder: Path) -> dict[str, bytes]:
     """Read all files of a folder."""
-    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
 
 
 @pytest.mark.full
 @pytest.mark.parametrize("words", [("board", "fsr400"), ("new", "tip")])
-def test_a_working_folder_that_was_removed_is_a_sentence(words: tuple[str, ...], tmp_path: Path) -> None:
+def test_a_working_folder_that_was_removed_is_a_sentence(
+    words: tuple[str, ...], tmp_path: Path
+) -> None:
     """It once was a fault of the program, with exit code 70."""
     gone = tmp_path / "gone"
     gone.mkdir()
@@ -27,7 +33,10 @@ def test_a_working_folder_that_was_removed_is_a_sentence(words: tuple[str, ...],
     script = ("sh", "-c", 'cd "$0" && rmdir "$0" && exec "$@"', str(gone), *words)
     done = subprocess.run(script, capture_output=True, text=True, check=False, timeout=300)
     assert done.returncode == 2
-    assert "working folder: has been removed" in done.stderr or "tip.toml: cannot be written" in done.stderr
+    assert (
+        "working folder: has been removed" in done.stderr
+        or "tip.toml: cannot be written" in done.stderr
+    )
     assert list(tmp_path.iterdir()) == []
 
 
@@ -55,7 +64,9 @@ LOOP = "import sys; from tests.environment.test_environment import run_loop; pri
 @pytest.mark.full
 @pytest.mark.parametrize("place", ["/dev/null/cache", "emptied", "overwritten"])
 def test_a_cache_of_compiled_loops_that_cannot_be_used(place: str, tmp_path: Path) -> None:
-    """A place that cannot be written and a damaged file once ended the command with exit code 70."""
+    """A place that cannot be written and a damaged file once ended the command with
+    exit code 70.
+    """
     pytest.importorskip("numba")
     cache = place
     if place in ("emptied", "overwritten"):
@@ -80,7 +91,9 @@ def test_closed_streams_change_neither_files_nor_exit_codes(closed: str, tmp_pat
     """A closed stderr once gave exit code 1, that of a failed check, and a closed stdout 70."""
     for words, code in (("board fsr400 --out b", 0), ("params missing", 2)):
         command = f'exec "$0" -m fingertip {words} {closed}'
-        done = subprocess.run(["sh", "-c", command, sys.executable], cwd=tmp_path, check=False, timeout=300)
+        done = subprocess.run(
+            ["sh", "-c", command, sys.executable], cwd=tmp_path, check=False, timeout=300
+        )
         assert done.returncode == code, words
     names = {path.name for path in (tmp_path / "b").iterdir()}
     assert {"bom.csv", "manifest.json"} <= names

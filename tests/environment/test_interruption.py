@@ -1,4 +1,6 @@
-"""Interruptions: what ends a command leaves no litter, no half-written file and an exit code of its own."""
+"""Interruptions: what ends a command leaves no litter, no
+half-written file and an exit code of its own.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.interruption import Interruption
 from tests.conftest import run_python
 
-pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are ended with signals, NOT TESTED HERE")
+pytestmark = pytest.mark.skipif(
+    not hasattr(os, "fork"), reason="processes are ended with signals, NOT TESTED HERE"
+)
 
 WAIT_S = 120.0
 
@@ -58,7 +62,9 @@ def test_a_signal_within_a_command_has_its_exit_code_and_a_sentence(
     assert capsys.readouterr().err == f"interrupted{by}; no file is half-written\n"
 
 
-def test_an_import_that_turns_an_interruption_into_another_error_is_interrupted_too(handlers: None) -> None:
+def test_an_import_that_turns_an_interruption_into_another_error_is_interrupted_too(
+    handlers: None,
+) -> None:
     """numpy says that its multiarray module cannot be imported."""
     import typer
 
@@ -106,7 +112,17 @@ def start_build(folder: Path, temporary_place: Path) -> subprocess.Popen[str]:
     """Start a build with STEP files, and wait until its temporary folder is there."""
     temporary_place.mkdir()
     process = subprocess.Popen(
-        [sys.executable, "-m", "fingertip", "build", "fsr400", "--formats", "step", "--out", str(folder / "out")],
+        [
+            sys.executable,
+            "-m",
+            "fingertip",
+            "build",
+            "fsr400",
+            "--formats",
+            "step",
+            "--out",
+            str(folder / "out"),
+        ],
         env=os.environ | {"TMPDIR": str(temporary_place)},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
@@ -136,8 +152,12 @@ def wait_for_step_processes(folder: Path) -> None:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.full)])
-def test_an_interrupted_build_leaves_no_temporary_folder(number: signal.Signals, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.full)]
+)
+def test_an_interrupted_build_leaves_no_temporary_folder(
+    number: signal.Signals, tmp_path: Path
+) -> None:
     """SIGTERM once left the folder of the STEP process, and the process at work."""
     place = tmp_path / "tmp"
     process = start_build(tmp_path, place)
@@ -151,7 +171,9 @@ def test_an_interrupted_build_leaves_no_temporary_folder(number: signal.Signals,
 
 
 @pytest.mark.full
-@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a child process ends with its work, NOT TESTED HERE")
+@pytest.mark.skipif(
+    sys.platform != "linux", reason="elsewhere a child process ends with its work, NOT TESTED HERE"
+)
 def test_a_killed_build_leaves_no_process_and_the_next_one_removes_its_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -190,14 +212,19 @@ def test_folders_in_use_and_those_of_others_are_left_alone(place: Path) -> None:
     with pytest.raises(Interruption):
         interrupt()
     temporary.remove_leftovers(place)
-    assert {path.name for path in place.iterdir()} == {"theirs", "fingertip-tmp-link", "fingertip-tmp-file"}
+    assert {path.name for path in place.iterdir()} == {
+        "theirs",
+        "fingertip-tmp-link",
+        "fingertip-tmp-file",
+    }
 
 
 @pytest.mark.parametrize("loss", ["removed", "locked"])
 def test_a_new_folder_that_another_process_takes_for_a_leftover_is_made_again(
     place: Path, monkeypatch: pytest.MonkeyPatch, loss: str
 ) -> None:
-    lock, handles = temporary.lock_folder, list[object]()
+    lock = temporary.lock_folder
+    handles = list[object]()
     lose: dict[str, Callable[[Path], object]] = {"removed": shutil.rmtree, "locked": lock}
 
     def lose_the_first(path: Path) -> int | None:
@@ -213,7 +240,9 @@ def test_a_new_folder_that_another_process_takes_for_a_leftover_is_made_again(
 
 @pytest.mark.skipif(sys.platform != "linux", reason="open files are listed on Linux alone")
 def test_every_lock_is_closed(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A lock that stays open would hold a folder until its process ends, and processes may open few files."""
+    """A lock that stays open would hold a folder until its process
+    ends, and processes may open few files.
+    """
     before = os.listdir("/proc/self/fd")
     with temporary_folder() as folder:
         temporary.remove_leftovers(place)
@@ -225,21 +254,31 @@ def test_every_lock_is_closed(place: Path, monkeypatch: pytest.MonkeyPatch) -> N
     assert list(place.iterdir()) == []
     with folder_swap.lock(place, shared=True), folder_swap.lock(place, shared=True):
         monkeypatch.setattr(folder_swap, "LOCK_S", 0.0)
-        with pytest.raises(OutputError, match="another command has been writing here"), folder_swap.lock(place):
+        with (
+            pytest.raises(OutputError, match="another command has been writing here"),
+            folder_swap.lock(place),
+        ):
             pass
     monkeypatch.setattr("fcntl.flock", Mock(side_effect=OSError))
     assert temporary.lock_folder(place) is None
     assert len(os.listdir("/proc/self/fd")) == len(before)
 
 
-def test_no_place_for_temporary_files_is_a_sentence(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_no_place_for_temporary_files_is_a_sentence(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "missing"))
-    with pytest.raises(OutputError, match=r"missing: cannot be written \(No such file.*set TMPDIR to another folder"):
+    with pytest.raises(
+        OutputError,
+        match=r"missing: cannot be written \(No such file.*set TMPDIR to another folder",
+    ):
         temporary_folder().__enter__()
 
     def refuse() -> str:
         raise FileNotFoundError(2, "No usable temporary directory found in ['/tmp']")
 
     monkeypatch.setattr("tempfile.gettempdir", refuse)
-    with pytest.raises(OutputError, match="TMPDIR: no folder for temporary files can be written; set it to one"):
+    with pytest.raises(
+        OutputError, match="TMPDIR: no folder for temporary files can be written; set it to one"
+    ):
         temporary_folder().__enter__()

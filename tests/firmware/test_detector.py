@@ -1,4 +1,6 @@
-"""The C detector against the Python one, here and on emulated controllers: the same bits, and limits of its costs."""
+"""The C detector against the Python one, here and on emulated
+controllers: the same bits, and limits of its costs.
+"""
 
 from __future__ import annotations
 
@@ -53,9 +55,12 @@ def assert_same_bits(library: Library, *inputs: np.ndarray) -> FastOutput:
 
 
 def random_signals(design: Design, count: int, seed: int = 1) -> dict[str, Recording]:
-    """Signals of every kind: noise, bursts, steps, codes, limits, a broken wire, any size, constants."""
+    """Signals of every kind: noise, bursts, steps, codes,
+    limits, a broken wire, any size, constants.
+    """
     random = np.random.default_rng(seed)
-    tactile, filtered = 2.0 + random.normal(0.0, 4e-4, count), 1.5 + random.normal(0.0, 4e-4, count)
+    tactile = 2.0 + random.normal(0.0, 4e-4, count)
+    filtered = 1.5 + random.normal(0.0, 4e-4, count)
     blocks = -(-count // 1000)
     loudness = np.repeat(random.choice([1.0, 5.0, 30.0], blocks), 1000)[:count]
     forces = np.repeat(random.uniform(0.0, 3.0, blocks), 1000)[:count]
@@ -68,7 +73,9 @@ def random_signals(design: Design, count: int, seed: int = 1) -> dict[str, Recor
     constant = np.full(count, 3.3)
     return {
         "noise": Recording(tactile, filtered),
-        "bursts": Recording(2.0 + (tactile - 2.0) * loudness, 1.5 + (filtered - 1.5) * 100.0 * loudness),
+        "bursts": Recording(
+            2.0 + (tactile - 2.0) * loudness, 1.5 + (filtered - 1.5) * 100.0 * loudness
+        ),
         "steps": Recording(tactile + forces, filtered + 0.1 * (forces - forces[0])),
         "slip": slip_recording(design, count / design.detector.sample_rate_hz),
         "stuck": Recording(np.where(np.arange(count) % 5000 < 1000, 2.0, tactile), filtered),
@@ -89,7 +96,20 @@ def either(request: pytest.FixtureRequest) -> Library:
 
 
 @pytest.mark.parametrize(
-    "name", ["noise", "bursts", "steps", "slip", "codes", "limits", "broken", "stuck", "any size", "constant", "zero"]
+    "name",
+    [
+        "noise",
+        "bursts",
+        "steps",
+        "slip",
+        "codes",
+        "limits",
+        "broken",
+        "stuck",
+        "any size",
+        "constant",
+        "zero",
+    ],
 )
 def test_double_build_has_the_bits_of_python(either: Library, name: str) -> None:
     recording = random_signals(either.design, 40_000)[name]
@@ -119,40 +139,63 @@ def test_other_sampling_rates_give_the_same_bits(rate_hz: float, tmp_path: Path)
 
 @pytest.mark.full
 def test_float_finds_the_intervals_of_the_whole_campaign(either: Library) -> None:
-    """The campaign's traces, and a thousand slips in noise, so that one difference is less than the limit.
+    """The campaign's traces, and a thousand slips in noise, so that one difference is less than the
+    limit.
 
     The library takes the codes of the converter, as on a controller.
     """
-    design, different, total = either.design, 0, 0
+    design = either.design
+    different = 0
+    total = 0
     slips = (slip_recording(design, 4.0, seed) for seed in range(0, 2000, 2))
     with jit.compiled():
         for recording in itertools.chain(campaign_recordings(design), slips):
             output = python_detector(design).process(*recording.quantised(design).inputs)
             on = either.detector("float").process_codes(*recording.codes(design))
             wrong, found = count_differences(output.on, on)
-            different, total = different + wrong, total + found
+            different = different + wrong
+            total = total + found
     print(f"{design.board.variant}: {different} of {total} intervals differ")
     assert total > 2 / (1 - MIN_EQUAL_SHARE)
     assert different <= (1 - MIN_EQUAL_SHARE) * total
 
 
 def test_float_does_not_depend_on_the_force_at_which_it_begins(library: Library) -> None:
-    """A constant voltage costs no digits, as filters take differences: 16 V away, decisions stay the same."""
+    """A constant voltage costs no digits, as filters take
+    differences: 16 V away, decisions stay the same.
+    """
     step = 2.0**-14  # voltages that single precision holds exactly, here and there
-    tactile, filtered = (np.round(each / step) * step for each in slip_recording(library.design, 4.0).inputs)
-    near, far = (library.detector("float").process(tactile + offset, filtered + offset) for offset in (0.0, 16.0))
+    tactile, filtered = (
+        np.round(each / step) * step for each in slip_recording(library.design, 4.0).inputs
+    )
+    near, far = (
+        library.detector("float").process(tactile + offset, filtered + offset)
+        for offset in (0.0, 16.0)
+    )
     assert near[3].any()
-    for values, others in zip(near[:-1], far[:-1], strict=True):  # 16 V is no voltage that a force gives
+    for values, others in zip(
+        near[:-1], far[:-1], strict=True
+    ):  # 16 V is no voltage that a force gives
         assert np.array_equal(values, others)
 
 
 @pytest.mark.full
 @pytest.mark.parametrize("real", ["float", "double"])
 @pytest.mark.parametrize("level", ["-O0", "-Os", "-O3"])
-def test_compiles_without_warnings_whatever_the_optimisation(library: Library, real: str, level: str, tmp_path: Path):
+def test_compiles_without_warnings_whatever_the_optimisation(
+    library: Library, real: str, level: str, tmp_path: Path
+):
     """No number is converted silently, and no float is promoted to double."""
     write_sources(library.design, tmp_path)
-    compile_host(tmp_path, real, level, "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Wstrict-prototypes")
+    compile_host(
+        tmp_path,
+        real,
+        level,
+        "-Wconversion",
+        "-Wdouble-promotion",
+        "-Wshadow",
+        "-Wstrict-prototypes",
+    )
 
 
 @pytest.mark.full
@@ -162,28 +205,46 @@ def test_sanitizers_find_no_undefined_behaviour(library: Library, tmp_path: Path
     write_sources(library.design, tmp_path)
     program = tmp_path / "main.c"
     program.write_text(
-        '#include "slip_detector.h"\n#include <stdio.h>\nint main(void) { static slip_state s; float v[2]; '
-        "slip_init(&s); while (fread(v, sizeof v, 1, stdin) == 1) putchar(slip_step(&s, v[0], v[1])); return 0; }\n"
+        '#include "slip_detector.h"\n#include <stdio.h>\nint main(void) { static slip_state s; '
+        "float v[2]; "
+        "slip_init(&s); while (fread(v, sizeof v, 1, stdin) == 1) putchar(slip_step(&s, v[0], "
+        "v[1])); return 0; }\n"
     )
-    flags = ["-std=c99", "-g", "-fsanitize=undefined,address", "-fno-sanitize-recover=all", f"-I{tmp_path}"]
+    flags = [
+        "-std=c99",
+        "-g",
+        "-fsanitize=undefined,address",
+        "-fno-sanitize-recover=all",
+        f"-I{tmp_path}",
+    ]
     binary = tmp_path / "main"
-    subprocess.run(["gcc", *flags, str(program), str(tmp_path / SOURCE), "-o", str(binary)], check=True)
+    subprocess.run(
+        ["gcc", *flags, str(program), str(tmp_path / SOURCE), "-o", str(binary)], check=True
+    )
     inputs = [each.astype("<f4") for each in slip_recording(library.design, 3.0).inputs]
-    done = subprocess.run([str(binary)], input=np.column_stack(inputs).tobytes(), capture_output=True, check=True)
+    done = subprocess.run(
+        [str(binary)], input=np.column_stack(inputs).tobytes(), capture_output=True, check=True
+    )
     assert not done.stderr
-    assert np.array_equal(np.frombuffer(done.stdout, np.uint8) > 0, library.detector("float").process(*inputs)[4])
+    assert np.array_equal(
+        np.frombuffer(done.stdout, np.uint8) > 0, library.detector("float").process(*inputs)[4]
+    )
 
 
 @pytest.mark.parametrize("share", [1.0, 0.25])
 def test_codes_are_judged_as_in_python_wherever_s_rests(share: float, tmp_path: Path) -> None:
-    """Codes of a converter whose step is exact in binary; a quarter of S is one of 10 bits in a 12-bit library."""
+    """Codes of a converter whose step is exact in binary; a quarter
+    of S is one of 10 bits in a 12-bit library.
+    """
     design = Design(detector={"adc_range_v": 4.0})
     tactile, filtered = slip_recording(design, 4.0).codes(design)
     assert filtered is not None
     filtered = np.int32(share * filtered)
     step_v = design.detector.adc_step_v
     found = [
-        FastDetector(library_settings(design, in_codes)).process(step_v * tactile, step_v * filtered).on
+        FastDetector(library_settings(design, in_codes))
+        .process(step_v * tactile, step_v * filtered)
+        .on
         for in_codes in (True, False)
     ]
     on = make_library(design, tmp_path).detector("double").process_codes(tactile, filtered)
@@ -193,26 +254,35 @@ def test_codes_are_judged_as_in_python_wherever_s_rests(share: float, tmp_path: 
 
 def test_codes_are_volts_without_rounding(either: Library) -> None:
     """The same decisions, and the same ones whatever the code at which the signal begins."""
-    recording, design = slip_recording(either.design, 4.0), either.design
+    recording = slip_recording(either.design, 4.0)
+    design = either.design
     codes = recording.codes(design)
     on = either.detector("float").process_codes(*codes)
     assert on.any()
-    assert np.array_equal(on, python_detector(design).process(*recording.quantised(design).inputs).on)
+    assert np.array_equal(
+        on, python_detector(design).process(*recording.quantised(design).inputs).on
+    )
     assert np.array_equal(on, either.detector("double").process_codes(*codes))
-    moved = [None if each is None else each + by for each, by in zip(codes, (12_345_678, 123), strict=True)]
+    moved = [
+        None if each is None else each + by
+        for each, by in zip(codes, (12_345_678, 123), strict=True)
+    ]
     assert np.array_equal(on, either.detector("float").process_codes(*moved))
 
 
 def test_incipient_slip_is_that_of_python(library: Library) -> None:
     inputs = slip_recording(library.design, 3.0).inputs
-    output, incipient = python_detector(library.design).process(*inputs), library.detector("double").process(*inputs)[3]
+    output = python_detector(library.design).process(*inputs)
+    incipient = library.detector("double").process(*inputs)[3]
     assert np.array_equal(incipient, output.incipient)
     assert output.on.sum() < incipient.sum() < len(incipient)
 
 
 by_target = pytest.mark.parametrize("target", TARGETS, ids=[target.name for target in TARGETS])
 TOLERANCE = 0.02
-"""Largest relative difference between two measurements with the same compiler: other samples of the same kind."""
+"""Largest relative difference between two measurements with the same
+compiler: other samples of the same kind.
+"""
 
 
 def run(library: Library, target: Target, recording: Recording, level: str = "-O2") -> TargetRun:
@@ -223,7 +293,9 @@ def run(library: Library, target: Target, recording: Recording, level: str = "-O
 @pytest.mark.full
 @by_target
 @pytest.mark.parametrize("level", ["-O2", "-Os"])
-def test_decisions_and_confidences_are_those_of_this_machine(library: Library, target: Target, level: str) -> None:
+def test_decisions_and_confidences_are_those_of_this_machine(
+    library: Library, target: Target, level: str
+) -> None:
     """Both compute single precision by IEEE 754, so the numbers have the same bits."""
     recording = slip_recording(library.design, 1.5)
     found = run(library, target, recording, level)
@@ -235,7 +307,9 @@ def test_decisions_and_confidences_are_those_of_this_machine(library: Library, t
 
 
 @pytest.mark.full
-def test_products_and_sums_are_not_contracted_as_arduino_compiles(library: Library, tmp_path: Path) -> None:
+def test_products_and_sums_are_not_contracted_as_arduino_compiles(
+    library: Library, tmp_path: Path
+) -> None:
     """Arduino's options leave out -ffp-contract=off, so the source itself forbids it."""
     require_arm()
     source = (library.folder / "slip_detector.c").read_text()
@@ -248,8 +322,12 @@ def contracted(library: Library, folder: Path, source: str) -> int:
     (folder / "source.c").write_text(source)
     image = folder / "source.o"
     flags = [*TARGETS[0].options, "-mthumb", "-Os", "-std=gnu11", f"-I{library.folder}", "-c"]
-    subprocess.run(["arm-none-eabi-gcc", *flags, str(folder / "source.c"), "-o", str(image)], check=True)
-    done = subprocess.run(["arm-none-eabi-objdump", "-d", str(image)], capture_output=True, text=True, check=True)
+    subprocess.run(
+        ["arm-none-eabi-gcc", *flags, str(folder / "source.c"), "-o", str(image)], check=True
+    )
+    done = subprocess.run(
+        ["arm-none-eabi-objdump", "-d", str(image)], capture_output=True, text=True, check=True
+    )
     return done.stdout.count("vfma") + done.stdout.count("vfms")
 
 
@@ -267,9 +345,12 @@ def test_the_committed_measurements_are_within_the_limits() -> None:
 
 @pytest.mark.full
 def test_the_committed_measurements_are_measured_again(library: Library) -> None:
-    """With the compiler that made the table, the same bytes and nearly the same counts; else the limits alone."""
+    """With the compiler that made the table, the same bytes and
+    nearly the same counts; else the limits alone.
+    """
     require_arm()
-    written, found = read_costs(), measure(library.design, stride=48, seconds=2.0)
+    written = read_costs()
+    found = measure(library.design, stride=48, seconds=2.0)
     assert_limits(found)
     if tool_version("arm-none-eabi-gcc") not in written["compiler"]:
         return
@@ -278,10 +359,16 @@ def test_the_committed_measurements_are_measured_again(library: Library) -> None
         expected = written["targets"][name]
         assert target["flash_bytes"] == expected["flash_bytes"]
         assert target["stack_bytes"] == expected["stack_bytes"]
-        assert target["max_instructions"] == pytest.approx(expected["max_instructions"], rel=TOLERANCE)
+        assert target["max_instructions"] == pytest.approx(
+            expected["max_instructions"], rel=TOLERANCE
+        )
         for signal in ("quiet", "slip"):
-            assert target["instructions"][signal] == pytest.approx(expected["instructions"][signal], rel=TOLERANCE)
-        assert target["instructions"]["campaign"] == pytest.approx(expected["instructions"]["campaign"], rel=0.1)
+            assert target["instructions"][signal] == pytest.approx(
+                expected["instructions"][signal], rel=TOLERANCE
+            )
+        assert target["instructions"]["campaign"] == pytest.approx(
+            expected["instructions"]["campaign"], rel=0.1
+        )
 
 
 RECALL_PROGRAM = """
@@ -308,9 +395,12 @@ int main(void) {
 
 
 def test_a_start_in_the_middle_of_a_slip_is_decided_with_stored_floors(tmp_path: Path) -> None:
-    """Of two equal starts in vibration, the one that recalls the floors of a rest is ON; C counts as Python does."""
+    """Of two equal starts in vibration, the one that recalls the
+    floors of a rest is ON; C counts as Python does.
+    """
     require_gcc()
-    random, design = np.random.default_rng(3), Design()
+    random = np.random.default_rng(3)
+    design = Design()
     slides = np.tile(0.004 * random.normal(0.0, 1.0, 1000), 2)
     volts = 0.6 + random.normal(0.0, 2e-4, 10_000) + np.concatenate((np.zeros(8000), slides))
     filtered = filter_as_board(design, volts)
@@ -326,8 +416,12 @@ def test_a_start_in_the_middle_of_a_slip_is_decided_with_stored_floors(tmp_path:
     sources = [str(tmp_path / name) for name in ("main.c", "slip_detector.c")]
     flags = ["-std=c99", "-DSLIP_REAL=double", "-ffp-contract=off", f"-I{tmp_path}"]
     subprocess.run(["gcc", *flags, *sources, "-o", str(tmp_path / "main")], check=True)
-    lines = "\n".join(f"{t!r} {s!r}" for t, s in zip(volts.tolist(), filtered.tolist(), strict=True))
-    done = subprocess.run([str(tmp_path / "main")], input=lines, capture_output=True, text=True, check=True)
+    lines = "\n".join(
+        f"{t!r} {s!r}" for t, s in zip(volts.tolist(), filtered.tolist(), strict=True)
+    )
+    done = subprocess.run(
+        [str(tmp_path / "main")], input=lines, capture_output=True, text=True, check=True
+    )
     assert done.stdout.split() == [str(count) for count in counts]
     assert counts[0] == 0
     assert counts[1] > 800

@@ -30,7 +30,17 @@ def test_arduino_and_platformio_know_the_library() -> None:
     design = Design()
     top = firmware_files(design)["."]
     fields = dict(line.split("=", 1) for line in top["library.properties"].decode().splitlines())
-    required = {"name", "version", "author", "maintainer", "sentence", "paragraph", "category", "url", "architectures"}
+    required = {
+        "name",
+        "version",
+        "author",
+        "maintainer",
+        "sentence",
+        "paragraph",
+        "category",
+        "url",
+        "architectures",
+    }
     assert required <= set(fields)
     assert re.fullmatch(r"\d+\.\d+\.\d+", fields["version"])
     assert re.fullmatch(r"[A-Za-z0-9 _.-]+", fields["name"])
@@ -52,14 +62,21 @@ def test_warnings_name_changes_that_end_them() -> None:
 
 def test_controllers_of_the_readme_stand_in_the_manual() -> None:
     """The stand-in compiles the sketches for each core that the table gives a timer."""
-    controllers = read_readme(Design.load("fsr400")).split("## Controllers")[1].split("## Wiring")[0]
+    controllers = (
+        read_readme(Design.load("fsr400")).split("## Controllers")[1].split("## Wiring")[0]
+    )
     tables = re.findall(r"(?:^\|.*\n)+", controllers, re.MULTILINE)
     assert len(tables) == 2
     manual = (ROOT / "docs/firmware.md").read_text(encoding="utf-8")
     assert all(board.name in manual for board in load_controllers())
     timers = firmware_files(Design.load("fsr400"))["src"][TIMER].decode()
     for board in load_controllers():
-        core = {"Teensy": "TEENSYDUINO", "STM32": "STM32", "Arduino UNO": "RENESAS", "Raspberry": "RP2040"}
+        core = {
+            "Teensy": "TEENSYDUINO",
+            "STM32": "STM32",
+            "Arduino UNO": "RENESAS",
+            "Raspberry": "RP2040",
+        }
         known = any(board.name.startswith(name) and macro in timers for name, macro in core.items())
         assert known == (board.timer == "yes"), board.name
 
@@ -82,7 +99,11 @@ def test_folder_is_a_set_that_can_be_checked(tmp_path: Path) -> None:
     assert (count, differences) == (len(paths), [])
     assert not firmware_differences(design, tmp_path / "firmware")
     missing = run_fingertip("firmware", "fsr400", "--out", tmp_path / "none", "--check")
-    assert (missing.returncode, "cannot be read" in missing.stdout, (tmp_path / "none").exists()) == (1, True, False)
+    assert (
+        missing.returncode,
+        "cannot be read" in missing.stdout,
+        (tmp_path / "none").exists(),
+    ) == (1, True, False)
     other = Design(detector={"noise_v": 1e-3})
     (difference,) = firmware_differences(other, tmp_path / "firmware")
     assert difference.endswith("slip_detector.h: differs from what this design gives.")

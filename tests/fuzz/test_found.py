@@ -1,4 +1,7 @@
-"""What the fuzzer found, each case by name. It gave a traceback once, and is a sentence or a result now."""
+"""What the fuzzer found, each case by name.
+
+It gave a traceback once, and is a sentence or a result now.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,10 @@ def test_an_axis_of_the_smallest_numbers(least: float) -> None:
 @pytest.mark.parametrize(
     ("statement", "message"),
     [
-        ("UPDATE meta SET value = '= 1' WHERE key = 'plan'", "the description of its sweep cannot be read"),
+        (
+            "UPDATE meta SET value = '= 1' WHERE key = 'plan'",
+            "the description of its sweep cannot be read",
+        ),
         ("CREATE TABLE other (a)", "it holds other tables than a sweep"),
         ("UPDATE meta SET value = '[' || hex(zeroblob(3000)) WHERE key = 'plan'", "cannot be read"),
         ("UPDATE rows SET point = 99 WHERE point = 2", "row 99 is damaged"),
@@ -45,11 +51,20 @@ def test_an_axis_of_the_smallest_numbers(least: float) -> None:
         ("UPDATE rows SET reason = 5", ""),
         ("UPDATE rows SET cutoff_3db_hz = 'x'", "row 0 holds what is no number"),
         ('UPDATE rows SET "board.cutoff_hz" = NULL', "row 0 holds what is no number"),
-        ("UPDATE rows SET reason = CAST(x'1bff' AS TEXT)", "a text in it cannot be read (Could not decode to UTF-8"),
+        (
+            "UPDATE rows SET reason = CAST(x'1bff' AS TEXT)",
+            "a text in it cannot be read (Could not decode to UTF-8",
+        ),
         ("UPDATE rows SET field = hex(zeroblob(400))", "row 0 is damaged"),
-        ("UPDATE rows SET cutoff_3db_hz = -1e308", "cutoff_3db_hz is beyond 1e+100, or nearer to 0 than 1e-100"),
+        (
+            "UPDATE rows SET cutoff_3db_hz = -1e308",
+            "cutoff_3db_hz is beyond 1e+100, or nearer to 0 than 1e-100",
+        ),
         ("UPDATE rows SET cutoff_3db_hz = 1e-320", "cutoff_3db_hz is beyond 1e+100"),
-        ("UPDATE meta SET value = 'scene = 5' || char(10) || value WHERE key = 'plan'", "(scene: 5 is not a table"),
+        (
+            "UPDATE meta SET value = 'scene = 5' || char(10) || value WHERE key = 'plan'",
+            "(scene: 5 is not a table",
+        ),
     ],
 )
 def test_a_damaged_database_of_a_sweep(tmp_path: Path, statement: str, message: str) -> None:
@@ -67,7 +82,9 @@ def test_a_damaged_database_of_a_sweep(tmp_path: Path, statement: str, message: 
 
 def test_taps_of_days_are_refused_with_a_value_that_passes() -> None:
     taps = {"force_n": 1.0, "count": 1000, "interval_s": 600.0}
-    with pytest.raises(TraceError, match=r"lets 1000 taps last more than 3600 s; at most 3\.6 s") as caught:
+    with pytest.raises(
+        TraceError, match=r"lets 1000 taps last more than 3600 s; at most 3\.6 s"
+    ) as caught:
         SceneFile(tap=taps)
     most = float(str(caught.value).rpartition("at most ")[2].removesuffix(" s."))
     SceneFile(tap=taps | {"interval_s": most})
@@ -76,7 +93,9 @@ def test_taps_of_days_are_refused_with_a_value_that_passes() -> None:
 def test_the_shortest_knock_that_a_message_names_passes() -> None:
     for speed_m_s in np.linspace(0.06, 0.2, 141).round(3).tolist():
         with pytest.raises(TraceError, match="too short to stop") as caught:
-            ManipulationFile(scene="s", knock={"speed_m_s": speed_m_s, "stroke_m": 1e-9 + 0.4 * speed_m_s**2})
+            ManipulationFile(
+                scene="s", knock={"speed_m_s": speed_m_s, "stroke_m": 1e-9 + 0.4 * speed_m_s**2}
+            )
         least = float(str(caught.value).rpartition("at least ")[2].removesuffix(" m."))
         ManipulationFile(scene="s", knock={"speed_m_s": speed_m_s, "stroke_m": least})
 
@@ -85,18 +104,27 @@ def test_no_change_of_load_ends_no_contact_of_the_smallest_share() -> None:
     assert SceneFile(hold={"share": 0.001}, load_change={"by_n": 0.0}).load_change.by_n == 0.0
 
 
-def test_a_grid_of_many_axes_is_refused_before_their_values_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_grid_of_many_axes_is_refused_before_their_values_are_made(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     made: list[str] = []
     monkeypatch.setattr(Axis, "values", property(lambda axis: made.append(axis.name) or ()))
     steps = {"low": 14.0, "high": 14.5, "steps": 100_000}
-    tables = {"outputs": [], "axes": {name: steps for name in ("skin.width_mm", "skin.length_mm", "mold.wall_mm")}}
-    with pytest.raises(SweepError, match=r"make a grid of 1000000000000000 points; give at most 100000000"):
+    tables = {
+        "outputs": [],
+        "axes": {name: steps for name in ("skin.width_mm", "skin.length_mm", "mold.wall_mm")},
+    }
+    with pytest.raises(
+        SweepError, match=r"make a grid of 1000000000000000 points; give at most 100000000"
+    ):
         SweepPlan.from_tables(tables)
     assert made == []
 
 
 def test_a_converter_whose_steps_would_be_zero() -> None:
-    with pytest.raises(DesignError, match=r"detector\.adc_range_v: 5e-324 V is too small; at least 0\.01 V"):
+    with pytest.raises(
+        DesignError, match=r"detector\.adc_range_v: 5e-324 V is too small; at least 0\.01 V"
+    ):
         Design(detector={"adc_range_v": 5e-324})
     for low_v, high_v, least_v in ((99.99, 5.0, 100.0), (0.0, 5e-324, 0.01)):
         with pytest.raises(TraceError, match=rf"above converter\.low_v; at least {least_v:g} V\."):
@@ -106,4 +134,6 @@ def test_a_converter_whose_steps_would_be_zero() -> None:
 
 def test_a_range_to_an_integer_beyond_every_float() -> None:
     with pytest.raises(SweepError, match="is not a finite number"):
-        SweepPlan.from_tables({"outputs": [], "axes": {"skin.width_mm": {"low": 14, "high": 10**400, "steps": 3}}})
+        SweepPlan.from_tables(
+            {"outputs": [], "axes": {"skin.width_mm": {"low": 14, "high": 10**400, "steps": 3}}}
+        )

@@ -1,4 +1,6 @@
-"""Budget of errors: stated errors and intervals are found a second time, by closed forms, finer ones or other code."""
+"""Budget of errors: stated errors and intervals are found a second
+time, by closed forms, finer ones or other code.
+"""
 
 from __future__ import annotations
 
@@ -50,27 +52,50 @@ def test_interval_of_a_delay_holds_the_true_one_in_95_of_100(total: int, fractio
 
 @pytest.mark.full
 def test_errors_of_meshes_and_the_pad_are_those_of_a_second_computation() -> None:
-    """Volume of the skin: by Richardson from two other meshes. Share: on a grid of twice the reference's fineness."""
+    """Volume of the skin: by Richardson from two other meshes.
+
+    Share: on a grid of twice the reference's fineness.
+    """
     volumes, sections = budget.refine_meshes(DESIGN)
-    coarse, fine = (MeshEvaluator(mm).mesh(PARTS["skin"].solid(DESIGN)).volume() for mm in (0.004, 0.002))
-    exact = fine + (fine - coarse) * 0.002 / (0.004 - 0.002)  # a mesh's volume is off in proportion to its tolerance
-    assert volumes.errors["skin_volume_mm3"][1] == pytest.approx(exact - volumes.values["skin_volume_mm3"], rel=0.15)
+    coarse, fine = (
+        MeshEvaluator(mm).mesh(PARTS["skin"].solid(DESIGN)).volume() for mm in (0.004, 0.002)
+    )
+    exact = fine + (fine - coarse) * 0.002 / (
+        0.004 - 0.002
+    )  # a mesh's volume is off in proportion to its tolerance
+    assert volumes.errors["skin_volume_mm3"][1] == pytest.approx(
+        exact - volumes.values["skin_volume_mm3"], rel=0.15
+    )
     (pad,) = budget.refine_pad(DESIGN)
-    form, fine_mm = PadForm.of_design(DESIGN), layer.GRID_MM / 8
-    shares = [layer.find_contacts(form, Pose(tilt), (1.0,), grid_mm=fine_mm)[0].share for tilt in (0.0, 2.0, 5.0, 10.0)]
-    assert pad.errors["pad_share"][1] == pytest.approx(abs(pad.values["pad_share"] - min(shares)), abs=4e-4)
+    form = PadForm.of_design(DESIGN)
+    fine_mm = layer.GRID_MM / 8
+    shares = [
+        layer.find_contacts(form, Pose(tilt), (1.0,), grid_mm=fine_mm)[0].share
+        for tilt in (0.0, 2.0, 5.0, 10.0)
+    ]
+    assert pad.errors["pad_share"][1] == pytest.approx(
+        abs(pad.values["pad_share"] - min(shares)), abs=4e-4
+    )
     for curve in (volumes, pad, sections):
         assert all(errors[0] >= errors[2] for errors in curve.errors.values())
         assert min(curve.cpu_s) > 0.0
 
 
 def test_text_names_each_output_once_in_the_table_or_by_its_kind() -> None:
-    curve = Curve("a [mm]", (3.0, 2.0, 1.0), 1, (1, 2, 3), {"pad_share": 0.5}, {"pad_share": (3e-3, 2e-3, 1e-3)})
+    curve = Curve(
+        "a [mm]",
+        (3.0, 2.0, 1.0),
+        1,
+        (1, 2, 3),
+        {"pad_share": 0.5},
+        {"pad_share": (3e-3, 2e-3, 1e-3)},
+    )
     found = report.list_kinds([curve], GROUPS)
     named = [name for names in found.values() for name in names]
     assert sorted([*named, "pad_share"]) == sorted(GROUPS)
-    assert "| pad_share | 0.5 | a [mm] | 3 / 2* / 1 | 3.0e-03 / 2.0e-03 / 1.0e-03 | 1 / 2 / 3 | - | 0.011 rms" in (
-        report.budget_text("x", [curve], GROUPS)
+    assert (
+        "| pad_share | 0.5 | a [mm] | 3 / 2* / 1 | 3.0e-03 / 2.0e-03 / 1.0e-03 | 1 / 2 / 3 | - | "
+        "0.011 rms" in (report.budget_text("x", [curve], GROUPS))
     )
 
 
@@ -91,8 +116,12 @@ def test_command_states_25_outputs_within_their_intervals() -> None:
 
 
 @pytest.mark.full
-def test_error_of_the_step_is_that_against_equations_that_scipy_solves(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a whole trial, from the pad to the envelope; the article's board misses where its amplifier reverses."""
+def test_error_of_the_step_is_that_against_equations_that_scipy_solves(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of a whole trial, from the pad to the envelope; the article's
+    board misses where its amplifier reverses.
+    """
     for name, value in {"VARIANTS": ("precision",), "_REFINEMENTS": (1,), "_ROUNDS": 1}.items():
         monkeypatch.setattr(trial, name, value)
     with compiled():

@@ -1,4 +1,6 @@
-"""Campaign: seeds, evaluation of constructed traces, pooled results in closed form, and requirements."""
+"""Campaign: seeds, evaluation of constructed traces, pooled
+results in closed form, and requirements.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,13 @@ from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.numerics import poisson_interval
 from fingertip.lab.campaign import run
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, TUNING_SEEDS, CampaignPlan, Case, generate_cases
+from fingertip.lab.campaign.plan import (
+    HELD_OUT_FROM,
+    TUNING_SEEDS,
+    CampaignPlan,
+    Case,
+    generate_cases,
+)
 from fingertip.lab.campaign.run import (
     LOW_SCALES,
     SCALES,
@@ -44,13 +52,20 @@ from tools.onsets import measure_onsets_ms
 
 SCENES = [scene for scene, _ in itertools.islice(article_trials(), 200)]
 SLIDE = SCENES[0]
-SLIP, CONTACT, MOTOR = (Case(cause, SLIDE, i) for i, cause in enumerate(("slip", "contact", "motor")))
+SLIP, CONTACT, MOTOR = (
+    Case(cause, SLIDE, i) for i, cause in enumerate(("slip", "contact", "motor"))
+)
 
 
 def trial(
-    delays_s: Sequence[float] = (), slips: int = 1, alarms: Sequence[str] = (), case: Case = SLIP,
-    duration_s: float = 60.0, on_share: float = 0.9, creep_s: float = 0.0,
-) -> TrialResult:  # fmt: skip
+    delays_s: Sequence[float] = (),
+    slips: int = 1,
+    alarms: Sequence[str] = (),
+    case: Case = SLIP,
+    duration_s: float = 60.0,
+    on_share: float = 0.9,
+    creep_s: float = 0.0,
+) -> TrialResult:
     return TrialResult(case, duration_s, slips, tuple(delays_s), on_share, tuple(alarms), creep_s)
 
 
@@ -94,7 +109,9 @@ def test_alarms_have_causes_and_one_event_counts_once(detector):
     assert found.slips == 1
     assert 0.0 < found.delays_s[0] < 0.06
     assert found.on_share == 1.0
-    (tap,) = evaluate(Case("hard tap", SLIDE, 1), trace_with([], [(1.0, 1.1)]), detector, ARTICLE, [1.0])
+    (tap,) = evaluate(
+        Case("hard tap", SLIDE, 1), trace_with([], [(1.0, 1.1)]), detector, ARTICLE, [1.0]
+    )
     assert tap.alarms == ("hard tap",)
     assert tap.slips == 0
 
@@ -127,7 +144,8 @@ def test_scaled_threshold_equals_a_detector_made_with_that_scale(detector, scale
 def test_thresholds_without_a_run_of_their_own_have_its_results(detector):
     from fingertip.slip.detectors.registry import make_detector
 
-    trace, runs = trace_with([(1.5, 2.0)], [(1.0, 1.02)]), {}
+    trace = trace_with([(1.5, 2.0)], [(1.0, 1.02)])
+    runs = {}
     evaluate(SLIP, trace, "fast", ARTICLE, SCALES, runs)
     found = evaluate(SLIP, trace, detector, ARTICLE, SCALES, runs)
     for scale, result in zip(SCALES, found, strict=True):
@@ -153,49 +171,71 @@ def test_detection_requirements_can_be_missed(trials, missed):
     assert {requirement.name for requirement in requirements if not requirement.passed} == missed
 
 
-@pytest.mark.parametrize(("others", "better"), [(([0.02],), "analog"), (([0.025],), None), (([],), None)])
+@pytest.mark.parametrize(
+    ("others", "better"), [(([0.02],), "analog"), (([0.025],), None), (([],), None)]
+)
 def test_a_detector_that_misses_less_or_is_sooner_by_a_quarter_is_named(others, better):
     def campaign(**found: Sequence[float]) -> CampaignResult:
-        return CampaignResult(CampaignPlan(), 0, {name: (pool(trial(delays_s)),) for name, delays_s in found.items()})
+        return CampaignResult(
+            CampaignPlan(), 0, {name: (pool(trial(delays_s)),) for name, delays_s in found.items()}
+        )
 
     assert find_better(campaign(fast=[0.03], incipient=[0.001], analog=others[0]), "fast") == better
-    assert find_better(campaign(fast=[], analog=others[0]), "fast") == ("analog" if others[0] else None)
+    assert find_better(campaign(fast=[], analog=others[0]), "fast") == (
+        "analog" if others[0] else None
+    )
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(("name", "kind"), [("article", "analog"), ("fsr400", "fast"), ("first_finger", "fast")])
+@pytest.mark.parametrize(
+    ("name", "kind"), [("article", "analog"), ("fsr400", "fast"), ("first_finger", "fast")]
+)
 def test_presets_state_a_detector_that_passes_and_that_none_ranks_before(name, kind):
-    """With 24 trials one slip that the article's diode hides for a second decides, so these are the article's 120."""
+    """With 24 trials one slip that the article's diode hides for a
+    second decides, so these are the article's 120.
+    """
     design = Design.load(name)
     assert design.detector.kind == kind
     detectors = tuple(DETECTORS) if design.board.has_filter else (kind,)
     result = run_campaign(design, CampaignPlan(120, 0.5), detectors, (1.0,))
     assert find_better(result, kind) is None
-    assert [requirement.message for requirement in check_detection(result, kind) if not requirement.passed] == []
+    assert [
+        requirement.message
+        for requirement in check_detection(result, kind)
+        if not requirement.passed
+    ] == []
 
 
 @pytest.mark.full
 def test_a_whole_validation_finds_what_the_article_promises(tmp_path):
     """What its files say is compared with approved ones in test_report.py."""
     done = CliRunner().invoke(
-        app, ["validate", "fsr400", "--trials", "8", "--minutes", "1", "--json", "--out", str(tmp_path)]
+        app,
+        ["validate", "fsr400", "--trials", "8", "--minutes", "1", "--json", "--out", str(tmp_path)],
     )
     assert done.exit_code == 0, done.stdout
     assert "%" not in done.stderr, "shares are for terminals"
     assert {path.name for path in tmp_path.iterdir()} >= set(FILES)
     verdict = (
-        r"fsr400, detector fast: all \d+ requirements are met, but 8 trials and 1 min are too few to show it: "
+        r"fsr400, detector fast: all \d+ requirements are met, but 8 trials and 1 min are too few "
+        r"to show it: "
         r"120 trials and 40 min do\n"
     )
     assert re.match(verdict, (tmp_path / "validation.txt").read_text())
     data = json.loads(done.stdout)
     assert set(data["detectors"]) == {"analog", "digital", "fft", "incipient", "fast"}
-    fast, digital = data["detectors"]["fast"], data["detectors"]["digital"]
+    fast = data["detectors"]["fast"]
+    digital = data["detectors"]["digital"]
     assert fast["found_share"] == digital["found_share"] == 1.0
     assert max(fast["median_s"], digital["median_s"]) < 0.06
     assert fast["alarms_per_minute"] == 0.0
     assert fast["on_share"] > 0.93  # over 120 trials it is 0.98
-    assert {row["detector"] for row in data["closed_loop"]} == {"no control", "analog", "incipient", "fast"}
+    assert {row["detector"] for row in data["closed_loop"]} == {
+        "no control",
+        "analog",
+        "incipient",
+        "fast",
+    }
 
 
 def test_validate_refuses_bad_options_before_it_computes(tmp_path):
@@ -218,7 +258,9 @@ def test_times_before_gross_slip_that_the_text_states_are_those_of_the_trials():
 
 @pytest.mark.parametrize(("found", "slips"), [(4, 4), (2, 4), (2, 3), (0, 2)])
 def test_delay_of_a_fraction_counts_the_slips_that_were_missed(found: int, slips: int) -> None:
-    """More slips than the fraction are found within the delay, and no more before it; a missed one never is."""
+    """More slips than the fraction are found within the delay, and
+    no more before it; a missed one never is.
+    """
     delays = [0.1, 0.2, 0.3, 0.4][:found] + [math.inf] * (slips - found)
     for fraction in (0.0, 0.2, 0.49, 0.5, 0.74, 0.75):
         delay = quantile_s(delays[:found][::-1], slips, fraction)
@@ -228,13 +270,17 @@ def test_delay_of_a_fraction_counts_the_slips_that_were_missed(found: int, slips
 
 
 def test_shares_of_the_slips() -> None:
-    pooled = pool(trial([0.01, 0.029], 2), trial([0.03]), trial([0.5], on_share=0.5), trial(on_share=0.0))
+    pooled = pool(
+        trial([0.01, 0.029], 2), trial([0.03]), trial([0.5], on_share=0.5), trial(on_share=0.0)
+    )
     assert (pooled.slips, pooled.delays_s) == (5, [0.01, 0.029, 0.03, 0.5])
     assert pooled.found_share == pytest.approx(4 / 5)
     assert pooled.share_within_30_ms == pytest.approx(2 / 5), "less than 30 ms, of all slips"
     assert pool(trial([0.01])).share_within_30_ms == 1.0
     assert pooled.worst_s == 0.5
-    assert pooled.on_share == pytest.approx((0.9 + 0.9 + 0.5) / 3), "the one that was missed has none"
+    assert pooled.on_share == pytest.approx((0.9 + 0.9 + 0.5) / 3), (
+        "the one that was missed has none"
+    )
     assert pooled.delay_s(0.5) == 0.03
 
 
@@ -278,8 +324,11 @@ def test_delays_by_group() -> None:
     """Sliding over a surface is named by it, an object that is pulled by itself too."""
     pulled = next(scene for scene in SCENES if scene.name != SLIDE.name)
     groups = pool(
-        trial([0.01]), trial([0.03]), trial(case=Case("slip", pulled, 1)), trial([], 0, case=CONTACT)
-    ).group_delays(surface)  # fmt: skip
+        trial([0.01]),
+        trial([0.03]),
+        trial(case=Case("slip", pulled, 1)),
+        trial([], 0, case=CONTACT),
+    ).group_delays(surface)
     assert groups == {
         SLIDE.contact.surface: (pytest.approx(0.02), pytest.approx(0.01), 2),
         f"object, {pulled.contact.surface}": (math.inf, 0.0, 0),
@@ -292,7 +341,8 @@ def test_delays_by_group() -> None:
 
 def test_thresholds_are_found_by_their_factor_and_by_their_alarms() -> None:
     results = tuple(
-        pool(trial(alarms=["contact"] * count), scale=scale) for scale, count in ((0.5, 4), (1.0, 2), (2.0, 1))
+        pool(trial(alarms=["contact"] * count), scale=scale)
+        for scale, count in ((0.5, 4), (1.0, 2), (2.0, 1))
     )
     campaign = CampaignResult(CampaignPlan(), 0, {"fast": results})
     assert campaign.at_nominal_threshold("fast") is results[1]
@@ -303,22 +353,34 @@ def test_thresholds_are_found_by_their_factor_and_by_their_alarms() -> None:
 
 
 def test_every_case_is_evaluated_at_every_threshold(monkeypatch: pytest.MonkeyPatch) -> None:
-    def evaluate(case: Case, trace: int, name: str, _: Design, scales: Sequence[float], __: Any) -> list[TrialResult]:
+    def evaluate(
+        case: Case, trace: int, name: str, _: Design, scales: Sequence[float], __: Any
+    ) -> list[TrialResult]:
         assert trace == case.seed
         return [trial([scale], case=case, alarms=[name]) for scale in scales]
 
-    cases, shares = [Case("slip", SLIDE, seed) for seed in (7, 8, 9)], list[float]()
+    cases = [Case("slip", SLIDE, seed) for seed in (7, 8, 9)]
+    shares = list[float]()
     monkeypatch.setattr(run, "generate_cases", lambda plan, seed: cases if seed == 7 else [])
     monkeypatch.setattr(run, "simulate_trace", lambda _, case, __: case.seed)
     monkeypatch.setattr(run, "evaluate", evaluate)
-    found = run_campaign(Design(), CampaignPlan(), ("fast", "analog"), (3.0, 0.5), first_seed=7, advance=shares.append)
+    found = run_campaign(
+        Design(),
+        CampaignPlan(),
+        ("fast", "analog"),
+        (3.0, 0.5),
+        first_seed=7,
+        advance=shares.append,
+    )
     assert (found.plan, found.first_seed) == (CampaignPlan(), 7)
     assert shares == pytest.approx([1 / 3, 2 / 3, 1.0])
     scales = {"fast": [0.5, 1.0, 3.0], "analog": sorted({*LOW_SCALES, 0.5, 1.0, 3.0})}
     for name, results in found.detectors.items():
         assert [result.scale for result in results] == scales[name]
         for result in results:
-            assert result.trials == tuple(trial([result.scale], case=case, alarms=[name]) for case in cases)
+            assert result.trials == tuple(
+                trial([result.scale], case=case, alarms=[name]) for case in cases
+            )
 
 
 @pytest.mark.every_case

@@ -1,4 +1,6 @@
-"""Closed loop: decisions of the grip controller, evaluation of manipulations, requirements, and plots."""
+"""Closed loop: decisions of the grip controller, evaluation of
+manipulations, requirements, and plots.
+"""
 
 from __future__ import annotations
 
@@ -26,14 +28,25 @@ DESIGN = Design()
 PERIOD = 20  # samples per control period
 
 
-def run_controller(controller: GripController, volts: np.ndarray, closing_m=None, envelope_v=None) -> list[np.ndarray]:
-    out, fingers = [], len(controller._detectors)
+def run_controller(
+    controller: GripController, volts: np.ndarray, closing_m=None, envelope_v=None
+) -> list[np.ndarray]:
+    out = []
+    fingers = len(controller._detectors)
     for i, start in enumerate(range(0, len(volts), PERIOD)):
         at = 0.0 if closing_m is None else float(closing_m[start])
         rows = np.tile(volts[start : start + PERIOD], (fingers, 1))
-        board = None if envelope_v is None else np.tile(envelope_v[start : start + PERIOD], (fingers, 1))
+        board = (
+            None
+            if envelope_v is None
+            else np.tile(envelope_v[start : start + PERIOD], (fingers, 1))
+        )
         out.append(
-            controller.step(Observation((i + 1) * PERIOD / 2000, rows, np.full(fingers, at), np.zeros(fingers), board))
+            controller.step(
+                Observation(
+                    (i + 1) * PERIOD / 2000, rows, np.full(fingers, at), np.zeros(fingers), board
+                )
+            )
         )
     return out
 
@@ -42,7 +55,9 @@ def make_voltage(seconds: float, force_n=1.0, burst=None) -> np.ndarray:
     t = np.arange(round(2000 * seconds)) / 2000
     force = np.full(len(t), force_n) if np.ndim(force_n) == 0 else force_n
     sensed = Pad.from_design(DESIGN).sensed_n(force)
-    volts = compute_bridge_v(DESIGN, sensed) + np.random.default_rng(2).normal(0, input_noise_v(DESIGN), len(t))
+    volts = compute_bridge_v(DESIGN, sensed) + np.random.default_rng(2).normal(
+        0, input_noise_v(DESIGN), len(t)
+    )
     start, stop = burst or (9.0, 9.0)
     return volts + 0.01 * np.sin(2 * np.pi * 90 * t) * ((t >= start) & (t < stop))
 
@@ -50,9 +65,12 @@ def make_voltage(seconds: float, force_n=1.0, burst=None) -> np.ndarray:
 @pytest.mark.parametrize("detector", ["digital", "fft", "fast", "analog"])
 def test_detection_increases_the_force_of_every_finger_by_the_ratio(detector):
     settings = GripSettings(detector)
-    design, volts = Design(board={"variant": "precision"}), make_voltage(1.0, burst=(0.5, 0.6))
+    design = Design(board={"variant": "precision"})
+    volts = make_voltage(1.0, burst=(0.5, 0.6))
     grip = GripController(design, settings, 2)
-    commands = run_controller(grip, volts, envelope_v=SimulatedBoardDetector(design).simulate_envelope_v(volts))
+    commands = run_controller(
+        grip, volts, envelope_v=SimulatedBoardDetector(design).simulate_envelope_v(volts)
+    )
     first = next(i for i, decision in enumerate(grip.decisions) if decision.tightened)
     max_delay_s = {"digital": 0.03, "fft": 0.05, "fast": 0.035, "analog": 0.03}[detector]
     assert 0.5 < grip.decisions[first].time_s <= 0.5 + max_delay_s
@@ -91,13 +109,22 @@ def test_increases_keep_the_refractory_time_and_the_force_limit():
 
 
 def test_the_measured_force_ends_the_closing_of_a_hand_ten_times_as_stiff_as_assumed():
-    """Commands are no faster than the motor, which is a period late: the force exceeds its limit by 0.9 N at most."""
-    settings, curve = GripSettings(max_command_m_s=0.1), ForceCurve.from_design(DESIGN)
+    """Commands are no faster than the motor, which is a period late:
+    the force exceeds its limit by 0.9 N at most.
+    """
+    settings = GripSettings(max_command_m_s=0.1)
+    curve = ForceCurve.from_design(DESIGN)
     law = GripLaw(settings, [curve])
-    closing_m, forces_n = 0.0, []
+    closing_m = 0.0
+    forces_n = []
     for period in range(400):
         forces_n.append(1.0 + 900 * closing_m)
-        law.step(10_000 * period, True, [float(np.interp(forces_n[-1], curve.forces_n, curve.volts))], [closing_m])
+        law.step(
+            10_000 * period,
+            True,
+            [float(np.interp(forces_n[-1], curve.forces_n, curve.volts))],
+            [closing_m],
+        )
         closing_m = float(law.added_m[0])
     assert settings.max_force_n <= max(forces_n) <= settings.max_force_n + 0.91
     assert forces_n[-1] == max(forces_n)
@@ -120,7 +147,8 @@ def test_detector_in_the_loop_holds_every_object_in_time():
     assert (without.detector, with_it.detector) == (NO_CONTROL, "fast")
     assert with_it.count == with_it.held == with_it.slipped == 4
     assert without.reactions_s == ()
-    # command delay and the motion of a tenth of a millimetre take more than 20 ms in any causal controller
+    # command delay and the motion of a tenth of a millimetre take more than 20 ms in any causal
+    # controller
     assert 0.02 < with_it.reactions_s[0] <= with_it.reactions_s[-1] < 0.2
     assert with_it.false_grips == with_it.unanswered == 0
     assert all(one.onset_s is not None for one in trials)
@@ -143,7 +171,14 @@ def test_detector_in_the_loop_holds_every_object_in_time():
     ],
 )
 def test_closed_loop_requirements_can_be_missed(change, missed):
-    met = {"detector": "fast", "count": 12, "held": 12, "slipped": 12, "reactions_s": (0.03,), "unanswered": 0}
+    met = {
+        "detector": "fast",
+        "count": 12,
+        "held": 12,
+        "slipped": 12,
+        "reactions_s": (0.03,),
+        "unanswered": 0,
+    }
     summary = ClosedLoopSummary(
         **{
             **met,

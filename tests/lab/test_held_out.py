@@ -1,4 +1,6 @@
-"""Signals that judge the detector `fast` and those that it was fitted to, and what the first say of the second."""
+"""Signals that judge the detector `fast` and those that it was fitted
+to, and what the first say of the second.
+"""
 
 from __future__ import annotations
 
@@ -32,8 +34,11 @@ def judge(row: str, board: str = "S") -> dict[str, MixSummary]:
 def test_the_judge_is_the_one_that_was_frozen() -> None:
     source = Path(held_out_signals.__file__)
     assert hashlib.sha256(source.read_bytes()).hexdigest() == slip_held_out.HASH
-    assert "fingertip" not in [line.split()[1].split(".")[0] for line in source.read_text().splitlines()
-                               if line.startswith(("import ", "from "))]  # fmt: skip
+    assert "fingertip" not in [
+        line.split()[1].split(".")[0]
+        for line in source.read_text().splitlines()
+        if line.startswith(("import ", "from "))
+    ]
 
 
 @pytest.mark.parametrize("board", ["S", "A"])
@@ -57,7 +62,8 @@ def test_incipient_slip_is_sooner() -> None:
 
 def test_the_table_is_that_of_the_present_training() -> None:
     """Constants of the training that were changed without a fit show here."""
-    model, card = load_model(), json.loads(resources.files(fast.__package__).joinpath(TABLE).read_text())["card"]
+    model = load_model()
+    card = json.loads(resources.files(fast.__package__).joinpath(TABLE).read_text())["card"]
     scores = model.threshold, model.noise_rise, model.incipient_threshold
     assert scores == (fit.THRESHOLD, fit.NOISE_RISE, fit.INCIPIENT_THRESHOLD)
     assert (model.trees, card["sizes"]["rounds"]) == (fit.TREES, fit.ROUNDS)
@@ -70,7 +76,9 @@ def test_the_table_is_that_of_the_present_training() -> None:
 @pytest.mark.full
 def test_the_signals_of_a_small_fit_are_the_approved_ones() -> None:
     """`.ci/full` fits with scikit-learn to these signals, and compares the whole table."""
-    card = json.loads(Path(__file__).with_name("approved").joinpath("small_fit.json").read_text())["card"]
+    card = json.loads(Path(__file__).with_name("approved").joinpath("small_fit.json").read_text())[
+        "card"
+    ]
     sizes = {name: card["sizes"][name] for name in ("trials", "events", "disturbances")}
     assert fit.hash_signals(fit.load_signals(None, sizes)) == card["signals_sha256"]
 
@@ -83,9 +91,14 @@ def test_drawn_signals_have_their_labels_within_them(design: Design, kind: str) 
     assert (signal.filtered_v is None) == (design is ARTICLE)
     for slide in signal.slides:
         assert 0.5 < slide.motion_s <= slide.onset_s < slide.end_s <= KINDS[kind].duration_s
-        first, last = round(slide.onset_s * signal.rate_hz), round(slide.end_s * signal.rate_hz)
-        inside, quiet = signal.voltage_v[first:last], signal.voltage_v[:800]
-        if kind in (SLOW_SLIDES, "slide after load"):  # their vibration may be weaker than noise, their friction is not
+        first = round(slide.onset_s * signal.rate_hz)
+        last = round(slide.end_s * signal.rate_hz)
+        inside = signal.voltage_v[first:last]
+        quiet = signal.voltage_v[:800]
+        if kind in (
+            SLOW_SLIDES,
+            "slide after load",
+        ):  # their vibration may be weaker than noise, their friction is not
             assert inside.std() > quiet.std()
         else:
             assert np.diff(inside).std() > np.diff(quiet).std()

@@ -1,6 +1,8 @@
-"""Report of a validation with known results: text, JSON, page of omissions and figures are the approved ones.
+"""Report of a validation with known results: text, JSON, page of omissions and figures are the
+approved ones.
 
-After a change that is meant, `FINGERTIP_APPROVE=1 pytest tests/lab/test_report.py` writes them; then read what changed.
+After a change that is meant, `FINGERTIP_APPROVE=1 pytest tests/lab/test_report.py` writes them;
+then read what changed.
 """
 
 from __future__ import annotations
@@ -32,42 +34,71 @@ from tests.figures import describe_figure, keep_figures
 APPROVED = Path(__file__).with_name("approved")
 SCENES = [scene for scene, _ in article_trials()]
 T = np.arange(400) / 100
-LOST, HELD = np.where(T > 2.0, (T - 2.0) / 10, 0.0), np.where(T > 2.0, 0.003, 0.0)
+LOST = np.where(T > 2.0, (T - 2.0) / 10, 0.0)
+HELD = np.where(T > 2.0, 0.003, 0.0)
 
 
 def campaign() -> CampaignResult:
     """Two detectors at three thresholds: a higher one is later, and has fewer alarms."""
-    slides = [next(s for s in SCENES if s.contact.surface == name) for name in ("smooth", "wood")] + [SCENES[-1]]
+    slides = [
+        next(s for s in SCENES if s.contact.surface == name) for name in ("smooth", "wood")
+    ] + [SCENES[-1]]
     detectors = {}
     for name, factor in (("digital", 2.0), ("fast", 1.0)):
         results = []
         for scale in (0.7, 1.0, 2.0):
             trials = [
-                TrialResult(Case("slip", scene, i), 5.0, 1, (0.01 * factor * scale + late_s,), 0.9, (), 0.013, 1.8)
+                TrialResult(
+                    Case("slip", scene, i),
+                    5.0,
+                    1,
+                    (0.01 * factor * scale + late_s,),
+                    0.9,
+                    (),
+                    0.013,
+                    1.8,
+                )
                 for i, scene in enumerate(slides)
                 for late_s in (0.0, 0.004 + 0.002 * i)
             ]
             if name == "digital":
-                trials.append(TrialResult(Case("slip", slides[0], 8), 5.0, 1, (), 0.0, ("before slip",), 0.013, 1.8))
+                trials.append(
+                    TrialResult(
+                        Case("slip", slides[0], 8), 5.0, 1, (), 0.0, ("before slip",), 0.013, 1.8
+                    )
+                )
             alarms = ("contact",) * round(factor / scale - 0.6)
             trials.append(TrialResult(Case("contact", SCENES[0], 9), 90.0, 0, (), 0.0, alarms))
-            trials.append(TrialResult(Case("motor", SCENES[0], 10), 120.0, 0, (), 0.0, ("motor",) * 3))
+            trials.append(
+                TrialResult(Case("motor", SCENES[0], 10), 120.0, 0, (), 0.0, ("motor",) * 3)
+            )
             results.append(DetectorResult(scale, tuple(trials)))
         detectors[name] = tuple(results)
     return CampaignResult(CampaignPlan(4, 0.5), 5_000_000, detectors)
 
 
-def manipulation(name: str, kind: str, seed: int, lost_s: float | None, moved_m: float = 0.0) -> Any:
-    """Manipulation of two fingers, of which the index slips from 2 s on, and which close from 2.1 s on."""
+def manipulation(
+    name: str, kind: str, seed: int, lost_s: float | None, moved_m: float = 0.0
+) -> Any:
+    """Manipulation of two fingers, of which the index slips from
+    2 s on, and which close from 2.1 s on.
+    """
     slip = np.stack((T < 0.0, (T >= 2.0) & (T < 2.3)))
     closing = np.stack((0.02 + 0 * T, np.where(T < 2.1, 0.03, 0.03 + moved_m)))
     columns = {"slip": slip, "force_n": np.stack((1.0 + 0 * T, 1.5 + 0 * T))}
-    scene = SimpleNamespace(name=name, grasp=SimpleNamespace(kind=kind), object=SimpleNamespace(mass_kg=0.06))
+    scene = SimpleNamespace(
+        name=name, grasp=SimpleNamespace(kind=kind), object=SimpleNamespace(mass_kg=0.06)
+    )
     return SimpleNamespace(
-        scene=scene, seed=seed, time_s=T, lost_s=lost_s, fingers=("thumb", "index"), output=columns.__getitem__,
+        scene=scene,
+        seed=seed,
+        time_s=T,
+        lost_s=lost_s,
+        fingers=("thumb", "index"),
+        output=columns.__getitem__,
         signals=SimpleNamespace(closing_m=closing, object_m=HELD if lost_s is None else LOST),
         plan=SimpleNamespace(knock_s=1.9, closed_s=1.0, force_n=np.array((1.0, 1.2))),
-    )  # fmt: skip
+    )
 
 
 def decide(time_s: float, *, suppressed: bool = False) -> GripDecision:
@@ -75,10 +106,23 @@ def decide(time_s: float, *, suppressed: bool = False) -> GripDecision:
 
 
 def closed_loop() -> list[Any]:
-    """An object is lost without control; with it another one is held, by a grip in slip and by two without."""
-    decisions = [decide(0.5, suppressed=True), decide(0.51, suppressed=True), decide(1.5), decide(1.994), decide(2.05),
-                 decide(2.5), decide(2.52, suppressed=True)]  # fmt: skip
-    late = [decide(2.02, suppressed=True), GripDecision(2.03, False, False, False), decide(2.04, suppressed=True)]
+    """An object is lost without control; with it another one is
+    held, by a grip in slip and by two without.
+    """
+    decisions = [
+        decide(0.5, suppressed=True),
+        decide(0.51, suppressed=True),
+        decide(1.5),
+        decide(1.994),
+        decide(2.05),
+        decide(2.5),
+        decide(2.52, suppressed=True),
+    ]
+    late = [
+        decide(2.02, suppressed=True),
+        GripDecision(2.03, False, False, False),
+        decide(2.04, suppressed=True),
+    ]
     runs = [
         (NO_CONTROL, manipulation("cylinder", "pinch", 1, 2.8), ()),
         (NO_CONTROL, manipulation("parallelepiped", "power", 2, None), ()),
@@ -90,8 +134,12 @@ def closed_loop() -> list[Any]:
 
 @pytest.fixture(scope="module")
 def validation() -> Validation:
-    result, manipulations = campaign(), tuple(closed_loop())
-    requirements = (*check_detection(result, "fast"), *check_closed_loop(summarise(manipulations)[1]))
+    result = campaign()
+    manipulations = tuple(closed_loop())
+    requirements = (
+        *check_detection(result, "fast"),
+        *check_closed_loop(summarise(manipulations)[1]),
+    )
     return Validation(Design.load("article"), "fast", result, manipulations, requirements)
 
 
@@ -105,22 +153,37 @@ def test_report_is_the_approved_one(validation: Validation) -> None:
 
 
 def test_figures_are_the_approved_ones(validation: Validation) -> None:
-    """Positions of all bars, lines and areas, their colours, and all words; drawn from the results above."""
+    """Positions of all bars, lines and areas, their colours, and
+    all words; drawn from the results above.
+    """
     with keep_figures() as figures:
         names = [name for name in validation.files() if name.endswith(".png")]
     assert [*names] == [name for name in lab.FILES if name.endswith(".png")]
-    lines = (line for name, f in zip(names, figures, strict=True) for line in (name, *describe_figure(f)))
+    lines = (
+        line for name, f in zip(names, figures, strict=True) for line in (name, *describe_figure(f))
+    )
     check_figures(APPROVED / "figures.txt", lines, 1e-3, 1e-9)
 
 
-def test_a_board_is_judged_with_all_detectors_and_a_divider_with_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_board_is_judged_with_all_detectors_and_a_divider_with_its_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     asked: list[Any] = []
-    monkeypatch.setattr(lab, "run_campaign", lambda _, __, *rest: asked.append(rest[:2]) or campaign())
-    monkeypatch.setattr(lab, "run_closed_loop", lambda _, *rest: asked.append(rest) or closed_loop())
+    monkeypatch.setattr(
+        lab, "run_campaign", lambda _, __, *rest: asked.append(rest[:2]) or campaign()
+    )
+    monkeypatch.setattr(
+        lab, "run_closed_loop", lambda _, *rest: asked.append(rest) or closed_loop()
+    )
     monkeypatch.setattr(lab, "compare_with_board", lambda *_: asked.append("board"))
     for variant, trials in (("precision", 12), ("divider", 11)):
-        lab.validate(Design.load("fsr400", changes=[f"board.variant={variant}"]), CampaignPlan(trials, 1.0), "fast")
-    of_board, of_divider = [(tuple(DETECTORS), SCALES), (("analog", "incipient", "fast"), 3)], [(("fast",), (1.0,))]
+        lab.validate(
+            Design.load("fsr400", changes=[f"board.variant={variant}"]),
+            CampaignPlan(trials, 1.0),
+            "fast",
+        )
+    of_board = [(tuple(DETECTORS), SCALES), (("analog", "incipient", "fast"), 3)]
+    of_divider = [(("fast",), (1.0,))]
     assert asked == [*of_board, *of_divider, (("fast",), 1), "board"]
 
 
@@ -131,7 +194,9 @@ def test_command_writes_the_report_and_ends_with_1_if_a_requirement_is_missed(
     monkeypatch.setattr("fingertip.foundation.extras.is_installed", lambda *_: False)
     for found, code in ((validation, 1), (met, 0)):
         monkeypatch.setattr(lab, "validate", lambda *_, found=found, **__: found)
-        done = CliRunner().invoke(app, ["validate", "article", "--json", "--force", "--out", str(tmp_path / "v")])
+        done = CliRunner().invoke(
+            app, ["validate", "article", "--json", "--force", "--out", str(tmp_path / "v")]
+        )
         assert done.exit_code == code, done.output
         assert json.loads(done.stdout) == found.as_data()
         assert json.loads((tmp_path / "v/validation.json").read_text()) == found.as_data()
@@ -169,13 +234,22 @@ def test_command_writes_no_file_unasked_and_says_how_to_get_the_report(
     )
 
 
-def test_comparison_of_recordings_writes_no_file_unasked(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    found = SimpleNamespace(files=lambda: {"fitted.toml": b"x"}, as_data=dict, as_text=lambda: "measured beside it")
+def test_comparison_of_recordings_writes_no_file_unasked(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    found = SimpleNamespace(
+        files=lambda: {"fitted.toml": b"x"}, as_data=dict, as_text=lambda: "measured beside it"
+    )
     monkeypatch.setattr("fingertip.bench.compare.compare", lambda *_: found)
     monkeypatch.setattr("fingertip.bench.trials.read_recordings", lambda _: [])
     words = ("validate", "first_finger", "--recordings", "recordings")
     done = run_fingertip(*words, PWD=str(tmp_path))
-    assert done.stdout == "measured beside it\nfitted design: --out FOLDER writes it, with this report\n"
+    assert (
+        done.stdout
+        == "measured beside it\nfitted design: --out FOLDER writes it, with this report\n"
+    )
     assert not any(tmp_path.iterdir())
-    assert run_fingertip(*words, "--out", "m", PWD=str(tmp_path)).stdout.endswith("fitted design: m/fitted.toml\n")
+    assert run_fingertip(*words, "--out", "m", PWD=str(tmp_path)).stdout.endswith(
+        "fitted design: m/fitted.toml\n"
+    )
     assert (tmp_path / "m/fitted.toml").read_bytes() == b"x"

@@ -28,7 +28,7 @@ from fingertip.slip.traces.truth import Interval
 RATE_HZ = 2000.0
 WAVE = np.round(300.0 * np.sin(0.02 * np.arange(4400)) + 100.0 * np.sin(0.13 * np.arange(4400)))
 """Pressure of a BioTac, before its set folds it."""
-LABELS = "file,kind,start_s,end_s,motion_s\none.csv,quiet,0.2,1.2,\none.csv,slip,1.5,2.0,1.49\none.csv,tap,2.4,2.5,\n"
+LABELS = "file,kind,start_s,end_s,motion_s\none.csv,quiet,0.2,1.2,\none.csv,slip,1.5,2.0,1.49\none.csv,tap,2.4,2.5,\n"  # noqa: E501
 
 
 def write_recording(folder: Path, labels: str = LABELS, name: str = "one.csv") -> None:
@@ -48,24 +48,53 @@ def test_a_folder_is_read_with_its_labels(tmp_path: Path) -> None:
     (tmp_path / "bench.toml").write_text('title = "mine"\nrises_with_force = false\nscale = 2\n')
     found = read_folder(tmp_path)
     (one,) = found.recordings
-    assert (found.title, one.signal.rate_hz, one.signal.slides) == ("mine", RATE_HZ, (Slide(1.49, 1.5, 2.0),))
+    assert (found.title, one.signal.rate_hz, one.signal.slides) == (
+        "mine",
+        RATE_HZ,
+        (Slide(1.49, 1.5, 2.0),),
+    )
     assert [stretch.kind for stretch in one.stretches] == ["quiet", "tap"]
     assert one.quiet is not None
     assert len(one.quiet) == RATE_HZ
     assert 1.9 < one.signal.voltage_v[0] < 2.1
-    # The article's board falls with the force, the default one rises: the signal is turned for the latter.
-    assert adapt(Design.load("article"), one)[1].signal.voltage_v[0] > 0.0 > adapt(Design(), one)[1].signal.voltage_v[0]
+    # The article's board falls with the force, the default one rises: the signal is turned for the
+    # latter.
+    assert (
+        adapt(Design.load("article"), one)[1].signal.voltage_v[0]
+        > 0.0
+        > adapt(Design(), one)[1].signal.voltage_v[0]
+    )
 
 
 @pytest.mark.parametrize(
     ("labels", "settings", "said"),
     [
-        ("one.csv,slip,1.5,3.5\n", "", "labels.csv, one.csv: slip from 1.5 to 3.5 s does not lie within the recording"),
-        ("one.csv,shake,1,2\none.csv,slip,x,2\n", "", "'shake' is not a kind of stretch; choose among slip, quiet"),
+        (
+            "one.csv,slip,1.5,3.5\n",
+            "",
+            "labels.csv, one.csv: slip from 1.5 to 3.5 s does not lie within the recording",
+        ),
+        (
+            "one.csv,shake,1,2\none.csv,slip,x,2\n",
+            "",
+            "'shake' is not a kind of stretch; choose among slip, quiet",
+        ),
         ("one.csv,shake,1,2\none.csv,slip,x,2\n", "", "line 3: has a time that is not a number"),
-        ("one.csv,slip,0.4,2\n", "", "one.csv: a slip begins at 0.4 s, while detectors still learn the noise"),
-        ("one.csv,slip,1,2\none.csv,quiet,1.5,1.7\n", "", "slip from 1 to 2 s and quiet from 1.5 to 1.7 s overlap"),
-        ("one.csv,slip,1,2\none.csv,slip,1.9,2.5\n", "", "overlap; let one end where the other begins"),
+        (
+            "one.csv,slip,0.4,2\n",
+            "",
+            "one.csv: a slip begins at 0.4 s, while detectors still learn the noise",
+        ),
+        (
+            "one.csv,slip,1,2\none.csv,quiet,1.5,1.7\n",
+            "",
+            "slip from 1 to 2 s and quiet from 1.5 to 1.7 s overlap",
+        ),
+        (
+            "one.csv,slip,1,2\none.csv,slip,1.9,2.5\n",
+            "",
+            "overlap; let one end where the other begins",
+        ),
         ("one.csv,slip,2,1.5\n", "", "line 2: ends at 1.5 s and begins at 2 s"),
         ("one.csv,slip,1\n", "", "line 2: has 3 cells; give 4"),
         ("../one.csv,slip,1,2\n", "", "does not name a file of this folder"),
@@ -73,13 +102,27 @@ def test_a_folder_is_read_with_its_labels(tmp_path: Path) -> None:
         ("one.csv,quiet,1,2\n", "", "holds no slip; label one"),
         ("", "", "holds no recording of this layout"),
         (LABELS.split("\n", 1)[1], "", "line 2: has 5 cells; give 4"),
-        ("one.csv,slip,1,2\n", "rate = 5\nscale = true\n", "rate: is not known; choose among title, rate_hz"),
-        ("one.csv,slip,1,2\n", "rate = 5\nscale = true\n", "scale: True is not a number; correct it."),
-        ("one.csv,slip,1,2\n", "columns = {voltage_v = 1}\n", "columns: gives a name for each column"),
+        (
+            "one.csv,slip,1,2\n",
+            "rate = 5\nscale = true\n",
+            "rate: is not known; choose among title, rate_hz",
+        ),
+        (
+            "one.csv,slip,1,2\n",
+            "rate = 5\nscale = true\n",
+            "scale: True is not a number; correct it.",
+        ),
+        (
+            "one.csv,slip,1,2\n",
+            "columns = {voltage_v = 1}\n",
+            "columns: gives a name for each column",
+        ),
         ("one.csv,slip,1,2\n", "columns = [\n", "bench.toml: is not TOML"),
     ],
 )
-def test_each_fault_of_a_folder_is_named(labels: str, settings: str, said: str, tmp_path: Path) -> None:
+def test_each_fault_of_a_folder_is_named(
+    labels: str, settings: str, said: str, tmp_path: Path
+) -> None:
     write_recording(tmp_path, "file,kind,start_s,end_s\n" + labels)
     (tmp_path / "bench.toml").write_text(settings)
     with pytest.raises(TraceError) as refused:
@@ -94,15 +137,23 @@ def test_options_are_refused_together() -> None:
         read_options(Path(), None, None, None, 0.5)
     text = str(refused.value)
     assert "detectors: 'slow' is not known; choose among fast, incipient" in text
-    assert "layout: 'mine' is not known; choose among natural_texture (a fingertip on a stage" in text
+    assert (
+        "layout: 'mine' is not known; choose among natural_texture (a fingertip on a stage" in text
+    )
     assert "layout: describes a folder" in text
-    assert "own: nothing.py is not a Python file; give one with find_statistic and THRESHOLD." in text
+    assert (
+        "own: nothing.py is not a Python file; give one with find_statistic and THRESHOLD." in text
+    )
     assert "share: 2 is out of bounds; choose 0.05 to 1." in text
 
 
 def make_stage(folder: Path) -> None:
-    """Write what R. V. Grigorii publishes: 10 kHz, five columns; the stage moves in air, rests, and moves in touch."""
-    counts, normal_v = np.zeros(50_000), np.full(50_000, 5.3)
+    """Write what R. V. Grigorii publishes.
+
+    10 kHz, five columns; the stage moves in air, rests, and moves in touch.
+    """
+    counts = np.zeros(50_000)
+    normal_v = np.full(50_000, 5.3)
     counts[5000:15_000] = -8 * np.arange(10_000)
     counts[15_000:] = counts[14_999]
     counts[30_000:40_000] += 8 * np.arange(10_000)
@@ -110,30 +161,45 @@ def make_stage(folder: Path) -> None:
     normal_v[18_000:44_000] = 3.7
     table = np.zeros((50_000, 5))
     table[:, 0] = 1e-3 * np.random.default_rng(1).standard_normal(50_000)
-    table[:, 1], table[:, 4] = normal_v, np.where(counts < 0, counts + 2.0**32, counts)
+    table[:, 1] = normal_v
+    table[:, 4] = np.where(counts < 0, counts + 2.0**32, counts)
     savemat(folder / "data_temp.mat", {"dataQ": table})
 
 
 def make_biotac(folder: Path, still: int = 160) -> None:
-    """Write what R. Gao et al. publish: 22 pressures a row of 10 ms, folded; rest, slide, motion in air."""
+    """Write what R. Gao et al. publish.
+
+    22 pressures a row of 10 ms, folded; rest, slide, motion in air.
+    """
     place = folder / "raw_data/mat1"
     place.mkdir(parents=True)
     pressures = [f"pac{i}" for i in range(1, 23)]
     wave = np.abs(WAVE).reshape(-1, 22)
     lines = [",".join(["timestamp", "pdc", *pressures])]
     lines += [
-        ",".join([f"{1000 + 0.01 * row:.4f}", "3" if row < 180 else "0", *(f"{x:g}" for x in values)]) + ","
+        ",".join(
+            [f"{1000 + 0.01 * row:.4f}", "3" if row < 180 else "0", *(f"{x:g}" for x in values)]
+        )
+        + ","
         for row, values in enumerate(wave)
     ]
     (place / "mat1_1_bio.csv").write_text("\n".join(lines) + "\n")
-    moves = [f"{1000 + 0.005 * row:.4f},{0.025 * 0.005 * max(row - still, 0):.6f},0,0,0,0,0,1," for row in range(400)]
-    (place / "mat1_1_cp.csv").write_text("timestamp,posx,posy,posz,ox,oy,oz, ow\n" + "\n".join(moves) + "\n")
+    moves = [
+        f"{1000 + 0.005 * row:.4f},{0.025 * 0.005 * max(row - still, 0):.6f},0,0,0,0,0,1,"
+        for row in range(400)
+    ]
+    (place / "mat1_1_cp.csv").write_text(
+        "timestamp,posx,posy,posz,ox,oy,oz, ow\n" + "\n".join(moves) + "\n"
+    )
 
 
 def make_cluster(folder: Path, suffix: str = ".csv") -> None:
     """Write what M. Eguchi et al. publish: uneven times, the force in N, the position in mm."""
     tables = {
-        "force": {"time": np.cumsum(np.tile((0.00021, 0.00013), 6000)), "force": np.full(12_000, 1.0)},
+        "force": {
+            "time": np.cumsum(np.tile((0.00021, 0.00013), 6000)),
+            "force": np.full(12_000, 1.0),
+        },
         "position": {
             "time": np.arange(204) / 100,
             "X": np.maximum(0.0, np.arange(204) - 100) * 0.4,
@@ -145,7 +211,13 @@ def make_cluster(folder: Path, suffix: str = ".csv") -> None:
         place.mkdir(parents=True)
         path = place / f"0_135_40_500_0{suffix}"
         if suffix == ".csv":
-            np.savetxt(path, np.stack(list(columns.values()), 1), delimiter=",", header=",".join(columns), comments="")
+            np.savetxt(
+                path,
+                np.stack(list(columns.values()), 1),
+                delimiter=",",
+                header=",".join(columns),
+                comments="",
+            )
         else:
             pyarrow = pytest.importorskip("pyarrow")
             pytest.importorskip("pyarrow.parquet").write_table(pyarrow.table(columns), path)
@@ -155,7 +227,9 @@ def make_piezo(folder: Path) -> None:
     """Write what the authors publish: eight columns of volts without names and times, 2 kHz."""
     table = 1.82 + 1e-3 * np.random.default_rng(2).standard_normal((4000, 8))
     np.savetxt(folder / "Sensor_T1.lvm", table, delimiter="\t", fmt="%.16f")
-    (folder / "labels.csv").write_text("file,kind,start_s,end_s\nSensor_T1.lvm,quiet,0,1\nSensor_T1.lvm,slip,1.2,1.4\n")
+    (folder / "labels.csv").write_text(
+        "file,kind,start_s,end_s\nSensor_T1.lvm,quiet,0,1\nSensor_T1.lvm,slip,1.2,1.4\n"
+    )
 
 
 @pytest.mark.parametrize(
@@ -169,7 +243,12 @@ def make_piezo(folder: Path) -> None:
     ],
 )
 def test_public_sets_are_read_in_their_published_form(
-    layout: str, make: object, rate_hz: float, slip_s: tuple[float, float], quiet_s: float, tmp_path: Path
+    layout: str,
+    make: object,
+    rate_hz: float,
+    slip_s: tuple[float, float],
+    quiet_s: float,
+    tmp_path: Path,
 ) -> None:
     assert callable(make)
     make(tmp_path)
@@ -183,7 +262,9 @@ def test_public_sets_are_read_in_their_published_form(
 
 def test_a_folded_pressure_is_unfolded() -> None:
     found = unfold(np.abs(WAVE))
-    assert min(np.count_nonzero(found != WAVE), np.count_nonzero(found != -WAVE)) < 10  # samples at a crossing
+    assert (
+        min(np.count_nonzero(found != WAVE), np.count_nonzero(found != -WAVE)) < 10
+    )  # samples at a crossing
 
 
 def test_a_set_that_begins_in_the_slide_is_refused(tmp_path: Path) -> None:
@@ -193,7 +274,9 @@ def test_a_set_that_begins_in_the_slide_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_late_rise_finds_no_slip_and_each_window_of_rest_may() -> None:
-    """ON for 0.1 s in each second finds the slide that it meets, and one in five windows of 0.2 s in rest."""
+    """ON for 0.1 s in each second finds the slide that it meets,
+    and one in five windows of 0.2 s in rest.
+    """
     flags = np.arange(8000) % 2000 < 200
 
     def run(design: Design, recording: Recording, factors: object) -> list[np.ndarray]:
@@ -207,12 +290,21 @@ def test_a_late_rise_finds_no_slip_and_each_window_of_rest_may() -> None:
 
 
 def test_a_slide_follows_the_rest_as_it_was_recorded() -> None:
-    rng, count = np.random.default_rng(5), round(5.0 * RATE_HZ)
-    moves, touches = 40.0 * (np.arange(count) >= 4.6 * RATE_HZ), np.ones(count, bool)
+    rng = np.random.default_rng(5)
+    count = round(5.0 * RATE_HZ)
+    moves = 40.0 * (np.arange(count) >= 4.6 * RATE_HZ)
+    touches = np.ones(count, bool)
     stage = Run("stage", RATE_HZ, rng.standard_normal(count), moves, touches)
     rest = _take_rest(stage, RATE_HZ)
-    (one,) = _join(rest, Run("slide", RATE_HZ, rng.standard_normal(count), 40.0 * touches, touches), "half", 2.9, 0.0)
-    first, at = round(PLACED_S * RATE_HZ), round(one.onset_s * RATE_HZ)
+    (one,) = _join(
+        rest,
+        Run("slide", RATE_HZ, rng.standard_normal(count), 40.0 * touches, touches),
+        "half",
+        2.9,
+        0.0,
+    )
+    first = round(PLACED_S * RATE_HZ)
+    at = round(one.onset_s * RATE_HZ)
     assert one.values[:at] == pytest.approx(stage.values[first : first + at] - stage.values[first])
     added = band_rms(one.values[at:] - rest[at : len(one.values)], RATE_HZ)
     assert added == pytest.approx(2.9 * band_rms(rest[:at], RATE_HZ))
@@ -220,7 +312,9 @@ def test_a_slide_follows_the_rest_as_it_was_recorded() -> None:
 
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_a_folder_of_another_layout_is_refused(layout: str, tmp_path: Path) -> None:
-    with pytest.raises(TraceError, match=r"holds no recording of this layout|labels\.csv: is missing"):
+    with pytest.raises(
+        TraceError, match=r"holds no recording of this layout|labels\.csv: is missing"
+    ):
         read_layout(layout, tmp_path)
     make_biotac(tmp_path)
     if layout == "biotac_slide":
@@ -238,13 +332,16 @@ def test_alarms_and_delays_are_counted_where_they_belong() -> None:
         return [flags, flags & False]
 
     known = Competitor("known", "", (1.0, 2.0), run, lambda _: 0.05, "1")  # type: ignore[arg-type]
-    signal = LabelledSignal("a", RATE_HZ, np.zeros(len(flags)), (Slide(0.98, 1.0, 1.5),), (Interval(2.2, 2.25),), 0.5)
+    signal = LabelledSignal(
+        "a", RATE_HZ, np.zeros(len(flags)), (Slide(0.98, 1.0, 1.5),), (Interval(2.2, 2.25),), 0.5
+    )
     recording = Recording(signal, (Stretch("tap", 2.2, 2.25), Stretch("unsure", 3.1, 4.0)))
     own, silent = scores.measure(Design(), [recording], {"known": known})["known"]
     assert own.delays_s == pytest.approx([0.02])
     assert own.motion_delays_s == pytest.approx([0.04])
     assert own.on_share == pytest.approx(0.96)
-    # 0.1 s: before alarms count. 2.3 s: the tap's reaction. 2.7 s: nothing is labelled. 3.2 s: not sure.
+    # 0.1 s: before alarms count. 2.3 s: the tap's reaction. 2.7 s: nothing is labelled. 3.2 s: not
+    # sure.
     assert own.alarms == {"tap": 1, "unlabelled": 1, "unsure": 1}
     assert own.counted == 2
     assert own.counted_minutes == pytest.approx((3.5 - 0.52 - 0.9) / 60)
@@ -266,7 +363,9 @@ def test_each_detector_finds_a_strong_slip(name: str) -> None:
     assert points[-1].quantile_ms(0.5) > best.quantile_ms(0.5)
 
 
-def test_the_command_compares_detectors_on_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_compares_detectors_on_a_folder(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     write_recording(tmp_path)
     own = tmp_path / "steps.py"
     own.write_text(
@@ -275,7 +374,18 @@ def test_the_command_compares_detectors_on_a_folder(tmp_path: Path, capsys: pyte
         "    assert filtered_v is None and len(quiet_v) == rate_hz\n"
         "    return np.abs(np.diff(voltage_v, prepend=voltage_v[:1]))\n"
     )
-    main([str(tmp_path), "--detectors", "digital,cusum", "--own", str(own), "--out", str(tmp_path / "o"), "--json"])
+    main(
+        [
+            str(tmp_path),
+            "--detectors",
+            "digital,cusum",
+            "--own",
+            str(own),
+            "--out",
+            str(tmp_path / "o"),
+            "--json",
+        ]
+    )
     done = capsys.readouterr()
     data = json.loads(done.out)
     assert data == json.loads((tmp_path / "o/slip_bench.json").read_text())
@@ -290,11 +400,20 @@ def test_the_command_compares_detectors_on_a_folder(tmp_path: Path, capsys: pyte
     assert "warning" not in done.err
 
 
-def test_hum_in_a_recording_is_told_by_its_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_hum_in_a_recording_is_told_by_its_name(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     write_recording(tmp_path)
     rows = np.loadtxt(tmp_path / "one.csv", delimiter=",", skiprows=1)
     rows[:, 1] += 0.01 * np.sin(2 * np.pi * 50 * rows[:, 0])
-    np.savetxt(tmp_path / "one.csv", rows, fmt="%.6f", delimiter=",", header="time_s,voltage_v", comments="")
+    np.savetxt(
+        tmp_path / "one.csv",
+        rows,
+        fmt="%.6f",
+        delimiter=",",
+        header="time_s,voltage_v",
+        comments="",
+    )
     main([str(tmp_path), "--detectors", "cusum", "--out", str(tmp_path / "o")])
     assert "one.csv: hum of 7.1 mV RMS at 50 Hz" in capsys.readouterr().err
 
@@ -310,7 +429,9 @@ def test_an_own_detector_that_cannot_be_used_is_refused(tmp_path: Path) -> None:
         with pytest.raises(TraceError, match=re.escape(said)):
             load_own(path)
     path.write_text("THRESHOLD = 1.0\ndef find_statistic(*_): return [1.0]\n")
-    recording = Recording(LabelledSignal("a", RATE_HZ, np.zeros(4000), (Slide(0.98, 1.0, 1.5),)), ())
+    recording = Recording(
+        LabelledSignal("a", RATE_HZ, np.zeros(4000), (Slide(0.98, 1.0, 1.5),)), ()
+    )
     with pytest.raises(TraceError, match=r"returned \(1,\) for 4000 samples"):
         scores.measure(Design(), [recording], {"mine": load_own(path)})
     path.write_text("THRESHOLD = 1.0\ndef find_statistic(volts, *_): return volts[::-1]\n")

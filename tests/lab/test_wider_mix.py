@@ -1,4 +1,6 @@
-"""Wider mix: signals with known content, what boards make of them, and what is made of a detector's flags on them."""
+"""Wider mix: signals with known content, what boards make of them, and
+what is made of a detector's flags on them.
+"""
 
 from __future__ import annotations
 
@@ -30,12 +32,18 @@ def flags(*parts: tuple[float, float], seconds: float = 4.0) -> np.ndarray:
 
 
 def known(**fields: object) -> LabelledSignal:
-    return replace(LabelledSignal("test", 1000.0, np.zeros(4000), (Slide(0.99, 1.0, 2.0),)), **fields)
+    return replace(
+        LabelledSignal("test", 1000.0, np.zeros(4000), (Slide(0.99, 1.0, 2.0),)), **fields
+    )
 
 
 def test_the_mix_has_each_noise_with_slides_and_with_a_still_contact() -> None:
-    draws = [draw.args for draw in mix._plan_noisy(DESIGN, MixSize(events=1, noisy=6), itertools.count())]
-    told = [(name, scene.name) for _, scene, _, name, condition in draws if isinstance(condition, dict)]
+    draws = [
+        draw.args for draw in mix._plan_noisy(DESIGN, MixSize(events=1, noisy=6), itertools.count())
+    ]
+    told = [
+        (name, scene.name) for _, scene, _, name, condition in draws if isinstance(condition, dict)
+    ]
     for name in (*mix_signals.NOISES, "10 bits"):
         of_noise = [scene for noise, scene in told if noise == name]
         slides = len(of_noise) - of_noise.count("drift")
@@ -86,7 +94,9 @@ def test_bursts_have_their_strength_and_band():
         assert part.std() == pytest.approx(burst.strength_v, rel=0.03)
         above = scipy_signal.butter(8, 67.0, "high", fs=2000.0, output="sos")
         ratio = part.std() / scipy_signal.sosfiltfilt(above, part - part.mean()).std()
-        assert (ratio <= 1.5) == (burst.kind == "burst above 60 Hz") or ratio == pytest.approx(1.5, rel=0.1)
+        assert (ratio <= 1.5) == (burst.kind == "burst above 60 Hz") or ratio == pytest.approx(
+            1.5, rel=0.1
+        )
         assert mix_signals.low_burst(DESIGN, seed, 0.006, 0.025).kind == "burst below 60 Hz"
 
 
@@ -112,7 +122,9 @@ def test_unstated_noise_is_in_the_signal_and_the_slip_is_the_same(name):
 
 @pytest.mark.full
 def test_fast_keeps_the_limits_of_the_wider_mix_where_few_signals_show_it():
-    signals = slip_robustness.generate_all(DESIGN, 24, 4.0, MixSize(30, 12), HELD_OUT_FROM + 77_000_000)
+    signals = slip_robustness.generate_all(
+        DESIGN, 24, 4.0, MixSize(30, 12), HELD_OUT_FROM + 77_000_000
+    )
     both = slip_robustness.run_both_points(DESIGN, signals)
     early, found = (slip_robustness.pool(both[point]) for point in ("incipient", "on"))
     assert early["slip"].found_share == 1.0
@@ -145,7 +157,9 @@ def test_filtered_signal_ends_at_the_limits_of_the_board() -> None:
     assert peaks_v[1] < peaks_v[2] <= design.board.supply_v / 2
 
 
-def test_seeds_of_training_are_refused_and_the_last_one_leaves_room_for_all_trials_in_32_bits() -> None:
+def test_seeds_of_training_are_refused_and_the_last_one_leaves_room_for_all_trials_in_32_bits() -> (
+    None
+):
     last = 2**31 - 1 - 20_000_000
     for seed in (HELD_OUT_FROM, last):
         check_first_seed(seed)

@@ -1,7 +1,8 @@
-"""Closed forms of the board's response, noise, offsets and thresholds, derived by hand from its schematic.
+"""Closed forms of the board's response, noise, offsets and thresholds, derived by hand from its
+schematic.
 
-The package computes all of these from the equations of the circuit. The formulas share component values with it, and
-nothing else.
+The package computes all of these from the equations of the circuit. The formulas share component
+values with it, and nothing else.
 """
 
 from __future__ import annotations
@@ -44,14 +45,19 @@ def ideal_cutoff_hz(c: FilterComponents) -> float:
 
 
 def overall_cutoff_hz(first_pole_hz: float, section_hz: float, quality: float) -> float:
-    """Cutoff of the third-order high-pass: the frequency [Hz] at half the passband power (-3.0103 dB).
+    """Cutoff of the third-order high-pass: the frequency [Hz] at half the passband power (-3.0103
+    dB).
 
-    With v = (f0 / f)^2 and r = (f1 / f0)^2, eq. (9) gives (G / |H|)^2 = (1 + r v)(1 + (1/Q^2 - 2) v + v^2), which is 2
-    at the cutoff. A high Q can cause several such frequencies; everything passes above the highest, the least v.
+    With v = (f0 / f)^2 and r = (f1 / f0)^2, eq. (9) gives (G / |H|)^2 = (1 + r v)(1 + (1/Q^2 - 2) v
+    + v^2), which is 2 at the cutoff. A high Q can cause several such frequencies; everything passes
+    above the highest, the least v.
     """
-    r, beta = (first_pole_hz / section_hz) ** 2, 1.0 / quality**2 - 2.0
+    r = (first_pole_hz / section_hz) ** 2
+    beta = 1.0 / quality**2 - 2.0
     roots = np.roots([r, 1.0 + r * beta, r + beta, -1.0])
-    return section_hz / math.sqrt(min(v.real for v in roots if abs(v.imag) < 1e-9 * abs(v) and v.real > 0.0))
+    return section_hz / math.sqrt(
+        min(v.real for v in roots if abs(v.imag) < 1e-9 * abs(v) and v.real > 0.0)
+    )
 
 
 def open_loop_transfer(f_hz: float, gain_bandwidth_hz: float) -> complex:
@@ -66,10 +72,13 @@ def first_stage_transfer(
     capacitors: FirstStageCapacitors | None = None,
     input_f: float = INPUT_F,
 ) -> complex:
-    """H1 at f [Hz]: the high-pass C1, R1, then G / (1 + G / A) with G = (Y4 + Y5) / Y5; inputs have a capacitance."""
+    """H1 at f [Hz]: the high-pass C1, R1, then G / (1 + G / A) with G
+    = (Y4 + Y5) / Y5; inputs have a capacitance.
+    """
     s = 2j * math.pi * f_hz
     high_pass = s * c.c_f / (s * (c.c_f + input_f) + 1.0 / c.r1_ohm)
-    y4, y5 = s * input_f + 1.0 / c.r4_ohm, 1.0 / c.r5_ohm + 0j
+    y4 = s * input_f + 1.0 / c.r4_ohm
+    y5 = 1.0 / c.r5_ohm + 0j
     if capacitors is not None:
         y4 = s * input_f + 1.0 / (c.r4_ohm + 1.0 / (s * capacitors.series_capacitor_f))
         y5 += s * capacitors.limiting_capacitor_f
@@ -80,9 +89,14 @@ def first_stage_transfer(
 def second_stage_transfer(
     f_hz: float, c: FilterComponents, gain_bandwidth_hz: float, input_f: float = INPUT_F
 ) -> complex:
-    """H2 at f [Hz], by Kirchhoff's current law between C2 and C3 and at the buffer's input; K = A / (1 + A)."""
-    s, A = 2j * math.pi * f_hz, open_loop_transfer(f_hz, gain_bandwidth_hz)
-    K, g2, sc = A / (1.0 + A), 1.0 / c.r2_ohm, s * c.c_f
+    """H2 at f [Hz], by Kirchhoff's current law between C2 and C3
+    and at the buffer's input; K = A / (1 + A).
+    """
+    s = 2j * math.pi * f_hz
+    A = open_loop_transfer(f_hz, gain_bandwidth_hz)
+    K = A / (1.0 + A)
+    g2 = 1.0 / c.r2_ohm
+    sc = s * c.c_f
     divider = sc / (sc + 1.0 / c.r3_ohm + s * input_f)
     return K * divider * sc / (2.0 * sc + g2 - divider * (sc + K * g2))
 
@@ -111,8 +125,11 @@ def envelope_pin_transfer(f_hz: float, c: AdcInterface) -> complex:
     return 1.0 / (1.0 + 1j * f_hz / pole_hz(c.output_ohm, c.output_f))
 
 
-def envelope_offset_gains(envelope_ohm: float, rectifier_ohm: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Gains of the offsets of Sallen-Key stage, rectifier and envelope: with the positive diode on, and off.
+def envelope_offset_gains(
+    envelope_ohm: float, rectifier_ohm: float
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Gains of the offsets of Sallen-Key stage, rectifier and envelope: with the positive diode on,
+    and off.
 
     With it E = o1 - 2 o2 + 2 o3 for R15 = R16 and R6 = R17. Without it R16 and R17 lie in series:
     E = o3 + (o3 - o2) R6 / (R16 + R17).
@@ -122,12 +139,20 @@ def envelope_offset_gains(envelope_ohm: float, rectifier_ohm: float) -> tuple[tu
 
 
 def comparator_threshold_v(
-    top_ohm: float, hysteresis_ohm: float, upper_v: float, output_v: float, output_ohm: float, ratio: float = 0.5
+    top_ohm: float,
+    hysteresis_ohm: float,
+    upper_v: float,
+    output_v: float,
+    output_ohm: float,
+    ratio: float = 0.5,
 ) -> float:
-    """Threshold [V] above the signal ground of a 10 kohm trimmer at a ratio, between two sources and this ground.
+    """Threshold [V] above the signal ground of a 10 kohm trimmer at a ratio, between two sources
+    and this ground.
 
-    One source is the upper rail behind the top resistor, the other the output behind its own and the hysteresis's.
+    One source is the upper rail behind the top resistor, the other the output behind its own and
+    the hysteresis's.
     """
-    low, high = ratio * 10e3, (1.0 - ratio) * 10e3 + top_ohm
+    low = ratio * 10e3
+    high = (1.0 - ratio) * 10e3 + top_ohm
     feedback = hysteresis_ohm + output_ohm
     return (upper_v / high + output_v / feedback) / (1.0 / high + 1.0 / feedback + 1.0 / low)

@@ -13,7 +13,11 @@ from fingertip.design.formulas.filter import FilterComponents
 def first_stage_transfer(f_hz: float, components: FilterComponents) -> complex:
     """H1 = G s / (s + 1 / (R1 C1)) at f [Hz], eq. (1), with G = 1 + R5 / R4, eq. (2)."""
     s = 2j * math.pi * f_hz
-    return (1.0 + components.r5_ohm / components.r4_ohm) * s / (s + 1.0 / (components.r1_ohm * components.c_f))
+    return (
+        (1.0 + components.r5_ohm / components.r4_ohm)
+        * s
+        / (s + 1.0 / (components.r1_ohm * components.c_f))
+    )
 
 
 def second_stage_transfer(f_hz: float, components: FilterComponents) -> complex:

@@ -29,7 +29,9 @@ VOID = {"br", "col", "hr", "img", "input", "link", "meta", "wbr"}
 
 
 class Page(HTMLParser):
-    """Page as a browser reads it: elements in order, text by element, and whatever is not well-formed."""
+    """Page as a browser reads it: elements in order, text by
+    element, and whatever is not well-formed.
+    """
 
     def __init__(self, text: str) -> None:
         super().__init__(convert_charrefs=True)
@@ -67,7 +69,12 @@ class Page(HTMLParser):
         return "".join(self.words)
 
     def attributes(self, name: str) -> Iterator[str]:
-        yield from (value or "" for _, attributes in self.elements for key, value in attributes.items() if key == name)
+        yield from (
+            value or ""
+            for _, attributes in self.elements
+            for key, value in attributes.items()
+            if key == name
+        )
 
     @property
     def scene(self) -> list[dict[str, Any]]:
@@ -80,16 +87,31 @@ def strip_elements(markup: str) -> str:
 
 
 def make_check(
-    name: str, value: float, limit: float, relation: str = "at most", unit: str = "mm", *, passed: bool = True
+    name: str,
+    value: float,
+    limit: float,
+    relation: str = "at most",
+    unit: str = "mm",
+    *,
+    passed: bool = True,
 ) -> ReportedCheck:
     return ReportedCheck(name, value, limit, unit, relation, passed)
 
 
 CASTING: Any = SimpleNamespace(
-    plate="print/plate_fdm.3mf", material="PETG filament", print_h=4.0, printed_g=35.0, work_h=(4.0, 3.0), days=2,
-    mail_days=7, batch=SimpleNamespace(total_g=22.0, in_cup_g=3.5, cure_h=24.0),
-    things=(SimpleNamespace(reason="", price_usd="below 5"), SimpleNamespace(reason="rare", price_usd="5 to 20")),
-)  # fmt: skip
+    plate="print/plate_fdm.3mf",
+    material="PETG filament",
+    print_h=4.0,
+    printed_g=35.0,
+    work_h=(4.0, 3.0),
+    days=2,
+    mail_days=7,
+    batch=SimpleNamespace(total_g=22.0, in_cup_g=3.5, cure_h=24.0),
+    things=(
+        SimpleNamespace(reason="", price_usd="below 5"),
+        SimpleNamespace(reason="rare", price_usd="5 to 20"),
+    ),
+)
 """Casting sheet, as far as a page reads it."""
 
 
@@ -113,7 +135,9 @@ def make_sources(
     changes: Sequence[str] = (),
     replaced: Mapping[str, bytes | None] | None = None,
 ) -> Sources:
-    """Files of a design: each part a corner of a box of its own size, and the smallest of all others."""
+    """Files of a design: each part a corner of a box of its own
+    size, and the smallest of all others.
+    """
     design = Design.load(design_file(name), changes=changes)
     triangles = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
     files = {
@@ -123,17 +147,30 @@ def make_sources(
         for i, part in enumerate(parts_by_name(design))
     }
     time_s, voltage_v = burst()
-    samples = (f"{t:.4f},{v:.6f},{int(0.5 <= t < 0.7)}" for t, v in zip(time_s, voltage_v, strict=True))
+    samples = (
+        f"{t:.4f},{v:.6f},{int(0.5 <= t < 0.7)}" for t, v in zip(time_s, voltage_v, strict=True)
+    )
     trace = "\n".join(["time_s,voltage_v,slip", *samples])
-    files |= {f"board/{path.name}": path.read_bytes() for path in INPUTS.iterdir() if path.name != "casting.md"}
     files |= {
-        "casting.md": (INPUTS / "casting.md").read_bytes(), "acceptance.md": b"# Acceptance\n\nTest it.\n",
-        "steps/01-print.png": b"PNG", "drawing_bone.svg": DRAWING, "signal/trace.csv": trace.encode(),
+        f"board/{path.name}": path.read_bytes()
+        for path in INPUTS.iterdir()
+        if path.name != "casting.md"
+    }
+    files |= {
+        "casting.md": (INPUTS / "casting.md").read_bytes(),
+        "acceptance.md": b"# Acceptance\n\nTest it.\n",
+        "steps/01-print.png": b"PNG",
+        "drawing_bone.svg": DRAWING,
+        "signal/trace.csv": trace.encode(),
         "signal/detection.json": b'{"detector": "digital", "motion_s": 0.485}',
-    }  # fmt: skip
+    }
     kept = {key: data for key, data in {**files, **(replaced or {})}.items() if data is not None}
     return Sources(
-        design, make_report(), kept, remarks or {}, frozenset(make_report().prints) - {"print/plate_lost.3mf"}
+        design,
+        make_report(),
+        kept,
+        remarks or {},
+        frozenset(make_report().prints) - {"print/plate_lost.3mf"},
     )
 
 

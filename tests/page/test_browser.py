@@ -1,4 +1,6 @@
-"""Page of a design in a browser: drawn, used, printed and checked for accessibility, without a request or an error."""
+"""Page of a design in a browser: drawn, used, printed and checked for
+accessibility, without a request or an error.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +41,9 @@ def opened(driver: Any, folder: Path) -> Any:
 
 def put(driver: Any, name: str, value: object) -> None:
     script = "const e = document.getElementById(arguments[0]); e.value = arguments[1];"
-    driver.execute_script(f"{script} e.dispatchEvent(new Event('input', {{bubbles: true}}))", name, str(value))
+    driver.execute_script(
+        f"{script} e.dispatchEvent(new Event('input', {{bubbles: true}}))", name, str(value)
+    )
 
 
 def drawn_share(driver: Any) -> float:
@@ -72,7 +76,10 @@ def test_is_taken_apart_and_put_together(opened: Any) -> None:
 
 @pytest.mark.full
 def test_section_shows_the_inside(opened: Any) -> None:
-    """In the closed mold only a section shows the skin. Its cut is filled with one colour, darker than the skin's."""
+    """In the closed mold only a section shows the skin.
+
+    Its cut is filled with one colour, darker than the skin's.
+    """
     click(opened, "[data-preset=closed]")
     click(opened, "[data-from=side]")
     flat = find_cut_colour(PARTS["skin"].colour)
@@ -136,7 +143,9 @@ def test_placed_parts_are_counted(opened: Any) -> None:
     assert opened.find_element("id", "bom-placed").text.startswith("3 of ")
     opened.refresh()
     wait(lambda: drawn_ms(opened))
-    assert opened.find_element("css selector", "#bom tr[data-parts^='C1 C2 C3'] input").is_selected()
+    assert opened.find_element(
+        "css selector", "#bom tr[data-parts^='C1 C2 C3'] input"
+    ).is_selected()
     opened.execute_script("localStorage.clear()")
 
 
@@ -160,7 +169,15 @@ def test_is_used_with_keys_alone(opened: Any) -> None:
     for _ in range(30):
         opened.switch_to.active_element.send_keys(Keys.TAB)
         reached.append(opened.switch_to.active_element.get_attribute("outerHTML")[:60])
-    order = ("data-preset", 'id="apart"', 'id="cut"', 'id="show-0"', "data-from", 'id="clear"', 'id="save-picture"')
+    order = (
+        "data-preset",
+        'id="apart"',
+        'id="cut"',
+        'id="show-0"',
+        "data-from",
+        'id="clear"',
+        'id="save-picture"',
+    )
     places = [next(i for i, html in enumerate(reached) if mark in html) for mark in order]
     assert places == sorted(places)
 
@@ -170,7 +187,8 @@ def test_saves_the_mesh_that_was_exported(opened: Any, folder: Path) -> None:
     click(opened, "[data-stl=bone]")
     path = opened.downloads / "bone.stl"
     wait(lambda: path.is_file() and path.stat().st_size == (folder / "bone.stl").stat().st_size)
-    saved, exported = stl.from_bytes(path.read_bytes()), stl.from_bytes((folder / "bone.stl").read_bytes())
+    saved = stl.from_bytes(path.read_bytes())
+    exported = stl.from_bytes((folder / "bone.stl").read_bytes())
     assert np.array_equal(saved.vertices, exported.vertices)
     assert np.array_equal(saved.triangles, exported.triangles)
 
@@ -185,7 +203,9 @@ def test_is_accessible(opened: Any, scheme: str, width: int) -> None:
 
 
 def list_tabs(driver: Any) -> list[str]:
-    found: list[str] = driver.execute_script("return [...document.querySelectorAll('[role=tab]')].map((t) => t.hash)")
+    found: list[str] = driver.execute_script(
+        "return [...document.querySelectorAll('[role=tab]')].map((t) => t.hash)"
+    )
     assert len(found) in (6, 7)
     return [name.removeprefix("#") for name in found]
 
@@ -203,7 +223,10 @@ def sized(driver: Any, width: int, height: int) -> Iterator[None]:
         driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
-SHOWN = "return [...document.querySelectorAll('.panel')].filter((p) => p.getClientRects().length).map((p) => p.id)"
+SHOWN = (
+    "return [...document.querySelectorAll('.panel')].filter((p) => "
+    "p.getClientRects().length).map((p) => p.id)"
+)
 
 
 @pytest.mark.full
@@ -211,17 +234,29 @@ def test_first_screen_says_what_it_takes_and_links_to_the_files(opened: Any, fol
     """Figures are those of the sheets: masses and days of the casting sheet."""
     with sized(opened, 1400, 900):
         first = "return [...document.querySelectorAll('#start .hero, #start .next')]"
-        assert opened.execute_script(f"{first}.every((e) => e.getBoundingClientRect().bottom <= innerHeight)")
+        assert opened.execute_script(
+            f"{first}.every((e) => e.getBoundingClientRect().bottom <= innerHeight)"
+        )
         text = " ".join(opened.find_element("id", "start").text.split())
     casting = json.loads((folder / "report.json").read_bytes())["casting"]
     for words in (
-        "Nobody has made one yet", f"{casting['batch']['total_g']:g} g to mix", "2 days with 4 h",
-        "US dollars to order", f"{len(casting['things'])} things", "12 steps with pictures",
-    ):  # fmt: skip
+        "Nobody has made one yet",
+        f"{casting['batch']['total_g']:g} g to mix",
+        "2 days with 4 h",
+        "US dollars to order",
+        f"{len(casting['things'])} things",
+        "12 steps with pictures",
+    ):
         assert words in text, words
     script = "return [...document.querySelectorAll('a[href]')].map((a) => a.getAttribute('href'))"
     links = {link for link in opened.execute_script(script) if not link.startswith(("#", "https:"))}
-    assert {"print/plate_fdm.3mf", "casting.md", "acceptance.md", "board/README.md", "board/wiring.svg"} <= links
+    assert {
+        "print/plate_fdm.3mf",
+        "casting.md",
+        "acceptance.md",
+        "board/README.md",
+        "board/wiring.svg",
+    } <= links
     assert [link for link in links if not (folder / link).is_file()] == []
 
 
@@ -231,23 +266,33 @@ CUT = """
       const { right } = e.getBoundingClientRect();
       const scrolls = e.scrollWidth > e.clientWidth + 1 && e.clientWidth && getComputedStyle(e).display !== 'inline';
       return right > innerWidth + 1 || (scrolls && !['svg', 'SELECT', 'INPUT'].includes(e.tagName));
-    }).map((e) => e.outerHTML.slice(0, 100))"""
-"""Elements that are cut or scroll sidewards, without the heads of tables that became cards and parts of pictures."""
+    }).map((e) => e.outerHTML.slice(0, 100))"""  # noqa: E501
+"""Elements that are cut or scroll sidewards, without the heads of
+tables that became cards and parts of pictures.
+"""
 
 
 def check_tabs(driver: Any, height: int) -> None:
-    """Check that only the chosen tab is laid out, in four screens at most, and that nothing in it is cut."""
+    """Check that only the chosen tab is laid out, in four screens
+    at most, and that nothing in it is cut.
+    """
     tabs = list_tabs(driver)
     for tab in tabs:
         click(driver, f"#tab-{tab}")
         wait(lambda tab=tab: driver.execute_script(SHOWN) == [tab])
-        assert driver.execute_script("return document.documentElement.scrollHeight") <= 4 * height, tab
+        assert (
+            driver.execute_script("return document.documentElement.scrollHeight") <= 4 * height
+        ), tab
     driver.execute_script("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
     for tab in tabs:
         click(driver, f"#tab-{tab}")
         wait(lambda tab=tab: driver.execute_script(SHOWN) == [tab])
-        assert driver.execute_script("return document.documentElement.scrollWidth <= innerWidth"), tab
-        assert driver.execute_script("return innerWidth > 500") or driver.execute_script(CUT) == [], tab
+        assert driver.execute_script("return document.documentElement.scrollWidth <= innerWidth"), (
+            tab
+        )
+        assert (
+            driver.execute_script("return innerWidth > 500") or driver.execute_script(CUT) == []
+        ), tab
 
 
 @pytest.mark.full
@@ -267,7 +312,13 @@ def test_one_tab_is_laid_out_and_nothing_is_cut(opened: Any) -> None:
 
 @pytest.mark.full
 def test_an_address_selects_the_tab_that_holds_it(opened: Any) -> None:
-    tabs = {"checks": "more", "board": "board", "casting": "cast", "p-mold.wall_mm": "more", "model": "start"}
+    tabs = {
+        "checks": "more",
+        "board": "board",
+        "casting": "cast",
+        "p-mold.wall_mm": "more",
+        "model": "start",
+    }
     for anchor, tab in tabs.items():
         opened.execute_script("location.hash = arguments[0]", anchor)
         wait(lambda tab=tab: opened.execute_script(SHOWN) == [tab])
@@ -304,16 +355,27 @@ def test_ticks_survive_a_reload_and_are_taken_back(opened: Any) -> None:
 
 @pytest.mark.full
 def test_the_bundle_is_made_again_with_the_same_bytes(tmp_path: Path) -> None:
-    """Second making of the vendored library, from the packages that `package.json` states; no network is needed."""
+    """Second making of the vendored library, from the packages that
+    `package.json` states; no network is needed.
+    """
     import subprocess
 
     npm = ROOT / "tools/page_libraries"
     esbuild = require_tool(str(npm / "node_modules/.bin/esbuild"), HOW)
     bundle = (
-        (npm / "bundle").read_text(encoding="utf-8").partition("node_modules/.bin/esbuild")[2].partition("\ncp ")[0]
+        (npm / "bundle")
+        .read_text(encoding="utf-8")
+        .partition("node_modules/.bin/esbuild")[2]
+        .partition("\ncp ")[0]
     )
-    options = bundle.replace("\\\n", " ").replace('"$assets/three.bundle.js"', str(tmp_path / "three.js")).split()
+    options = (
+        bundle.replace("\\\n", " ")
+        .replace('"$assets/three.bundle.js"', str(tmp_path / "three.js"))
+        .split()
+    )
     subprocess.run([str(esbuild), *options], cwd=npm, check=True)
     assets = ROOT / "src/fingertip/page/assets"
     assert (tmp_path / "three.js").read_bytes() == (assets / "three.bundle.js").read_bytes()
-    assert (npm / "node_modules/three/LICENSE").read_bytes() == (assets / "three.LICENSE").read_bytes()
+    assert (npm / "node_modules/three/LICENSE").read_bytes() == (
+        assets / "three.LICENSE"
+    ).read_bytes()

@@ -1,4 +1,6 @@
-"""Page of a design as a file: whole, alone, the same each time, and with everything that it should show."""
+"""Page of a design as a file: whole, alone, the same each time,
+and with everything that it should show.
+"""
 
 from __future__ import annotations
 
@@ -33,40 +35,62 @@ def test_is_well_formed_and_refers_to_itself_alone(page: Page) -> None:
 def find_missing_targets(page: Page) -> set[str]:
     """Names of elements that a link or a label refers to and that are not there."""
     wanted = {link[1:] for link in page.attributes("href") if link.startswith("#")}
-    wanted |= {name for key in ("for", "aria-labelledby") for value in page.attributes(key) for name in value.split()}
+    wanted |= {
+        name
+        for key in ("for", "aria-labelledby")
+        for value in page.attributes(key)
+        for name in value.split()
+    }
     assert len(wanted) > 30
     return wanted - set(page.attributes("id"))
 
 
 def test_asks_nothing_of_the_network(page: Page) -> None:
-    """The only addresses are the article's, which is text to follow, and a name of HTML's namespace in three.js."""
-    addresses = set(re.findall(r"(?:https?:)?//[a-z0-9-]+(?:\.[a-z0-9-]+)+[^\s\"'`<>)]*", page.source))
+    """The only addresses are the article's, which is text to follow,
+    and a name of HTML's namespace in three.js.
+    """
+    addresses = set(
+        re.findall(r"(?:https?:)?//[a-z0-9-]+(?:\.[a-z0-9-]+)+[^\s\"'`<>)]*", page.source)
+    )
     assert {address for address in addresses if address.startswith("http")} == {
-        f"https://doi.org/{ARTICLE_DOI}", "http://www.w3.org/1999/xhtml",
-    }  # fmt: skip
+        f"https://doi.org/{ARTICLE_DOI}",
+        "http://www.w3.org/1999/xhtml",
+    }
     for key in ("src", "data", "action", "poster", "srcset", "background"):
         assert all(value.startswith("data:") for value in page.attributes(key))
-    outside = {value for value in page.attributes("href") if not value.startswith(("#", "https://doi.org/"))}
+    outside = {
+        value
+        for value in page.attributes("href")
+        if not value.startswith(("#", "https://doi.org/"))
+    }
     sources = make_sources()
     assert outside <= {*sources.files, *sources.unread}, "a link leads to a file of the folder"
     assert {"print/plate_fdm.3mf", "casting.md", "acceptance.md", "board/bom.csv"} <= outside
-    assert not {"link", "iframe", "object", "embed", "base", "form"} & {tag for tag, _ in page.elements}
+    assert not {"link", "iframe", "object", "embed", "base", "form"} & {
+        tag for tag, _ in page.elements
+    }
     assert "url(" not in page.source.split("</style>")[0]
 
 
 def test_policy_allows_this_content_alone(page: Page) -> None:
-    (policy,) = (a["content"] for _, a in page.elements if a.get("http-equiv") == "Content-Security-Policy")
+    (policy,) = (
+        a["content"] for _, a in page.elements if a.get("http-equiv") == "Content-Security-Policy"
+    )
     assert policy
     rules = {rule.split()[0]: rule.split()[1:] for rule in policy.split("; ")}
     assert rules["default-src"] == ["'none'"]
     assert rules["img-src"] == ["data:", "blob:"]
     style = page.source.partition("<style>")[2].partition("</style>")[0]
     for key, texts in (("script-src", page.scripts[1:]), ("style-src", [style])):
-        hashes = [base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in texts]
+        hashes = [
+            base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in texts
+        ]
         assert rules[key] == [f"'sha256-{found}'" for found in hashes]
     # Whatever needs an exception from the policy is not there.
     assert not list(page.attributes("style"))
-    assert not [key for _, attributes in page.elements for key in attributes if key.startswith("on")]
+    assert not [
+        key for _, attributes in page.elements for key in attributes if key.startswith("on")
+    ]
 
 
 def test_meshes_are_those_of_the_files(page: Page, design: Design) -> None:
@@ -104,7 +128,9 @@ def test_missing_and_changed_parts_are_refused_all_at_once(copy: Path, design: D
 @pytest.mark.full
 def test_parts_of_other_parameters_are_refused(copy: Path) -> None:
     other = Design.load("fsr400", changes=["detector.threshold_v=0.02"])
-    with pytest.raises(OutputError, match="other parameters; fingertip make DESIGN makes them again"):
+    with pytest.raises(
+        OutputError, match="other parameters; fingertip make DESIGN makes them again"
+    ):
         write_page(other, copy)
     done = run_fingertip("page", "fsr400", "--set", "detector.threshold_v=0.02", "--out", copy)
     assert done.returncode == 2
@@ -125,11 +151,13 @@ def test_what_else_is_missing_or_old_is_said_on_the_page(copy: Path, design: Des
     manifest = json.loads((copy / "steps" / "manifest.json").read_bytes())
     (copy / "steps" / "manifest.json").write_text(json.dumps(manifest | {"parameters": "other"}))
     _, _, remarks = write_page(design, copy)
-    other, changed = "were made from other parameters", "were changed after they were written"
+    other = "were made from other parameters"
+    changed = "were changed after they were written"
     remedy = "in the folder of the page, fingertip"
     assert remarks == (
         f"The files in steps/ {other}; {remedy} build design.toml --out . --pictures makes them.",
-        f"The files in board/ are missing; {remedy} board design.toml --out board --bringup makes them.",
+        f"The files in board/ are missing; {remedy} board design.toml --out board --bringup makes "
+        "them.",
         f"The files in signal/ {changed}; {remedy} make design.toml --out . --force makes them.",
     )
     page = Page((copy / PAGE).read_text())

@@ -49,7 +49,9 @@ def test_text_is_never_markup() -> None:
         page = Page(built)
         assert not page.faults, built
         assert "script" not in {tag for tag, _ in page.elements}
-        assert not [key for _, attributes in page.elements for key in attributes if key == "alert(1)"]
+        assert not [
+            key for _, attributes in page.elements for key in attributes if key == "alert(1)"
+        ]
     # The same test would fail for text that is wrongly taken as markup.
     assert "script" in {tag for tag, _ in Page(element("p", Markup("<script></script>"))).elements}
     mesh = Mesh(np.eye(3), np.array([[0, 1, 2]]))
@@ -70,26 +72,44 @@ def test_ticks_are_round_and_points_are_placed_by_their_axes() -> None:
     assert frame.point(10, 1) == pytest.approx((110, 70))
     assert frame.point(1000, -1) == pytest.approx((210, 120))  # beyond the axes: on the border
     decades = Axis(3, 700, "", True)
-    assert [decades.share(value) for value in (3, 700, math.sqrt(3 * 700))] == pytest.approx([0, 1, 0.5])
-    assert decades.share(60) - decades.share(6) == pytest.approx(decades.share(300) - decades.share(30)), "equal ratios"
+    assert [decades.share(value) for value in (3, 700, math.sqrt(3 * 700))] == pytest.approx(
+        [0, 1, 0.5]
+    )
+    assert decades.share(60) - decades.share(6) == pytest.approx(
+        decades.share(300) - decades.share(30)
+    ), "equal ratios"
     assert number(-0.04) == "0"
 
 
 def test_bundled_board_is_drawn_as_large_as_in_its_file() -> None:
-    """Holes have the diameters of their drills, and pads that were turned wrongly would reach into each other."""
+    """Holes have the diameters of their drills, and pads that were
+    turned wrongly would reach into each other.
+    """
     layout = read_expression((ROOT / "pcb" / "slip_filter.kicad_pcb").read_text())
     footprints = [*layout.children("footprint")]
-    drills = [numbers(drill)[0] for f in footprints for pad in f.children("pad") for drill in pad.children("drill")]
-    holes = [2 * float(a["r"] or 0) for tag, a in Page(render_back(layout, "b")).elements if tag == "circle"]
+    drills = [
+        numbers(drill)[0]
+        for f in footprints
+        for pad in f.children("pad")
+        for drill in pad.children("drill")
+    ]
+    holes = [
+        2 * float(a["r"] or 0)
+        for tag, a in Page(render_back(layout, "b")).elements
+        if tag == "circle"
+    ]
     assert holes == pytest.approx(drills, abs=1e-3)
     for footprint in footprints:
         for one, other in itertools.combinations([pad.box for pad in list_pads(footprint)], 2):
-            assert max(one[0], other[0]) >= min(one[2], other[2]) or max(one[1], other[1]) >= min(one[3], other[3])
+            assert max(one[0], other[0]) >= min(one[2], other[2]) or max(one[1], other[1]) >= min(
+                one[3], other[3]
+            )
 
 
 def test_reduced_lines_keep_their_extremes() -> None:
     rng = np.random.default_rng(3)
-    x, y = np.arange(50_000) / 2000, rng.normal(size=50_000)
+    x = np.arange(50_000) / 2000
+    y = rng.normal(size=50_000)
     reduced = _reduce(x, y)
     assert len(reduced) < 1400
     assert (min(b for _, b in reduced), max(b for _, b in reduced)) == (y.min(), y.max())
@@ -97,19 +117,28 @@ def test_reduced_lines_keep_their_extremes() -> None:
 
 
 def test_response_agrees_with_the_bode_table(design: Design) -> None:
-    """The line on the page, read back from its pixels, is the gain that the network's equations give."""
+    """The line on the page, read back from its pixels, is the
+    gain that the network's equations give.
+    """
     svg = Page(draw_response(design))
     lines = [a for tag, a in svg.elements if tag == "path" and a.get("stroke") == "var(--series-1)"]
     (data,) = (a["d"] or "" for a in lines)
     spots = [tuple(map(float, pair.split())) for pair in data[1:].split("L")]
     rows = [row.split(",") for row in bode_table(design).splitlines()[41:]]  # from 10 Hz on
     assert len(rows) == len(spots)
-    labels = [(float(a["y"] or 0) - 4, word) for (tag, a), word in _texts(svg) if a.get("text-anchor") == "end"]
+    labels = [
+        (float(a["y"] or 0) - 4, word)
+        for (tag, a), word in _texts(svg)
+        if a.get("text-anchor") == "end"
+    ]
     (y0, low), (y1, high) = ((y, float(word)) for y, word in (labels[0], labels[-1]))
     for (_, y), row in zip(spots, rows, strict=True):
         assert low + (y - y0) / (y1 - y0) * (high - low) == pytest.approx(float(row[5]), abs=0.03)
-    # In the pass band the band is as wide as the range of gains in the caption, which has another source.
-    (data,) = (a["d"] or "" for tag, a in svg.elements if tag == "path" and a.get("fill") == "var(--band)")
+    # In the pass band the band is as wide as the range of gains in the caption, which has another
+    # source.
+    (data,) = (
+        a["d"] or "" for tag, a in svg.elements if tag == "path" and a.get("fill") == "var(--band)"
+    )
     ends = [float(pair.split()[1]) for pair in data[1:].rstrip("Z").split("L")]
     peak = min(range(len(spots)), key=lambda i: spots[i][1])
     width_db = (ends[-1 - peak] - ends[peak]) / (y0 - y1) * (high - low)
@@ -123,7 +152,9 @@ def _texts(page: Page) -> list[tuple[tuple[str, dict[str, str | None]], str]]:
     words_of = [word for word in page.words if word.strip()]
     elements = [entry for entry in page.elements if entry[0] in ("title", "text", "figcaption")]
     assert len(words_of) == len(elements)
-    return [(entry, word) for entry, word in zip(elements, words_of, strict=True) if entry[0] == "text"]
+    return [
+        (entry, word) for entry, word in zip(elements, words_of, strict=True) if entry[0] == "text"
+    ]
 
 
 def test_pins_of_the_schematic_meet_its_wires() -> None:
@@ -141,28 +172,52 @@ def test_pins_of_the_schematic_meet_its_wires() -> None:
 
     def on_wire(x: float, y: float) -> bool:
         return any(
-            min(x0, x1) - 1e-6 <= x <= max(x0, x1) + 1e-6 and min(y0, y1) - 1e-6 <= y <= max(y0, y1) + 1e-6
+            min(x0, x1) - 1e-6 <= x <= max(x0, x1) + 1e-6
+            and min(y0, y1) - 1e-6 <= y <= max(y0, y1) + 1e-6
             for (x0, y0), (x1, y1) in wires
         )
 
-    marks = [numbers(first(mark, "at"))[:2] for mark in sheet.children("label", "global_label", "no_connect")]
-    alone = [(x, y) for x, y in pins if not on_wire(x, y) and all(math.dist((x, y), m) > 1e-6 for m in marks)]
-    assert [spot for spot in alone if sum(math.dist(spot, other) < 1e-6 for other in pins) < 2] == []
+    marks = [
+        numbers(first(mark, "at"))[:2]
+        for mark in sheet.children("label", "global_label", "no_connect")
+    ]
+    alone = [
+        (x, y)
+        for x, y in pins
+        if not on_wire(x, y) and all(math.dist((x, y), m) > 1e-6 for m in marks)
+    ]
+    assert [
+        spot for spot in alone if sum(math.dist(spot, other) < 1e-6 for other in pins) < 2
+    ] == []
 
 
 CHANGED = (
-    "skin.width_mm", "bone.channel_diameter_mm", "bone.collar_length_mm", "mold.wall_mm", "skin.bump_height_mm",
-    "sensor.clearance_mm", "bone.post_width_mm", "bone.groove_depth_mm", "board.cutoff_hz", "mold.engraving_height_mm",
-)  # fmt: skip
+    "skin.width_mm",
+    "bone.channel_diameter_mm",
+    "bone.collar_length_mm",
+    "mold.wall_mm",
+    "skin.bump_height_mm",
+    "sensor.clearance_mm",
+    "bone.post_width_mm",
+    "bone.groove_depth_mm",
+    "board.cutoff_hz",
+    "mold.engraving_height_mm",
+)
 
 
 @pytest.mark.full
 @pytest.mark.parametrize("path", CHANGED)
 def test_whatever_a_parameter_changes_is_highlighted(path: str, design: Design) -> None:
-    """Shapes that differ after a small change, against the parameters that they were recorded to read."""
+    """Shapes that differ after a small change, against the
+    parameters that they were recorded to read.
+    """
     moved = set(shapes_of_parameters(design).get(path, ()))
     other = design.with_values({path: design.value(path) * 1.02})
-    changed = {name for name, part in parts_by_name(design).items() if part.solid(other) != part.solid(design)}
+    changed = {
+        name
+        for name, part in parts_by_name(design).items()
+        if part.solid(other) != part.solid(design)
+    }
     assert changed <= moved
     assert bool(changed) == (path.partition(".")[0] not in ("board", "detector"))
 
@@ -172,6 +227,12 @@ def test_a_set_is_shown_as_it_was_made_and_no_archive_of_it(tmp_path: Path) -> N
     SetWriter(tmp_path / "board", "board", "finger", "now").write(shown | {"gerbers.zip": b"zip"})
     assert _read_current_set(tmp_path, "board", "now") == shown
     assert _read_current_set(tmp_path, "steps", "now") == "The files in steps/ are missing"
-    assert _read_current_set(tmp_path, "board", "then") == "The files in board/ were made from other parameters"
+    assert (
+        _read_current_set(tmp_path, "board", "then")
+        == "The files in board/ were made from other parameters"
+    )
     (tmp_path / "board" / "bom.csv").write_bytes(b"R2")
-    assert _read_current_set(tmp_path, "board", "now") == "The files in board/ were changed after they were written"
+    assert (
+        _read_current_set(tmp_path, "board", "now")
+        == "The files in board/ were changed after they were written"
+    )

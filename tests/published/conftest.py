@@ -20,7 +20,9 @@ FAULT = 70
 """Exit code of a fault of the program."""
 
 
-def run(*words: str | Path, cwd: Path, check: bool = True, **environment: str) -> subprocess.CompletedProcess[str]:
+def run(
+    *words: str | Path, cwd: Path, check: bool = True, **environment: str
+) -> subprocess.CompletedProcess[str]:
     """Run a program as a user does: nothing of the tests' own environment leads to the checkout."""
     kept = {
         name: value
@@ -48,7 +50,9 @@ class Installation:
     bin: Path
     folder: Path
 
-    def fingertip(self, *words: str | Path, check: bool = False) -> subprocess.CompletedProcess[str]:
+    def fingertip(
+        self, *words: str | Path, check: bool = False
+    ) -> subprocess.CompletedProcess[str]:
         """Run the command; no input may end with a fault of the program."""
         done = run(self.bin / "fingertip", *words, cwd=self.folder, check=check)
         assert done.returncode != FAULT, done.stderr
@@ -80,7 +84,17 @@ class Installation:
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The wheel, built from this source."""
     folder = tmp_path_factory.mktemp("wheel")
-    run(sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--directory", folder, cwd=ROOT)
+    run(
+        sys.executable,
+        "-m",
+        "hatchling",
+        "build",
+        "--target",
+        "wheel",
+        "--directory",
+        folder,
+        cwd=ROOT,
+    )
     (found,) = folder.glob("*.whl")
     return found
 
@@ -90,8 +104,12 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Git repository with what git knows of this source, as a user clones it."""
     folder = tmp_path_factory.mktemp("source") / "fingertip"
     if not (ROOT / ".git").exists():
-        pytest.fail("this is no git checkout, from which a user's clone could be made", pytrace=False)
-    listed = run("git", "ls-files", "-z", "--cached", "--others", "--exclude-standard", cwd=ROOT).stdout
+        pytest.fail(
+            "this is no git checkout, from which a user's clone could be made", pytrace=False
+        )
+    listed = run(
+        "git", "ls-files", "-z", "--cached", "--others", "--exclude-standard", cwd=ROOT
+    ).stdout
     for name in filter(None, listed.split("\0")):
         if (ROOT / name).is_file():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -110,7 +128,9 @@ def make_repository(folder: Path) -> None:
 
 @pytest.fixture
 def install(wheel: Path, tmp_path: Path) -> Iterator[Callable[..., Installation]]:
-    """Function that makes a venv, and installs the wheel with an extra into it, as `pip install NAME[EXTRA]` does."""
+    """Function that makes a venv, and installs the wheel with an extra
+    into it, as `pip install NAME[EXTRA]` does.
+    """
     made = []
 
     def make(extra: str = "", *options: str) -> Installation:

@@ -42,12 +42,15 @@ class Runner:
 
     def run(self, **inputs: str) -> dict[str, int]:
         """Run the action; returns the exit code of each step that ran."""
-        action = require_module("yaml").safe_load((self.source / ".github/actions/check/action.yml").read_text())
+        action = require_module("yaml").safe_load(
+            (self.source / ".github/actions/check/action.yml").read_text()
+        )
         given = {name: str(entry.get("default", "")) for name, entry in action["inputs"].items()}
         given |= {name.replace("_", "-"): value for name, value in inputs.items()}
         given = {name: "" if "github.event" in value else value for name, value in given.items()}
 
-        self.codes, self.printed = {}, ""
+        self.codes = {}
+        self.printed = ""
         for step in action["runs"]["steps"]:
             if "run" in step and self._is_due(step.get("if", "success"), given):
                 self.codes[step["name"]] = self._run_step(step, given)
@@ -73,22 +76,35 @@ class Runner:
             **{f"inputs.{name}": value for name, value in given.items()},
         }
         environment = {
-            name: EXPRESSION.sub(lambda found: known[found[1]], value) for name, value in step["env"].items()
+            name: EXPRESSION.sub(lambda found: known[found[1]], value)
+            for name, value in step["env"].items()
         }
         assert step["shell"] == "bash"
         assert "${{" not in step["run"], "no text of a pull request becomes a program"
         done = run(
-            "bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", step["run"],
-            cwd=self.lab, check=False, GITHUB_ACTIONS="true", GITHUB_STEP_SUMMARY=str(self.temporary / "summary.md"),
-            PATH=f"{self.temporary / 'path'}{os.pathsep}{os.environ['PATH']}", **environment,
-        )  # fmt: skip
+            "bash",
+            "--noprofile",
+            "--norc",
+            "-eo",
+            "pipefail",
+            "-c",
+            step["run"],
+            cwd=self.lab,
+            check=False,
+            GITHUB_ACTIONS="true",
+            GITHUB_STEP_SUMMARY=str(self.temporary / "summary.md"),
+            PATH=f"{self.temporary / 'path'}{os.pathsep}{os.environ['PATH']}",
+            **environment,
+        )
         self.printed += done.stdout + done.stderr
         return done.returncode
 
 
 @pytest.fixture(scope="module")
 def runner(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Runner:
-    """Runner that has installed fingertip; a lab with two designs, a board and a folder of parts."""
+    """Runner that has installed fingertip; a lab with two designs, a board and a folder
+    of parts.
+    """
     lab = tmp_path_factory.mktemp("lab")
     (lab / "designs").mkdir()
     for name in ("a", "b"):
@@ -114,10 +130,16 @@ def restore(runner: Runner) -> None:
 
 def test_valid_designs_boards_and_parts_pass(runner: Runner) -> None:
     codes = runner.run(
-        designs="designs/*.toml", boards="designs/a.toml:pcb\n", parts="designs/a.toml:parts\n", tolerance_mm="0.05"
+        designs="designs/*.toml",
+        boards="designs/a.toml:pcb\n",
+        parts="designs/a.toml:parts\n",
+        tolerance_mm="0.05",
     )
     assert set(codes.values()) == {0}, runner.printed
-    suites = {suite.get("name") for suite in ElementTree.parse(runner.lab / "fingertip.xml").iter("testsuite")}
+    suites = {
+        suite.get("name")
+        for suite in ElementTree.parse(runner.lab / "fingertip.xml").iter("testsuite")
+    }
     assert suites == {"a", "b"}
     assert (runner.lab / "fingertip.sarif").stat().st_size
     restore(runner)
@@ -127,7 +149,10 @@ def test_every_check_runs_though_a_design_is_refused(runner: Runner) -> None:
     (runner.lab / "designs" / "a.toml").write_text('name = "a"\n[board]\ncutoff_hz = 80\n')
     (runner.lab / "designs" / "b.toml").write_text(BROKEN)
     codes = runner.run(
-        designs="designs/*.toml", boards="designs/a.toml:pcb\n", parts="designs/a.toml:parts\n", tolerance_mm="0.05"
+        designs="designs/*.toml",
+        boards="designs/a.toml:pcb\n",
+        parts="designs/a.toml:parts\n",
+        tolerance_mm="0.05",
     )
     assert codes == {
         "Install fingertip": 0,
@@ -152,7 +177,8 @@ def test_pull_request_is_told_what_it_changes(runner: Runner) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["--set=name=x.toml", "a\n::stop-commands::x.toml", "a%0A::add-mask::b.toml", "a,title=x.toml"]
+    "name",
+    ["--set=name=x.toml", "a\n::stop-commands::x.toml", "a%0A::add-mask::b.toml", "a,title=x.toml"],
 )
 def test_name_of_a_file_is_no_command(runner: Runner, name: str) -> None:
     (runner.lab / name).write_text(BROKEN)
@@ -168,7 +194,11 @@ def test_python_of_the_system_is_left_alone(source: Path, tmp_path: Path) -> Non
     """Debian refuses to install into its own Python, which the action therefore does not."""
     system = Path("/usr/bin/python3")
     marks = list(Path("/usr/lib").glob("python3.*/EXTERNALLY-MANAGED"))
-    if not system.exists() or not marks or subprocess.run([system, "-c", "import ensurepip"], check=False).returncode:
+    if (
+        not system.exists()
+        or not marks
+        or subprocess.run([system, "-c", "import ensurepip"], check=False).returncode
+    ):
         leave_out("NO PYTHON OF DEBIAN WITH venv, THIS IS NOT TESTED: apt-get install python3-venv")
     (tmp_path / "path").mkdir()
     (tmp_path / "path" / "python3").symlink_to(system)
@@ -187,7 +217,9 @@ def test_actions_are_pinned_by_hash() -> None:
 
 
 def test_commit_of_the_manual_holds_action_and_hooks_as_they_are() -> None:
-    """A commit stands in docs/ci.md until a release is tagged; after a change of the action, name the new one there."""
+    """A commit stands in docs/ci.md until a release is tagged; after a
+    change of the action, name the new one there.
+    """
     page = (ROOT / "docs" / "ci.md").read_text(encoding="utf-8")
     commits = set(re.findall(r"(?:actions/check@|rev: )(\w+)", page))
     assert len(commits) == 1, commits

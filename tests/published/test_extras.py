@@ -1,4 +1,6 @@
-"""Each extra alone, in an environment of its own: what it is advertised for works, and broken input is refused."""
+"""Each extra alone, in an environment of its own: what it is
+advertised for works, and broken input is refused.
+"""
 
 from __future__ import annotations
 
@@ -20,10 +22,22 @@ def use_cadquery(place: Installation) -> None:
 
 def use_mesh(place: Installation) -> None:
     place.accepts("check", "valid.toml", "--verify")
-    place.accepts("build", "valid.toml", "--parts", "bone", "--formats", "stl,3mf", "--verify", "--out", "parts")
+    place.accepts(
+        "build",
+        "valid.toml",
+        "--parts",
+        "bone",
+        "--formats",
+        "stl,3mf",
+        "--verify",
+        "--out",
+        "parts",
+    )
     for name in ("bone.stl", "bone.3mf"):
         assert "all" in place.accepts("check", f"parts/{name}")
-    place.python('import fingertip; assert fingertip.part_trimesh(fingertip.Design(), "bone").volume > 0')
+    place.python(
+        'import fingertip; assert fingertip.part_trimesh(fingertip.Design(), "bone").volume > 0'
+    )
     place.refuses("check", "broken.toml", "--verify")
 
 
@@ -49,7 +63,8 @@ def use_sweep(place: Installation) -> None:
     place.python(
         "import numpy, scipy.io\n"
         "time_s = numpy.arange(8000) / 2000\n"
-        'scipy.io.savemat("trace.mat", {"time_s": time_s, "voltage_v": 2 + 0.01 * numpy.sin(time_s)})\n'
+        'scipy.io.savemat("trace.mat", {"time_s": time_s, "voltage_v": 2 + 0.01 * '
+        "numpy.sin(time_s)})\n"
     )
     place.accepts("detect", "trace.mat")
     (place.folder / "broken_sweep.toml").write_text(SWEEP.replace("points = 8", "points = -8"))
@@ -57,7 +72,9 @@ def use_sweep(place: Installation) -> None:
 
 
 def use_fast(place: Installation) -> None:
-    done = place.fingertip("validate", "valid.toml", "--trials", "2", "--minutes", "0.5", check=True)
+    done = place.fingertip(
+        "validate", "valid.toml", "--trials", "2", "--minutes", "0.5", check=True
+    )
     assert "compiled loops" not in done.stderr, "they are not left out"
     place.refuses("validate", "broken.toml", "--trials", "2", "--minutes", "0.5")
 
@@ -68,7 +85,9 @@ def use_drawing(place: Installation) -> None:
 
 
 def detect_file(place: Installation, name: str, write: str) -> None:
-    """Write a recording by code that has `time_s` and `voltage_v`, detect slip in it, and refuse a damaged one."""
+    """Write a recording by code that has `time_s` and `voltage_v`,
+    detect slip in it, and refuse a damaged one.
+    """
     place.python(
         "import numpy\n"
         "time_s = numpy.arange(8000) / 2000\n"
@@ -96,7 +115,8 @@ def use_tdms(place: Installation) -> None:
         "trace.tdms",
         "from nptdms import ChannelObject, TdmsWriter\n"
         'with TdmsWriter("trace.tdms") as file:\n'
-        '    time, voltage = (ChannelObject("run", name, globals()[name]) for name in ("time_s", "voltage_v"))\n'
+        '    time, voltage = (ChannelObject("run", name, globals()[name]) for name in ("time_s", '
+        '"voltage_v"))\n'
         "    file.write_segment([time, voltage])\n",
     )
 
@@ -110,7 +130,8 @@ def use_ros(place: Installation) -> None:
         'with Writer("trace.bag") as bag:\n'
         '    topic = bag.add_connection("/voltage", Number.__msgtype__, typestore=store)\n'
         "    for i in range(8000):\n"
-        "        data = store.serialize_ros1(Number(2.0 + 0.001 * (i * 7919 % 13 - 6)), Number.__msgtype__)\n"
+        "        data = store.serialize_ros1(Number(2.0 + 0.001 * (i * 7919 % 13 - 6)), "
+        "Number.__msgtype__)\n"
         "        bag.write(topic, 10**9 + 500_000 * i, data)\n"
     )
     columns = ("--column", "time_s=/voltage.bag_time", "--column", "voltage_v=/voltage.data")
@@ -127,8 +148,10 @@ def use_cluster(place: Installation) -> None:
     place.python(
         "import subprocess, sys\n"
         "from distributed import LocalCluster\n"
-        "with LocalCluster(n_workers=1, processes=False, protocol='tcp', dashboard_address=None) as cluster:\n"
-        "    words = ['sweep', 'grid.toml', '--out', 'grid', '--cluster', cluster.scheduler_address]\n"
+        "with LocalCluster(n_workers=1, processes=False, protocol='tcp', dashboard_address=None) "
+        "as cluster:\n"
+        "    words = ['sweep', 'grid.toml', '--out', 'grid', '--cluster', "
+        "cluster.scheduler_address]\n"
         "    subprocess.run([sys.executable, '-m', 'fingertip', *words], check=True)\n"
     )
     assert (place.folder / "grid").is_dir()
@@ -161,13 +184,17 @@ WAYS: dict[str, Callable[[Installation], None]] = {
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("extra", WAYS)
-def test_extra_alone_does_what_it_is_advertised_for(extra: str, install: Callable[..., Installation]) -> None:
+def test_extra_alone_does_what_it_is_advertised_for(
+    extra: str, install: Callable[..., Installation]
+) -> None:
     WAYS[extra](install(extra))
 
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("kind", ["core", "usual", "all"])
-def test_larger_installations_pass_their_smoke_test(kind: str, install: Callable[..., Installation]) -> None:
+def test_larger_installations_pass_their_smoke_test(
+    kind: str, install: Callable[..., Installation]
+) -> None:
     """Its limits of size are those of install.sh, which compiles nothing beforehand."""
     place = install("" if kind == "core" else kind, "--no-compile")
     done = run(ROOT / ".ci" / "smoke", place.bin.parent, kind, cwd=place.folder, check=False)

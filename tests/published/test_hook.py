@@ -42,7 +42,15 @@ def try_hook(
     pre_commit: Path, cache: Path, lab: Path, source: Path, hook: str, *more: str
 ) -> subprocess.CompletedProcess[str]:
     return run(
-        pre_commit, "try-repo", source, hook, "--verbose", *more, cwd=lab, check=False, PRE_COMMIT_HOME=str(cache)
+        pre_commit,
+        "try-repo",
+        source,
+        hook,
+        "--verbose",
+        *more,
+        cwd=lab,
+        check=False,
+        PRE_COMMIT_HOME=str(cache),
     )
 
 
@@ -68,7 +76,9 @@ def test_file_that_looks_like_an_option_renames_no_design(
     assert "index: all" in done.stdout
 
 
-def test_boards_and_parts_are_compared(pre_commit: Path, cache: Path, lab: Path, source: Path, tmp_path: Path) -> None:
+def test_boards_and_parts_are_compared(
+    pre_commit: Path, cache: Path, lab: Path, source: Path, tmp_path: Path
+) -> None:
     here = Installation(Path(sys.executable).parent, lab)
     design = "designs/index.toml"
     here.accepts("board", design, "--out", "pcb", "--quiet")

@@ -39,7 +39,9 @@ def uv(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def path_without_uv(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """Search path of this machine, in which programs that stand beside uv are found and uv is not."""
+    """Search path of this machine, in which programs that stand beside uv are found and
+    uv is not.
+    """
     folders = []
     for i, folder in enumerate(map(Path, os.environ["PATH"].split(os.pathsep))):
         if not (folder / "uv").exists():
@@ -55,7 +57,9 @@ def path_without_uv(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("installer", ["pip", "uv"])
-def test_install_script_makes_a_finger(installer: str, clone: Path, uv: Path, path_without_uv: str) -> None:
+def test_install_script_makes_a_finger(
+    installer: str, clone: Path, uv: Path, path_without_uv: str
+) -> None:
     path = path_without_uv if installer == "pip" else f"{uv}{os.pathsep}{path_without_uv}"
     run("sh", "install.sh", cwd=clone, PATH=path)
     place = Installation(clone / ".venv" / "bin", clone)
@@ -66,12 +70,22 @@ def test_install_script_makes_a_finger(installer: str, clone: Path, uv: Path, pa
     place.refuses("make", "broken.toml")
 
 
-def test_install_script_brings_what_the_tests_need(clone: Path, uv: Path, path_without_uv: str) -> None:
+def test_install_script_brings_what_the_tests_need(
+    clone: Path, uv: Path, path_without_uv: str
+) -> None:
     run("sh", "install.sh", "test", cwd=clone, PATH=f"{uv}{os.pathsep}{path_without_uv}")
-    tests = run(clone / ".venv/bin/pytest", "-q", "tests/test_extras.py", "tests/test_what_stays.py", cwd=clone)
+    tests = run(
+        clone / ".venv/bin/pytest",
+        "-q",
+        "tests/test_extras.py",
+        "tests/test_what_stays.py",
+        cwd=clone,
+    )
     assert " passed" in tests.stdout
     assert " failed" not in tests.stdout
-    run("sh", "tools/pack_release", "dist", "first_finger", cwd=clone)  # as the job of a release does
+    run(
+        "sh", "tools/pack_release", "dist", "first_finger", cwd=clone
+    )  # as the job of a release does
     packed = {path.name for path in (clone / "dist").iterdir()}
     assert packed == {"first_finger.zip", f"fingertip_kit-{fingertip.__version__}-py3-none-any.whl"}
 
@@ -81,7 +95,9 @@ def test_uvx_runs_the_wheel(wheel: Path, uv: Path, tmp_path: Path, path_without_
     uvx = (uv / "uvx", "--from", wheel, "fingertip")
     run(*uvx, "make", "first_finger", cwd=tmp_path, PATH=path)
     made = tmp_path / "out" / "first_finger"
-    assert all((made / name).stat().st_size for name in ("bone.stl", "index.html", "print/plate_fdm.3mf"))
+    assert all(
+        (made / name).stat().st_size for name in ("bone.stl", "index.html", "print/plate_fdm.3mf")
+    )
     (tmp_path / "broken.toml").write_text(BROKEN)
     done = run(*uvx, "make", "broken.toml", cwd=tmp_path, check=False, PATH=path)
     assert done.returncode == 2

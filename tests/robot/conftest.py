@@ -14,7 +14,9 @@ from fingertip import Design, write_robot
 from fingertip.tasks import robot
 
 INSTALL = "run `sh .ci/install-robot-readers` as root on Debian"
-READERS = f"/opt/robot-readers/lib/python{sys.version_info.major}.{sys.version_info.minor}/site-packages"
+READERS = (
+    f"/opt/robot-readers/lib/python{sys.version_info.major}.{sys.version_info.minor}/site-packages"
+)
 DESIGNS = ("adult_finger", "fsr400")
 """One that turns on its pin, and a rigid one with a cross bolt."""
 
@@ -34,7 +36,8 @@ def readers(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture(scope="session", params=DESIGNS)
 def model(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Model:
-    design, folder = Design.load(request.param), tmp_path_factory.mktemp("robot") / request.param
+    design = Design.load(request.param)
+    folder = tmp_path_factory.mktemp("robot") / request.param
     with pytest.MonkeyPatch.context() as patch:  # both formats are of one model
         patch.setattr(robot, "build_finger", functools.cache(robot.build_finger))
         write_robot(design, folder, file_format="urdf")

@@ -1,4 +1,6 @@
-"""Values in the written models, read as XML: joints and places of a cube, and the law of its contact."""
+"""Values in the written models, read as XML: joints and places
+of a cube, and the law of its contact.
+"""
 
 from __future__ import annotations
 
@@ -22,48 +24,96 @@ from tests.robot.test_model import numbers
 
 CORNERS = np.array([[x, y, z] for x in (0.0, 10.0) for y in (0.0, 10.0) for z in (0.0, 10.0)])
 FACES = np.array(
-    [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
-     [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
-)  # fmt: skip
+    [
+        [0, 1, 3],
+        [0, 3, 2],
+        [4, 6, 7],
+        [4, 7, 5],
+        [0, 4, 5],
+        [0, 5, 1],
+        [2, 3, 7],
+        [2, 7, 6],
+        [0, 2, 6],
+        [0, 6, 4],
+        [1, 5, 7],
+        [1, 7, 3],
+    ]
+)
 CUBE = Mesh(CORNERS, FACES)
 GRAY = (0.5, 0.5, 0.5)
 CONTACT = ContactLaw(0.02, 2.0, 1e-3, 5e3, 7.0, 0.03, (), (), 25.0, 9e3, 0.4, 5e-4)
 FINGER = FingerModel(
-    "cube", (Body("bone", CUBE, 2.0, GRAY),), measure_inertia((Body("bone", CUBE, 2.0, GRAY),), (0.001, 0.002, 0.003)),
-    (0.001, 0.002, 0.003), True, 60.0, 0.7, (0.0, 0.0, 0.03), (0.0, -0.004, 0.02), 0.0025, 0.003, (CUBE,), 0.1, CONTACT,
-    TactileMesh(CORNERS[:3], np.tile([0.0, -1.0, 0.0], (3, 3)), FACES[:1]), Body("hand_stub", CUBE, 1.0, GRAY),
+    "cube",
+    (Body("bone", CUBE, 2.0, GRAY),),
+    measure_inertia((Body("bone", CUBE, 2.0, GRAY),), (0.001, 0.002, 0.003)),
+    (0.001, 0.002, 0.003),
+    True,
+    60.0,
+    0.7,
+    (0.0, 0.0, 0.03),
+    (0.0, -0.004, 0.02),
+    0.0025,
+    0.003,
+    (CUBE,),
+    0.1,
+    CONTACT,
+    TactileMesh(CORNERS[:3], np.tile([0.0, -1.0, 0.0], (3, 3)), FACES[:1]),
+    Body("hand_stub", CUBE, 1.0, GRAY),
     (Strand((0.006, -0.005, -0.008), (0.006, -0.001, 0.006), 0.0044),),
-)  # fmt: skip
+)
 
 
 def read(finger: FingerModel, file_format: str, x_m: float = 0.0) -> ElementTree.Element:
-    return ElementTree.fromstring(render_model("hand", [Placed("index", finger, "f_", x_m)], file_format, "made here"))
+    return ElementTree.fromstring(
+        render_model("hand", [Placed("index", finger, "f_", x_m)], file_format, "made here")
+    )
 
 
 @pytest.mark.every_case
 @pytest.mark.parametrize(
-    ("turns", "travel_deg", "kind"), [(True, 60.0, "revolute"), (True, 0.0, "continuous"), (False, 0.0, "fixed")]
+    ("turns", "travel_deg", "kind"),
+    [(True, 60.0, "revolute"), (True, 0.0, "continuous"), (False, 0.0, "fixed")],
 )
 def test_the_joint_is_of_its_kind_with_its_stops(turns: bool, travel_deg: float, kind: str) -> None:
-    finger = replace(FINGER, turns=turns, travel_deg=travel_deg, stub=FINGER.stub if turns else None)
-    robot, scene = read(finger, "urdf", 0.02), read(finger, "mjcf", 0.02)
+    finger = replace(
+        FINGER, turns=turns, travel_deg=travel_deg, stub=FINGER.stub if turns else None
+    )
+    robot = read(finger, "urdf", 0.02)
+    scene = read(finger, "mjcf", 0.02)
     joints = {joint.get("name"): joint for joint in robot.iter("joint")}
     joint = joints["index_joint"]
-    ends = [(one.find("parent").get("link"), one.find("child").get("link")) for one in robot.iter("joint")]
+    ends = [
+        (one.find("parent").get("link"), one.find("child").get("link"))
+        for one in robot.iter("joint")
+    ]
     first = ("hand_interface", "index_hand_stub") if turns else ("hand_interface", "index")
     assert joint.get("type") == kind
     assert ends[0] == first
     assert ends[-2:] == [("index", "index_tip"), ("index", "index_sensor")]
-    assert numbers(joints[f"{first[1]}_joint"].find("origin").get("xyz")).tolist() == [0.02, 0.0, 0.0]
-    assert numbers(joints["index_sensor_joint"].find("origin").get("rpy")) == pytest.approx([math.pi / 2, 0.0, 0.0])
-    limit, hinge = joint.find("limit"), scene.find("worldbody/body/joint")
+    assert numbers(joints[f"{first[1]}_joint"].find("origin").get("xyz")).tolist() == [
+        0.02,
+        0.0,
+        0.0,
+    ]
+    assert numbers(joints["index_sensor_joint"].find("origin").get("rpy")) == pytest.approx(
+        [math.pi / 2, 0.0, 0.0]
+    )
+    limit = joint.find("limit")
+    hinge = scene.find("worldbody/body/joint")
     if kind == "revolute":
-        assert limit.attrib == {"lower": "0", "upper": "1.04719755", "effort": "0.7", "velocity": "10"}
+        assert limit.attrib == {
+            "lower": "0",
+            "upper": "1.04719755",
+            "effort": "0.7",
+            "velocity": "10",
+        }
         assert hinge.get("range") == "0 1.04719755"
     else:
         assert limit is None
         assert hinge is None or "range" not in hinge.attrib
-    axes = [one.get("xyz") for one in robot.iter("axis")] + [one.get("axis") for one in scene.iter("joint")]
+    axes = [one.get("xyz") for one in robot.iter("axis")] + [
+        one.get("axis") for one in scene.iter("joint")
+    ]
     assert axes == ["1 0 0"] * (2 * turns)
 
 
@@ -71,15 +121,24 @@ def test_the_joint_is_of_its_kind_with_its_stops(turns: bool, travel_deg: float,
 def test_every_link_states_its_mass_and_the_stub_that_of_its_mesh(turns: bool) -> None:
     """A cube of 10 mm weighs 2 g as the finger, and 1 g as the stub."""
     finger = replace(FINGER, turns=turns, stub=FINGER.stub if turns else None)
-    robot, scene = read(finger, "urdf"), read(finger, "mjcf")
-    masses = {link.get("name"): float(link.find("inertial/mass").get("value")) for link in robot.iter("link")}
+    robot = read(finger, "urdf")
+    scene = read(finger, "mjcf")
+    masses = {
+        link.get("name"): float(link.find("inertial/mass").get("value"))
+        for link in robot.iter("link")
+    }
     frames = dict.fromkeys(("hand_interface", "index_tip", "index_sensor"), 1e-9)
     expected = {"index": 2e-3, **({"index_hand_stub": 1e-3} if turns else {})}
     assert masses == pytest.approx({**frames, **expected})
-    moments = {link.get("name"): float(link.find("inertial/inertia").get("ixx")) for link in robot.iter("link")}
+    moments = {
+        link.get("name"): float(link.find("inertial/inertia").get("ixx"))
+        for link in robot.iter("link")
+    }
     about_middle = {name: mass_kg * 0.01**2 / 6 for name, mass_kg in expected.items()}
     assert moments == pytest.approx({**dict.fromkeys(frames, 1e-12), **about_middle})
-    in_mjcf = {body.get("name"): float(body.find("inertial").get("mass")) for body in scene.iter("body")}
+    in_mjcf = {
+        body.get("name"): float(body.find("inertial").get("mass")) for body in scene.iter("body")
+    }
     assert in_mjcf == pytest.approx(expected)
 
 
@@ -94,13 +153,20 @@ def test_frames_meshes_and_the_touched_pieces_are_in_their_places() -> None:
     assert numbers(sites["index_touch"].get("size")).tolist() == [0.0025, 0.003]
     assert numbers(sites["index_contact"].get("size")).tolist() == [0.06]
     horn = next(geom for geom in finger.iter("geom") if geom.get("type") == "cylinder")
-    assert numbers(horn.get("fromto")) == pytest.approx([0.0055, -0.001, 0.006, 0.0065, -0.001, 0.006])
+    assert numbers(horn.get("fromto")) == pytest.approx(
+        [0.0055, -0.001, 0.006, 0.0065, -0.001, 0.006]
+    )
     assert numbers(horn.get("size")).tolist() == [0.0044]
-    assert numbers(sites["index_strand_1_side"].get("pos")) == pytest.approx([0.006, -0.0054, 0.0104])
+    assert numbers(sites["index_strand_1_side"].get("pos")) == pytest.approx(
+        [0.006, -0.0054, 0.0104]
+    )
     assert numbers(sites["index_strand_1_end"].get("pos")) == pytest.approx([0.006, 0.0034, 0.0104])
     geoms = {geom.get("name"): geom for geom in finger.iter("geom")}
     assert geoms["index_bone"].get("rgba") == "0.5 0.5 0.5 1"
-    assert (geoms["index_bone"].get("contype"), geoms["index_collision_1"].get("contype")) == ("0", None)
+    assert (geoms["index_bone"].get("contype"), geoms["index_collision_1"].get("contype")) == (
+        "0",
+        None,
+    )
     assert geoms["index_collision_1"].get("pos") == "0.001 0.002 0.003"
     assert {mesh.get("file") for mesh in scene.iter("mesh")} == {
         "f_bone.stl",
@@ -109,16 +175,30 @@ def test_frames_meshes_and_the_touched_pieces_are_in_their_places() -> None:
         None,
     }
     taxels = next(mesh for mesh in scene.iter("mesh") if mesh.get("vertex"))
-    assert numbers(taxels.get("vertex"))[:6] == pytest.approx([0.001, 0.002, 0.003, 0.001, 0.002, 0.013])
-    assert [sensor.get("site") for sensor in scene.findall("sensor/touch")] == ["index_touch", "index_contact"]
+    assert numbers(taxels.get("vertex"))[:6] == pytest.approx(
+        [0.001, 0.002, 0.003, 0.001, 0.002, 0.013]
+    )
+    assert [sensor.get("site") for sensor in scene.findall("sensor/touch")] == [
+        "index_touch",
+        "index_contact",
+    ]
 
 
 def test_the_contact_holds_the_forces_of_the_pad_by_the_formula_of_mujoco() -> None:
-    """F = s r d^2 / (dmax^2 (1 - d) w), with d = dmin + (dmax - dmin) (1 - (1 - r / width)^power)."""
+    """F = s r d^2 / (dmax^2 (1 - d) w), with d = dmin + (dmax - dmin) (1 - (1 - r /
+    width)^power).
+    """
     law = fit_contact(Design.load("fsr400"))
-    geom = next(one for one in read(replace(FINGER, contact=law), "mjcf").iter("geom") if one.get("condim") == "4")
-    (stiffness, damping), (least, most, width, _, power) = (numbers(geom.get(key)) for key in ("solref", "solimp"))
-    depth_m, inverse_mass = 1e-3 * np.array(law.depths_mm), law.inverse_mass_per_kg
+    geom = next(
+        one
+        for one in read(replace(FINGER, contact=law), "mjcf").iter("geom")
+        if one.get("condim") == "4"
+    )
+    (stiffness, damping), (least, most, width, _, power) = (
+        numbers(geom.get(key)) for key in ("solref", "solimp")
+    )
+    depth_m = 1e-3 * np.array(law.depths_mm)
+    inverse_mass = law.inverse_mass_per_kg
     impedance = least + (most - least) * (1.0 - (1.0 - depth_m / width) ** power)
     force_n = -stiffness * depth_m * impedance**2 / (most**2 * (1.0 - impedance) * inverse_mass)
     assert force_n == pytest.approx(law.forces_n, rel=1e-6)
@@ -128,7 +208,8 @@ def test_the_contact_holds_the_forces_of_the_pad_by_the_formula_of_mujoco() -> N
     at_1_n = float(np.interp(1.0, FORCES_N, impedance))
     ratio = -damping * at_1_n / most / (2 * math.sqrt(law.pad_stiffness_n_per_m * inverse_mass))
     assert ratio == pytest.approx(0.15, rel=1e-6)
-    friction, radius_m = SURFACES["smooth"].friction.mu_c, Pad.from_design(Design.load("fsr400")).patch_radius_m(1.0)
+    friction = SURFACES["smooth"].friction.mu_c
+    radius_m = Pad.from_design(Design.load("fsr400")).patch_radius_m(1.0)
     assert law.torsion_m == pytest.approx(2 / 3 * friction * radius_m), "a disk under even pressure"
     assert numbers(geom.get("friction")) == pytest.approx([friction, law.torsion_m, 1e-4])
 

@@ -1,4 +1,6 @@
-"""Masses of the written models, added up in PyBullet and MuJoCo: a link that states none weighs 1 kg in PyBullet."""
+"""Masses of the written models, added up in PyBullet and MuJoCo: a
+link that states none weighs 1 kg in PyBullet.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +43,8 @@ class Written:
 
 @pytest.fixture(scope="module", params=DESIGNS)
 def written(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Written:
-    name, folder = request.param, tmp_path_factory.mktemp("masses") / request.param
+    name = request.param
+    folder = tmp_path_factory.mktemp("masses") / request.param
     if name == "adult_hand":
         hand = load_set(name)
         design: Any = replace(hand, forms=hand.forms[:2])
@@ -61,7 +64,9 @@ def written(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
         parts = figures["forms"][form]["parts"] if name == "adult_hand" else figures["parts"]
         prefix = f"{form}_" if name == "adult_hand" else ""
         densities = {part: density for part, (density, _) in parts.items()}
-        fingers_kg[finger] = sum(weigh(folder / f"urdf/{prefix}{part}.stl", g) for part, g in densities.items())
+        fingers_kg[finger] = sum(
+            weigh(folder / f"urdf/{prefix}{part}.stl", g) for part, g in densities.items()
+        )
         stub = folder / f"urdf/{prefix}hand_stub.stl"
         if stub.exists():
             stubs_kg[finger] = weigh(stub, STUB_G_CM3)
@@ -93,7 +98,9 @@ def test_every_link_weighs_what_it_is_in_pybullet(written: Written, bullet: Any,
         assert found_kg.pop(finger) == pytest.approx(mass_kg, rel=1e-5)
     for finger, mass_kg in written.stubs_kg.items():
         assert found_kg.pop(f"{finger}_hand_stub") == pytest.approx(mass_kg, rel=1e-5)
-    assert set(found_kg) == {f"{finger}_{frame}" for finger in written.fingers_kg for frame in ("tip", "sensor")}
+    assert set(found_kg) == {
+        f"{finger}_{frame}" for finger in written.fingers_kg for frame in ("tip", "sensor")
+    }
     assert max(first_kg, *found_kg.values()) < 1e-8
 
 
@@ -112,16 +119,24 @@ def test_a_model_that_nothing_holds_falls_in_pybullet(written: Written, bullet: 
 
 
 @pytest.mark.parametrize("written", DESIGNS[1:2], indirect=True)
-def test_a_finger_on_its_pin_begins_to_swing_as_its_inertia_says(written: Written, bullet: Any) -> None:
-    """Gravity along -y: the acceleration is m g z / I about the pin, frames and stub take no part."""
+def test_a_finger_on_its_pin_begins_to_swing_as_its_inertia_says(
+    written: Written, bullet: Any
+) -> None:
+    """Gravity along -y: the acceleration is m g z / I about the pin, frames and stub
+    take no part.
+    """
     mujoco = require_module("mujoco", INSTALL)
     inertial = ElementTree.parse(written.mjcf).find("worldbody/body/inertial")
     assert inertial is not None
-    (_, y_m, z_m), moments = ([float(word) for word in inertial.get(key, "").split()] for key in ("pos", "fullinertia"))
+    (_, y_m, z_m), moments = (
+        [float(word) for word in inertial.get(key, "").split()] for key in ("pos", "fullinertia")
+    )
     mass_kg = written.fingers_kg["adult_finger"]
     expected = mass_kg * GRAVITY_M_S2 * z_m / (moments[0] + mass_kg * (y_m**2 + z_m**2))
 
-    model = bullet.loadURDF(str(written.urdf), useFixedBase=True, flags=bullet.URDF_USE_INERTIA_FROM_FILE)
+    model = bullet.loadURDF(
+        str(written.urdf), useFixedBase=True, flags=bullet.URDF_USE_INERTIA_FROM_FILE
+    )
     bullet.setGravity(0, -GRAVITY_M_S2, 0)
     (moment,) = bullet.calculateInverseDynamics(model, [0.0], [0.0], [0.0])
     ((moved,),) = bullet.calculateMassMatrix(model, [0.0])
@@ -152,6 +167,8 @@ def test_both_formats_weigh_the_same_in_mujoco_and_can_be_carried(written: Writt
     carrier = mujoco.MjSpec()
     hand = carrier.worldbody.add_body(name="hand")
     hand.add_freejoint()
-    carrier.attach(mujoco.MjSpec.from_file(str(written.urdf)), frame=hand.add_frame(), prefix="carried_")
+    carrier.attach(
+        mujoco.MjSpec.from_file(str(written.urdf)), frame=hand.add_frame(), prefix="carried_"
+    )
     loaded = carrier.compile()
     assert sum(loaded.body_mass) == pytest.approx(written.total_kg, rel=1e-5)

@@ -23,10 +23,13 @@ from tests.robot.conftest import INSTALL, Model
 from tests.tools import require_module
 
 pytestmark = [pytest.mark.usefixtures("readers"), pytest.mark.full]
-OBJECT_KG, STEPS = 0.035, 3000
+OBJECT_KG = 0.035
+STEPS = 3000
 
 
-def test_both_formats_load_without_a_warning(model: Model, capfd, monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
+def test_both_formats_load_without_a_warning(
+    model: Model, capfd, monkeypatch: pytest.MonkeyPatch, tmp_path
+) -> None:
     mujoco = require_module("mujoco", INSTALL)
     monkeypatch.chdir(tmp_path)  # where MuJoCo would write its warnings
     turns = model.design.bone.interface == "clevis"
@@ -34,7 +37,9 @@ def test_both_formats_load_without_a_warning(model: Model, capfd, monkeypatch: p
         spec = mujoco.MjSpec.from_file(str(model.folder / file))
         spec.compiler.fusestatic = False
         loaded = spec.compile()
-        assert loaded.body(model.design.name).mass[0] == pytest.approx(model.figures["mass_kg"], rel=1e-5)
+        assert loaded.body(model.design.name).mass[0] == pytest.approx(
+            model.figures["mass_kg"], rel=1e-5
+        )
         data = mujoco.MjData(loaded)
         mujoco.mj_step(loaded, data)
         assert loaded.njnt == int(turns)
@@ -46,23 +51,28 @@ def test_both_formats_load_without_a_warning(model: Model, capfd, monkeypatch: p
 
 
 def test_both_strands_pull_at_the_distance_of_the_tendon(tmp_path: Path) -> None:
-    """A strand on the straight finger lies tendon_distance_mm from the axis; a bent one farther out, on its horn."""
-    mujoco, design = require_module("mujoco", INSTALL), Design.load("adult_finger")
+    """A strand on the straight finger lies tendon_distance_mm from the
+    axis; a bent one farther out, on its horn.
+    """
+    mujoco = require_module("mujoco", INSTALL)
+    design = Design.load("adult_finger")
     write_robot(design, tmp_path / "robot")
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot/finger.xml"))
-    data, anchor, joint = mujoco.MjData(model), design.dimensions.anchor, design.dimensions.joint
+    data = mujoco.MjData(model)
+    anchor = design.dimensions.anchor
+    joint = design.dimensions.joint
     mujoco.mj_forward(model, data)
     distance = design.hand.tendon_distance_mm
     assert 1e3 * data.ten_J.ravel() == pytest.approx([-distance] * 2, abs=1e-4)
     data.qpos[:] = angle = math.radians(design.hand.travel_deg)
     mujoco.mj_forward(model, data)
     # The lever of the tangent from the guide to the circle about the horn, in the frame of the hand
-    radius, y, z = (
-        anchor.horn_radius + anchor.line / 2,
-        anchor.horn_y + anchor.horn_radius - joint.axis_y,
-        anchor.horn_low_z - joint.axis_z,
+    radius = anchor.horn_radius + anchor.line / 2
+    y = anchor.horn_y + anchor.horn_radius - joint.axis_y
+    z = anchor.horn_low_z - joint.axis_z
+    horn = np.array(
+        [y * math.cos(angle) - z * math.sin(angle), y * math.sin(angle) + z * math.cos(angle)]
     )
-    horn = np.array([y * math.cos(angle) - z * math.sin(angle), y * math.sin(angle) + z * math.cos(angle)])
     guide = np.array([-distance, -joint.radius - 3.0])
     away = horn - guide
     along = math.atan2(*away) - math.asin(radius / math.hypot(*away))
@@ -71,17 +81,23 @@ def test_both_strands_pull_at_the_distance_of_the_tendon(tmp_path: Path) -> None
 
 
 def press(mujoco: Any, model: Model, tilt_deg: float, force_n: float) -> tuple[Any, Any, float]:
-    """Press an object with a plane face on the finger, held still, and return model, data and depth [mm]."""
-    spec, form = mujoco.MjSpec.from_file(str(model.folder / "finger.xml")), PadForm.of_design(model.design)
+    """Press an object with a plane face on the finger, held still,
+    and return model, data and depth [mm].
+    """
+    spec = mujoco.MjSpec.from_file(str(model.folder / "finger.xml"))
+    form = PadForm.of_design(model.design)
     for joint in list(spec.joints):
         spec.delete(joint)
     spec.option.gravity = [0, 0, 0]
     slope = math.tan(math.radians(tilt_deg)) + form.base_slope
     out = np.array([0.0, -1.0, slope]) / math.hypot(1.0, slope)  # from the pad, across the plate
-    frame, turn = np.array([[1.0, 0.0, 0.0], np.cross(-out, [1.0, 0.0, 0.0]), -out]), np.zeros(4)
+    frame = np.array([[1.0, 0.0, 0.0], np.cross(-out, [1.0, 0.0, 0.0]), -out])
+    turn = np.zeros(4)
     mujoco.mju_mat2Quat(turn, frame.T.ravel())
     tip = max(float(points @ out) for points in surface(mujoco, spec.compile()))
-    plate = spec.worldbody.add_body(name="plate", pos=tip * out, quat=turn, mass=OBJECT_KG, inertia=[1e-4] * 3)
+    plate = spec.worldbody.add_body(
+        name="plate", pos=tip * out, quat=turn, mass=OBJECT_KG, inertia=[1e-4] * 3
+    )
     plate.explicitinertial = True
     for axis in np.eye(3):
         plate.add_joint(type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis)
@@ -102,27 +118,37 @@ def surface(mujoco: Any, loaded: Any) -> np.ndarray:
     for i in range(loaded.ngeom):
         if "collision" in loaded.geom(i).name:
             mesh = loaded.mesh(int(loaded.geom_dataid[i]))
-            first, count = int(mesh.vertadr[0]), int(mesh.vertnum[0])
+            first = int(mesh.vertadr[0])
+            count = int(mesh.vertnum[0])
             found.append(
-                loaded.mesh_vert[first : first + count] @ data.geom_xmat[i].reshape(3, 3).T + data.geom_xpos[i]
+                loaded.mesh_vert[first : first + count] @ data.geom_xmat[i].reshape(3, 3).T
+                + data.geom_xpos[i]
             )
     return np.concatenate(found)
 
 
 @pytest.mark.parametrize("force_n", [0.2, 1.0, 4.0, 10.0])
-def test_a_plate_meets_the_force_applied_and_the_depth_of_the_pad(model: Model, force_n: float) -> None:
-    mujoco, tilt_deg = require_module("mujoco", INSTALL), 2.0
+def test_a_plate_meets_the_force_applied_and_the_depth_of_the_pad(
+    model: Model, force_n: float
+) -> None:
+    mujoco = require_module("mujoco", INSTALL)
+    tilt_deg = 2.0
     _, data, depth_mm = press(mujoco, model, tilt_deg, force_n)
     for sensor in ("touch", "contact"):
-        assert data.sensor(f"{model.design.name}_{sensor}").data[0] == pytest.approx(force_n, rel=0.03)
+        assert data.sensor(f"{model.design.name}_{sensor}").data[0] == pytest.approx(
+            force_n, rel=0.03
+        )
     contacts = find_contacts(PadForm.of_design(model.design), Pose(tilt_deg), FORCES_N, math.inf)
-    of_pad = np.polyfit(np.log([c.depth_mm for c in contacts]), np.log(FORCES_N), 3)  # the pad's force over its depth
+    of_pad = np.polyfit(
+        np.log([c.depth_mm for c in contacts]), np.log(FORCES_N), 3
+    )  # the pad's force over its depth
     of_pad_n = math.exp(float(np.polyval(of_pad, math.log(depth_mm))))
     assert of_pad_n == pytest.approx(force_n, rel=model.figures["contact_error"] + 0.01)
 
 
 def test_points_of_the_skin_read_the_depth_under_a_plate_and_its_slip(model: Model) -> None:
-    mujoco, slip_m_s = require_module("mujoco", INSTALL), 0.02
+    mujoco = require_module("mujoco", INSTALL)
+    slip_m_s = 0.02
     loaded, data, depth_mm = press(mujoco, model, 2.0, 1.0)
     data.qvel[-2] = slip_m_s  # along the finger
     mujoco.mj_forward(loaded, data)
@@ -139,8 +165,11 @@ def test_points_of_the_skin_read_the_depth_under_a_plate_and_its_slip(model: Mod
 def test_snippets_of_the_readme_attach_the_finger_and_correct_its_contact(
     model: Model, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    mujoco, name = require_module("mujoco", INSTALL), model.design.name
-    correct, attach = re.findall(r"```python\n(.*?)```", (model.folder / "README.md").read_text(), re.DOTALL)
+    mujoco = require_module("mujoco", INSTALL)
+    name = model.design.name
+    correct, attach = re.findall(
+        r"```python\n(.*?)```", (model.folder / "README.md").read_text(), re.DOTALL
+    )
     link = '<site name="end_of_last_link"/><geom size="0.01" pos="0 0 -0.1"/>'
     thing = '<body name="object"><freejoint/><geom size="0.01" mass="0.1"/></body>'
     hand = f"<mujoco><worldbody><body>{link}</body>{thing}</worldbody></mujoco>"
@@ -159,7 +188,9 @@ def test_snippets_of_the_readme_attach_the_finger_and_correct_its_contact(
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
-def test_a_set_is_one_model_whose_fingers_stand_side_by_side_and_feel_by_themselves(tmp_path: Path, side: str) -> None:
+def test_a_set_is_one_model_whose_fingers_stand_side_by_side_and_feel_by_themselves(
+    tmp_path: Path, side: str
+) -> None:
     mujoco = require_module("mujoco", INSTALL)
     every = load_set("adult_hand")
     loaded_set = replace(every, forms=every.forms[:3])
@@ -171,12 +202,16 @@ def test_a_set_is_one_model_whose_fingers_stand_side_by_side_and_feel_by_themsel
     bodies = [loaded.body(i).name for i in range(1, loaded.nbody)]
     assert bodies == [body for name in names for body in (name, f"{name}_hand_stub")]
     places = [float(data.body(name).xpos[0]) for name in names]
-    assert places == sorted(places, reverse=side == "right")  # seen from the palm, the right thumb is on the right
+    assert places == sorted(
+        places, reverse=side == "right"
+    )  # seen from the palm, the right thumb is on the right
     assert list(figures["places_m"].values()) == pytest.approx(places)
     assert sum(places) == pytest.approx(0.0, abs=1e-6)
     assert data.ncon == 0
     for name, form in loaded_set.fingers:
-        assert loaded.body(name).mass[0] == pytest.approx(figures["forms"][form.design.name]["mass_kg"], rel=1e-5)
+        assert loaded.body(name).mass[0] == pytest.approx(
+            figures["forms"][form.design.name]["mass_kg"], rel=1e-5
+        )
         for sensor in ("touch", "contact", "tactile"):
             assert not data.sensor(f"{name}_{sensor}").data.any()
     assert all((tmp_path / f"{form.design.name}_README.md").exists() for form in loaded_set.forms)
@@ -192,11 +227,15 @@ def test_a_set_is_one_model_whose_fingers_stand_side_by_side_and_feel_by_themsel
 
 
 def test_a_block_on_the_pad_swings_at_the_resonance_and_damping_of_the_pad(model: Model) -> None:
-    """A small push on an object of 35 g at 1 N: period and decrement of the mass on the pad's stiffness."""
+    """A small push on an object of 35 g at 1 N: period and
+    decrement of the mass on the pad's stiffness.
+    """
     mujoco = require_module("mujoco", INSTALL)
     loaded, data, _ = press(mujoco, model, 2.0, 1.0)
     data.qvel[-1] = 0.002  # along the normal of the plate
-    start, out, swing = data.body("plate").xpos.copy(), data.body("plate").xmat[[2, 5, 8]].copy(), []
+    start = data.body("plate").xpos.copy()
+    out = data.body("plate").xmat[[2, 5, 8]].copy()
+    swing = []
     for _ in range(60):
         mujoco.mj_step(loaded, data)
         swing.append(float((data.body("plate").xpos - start) @ out))
@@ -222,7 +261,14 @@ def test_example_feels_the_slip_of_a_contact_and_nothing_without_its_vibration()
     example = runpy.run_path(str(ROOT / "examples/slip_in_mujoco.py"))
     delays, alarms, held = example["slide"]("medium")
     assert (alarms, held.force_n) == (0, pytest.approx(2.0, rel=0.1))
-    assert 0.005 < min(delay_s for state, delay_s in delays.items() if state) < max(delays.values()) < 0.1
+    assert (
+        0.005
+        < min(delay_s for state, delay_s in delays.items() if state)
+        < max(delays.values())
+        < 0.1
+    )
     step = example["FeltContact"].step
-    example["FeltContact"].step = lambda self, normal_n, shear_n, speed_m_s: step(self, normal_n, shear_n, 0.0)
+    example["FeltContact"].step = lambda self, normal_n, shear_n, speed_m_s: step(
+        self, normal_n, shear_n, 0.0
+    )
     assert not any(example["slide"]("medium")[0])

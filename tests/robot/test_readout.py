@@ -20,9 +20,12 @@ from fingertip.sim.signal.grid import CostMeter, Grid
 from fingertip.sim.signal.parameters import PathTables, Sensing
 
 CASES = {
-    "fsr400": (), "article": (), "comparator": ("board.variant=comparator", "force_curve.curve=calibrated"),
-    "3 kHz": ("detector.sample_rate_hz=3000",), "20 kHz": ("detector.sample_rate_hz=20000",),
-}  # fmt: skip
+    "fsr400": (),
+    "article": (),
+    "comparator": ("board.variant=comparator", "force_curve.curve=calibrated"),
+    "3 kHz": ("detector.sample_rate_hz=3000",),
+    "20 kHz": ("detector.sample_rate_hz=20000",),
+}
 
 
 def load(case: str) -> Design:
@@ -48,11 +51,15 @@ def simulate_whole(
 
 
 def compare(case: str, steps: int, has_noise: bool) -> None:
-    design, grid = load(case), Grid({"3 kHz": 3, "20 kHz": 2}.get(case, 1))
+    design = load(case)
+    grid = Grid({"3 kHz": 3, "20 kHz": 2}.get(case, 1))
     pads = [Pad.from_design(design, Pose(tilt)) for tilt in (2.0, 8.0)]
     time_s = np.arange(steps) / design.detector.sample_rate_hz
     force_n = np.stack(
-        [np.maximum(0.0, np.sin(20 * time_s) + 0.1 * np.sin(900 * time_s + i)) + 0.2 * i for i in (0, 1)]
+        [
+            np.maximum(0.0, np.sin(20 * time_s) + 0.1 * np.sin(900 * time_s + i)) + 0.2 * i
+            for i in (0, 1)
+        ]
     )
     readout = Readout(design, pads, 7 if has_noise else None, ("thumb", "index"))
     samples = [readout.step(force_n[:, i]) for i in range(steps)]
@@ -61,8 +68,12 @@ def compare(case: str, steps: int, has_noise: bool) -> None:
         output = whole.sampled_filtered_v if readout.has_filtered else whole.sampled_envelope_v
         expected = (whole.tactile_v, whole.filtered_v, whole.envelope_v, whole.voltage_v, output)
         for field, values in zip(module.ReadoutSample._fields, expected, strict=False):
-            assert np.array_equal([getattr(sample, field)[i] for sample in samples], values), (name, field)
-        detector, codes = design.detector, np.array([sample.tactile_code[i] for sample in samples])
+            assert np.array_equal([getattr(sample, field)[i] for sample in samples], values), (
+                name,
+                field,
+            )
+        detector = design.detector
+        codes = np.array([sample.tactile_code[i] for sample in samples])
         step_v = (detector.adc_range_v - detector.adc_low_v) / 2**detector.adc_bits
         assert np.array_equal(codes, np.round((whole.voltage_v - detector.adc_low_v) / step_v))
         assert np.ptp(whole.filtered_v) > 0.1
@@ -70,7 +81,9 @@ def compare(case: str, steps: int, has_noise: bool) -> None:
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("has_noise", [False, True])
-def test_steps_give_the_bits_of_the_whole_in_plain_python(has_noise: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_steps_give_the_bits_of_the_whole_in_plain_python(
+    has_noise: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(module, "_compile", lambda: module._readout_loop)
     monkeypatch.setattr(module, "_BLOCK", 37)  # noise is drawn anew several times
     compare("fsr400", 120, has_noise)
@@ -84,7 +97,9 @@ def test_steps_give_the_bits_of_the_whole_compiled(case: str, has_noise: bool) -
         compare(case, 3000, has_noise)
 
 
-def test_a_finger_without_a_pad_takes_the_force_on_its_sensor(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_finger_without_a_pad_takes_the_force_on_its_sensor(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(module, "_compile", lambda: module._readout_loop)
     for case in ("fsr400", "comparator"):
         design = load(case)
@@ -96,7 +111,9 @@ def test_a_finger_without_a_pad_takes_the_force_on_its_sensor(monkeypatch: pytes
         for _ in range(3):
             sample = readout.step(np.array([1.0, share]))
         assert sample.tactile_v[1] == pytest.approx(sample.tactile_v[0], abs=1e-12)
-        assert abs(Readout(design, [None]).step(np.zeros(1)).tactile_v[0] - sample.tactile_v[0]) > 0.05
+        assert (
+            abs(Readout(design, [None]).step(np.zeros(1)).tactile_v[0] - sample.tactile_v[0]) > 0.05
+        )
         towards = Readout(design, [pad]).step(np.ones(1), np.ones(1)).tactile_v
         assert float(pad.sensed_n(np.ones(1), np.ones(1))[0]) > share
         assert towards[0] != sample.tactile_v[0]
@@ -104,7 +121,9 @@ def test_a_finger_without_a_pad_takes_the_force_on_its_sensor(monkeypatch: pytes
 
 def test_what_cannot_be_read_out_is_refused() -> None:
     design = Design.load("fsr400", changes=["detector.sample_rate_hz=2345"])
-    with pytest.raises(FingertipError, match="2345 Hz does not divide the grid of the simulation; choose 2000"):
+    with pytest.raises(
+        FingertipError, match="2345 Hz does not divide the grid of the simulation; choose 2000"
+    ):
         Readout(design, [None])
     with pytest.raises(FingertipError, match="names 0 fingers"):
         Readout(Design(), [])

@@ -27,13 +27,20 @@ def test_everything_that_is_wrong_is_said_at_once_before_a_fit(folder: Path) -> 
     done = run_fingertip("new", "mine", *options, "--preset", "child", "--set", "skin.width_mm=18")
     assert done.returncode == 2
     begins = (
-        "--preset: ", "--finger toe=18x25: 'toe' is no finger", "--finger index=18: ",
-        "--finger ring=5x25: skin.width_mm: 5.0 mm is too small; at least 6 mm", "--finger little=25x18: is wider",
-        "--finger thumb=22x27: is given twice", "--set skin.width_mm=18: ", "mine.toml: exists",
-    )  # fmt: skip
+        "--preset: ",
+        "--finger toe=18x25: 'toe' is no finger",
+        "--finger index=18: ",
+        "--finger ring=5x25: skin.width_mm: 5.0 mm is too small; at least 6 mm",
+        "--finger little=25x18: is wider",
+        "--finger thumb=22x27: is given twice",
+        "--set skin.width_mm=18: ",
+        "mine.toml: exists",
+    )
     lines = done.stderr.splitlines()
     assert len(lines) == len(begins)
-    assert all(line.startswith(f"error: {begin}") for line, begin in zip(lines, begins, strict=True)), lines
+    assert all(
+        line.startswith(f"error: {begin}") for line, begin in zip(lines, begins, strict=True)
+    ), lines
     assert "--finger little=18x25" in done.stderr
 
 
@@ -52,7 +59,9 @@ def test_sizes_of_presets_give_a_set_of_presets_and_equal_fingers_one_form() -> 
 
 def test_a_longer_finger_feels_where_its_preset_does() -> None:
     (form,) = fit_set(start_set("mine", ["ring=18x26"], None, None, None, ()), print, [])
-    assert {move.name: (move.before, move.after) for move in form.design.moves}["sensor.distance_from_tip_mm"] == (
+    assert {move.name: (move.before, move.after) for move in form.design.moves}[
+        "sensor.distance_from_tip_mm"
+    ] == (
         9.7,
         10.7,
     )
@@ -61,7 +70,17 @@ def test_a_longer_finger_feels_where_its_preset_does() -> None:
 
 @pytest.mark.full
 def test_a_set_of_sizes_shares_its_joint_and_passes() -> None:
-    command = ("new", "mine", "--finger", "index=17x25", "--finger", "ring=17x25", "--finger", "little=15x24", "--json")
+    command = (
+        "new",
+        "mine",
+        "--finger",
+        "index=17x25",
+        "--finger",
+        "ring=17x25",
+        "--finger",
+        "little=15x24",
+        "--json",
+    )
     done = run_fingertip(*command, "--set", "skin.bump_height_mm=0.15")
     assert done.returncode == 0, done.stderr
     result = json.loads(done.stdout)

@@ -50,7 +50,8 @@ from tests.approved import check_text
 from tests.conftest import ROOT, run_fingertip
 
 APPROVED = ROOT / "tests/documents/approved"
-FINGER, THUMB = Design.load("adult_finger"), Design.load("adult_thumb")
+FINGER = Design.load("adult_finger")
+THUMB = Design.load("adult_thumb")
 
 
 @pytest.fixture
@@ -78,7 +79,9 @@ def test_changes_are_made_in_all_fingers_of_the_bundled_hand_which_differ_in_siz
     assert min(sizes)[0] == 15.0
 
 
-def test_a_finger_may_differ_from_its_design_and_forms_of_one_design_have_names_of_their_own(folder: Path) -> None:
+def test_a_finger_may_differ_from_its_design_and_forms_of_one_design_have_names_of_their_own(
+    folder: Path,
+) -> None:
     (folder / "own.toml").write_text('name = "own"\nskin.width_mm = 17\n')
     text = 'name = "mine"\nside = "left"\n'
     for finger, more in (("little", "skin.taper_ratio = 0.95"), ("index", ""), ("ring", "")):
@@ -90,7 +93,9 @@ def test_a_finger_may_differ_from_its_design_and_forms_of_one_design_have_names_
     ]
     assert [form.design.skin.taper_ratio for form in found.forms] == [0.94, 0.95]
     assert found.side == "left"
-    (form,) = load_set(write_set(folder, 'name = "one"\n[fingers.index]\ndesign = "own.toml"\n')).forms
+    (form,) = load_set(
+        write_set(folder, 'name = "one"\n[fingers.index]\ndesign = "own.toml"\n')
+    ).forms
     assert (form.design.name, form.design.skin.width_mm) == ("own", 17.0)
 
 
@@ -100,34 +105,49 @@ def test_values_in_a_text_are_written_for_each_finger_of_a_form() -> None:
         "It turns on with fingers.index.a.b_mm=1.5 fingers.ring.a.b_mm=1.5."
     )
     typed = two.name_values("it passes with --set a.b=9; or change a.c")
-    assert typed == "it passes with --set fingers.index.a.b=9 --set fingers.ring.a.b=9; or change a.c"
+    assert (
+        typed == "it passes with --set fingers.index.a.b=9 --set fingers.ring.a.b=9; or change a.c"
+    )
     assert two.name_values("z = 2.5 mm, a.b") == "z = 2.5 mm, a.b"
 
 
 def test_terminal_names_values_as_the_set_takes_them(monkeypatch: pytest.MonkeyPatch) -> None:
     """Thumb and fingers fail, and the trial of both has a warning."""
     found = [
-        Check("bone.safety_factor.grip", 0.5, 1.0, "", "at least", remedy="strength.grip_force_n=9"),
+        Check(
+            "bone.safety_factor.grip", 0.5, 1.0, "", "at least", remedy="strength.grip_force_n=9"
+        ),
         Check("pad.turn_on_force", 2.0, 1.0, "N", remedy="sensor.distance_from_tip_mm=10.35"),
     ]
     made = [
         SimpleNamespace(
             parts=SimpleNamespace(
-                checks=[check], strength=None, design=design, folder=Path("out"), parts=(), casting=None
+                checks=[check],
+                strength=None,
+                design=design,
+                folder=Path("out"),
+                parts=(),
+                casting=None,
             ),
             detection=SimpleNamespace(warnings=["set detector.adc_bits=12"]),
         )
         for check, design in zip(found, (THUMB, FINGER), strict=True)
     ]
-    sheets = collect_data("hand", [make_sheets(THUMB, NAMES[:1]), make_sheets(FINGER, NAMES[1:])], has_board=True)
+    sheets = collect_data(
+        "hand", [make_sheets(THUMB, NAMES[:1]), make_sheets(FINGER, NAMES[1:])], has_board=True
+    )
     result = SimpleNamespace(forms=made, sheets=sheets, board=(), folder=Path("out"), passed=True)
     monkeypatch.setattr("fingertip.tasks.make_set.make_set", lambda *args, **options: result)
     fingers = FingerSet("hand", "right", (Form(THUMB, NAMES[:1]), Form(FINGER, NAMES[1:])))
     monkeypatch.setattr("fingertip.design.finger_set.load_set", lambda *args: fingers)
     text, boards = (
-        " ".join(CliRunner().invoke(app, ["make", "adult_hand"]).output.split()) for result.board in ("", "b")
+        " ".join(CliRunner().invoke(app, ["make", "adult_hand"]).output.split())
+        for result.board in ("", "b")
     )
-    assert [" days; one board for all fingers look at" in each for each in (text, boards)] == [False, True]
+    assert [" days; one board for all fingers look at" in each for each in (text, boards)] == [
+        False,
+        True,
+    ]
     assert "--set fingers.thumb.strength.grip_force_n=9;" in text
     assert "--set fingers.index.sensor.distance_from_tip_mm=10.35" in text
     assert "warning: set fingers.thumb.detector.adc_bits=12" in text
@@ -137,39 +157,66 @@ def test_terminal_names_values_as_the_set_takes_them(monkeypatch: pytest.MonkeyP
 def test_forms_of_one_long_name_have_folders_of_their_own(folder: Path) -> None:
     text = 'name = "mine"\n'
     for finger, ratio in (("index", 0.94), ("middle", 0.95), ("little", 0.945)):
-        text += f'[fingers.{finger}]\ndesign = "adult_finger"\nname = "{"n" * 40}"\nskin.taper_ratio = {ratio}\n'
+        text += (
+            f'[fingers.{finger}]\ndesign = "adult_finger"\nname = '
+            f'"{"n" * 40}"\nskin.taper_ratio = {ratio}\n'
+        )
     names = [form.design.name for form in load_set(write_set(folder, text)).forms]
     assert names == [f"{'n' * 33}_{finger}" for finger in ("index", "middle", "little")]
 
 
-def test_fingers_that_differ_in_their_sensors_share_a_mold_and_keep_their_force_curves(folder: Path) -> None:
+def test_fingers_that_differ_in_their_sensors_share_a_mold_and_keep_their_force_curves(
+    folder: Path,
+) -> None:
     """A calibrated finger is a file of its own, as `fingertip calibrate sensor --out` writes it."""
     curve = FINGER.force_curve.model_copy(update={"curve": "calibrated", "conductance_us": 60.0})
     (folder / "weighed.toml").write_text(to_toml(FINGER.model_copy(update={"force_curve": curve})))
-    text = 'name = "mine"\n[fingers.thumb]\ndesign = "adult_thumb"\n[fingers.index]\ndesign = "weighed.toml"\n'
+    text = (
+        'name = "mine"\n[fingers.thumb]\ndesign = "adult_thumb"\n[fingers.index]\ndesign = '
+        '"weighed.toml"\n'
+    )
     alike = load_set(write_set(folder, text))
     assert (alike.forms[1].design.force_curve, alike.calibrated) == (curve, {})
     found = load_set(write_set(folder, text + '[fingers.ring]\ndesign = "adult_finger"\n'))
-    assert [(form.design.name, form.fingers) for form in found.forms[1:]] == [("adult_finger", ("index", "ring"))]
+    assert [(form.design.name, form.fingers) for form in found.forms[1:]] == [
+        ("adult_finger", ("index", "ring"))
+    ]
     assert found.forms[1].design == FINGER
-    assert {finger: design.force_curve for finger, design in found.calibrated.items()} == {"index": curve}
+    assert {finger: design.force_curve for finger, design in found.calibrated.items()} == {
+        "index": curve
+    }
     board, fingers = plan_set(found, "teensy40")
-    assert (board.board.channels, fingers.names) == (4, ("thumb", "index", "ring"))  # the ring has the fourth place
+    assert (board.board.channels, fingers.names) == (
+        4,
+        ("thumb", "index", "ring"),
+    )  # the ring has the fourth place
     assert fingers.designs == (THUMB, found.calibrated["index"], FINGER)
     source = library_sources(board, fingers)[GRIP_SOURCE].decode()
     assert "slip_curve_of[SLIP_FINGERS] = {0, 1, 2}" in source
     sheets = [make_sheets(THUMB, ("thumb",)), make_sheets(FINGER, ("index", "ring"))]
     own = make_sheets(found.calibrated["index"], ("index",)).acceptance
-    rows = collect_data("mine", [sheets[0], replace(sheets[1], calibrated={"index": own})], True, found.calibrated)
-    lines = [line for line in render_sheet("acceptance", rows).splitlines() if line.startswith(("| index", "| ring"))]
-    limits = [[f"{weight.limits_v[0]:.2f}" for weight in each.weights] for each in (own, sheets[1].acceptance)]
+    rows = collect_data(
+        "mine", [sheets[0], replace(sheets[1], calibrated={"index": own})], True, found.calibrated
+    )
+    lines = [
+        line
+        for line in render_sheet("acceptance", rows).splitlines()
+        if line.startswith(("| index", "| ring"))
+    ]
+    limits = [
+        [f"{weight.limits_v[0]:.2f}" for weight in each.weights]
+        for each in (own, sheets[1].acceptance)
+    ]
     for line, low in zip(lines, limits, strict=True):
         assert all(f"| {volts} to" in line for volts in low)
     assert limits[0] != limits[1]
 
 
 def test_one_controller_reads_fingers_of_one_board_alone(folder: Path) -> None:
-    text = 'name = "mine"\n[fingers.index]\ndesign = "adult_finger"\n[fingers.ring]\ndesign = "adult_finger"\n'
+    text = (
+        'name = "mine"\n[fingers.index]\ndesign = "adult_finger"\n[fingers.ring]\ndesign = '
+        '"adult_finger"\n'
+    )
     mixed = load_set(write_set(folder, f"{text}board.cutoff_hz = 80\ndetector.adc_bits = 10\n"))
     with pytest.raises(FingertipError) as caught:
         plan_set(mixed)
@@ -178,16 +225,26 @@ def test_one_controller_reads_fingers_of_one_board_alone(folder: Path) -> None:
     assert run.returncode == 2
     assert "--fingers: does not apply to a set" in run.stderr
     write_set(folder, text)
-    assert run_fingertip("firmware", "mine.toml", "--out", "library", "--controller", "teensy40").returncode == 0
     assert (
-        run_fingertip("firmware", "mine.toml", "--out", "library", "--controller", "teensy40", "--check").returncode
+        run_fingertip(
+            "firmware", "mine.toml", "--out", "library", "--controller", "teensy40"
+        ).returncode
+        == 0
+    )
+    assert (
+        run_fingertip(
+            "firmware", "mine.toml", "--out", "library", "--controller", "teensy40", "--check"
+        ).returncode
         == 0
     )
     assert '"index", "ring"' in (folder / "library/src/slip_detector.h").read_text()
     readme = (folder / "library/README.md").read_text()
-    for row in ("| ring | A2 | A3 |", "| 4 | T2 | analog in: T of index | analog input A0: the detector reads it |",
-                "| 10 | T4 | analog in: T of ring | analog input A2: the detector reads it |",
-                "| 1 | T1 | analog in: T of thumb | not needed |"):  # fmt: skip
+    for row in (
+        "| ring | A2 | A3 |",
+        "| 4 | T2 | analog in: T of index | analog input A0: the detector reads it |",
+        "| 10 | T4 | analog in: T of ring | analog input A2: the detector reads it |",
+        "| 1 | T1 | analog in: T of thumb | not needed |",
+    ):
         assert row in readme
 
 
@@ -200,8 +257,11 @@ def test_everything_that_is_wrong_is_said_at_once(folder: Path) -> None:
         load_set(write_set(folder, text))
     fields = [issue.field for issue in caught.value.issues]
     assert fields == [
-        "fingers.toe", "fingers.thumb: design", "fingers.index: design", "fingers.ring, little: skin.width_mm",
-    ]  # fmt: skip
+        "fingers.toe",
+        "fingers.thumb: design",
+        "fingers.index: design",
+        "fingers.ring, little: skin.width_mm",
+    ]
     assert "put the file there" in str(caught.value)
 
 
@@ -212,7 +272,9 @@ def test_everything_that_is_wrong_is_said_at_once(folder: Path) -> None:
         ('design = "fsr400"', "bone.interface", "not the same interface for index / ring"),
     ],
 )
-def test_fingers_of_a_hand_share_joint_and_interface(folder: Path, finger: str, field: str, told: str) -> None:
+def test_fingers_of_a_hand_share_joint_and_interface(
+    folder: Path, finger: str, field: str, told: str
+) -> None:
     text = f'name = "mine"\n[fingers.index]\ndesign = "adult_finger"\n[fingers.ring]\n{finger}\n'
     with pytest.raises(DesignError) as caught:
         load_set(write_set(folder, text))
@@ -235,11 +297,19 @@ def test_a_hand_gives_every_finger_its_joint(folder: Path) -> None:
 
 
 @settings(max_examples=25, deadline=None)
-@given(st.lists(st.sampled_from([10.0, 17.0, 30.0, 300.0]), min_size=1, max_size=5), st.floats(0.5, 9.0))
-def test_every_mold_is_filled_once_from_as_few_mixtures_as_the_pot_lives_allow(lives: list[float], g: float) -> None:
-    own, fingers = {"product": "own"}, NAMES[: len(lives)]
+@given(
+    st.lists(st.sampled_from([10.0, 17.0, 30.0, 300.0]), min_size=1, max_size=5),
+    st.floats(0.5, 9.0),
+)
+def test_every_mold_is_filled_once_from_as_few_mixtures_as_the_pot_lives_allow(
+    lives: list[float], g: float
+) -> None:
+    own = {"product": "own"}
+    fingers = NAMES[: len(lives)]
     silicones = [
-        Design.model_validate({"name": "x", "silicone": own | {"pot_life_min": life}}).silicone.material
+        Design.model_validate(
+            {"name": "x", "silicone": own | {"pot_life_min": life}}
+        ).silicone.material
         for life in lives
     ]
     molds = {
@@ -251,20 +321,30 @@ def test_every_mold_is_filled_once_from_as_few_mixtures_as_the_pot_lives_allow(l
     for cup in cups:
         filled = [molds[pour.finger] for pour in cup.pours]
         (silicone,) = {silicone for silicone, _, _ in filled}
-        assert cup.pours[-1].closed_min == STIR_MIN + MOLD_MIN * len(filled) <= silicone.planned_pot_life_min
+        assert (
+            cup.pours[-1].closed_min
+            == STIR_MIN + MOLD_MIN * len(filled)
+            <= silicone.planned_pot_life_min
+        )
         cm3 = sum(poured_g for _, _, poured_g in filled) / silicone.density_g_cm3.high
         assert cup.total_g == pytest.approx(mix(silicone, cm3).total_g, abs=0.11)
     fewest = (math.ceil(lives.count(life) / ((life - STIR_MIN) // MOLD_MIN)) for life in set(lives))
     assert len(cups) == sum(fewest)
 
 
-def test_a_silicone_that_thickens_too_soon_is_refused_before_work_with_a_remedy_that_passes(folder: Path) -> None:
+def test_a_silicone_that_thickens_too_soon_is_refused_before_work_with_a_remedy_that_passes(
+    folder: Path,
+) -> None:
     short = ("--set", "silicone.product=own", "--set", "silicone.pot_life_min=9")
     done = run_fingertip("make", "adult_hand", *short, "--quiet")
     assert (done.returncode, (folder / "out").exists()) == (2, False)
     assert "thickens after 9 min, and to fill the mold of adult_thumb takes 10 min" in done.stderr
     remedy = done.stderr.splitlines()[0].rpartition("it passes with --set ")[2].rstrip(".")
-    assert not list(find_short_pot_lives(load_set("adult_hand", ["silicone.pot_life_min=9", remedy]).designs.values()))
+    assert not list(
+        find_short_pot_lives(
+            load_set("adult_hand", ["silicone.pot_life_min=9", remedy]).designs.values()
+        )
+    )
 
 
 # Sums
@@ -277,11 +357,16 @@ def count_words(text: str) -> int:
 def make_sheets(design: Design, fingers: tuple[str, ...]) -> FormSheets:
     """Sheets of a form, from coarse meshes."""
     casting = casting_sheet(design, MeshEvaluator(0.2))
-    return FormSheets(Form(design, fingers), casting, acceptance_sheet(design), "all checks passed", {})
+    return FormSheets(
+        Form(design, fingers), casting, acceptance_sheet(design), "all checks passed", {}
+    )
 
 
 def collect_data(
-    name: str, sheets: list[FormSheets], has_board: bool, calibrated: Mapping[str, Design] = MappingProxyType({})
+    name: str,
+    sheets: list[FormSheets],
+    has_board: bool,
+    calibrated: Mapping[str, Design] = MappingProxyType({}),
 ) -> SetSheets:
     fingers = FingerSet(name, "right", tuple(each.form for each in sheets), calibrated)
     return set_sheets(fingers, sheets, has_board)
@@ -302,20 +387,32 @@ def test_a_hand_takes_three_days_one_list_and_few_words(data: SetSheets) -> None
     poured = [pour.finger for cup in data.plan.cups for pour in cup.pours]
     assert poured == list(NAMES), "one pour for each mold"
     assert len(data.things) <= 40
-    texts = {page: render_sheet(page, data) for page in ("start", "overview", "plan", "parts", "acceptance")}
+    texts = {
+        page: render_sheet(page, data)
+        for page in ("start", "overview", "plan", "parts", "acceptance")
+    }
     for page, text in texts.items():
         check_text(APPROVED / f"set_hand_{page}.md", text)
     assert sum(map(count_words, texts.values())) <= 1200
 
 
-def test_the_list_to_buy_adds_up_those_of_the_fingers(sheets: list[FormSheets], data: SetSheets) -> None:
+def test_the_list_to_buy_adds_up_those_of_the_fingers(
+    sheets: list[FormSheets], data: SetSheets
+) -> None:
     amounts: dict[str, float] = {}
     for thing in data.things:
-        if found := re.match(r"[\d.]+", thing.amount):
+        found = re.match(r"[\d.]+", thing.amount)
+        if found:
             amounts[thing.key] = amounts.get(thing.key, 0.0) + float(found[0])
-    assert {thing.key for each in sheets for thing in each.casting.things} == {thing.key for thing in data.things}
+    assert {thing.key for each in sheets for thing in each.casting.things} == {
+        thing.key for thing in data.things
+    }
     assert [amounts[key] for key in ("sensor", "wire", "scale", "cup")] == [5, 10, 1, 2]
-    assert amounts["filament"] == sum(each.casting.printed_g for each in sheets) == data.totals.printed_g
+    assert (
+        amounts["filament"]
+        == sum(each.casting.printed_g for each in sheets)
+        == data.totals.printed_g
+    )
     mixed_g = sum(sum(cup.components_g.values()) for cup in data.plan.cups)
     assert amounts["silicone"] == pytest.approx(mixed_g, abs=0.2)
     assert mixed_g > sum(each.casting.batch.in_cup_g for each in sheets)
@@ -334,9 +431,14 @@ def test_alike_fingers_have_a_mold_each_and_those_without_a_board_a_board_each()
 
 def test_boards_that_differ_or_cannot_be_shared_stay_apart() -> None:
     def board_of(*changes: str, **other: str) -> Design | None:
-        designs = [Design.load("adult_thumb", changes=changes), Design.load("adult_finger", changes=changes)]
+        designs = [
+            Design.load("adult_thumb", changes=changes),
+            Design.load("adult_finger", changes=changes),
+        ]
         if other:
-            designs[1] = Design.load("adult_finger", changes=[*changes, *(f"{k}={v}" for k, v in other.items())])
+            designs[1] = Design.load(
+                "adult_finger", changes=[*changes, *(f"{k}={v}" for k, v in other.items())]
+            )
         forms = (Form(designs[0], NAMES[:1]), Form(designs[1], NAMES[1:3]))
         return FingerSet("hand", "right", forms).board_design
 
@@ -352,7 +454,10 @@ def test_boards_that_differ_or_cannot_be_shared_stay_apart() -> None:
 
 @pytest.mark.parametrize(
     ("small", "part"),
-    [pytest.param("printer.bed_x_mm=30", "core", marks=pytest.mark.full), ("printer.bed_z_mm=20", "bone")],
+    [
+        pytest.param("printer.bed_x_mm=30", "core", marks=pytest.mark.full),
+        ("printer.bed_z_mm=20", "bone"),
+    ],
 )
 def test_a_bed_that_is_too_small_is_refused_before_work_with_a_remedy_that_holds(
     small: str, part: str, folder: Path
@@ -363,12 +468,15 @@ def test_a_bed_that_is_too_small_is_refused_before_work_with_a_remedy_that_holds
     remedy = done.stderr.splitlines()[0].rpartition("it fits with --set ")[2]
     assert f"{part} of adult_thumb exceeds the build volume by" in done.stderr
     thumb = load_set("adult_hand", [remedy]).designs["thumb"]
-    mesh, lies = MeshEvaluator(0.05).mesh(PARTS[part].solid(thumb)), print_orientations(thumb)[part]
+    mesh = MeshEvaluator(0.05).mesh(PARTS[part].solid(thumb))
+    lies = print_orientations(thumb)[part]
     assert -1.2 < build_volume_excess(thumb, mesh, lies.rotate_x_deg) <= 0.0
 
 
 def test_a_folder_that_has_two_uses_is_refused(folder: Path) -> None:
-    path = write_set(folder, 'name = "mine"\n[fingers.index]\ndesign = "adult_finger"\nname = "board"\n')
+    path = write_set(
+        folder, 'name = "mine"\n[fingers.index]\ndesign = "adult_finger"\nname = "board"\n'
+    )
     done = run_fingertip("make", path, "--quiet")
     assert done.returncode == 2
     assert "name: board is a folder of every set" in done.stderr
@@ -381,7 +489,10 @@ def test_other_commands_name_those_that_take_a_set(tmp_path: Path) -> None:
     assert "`fingertip make` and `fingertip check` take a set file" in done.stderr
     path = tmp_path / "mine.toml"
     path.write_text('[fingers.index]\ndesign = "adult_finger"\n')
-    assert "give that of one finger, or the set to `fingertip make` or `check`" in run_fingertip("drawing", path).stderr
+    assert (
+        "give that of one finger, or the set to `fingertip make` or `check`"
+        in run_fingertip("drawing", path).stderr
+    )
 
 
 def test_a_set_is_compared_with_its_own_and_each_form_with_its_own(folder: Path) -> None:
@@ -403,28 +514,48 @@ def test_forms_and_board_are_made_with_the_options_of_the_set(
     sheets: list[FormSheets], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What `make`, `plan_board` and the picture take time for is left out."""
-    asked, fingers = list[object](), FingerSet("hand", "right", tuple(each.form for each in sheets))
+    asked = list[object]()
+    fingers = FingerSet("hand", "right", tuple(each.form for each in sheets))
 
-    def note(design: Design, folder: Path, *, progress: object = None, **options: object) -> SimpleNamespace:
+    def note(
+        design: Design, folder: Path, *, progress: object = None, **options: object
+    ) -> SimpleNamespace:
         asked.append((design.name, folder, options))
         parts = SimpleNamespace(design=design, passed=design.name != "adult_thumb")
-        return SimpleNamespace(parts=parts, write=lambda progress: (folder / "bringup.md", folder / "a.kicad_pcb"))
+        return SimpleNamespace(
+            parts=parts, write=lambda progress: (folder / "bringup.md", folder / "a.kicad_pcb")
+        )
 
     collected = {each.form.design.name: each for each in sheets}
     for name, stand_in in {
-        "make": note, "plan_board": note, "_collect": lambda fingers, form, made: collected[form.design.name],
-        "draw_finger": lambda *args: b"", "_refuse_early": lambda fingers: None,
-    }.items():  # fmt: skip
+        "make": note,
+        "plan_board": note,
+        "_collect": lambda fingers, form, made: collected[form.design.name],
+        "draw_finger": lambda *args: b"",
+        "_refuse_early": lambda fingers: None,
+    }.items():
         monkeypatch.setattr(f"fingertip.tasks.make_set.{name}", stand_in)
     out = tmp_path / "hand"
     made = make_set(fingers, out, formats=("stl",), force=True)
     wanted = [(name, out / name, {"formats": ("stl",), "force": True}) for name in collected]
-    assert asked == [*wanted, ("hand", out / "board", {"force": True, "bring_up": True, "top": out})]
-    assert ([form.parts.passed for form in made.forms], made.passed) == ([False, *[True] * 4], False)
+    assert asked == [
+        *wanted,
+        ("hand", out / "board", {"force": True, "bring_up": True, "top": out}),
+    ]
+    assert ([form.parts.passed for form in made.forms], made.passed) == (
+        [False, *[True] * 4],
+        False,
+    )
     assert made.sheets == set_sheets(fingers, sheets, has_board=True)
     page = (out / "index.html").read_text()
-    links = {link for link in re.findall('href="([^"#]+)"', page) if "/" in link and ":" not in link}
-    own = {f"{name}/{file}" for name in collected for file in ("index.html", collected[name].casting.plate)}
+    links = {
+        link for link in re.findall('href="([^"#]+)"', page) if "/" in link and ":" not in link
+    }
+    own = {
+        f"{name}/{file}"
+        for name in collected
+        for file in ("index.html", collected[name].casting.plate)
+    }
     assert links == {*own, "board/bringup.md"}
     assert "Checks of adult_thumb failed: do not print" in page
     assert Design.load(out / "board_design.toml") == fingers.board_design

@@ -1,4 +1,6 @@
-"""Error of whole simulations: order of convergence in every scene and in a hand, and what `fingertip accuracy` says."""
+"""Error of whole simulations: order of convergence in every scene and in a hand, and what
+`fingertip accuracy` says.
+"""
 
 from __future__ import annotations
 
@@ -23,13 +25,20 @@ PULL = {"attached": True, "trigger_v": 0.01, "stroke_m": 0.04, "stiffness_n_per_
 QUIET = {"noise_v": 0.0, "adc_bits": 24}
 DESIGN = Design(detector=QUIET)
 FLOOR = {
-    "force_n": 1e-7, "tactile_v": 1e-9, "voltage_v": 5e-6, "envelope_v": 3e-5, "velocity_m_s": 1e-9, "object_m": 1e-11,
-}  # fmt: skip
+    "force_n": 1e-7,
+    "tactile_v": 1e-9,
+    "voltage_v": 5e-6,
+    "envelope_v": 3e-5,
+    "velocity_m_s": 1e-9,
+    "object_m": 1e-11,
+}
 """Errors that are not those of the grid: tolerance of the board, steps of the ADC, last digits."""
 
 
 def find_orders(columns: dict[int, dict[str, np.ndarray]]) -> dict[str, float]:
-    """Order of each column whose errors on the four coarsest grids are above its floor, against the last grid."""
+    """Order of each column whose errors on the four coarsest grids
+    are above its floor, against the last grid.
+    """
     *grids, finest = columns
     orders = {}
     for name in columns[finest]:
@@ -44,36 +53,54 @@ def find_orders(columns: dict[int, dict[str, np.ndarray]]) -> dict[str, float]:
 @pytest.mark.parametrize("path", list_bundled_files(SCENE).values(), ids=lambda path: path.stem)
 @pytest.mark.parametrize("variant", ["article", "precision"])
 def test_every_scene_converges_with_order_2(path, variant):
-    design = Design(detector=QUIET, board={"variant": variant, "supply_v": SUPPLIES[variant].nominal_v})
+    design = Design(
+        detector=QUIET, board={"variant": variant, "supply_v": SUPPLIES[variant].nominal_v}
+    )
     scene = SceneFile.load(path)
     outputs = ["force_n", "tactile_v", "voltage_v", "envelope_v", "velocity_m_s"]
     sensing = scene.sensing.model_copy(update={"noise": False})
     scene = scene.model_copy(update={"outputs": outputs, "sensing": sensing})
     with compiled():
-        orders = find_orders({n: run_scene(design, scene, 1, grid=Grid(n)).columns for n in (1, 2, 4, 8, 64)})
-    # Where nothing shakes the pad, only its touch counts: Hertz's force begins with depth^1.5, which costs some order.
+        orders = find_orders(
+            {n: run_scene(design, scene, 1, grid=Grid(n)).columns for n in (1, 2, 4, 8, 64)}
+        )
+    # Where nothing shakes the pad, only its touch counts: Hertz's force begins with depth^1.5,
+    # which costs some order.
     assert all(order > 1.8 for order in orders.values()), orders
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(("kind", "mass", "knock"), [("pinch", 0.06, {}), ("power", 0.255, {}), ("tri", 0.1, PULL)])
+@pytest.mark.parametrize(
+    ("kind", "mass", "knock"), [("pinch", 0.06, {}), ("power", 0.255, {}), ("tri", 0.1, PULL)]
+)
 def test_manipulation_converges_with_order_2(kind, mass, knock):
     grasp = {"kind": kind, "min_margin": 1.15, "max_margin": 1.15, "after_s": 0.2}
     outputs = ["force_n", "object_m", "voltage_v", "velocity_m_s"]
     target = {"mass_kg": mass, "stiffness_n_per_m": 3000.0 if knock else 0.0}
-    scene = ManipulationFile(object=target, grasp=grasp, knock=knock, sensing={"noise": False}, outputs=outputs)
-    with compiled():  # errors of the object change their sign between grids, so a fit to four of them is too few
-        runs = {n: run_manipulation(DESIGN, scene, None, 1, grid=Grid(n)) for n in (1, 2, 4, 8, 16, 256)}
+    scene = ManipulationFile(
+        object=target, grasp=grasp, knock=knock, sensing={"noise": False}, outputs=outputs
+    )
+    with (
+        compiled()
+    ):  # errors of the object change their sign between grids, so a fit to four of them is too few
+        runs = {
+            n: run_manipulation(DESIGN, scene, None, 1, grid=Grid(n)) for n in (1, 2, 4, 8, 16, 256)
+        }
     lost_s = [run.lost_s for run in runs.values() if run.lost_s]
     until = min(lost_s, default=np.inf) - 0.005
-    columns = {n: {k: v[run.time_s < until] for k, v in run.columns.items() if k in outputs} for n, run in runs.items()}
+    columns = {
+        n: {k: v[run.time_s < until] for k, v in run.columns.items() if k in outputs}
+        for n, run in runs.items()
+    }
     orders = find_orders(columns)
     assert {"force_n", "velocity_m_s"} <= set(orders)
     assert all(order > 1.7 for order in orders.values()), orders  # the pin hits between two points
 
 
 def test_command_states_errors_that_fall_with_the_step(tmp_path: Path) -> None:
-    done = run_fingertip("accuracy", "article", "--cases", 40, "--jobs", 1, "--out", tmp_path / "x", "--json")
+    done = run_fingertip(
+        "accuracy", "article", "--cases", 40, "--jobs", 1, "--out", tmp_path / "x", "--json"
+    )
     assert done.returncode == 0, done.stderr
     data = json.loads(done.stdout)
     assert data == json.loads((tmp_path / "x/accuracy.json").read_text())
@@ -88,10 +115,14 @@ def test_command_states_errors_that_fall_with_the_step(tmp_path: Path) -> None:
     assert [one["wrong"] for one in data["extremes"].values()] == [0, 0, 0]
 
 
-def test_wrong_case_ends_the_command_with_1_and_is_described(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_wrong_case_ends_the_command_with_1_and_is_described(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     for module in (extremes, report):
         monkeypatch.setattr(module, "FAMILIES", {"broken": ("nothing", 1.0, lambda draw: 2.0)})
-    monkeypatch.setattr(measure, "measure_steps", lambda *_: [measure.StepError("r", 1e-4, {"force_n": 1e-5}, 1, 1)])
+    monkeypatch.setattr(
+        measure, "measure_steps", lambda *_: [measure.StepError("r", 1e-4, {"force_n": 1e-5}, 1, 1)]
+    )
     done = run_fingertip("accuracy", "--cases", 3, "--jobs", 1, "--out", tmp_path / "x")
     assert done.returncode == 1
     assert "extreme cases: 3 are WRONG" in done.stdout
@@ -102,4 +133,7 @@ def test_number_of_cases_may_have_its_bounds(tmp_path: Path) -> None:
     """Beyond them `tests/cli/transcripts/limits.txt` shows the refusal."""
     (tmp_path / FILES[0]).write_text("somebody's own")
     for cases in (1, 1_000_000):
-        assert "was not written by fingertip" in run_fingertip("accuracy", "--cases", cases, "--out", tmp_path).stderr
+        assert (
+            "was not written by fingertip"
+            in run_fingertip("accuracy", "--cases", cases, "--out", tmp_path).stderr
+        )

@@ -1,4 +1,6 @@
-"""Benchmarks: points of the work-precision diagrams, output of the command, CPU time of campaigns and many boards."""
+"""Benchmarks: points of the work-precision diagrams, output of the
+command, CPU time of campaigns and many boards.
+"""
 
 from __future__ import annotations
 
@@ -20,17 +22,32 @@ from tests.designs import ARTICLE
 def test_command_writes_diagrams_and_times(tmp_path):
     pytest.importorskip("numba")
     done = run_python(
-        "-m", "benchmarks.peers", "--out", str(tmp_path), "--seconds", "1", "--boards", "20",
-        "--solvers", "LSODA, odeint,CVODE,RADAU5,Rodas5P,ngspice", "--no-first-run", "--json",
-    )  # fmt: skip
+        "-m",
+        "benchmarks.peers",
+        "--out",
+        str(tmp_path),
+        "--seconds",
+        "1",
+        "--boards",
+        "20",
+        "--solvers",
+        "LSODA, odeint,CVODE,RADAU5,Rodas5P,ngspice",
+        "--no-first-run",
+        "--json",
+    )
     data = json.loads(done.stdout)
-    missed = any(data[name]["cpu_s"] > data[name]["target_s"] for name in ("trials", "manipulations", "boards"))
+    missed = any(
+        data[name]["cpu_s"] > data[name]["target_s"]
+        for name in ("trials", "manipulations", "boards")
+    )
     for diagram in data["diagrams"]:
         for found in diagram["comparisons"].values():
             missed |= bool(found["mean"] and found["target"] and found["mean"] < found["target"])
     trial = data["whole_trial"]
     coarse = [point["errors"] for point in trial["points"] if point["step_s"] == 1e-4]
-    missed |= any(errors[name] > limit for errors in coarse for name, limit in trial["targets"].items())
+    missed |= any(
+        errors[name] > limit for errors in coarse for name, limit in trial["targets"].items()
+    )
     assert done.returncode == int(missed), done.stderr  # the machine's speed decides, not the test
     assert data == json.loads((tmp_path / "work_precision.json").read_text())
     assert (tmp_path / "work_precision.png").read_bytes()[:4] == b"\x89PNG"
@@ -41,7 +58,8 @@ def test_command_writes_diagrams_and_times(tmp_path):
         points = diagram["points"]
         ours = [p["error"] for p in points if p["solver"] == "fingertip"]
         assert len(ours) >= 3
-        # The references differ by the machine's rounding, and an error counts from a hundred times that.
+        # The references differ by the machine's rounding, and an error counts from a hundred times
+        # that.
         assert ours[-1] < max(0.05 * ours[0], 1000 * diagram["reference_difference"])
         for name in ("scipy LSODA", "scipy odeint"):
             assert None not in diagram["comparisons"][name]["ratios"]
@@ -64,12 +82,16 @@ def test_the_former_command_says_where_to():
 def test_trials_are_those_of_the_article():
     planned = list(article_trials())
     assert len({seed for _, seed in planned}) == len(planned) == 120
-    assert Counter(scene.scene for scene, _ in planned) == {"sliding_finger": 90, "sliding_surface": 30}
+    assert Counter(scene.scene for scene, _ in planned) == {
+        "sliding_finger": 90,
+        "sliding_surface": 30,
+    }
     assert Counter(scene.slide.speed_m_s for scene, _ in planned) == {0.04: 40, 0.06: 40, 0.08: 40}
 
 
 def test_boards_in_chunks_equal_boards_at_once():
-    boards, voltage = throughput.draw_boards(AnalogBoard.from_design(ARTICLE), 300), 4 + 0.01 * np.sin(np.arange(40.0))
+    boards = throughput.draw_boards(AnalogBoard.from_design(ARTICLE), 300)
+    voltage = 4 + 0.01 * np.sin(np.arange(40.0))
     whole = simulate_board(boards, 5e-4, voltage)
     chunks = [simulate_board(part, 5e-4, voltage) for part in throughput.split_boards(boards)]
     assert [len(chunk.envelope_v) for chunk in chunks] == [256, 44]

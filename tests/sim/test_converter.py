@@ -25,7 +25,14 @@ from fingertip.sim.signal.converter import (
     simulate_quiescent_level,
     simulate_replay_level,
 )
-from fingertip.sim.signal.grid import Grid, SampleClock, Sampler, count_samples, draw_noise, open_stream
+from fingertip.sim.signal.grid import (
+    Grid,
+    SampleClock,
+    Sampler,
+    count_samples,
+    draw_noise,
+    open_stream,
+)
 from fingertip.slip.detectors.input_noise import DEVIATIONS
 from tests.designs import ARTICLE, article_design, load_article
 from tests.oracles.filter_formulas import envelope_pin_transfer, tactile_pin_transfer
@@ -40,10 +47,13 @@ GROUND_V = 1.65
 
 
 @pytest.mark.parametrize(
-    ("pin", "design"), [(ADC_TACTILE, ARTICLE), (ADC_ENVELOPE, FAST), (ADC_FILTERED, CONTROLLER)], ids=str
+    ("pin", "design"),
+    [(ADC_TACTILE, ARTICLE), (ADC_ENVELOPE, FAST), (ADC_FILTERED, CONTROLLER)],
+    ids=str,
 )
 def test_tones_have_the_gain_of_the_transfer_function(pin, design):
-    rate, interface = design.detector.sample_rate_hz, board_values(design).adc_interface
+    rate = design.detector.sample_rate_hz
+    interface = board_values(design).adc_interface
     if design is CONTROLLER:  # a suppressor lies in parallel
         interface = replace(interface, output_f=interface.output_f + SUPPRESSOR_F)
     for share in (0.01, 0.05, 0.1):
@@ -53,7 +63,8 @@ def test_tones_have_the_gain_of_the_transfer_function(pin, design):
         settled = slice(1000, 4000)  # whole periods of every tone
         gain = 2 * np.mean(out[settled] * np.exp(-turn[settled]))
         transfer = tactile_pin_transfer if pin == ADC_TACTILE else envelope_pin_transfer
-        # Straight lines between a tone's samples contain the tone and its images, which alias onto it behind the poles.
+        # Straight lines between a tone's samples contain the tone and its images, which alias onto
+        # it behind the poles.
         images = [share + k for k in range(-400, 401)]
         expected = sum(np.sinc(image) ** 2 * transfer(image * rate, interface) for image in images)
         assert gain == pytest.approx(expected, rel=1e-6)
@@ -80,9 +91,13 @@ def test_converter_from_zero_has_one_sided_range():
 
 
 def test_software_computes_the_envelope_from_the_samples_of_the_filtered_signal():
-    """Against the difference equation, in any chunks; a board with an envelope leaves it as it is sampled."""
+    """Against the difference equation, in any chunks; a board with
+    an envelope leaves it as it is sampled.
+    """
     volts = np.random.default_rng(2).normal(0.0, 0.5, 300)
-    pole, expected, envelope = np.exp(-2 * np.pi * 36.17 / 2000), [], 0.0
+    pole = np.exp(-2 * np.pi * 36.17 / 2000)
+    expected = []
+    envelope = 0.0
     for v in volts:
         envelope = pole * envelope + (1 - pole) * max(v, 0.0)
         expected.append(envelope)
@@ -92,14 +107,22 @@ def test_software_computes_the_envelope_from_the_samples_of_the_filtered_signal(
     found = np.concatenate([source.finish(part) for part in np.split(volts, [0, 1, 7, 150])])
     assert found == pytest.approx(np.array(expected), abs=1e-15)
     on_board = EnvelopeSource(ARTICLE)
-    assert (on_board.pin, on_board.select(-volts, volts) is volts, on_board.finish(volts) is volts) == (
-        ADC_ENVELOPE, True, True,
-    )  # fmt: skip
+    assert (
+        on_board.pin,
+        on_board.select(-volts, volts) is volts,
+        on_board.finish(volts) is volts,
+    ) == (
+        ADC_ENVELOPE,
+        True,
+        True,
+    )
 
 
 @pytest.mark.full
 def test_filtered_signal_is_sampled_around_the_signal_ground():
-    """Slip shows in S in many steps of 12 bits, while T has steps of 0.8 mV for some millivolts of vibration."""
+    """Slip shows in S in many steps of 12 bits, while T has steps of
+    0.8 mV for some millivolts of vibration.
+    """
     outputs = ["voltage_v", "filtered_v", "sampled_filtered_v"]
     scene = SceneFile(hold={"wait_s": 0.2}, slide={"distance_m": 0.02}, outputs=outputs)
     found = run_scene(CONTROLLER, scene, 0).columns
@@ -112,14 +135,18 @@ def test_filtered_signal_is_sampled_around_the_signal_ground():
     assert np.ptp(found["sampled_filtered_v"]) > 20 * np.ptp(found["voltage_v"][-200:])
 
 
-@pytest.mark.parametrize(("longest", "refinement"), [(1.0, 1), (1.01e-4, 1), (9.9e-5, 2), (4.9e-5, 3), (1e-6, 100)])
+@pytest.mark.parametrize(
+    ("longest", "refinement"), [(1.0, 1), (1.01e-4, 1), (9.9e-5, 2), (4.9e-5, 3), (1e-6, 100)]
+)
 def test_grid_is_the_coarsest_that_is_fine_enough(longest, refinement):
     grid = Grid.finer_than(longest)
     assert grid == Grid(refinement)
     assert grid.step_s <= longest * (1 + 1e-12)
 
 
-@pytest.mark.parametrize(("duration", "rate", "count"), [(0.0, 2000.0, 1), (1.0, 2000.0, 2001), (0.00051, 2000.0, 3)])
+@pytest.mark.parametrize(
+    ("duration", "rate", "count"), [(0.0, 2000.0, 1), (1.0, 2000.0, 2001), (0.00051, 2000.0, 3)]
+)
 def test_recording_has_a_sample_at_its_end_or_after_it(duration, rate, count):
     assert count_samples(duration, rate) == count
 
@@ -137,10 +164,13 @@ def test_last_point_is_the_first_that_is_not_before_the_last_sample(rate, refine
 
 @pytest.mark.parametrize("rate", [1000.0, 2000.0, 3000.0, 2500.0, 1999.7, 20_000.0])
 def test_samples_lie_on_the_straight_line_between_points(rate):
-    grid, clock, sampler = Grid(), SampleClock(Grid(), rate), Sampler()
+    grid = Grid()
+    clock = SampleClock(Grid(), rate)
+    sampler = Sampler()
     count = grid.count_points(0.5, rate)
     values = 3.0 * grid.time_s(0, count) + 1.0
-    times, found = [], []
+    times = []
+    found = []
     for a, b in pairwise((0, 1, 2, 5, 1000, 1001, count)):
         at = clock.advance(b - a)
         times.append(at.time_s)
@@ -150,13 +180,23 @@ def test_samples_lie_on_the_straight_line_between_points(rate):
     assert np.concatenate(found) == pytest.approx(3.0 * time_s + 1.0, abs=1e-12)
 
 
-CONSTANT_FORCE = {"hold": {"mode": "grasp", "min_force_n": 1.0, "max_force_n": 1.0, "min_s": 20.0, "release": False}}
+CONSTANT_FORCE = {
+    "hold": {
+        "mode": "grasp",
+        "min_force_n": 1.0,
+        "max_force_n": 1.0,
+        "min_s": 20.0,
+        "release": False,
+    }
+}
 SETTLED = 4000
 """Number of samples after which the grasp is closed and the filter settled."""
 
 
 def simulate_hold(design: Design, *outputs: str, **sensing) -> dict[str, np.ndarray]:
-    found = run_scene(design, SceneFile(**CONSTANT_FORCE, sensing=sensing, outputs=list(outputs)), 3)
+    found = run_scene(
+        design, SceneFile(**CONSTANT_FORCE, sensing=sensing, outputs=list(outputs)), 3
+    )
     return {name: column[SETTLED:] for name, column in found.columns.items()}
 
 
@@ -170,19 +210,26 @@ def sample_v(design: Design, voltage_v: np.ndarray, seed: int) -> np.ndarray:
 def test_simulated_board_is_as_noisy_as_its_noise_budget(variant):
     """ngspice's noise analysis confirms the budget (tests/board/test_spice.py)."""
     design = load_article(VARIANT_CHANGES[variant])
-    budget = add_noise(board_circuit(board_values(design)), find_gain_bandwidth_hz(design.board)).total_v("FILTERED")
+    budget = add_noise(
+        board_circuit(board_values(design)), find_gain_bandwidth_hz(design.board)
+    ).total_v("FILTERED")
     assert budget == pytest.approx(
         {"article": 20.1e-3, "precision": 0.132e-3, "comparator": 0.098e-3}[variant], rel=0.1
     )
     filtered = simulate_hold(design, "filtered_v")["filtered_v"]
-    assert np.std(filtered) == pytest.approx(budget, rel=0.03)  # 40 000 samples of a band of a kilohertz: within 1 %
+    assert np.std(filtered) == pytest.approx(
+        budget, rel=0.03
+    )  # 40 000 samples of a band of a kilohertz: within 1 %
     assert compute_input_noise_v(design) * compute_noise_gain(design) == pytest.approx(budget)
 
 
 @pytest.mark.full
 def test_adc_adds_its_noise_behind_the_gain():
-    """The sampled voltage has the ADC's noise and steps; the board's output has them only once it is sampled."""
-    noisy, silent = (simulate_hold(ARTICLE, "voltage_v"), simulate_hold(ARTICLE, "voltage_v", noise=False))
+    """The sampled voltage has the ADC's noise and steps; the board's
+    output has them only once it is sampled.
+    """
+    noisy = simulate_hold(ARTICLE, "voltage_v")
+    silent = simulate_hold(ARTICLE, "voltage_v", noise=False)
     step = 2 * ARTICLE.detector.adc_range_v / 2**ARTICLE.detector.adc_bits
     expected = np.hypot(ARTICLE.detector.noise_v, step / np.sqrt(12))
     assert np.std(np.diff(noisy["voltage_v"])) == pytest.approx(expected * np.sqrt(2), rel=0.02)
@@ -208,6 +255,10 @@ def test_quiescent_level_is_that_of_a_scene_with_constant_force(variant):
 
 
 def test_recorded_voltage_carries_the_adc_noise_into_the_board():
-    """The board amplifies it 68 times, so that the threshold has to be higher than behind the board itself."""
+    """The board amplifies it 68 times, so that the threshold has to
+    be higher than behind the board itself.
+    """
     design = article_design(board={"variant": "precision"})
-    assert simulate_replay_level(design).threshold_v > 3 * simulate_quiescent_level(design).threshold_v
+    assert (
+        simulate_replay_level(design).threshold_v > 3 * simulate_quiescent_level(design).threshold_v
+    )

@@ -1,4 +1,6 @@
-"""Extreme cases: the table of the page, a broken kernel, kernels that once failed, and the pad by identities."""
+"""Extreme cases: the table of the page, a broken kernel, kernels
+that once failed, and the pad by identities.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ def test_page_holds_the_table_of_the_command():
     lines = (ROOT / "docs/accuracy.md").read_text().splitlines()
     begin = lines.index(f"| {' | '.join(EXTREMES)} |") + 2
     rows = [line.strip("| ").split(" | ") for line in lines[begin : begin + len(extremes.FAMILIES)]]
-    assert [row[:2] for row in rows] == [[name, against] for name, (against, *_) in extremes.FAMILIES.items()]
+    assert [row[:2] for row in rows] == [
+        [name, against] for name, (against, *_) in extremes.FAMILIES.items()
+    ]
     assert all(row[6] == "0" for row in rows)
     assert sum(int(row[2]) for row in rows) > 45_000
 
@@ -36,7 +40,10 @@ def test_page_holds_the_table_of_the_command():
 def test_kernel_that_returns_no_number_or_raises_is_wrong(monkeypatch):
     monkeypatch.setattr(extremes, "FAMILIES", {FIXED: extremes.FAMILIES[FIXED]})
     assert extremes.try_families(7)[0].is_passed  # of which 4 are of this family
-    for broken in (lambda *_: PadMotion(*3 * [np.full(extremes.STEPS + 1, math.nan)]), lambda *_: 1 / 0):
+    for broken in (
+        lambda *_: PadMotion(*3 * [np.full(extremes.STEPS + 1, math.nan)]),
+        lambda *_: 1 / 0,
+    ):
         monkeypatch.setattr(extremes.DraggedPad, "process", broken)
         (found,) = extremes.try_families(7)
         assert not found.is_passed
@@ -50,7 +57,8 @@ def test_too_many_refusals_inside_the_bounds_are_a_failure(monkeypatch):
         return 0.5
 
     monkeypatch.setattr(extremes, "FAMILIES", {"f": ("a", 1.0, refuse)})
-    few, many = extremes.try_families(20)[0], extremes.try_families(200)[0]
+    few = extremes.try_families(20)[0]
+    many = extremes.try_families(200)[0]
     assert (few.refused_inside, many.refused_inside) == (0.1, 0.01)
     assert (few.is_passed, many.is_passed, len(few.wrong)) == (False, True, 0)
     assert [*_describe_cases(few)] == ["f: 1 refused by f"]
@@ -62,11 +70,16 @@ def test_a_board_driven_by_ten_volts_comes_to_what_a_finer_tolerance_gives(numbe
 
 
 def test_bristles_that_slide_within_a_step_stay_within_sliding():
-    """The relaxation of bristles far beyond breakaway once grew by 13 % per step, up to no number."""
+    """The relaxation of bristles far beyond breakaway once grew by 13 % per step, up to
+    no number.
+    """
     mu = 1e-6
-    friction, mount, load = Friction(mu, mu, 1e-3, 1e7), Mount(0.005, 1000.0, 0.5), 2.0
+    friction = Friction(mu, mu, 1e-3, 1e7)
+    mount = Mount(0.005, 1000.0, 0.5)
+    load = 2.0
     step = admissible_step_s(friction, mount, load)
-    at, loads = 0.1 * step * np.arange(2001), np.repeat((load, 0.0), (1000, 1001))
+    at = 0.1 * step * np.arange(2001)
+    loads = np.repeat((load, 0.0), (1000, 1001))
     motion = DraggedPad(friction, mount, step).process(at, np.full_like(at, 0.1), loads)
     assert np.abs(motion.bristle_m[1:1000] * friction.sigma0 / mu - 1).max() < 0.05
     assert np.abs(motion.velocity_m_s).max() < 0.3
@@ -81,33 +94,52 @@ def test_errors_of_a_velocity_do_not_add_up(number):
 def test_motion_that_is_no_number_is_refused():
     pad = DraggedPad(Friction(0.6, 0.48), Mount(0.01, 1000.0, 0.5), 1e-4)
     far = np.array([0.0, 1e308])
-    with pytest.raises(TraceError, match=r"step_s: 0.0001 s leads to .* choose less than 5e-05 s, or use coupled"):
+    with pytest.raises(
+        TraceError, match=r"step_s: 0.0001 s leads to .* choose less than 5e-05 s, or use coupled"
+    ):
         pad.process(far, far, np.ones(2))
 
 
 @pytest.mark.full
 @pytest.mark.parametrize("number", range(60))
 def test_pad_obeys_its_identities_or_refuses(number):
-    """Twice modulus and force press alike, more force presses deeper, and force over depth has its inverse."""
+    """Twice modulus and force press alike, more force presses
+    deeper, and force over depth has its inverse.
+    """
     draw = Draw("pad", number)
     form = PadForm.of_design(Design.load(draw.choose("design", ("fsr400", "fsr402", "article"))))
     young = draw.log("modulus [MPa]", (0.01, 50.0), (1e-3, 1e3))
-    form = replace(form, young_mpa=young, poisson=0.5 - draw.log("0.5 - Poisson", (0.001, 0.1), (1e-9, 0.45)))
+    form = replace(
+        form, young_mpa=young, poisson=0.5 - draw.log("0.5 - Poisson", (0.001, 0.1), (1e-9, 0.45))
+    )
     shape = draw.choose("object", ("plate", "cylinder", "sphere"))
     radius = draw.log("radius [mm]", (1.0, 500.0), (0.5, 1e5)) if shape != "plate" else 0.0
     tilt = draw.rng.uniform(-5.0, 20.0) if draw.is_inside else draw.rng.uniform(-89.0, 89.0)
     force = draw.log("force / (modulus mm2)", (0.01, 5.0), (1e-6, 100.0)) * young
     try:
-        one, more = find_contacts(form, Pose(tilt, 0.0, shape, radius), [force, 2 * force], math.inf)
+        one, more = find_contacts(
+            form, Pose(tilt, 0.0, shape, radius), [force, 2 * force], math.inf
+        )
     except FingertipError:
         return
-    two = find_contacts(replace(form, young_mpa=2 * young), Pose(tilt, 0.0, shape, radius), [2 * force], math.inf)[0]
+    two = find_contacts(
+        replace(form, young_mpa=2 * young), Pose(tilt, 0.0, shape, radius), [2 * force], math.inf
+    )[0]
     assert two.depth_mm == pytest.approx(one.depth_mm, rel=5e-3)
     assert two.share == pytest.approx(one.share, abs=5e-3)
     assert more.depth_mm > one.depth_mm
     assert more.area_mm2 >= one.area_mm2
     assert one.share <= 1.005
     backing = Backing(0.035, draw.log("stiffness behind it [N/m]", (10.0, 1e5), (1e-3, 1e9)))
-    curve = Pad(draw.log("stiffness [N/m]", (300.0, 3e4), (1.0, 1e8)), 1e-5, (0.5,), (0.0,), 0.5, backing=backing)
+    curve = Pad(
+        draw.log("stiffness [N/m]", (300.0, 3e4), (1.0, 1e8)),
+        1e-5,
+        (0.5,),
+        (0.0,),
+        0.5,
+        backing=backing,
+    )
     forces = np.logspace(-6, 1.7, 40) if draw.is_inside else np.logspace(-12, 6, 40)
-    assert curve.force_n(np.array([curve.depth_m(f) for f in forces])) == pytest.approx(forces, rel=5e-3)
+    assert curve.force_n(np.array([curve.depth_m(f) for f in forces])) == pytest.approx(
+        forces, rel=5e-3
+    )

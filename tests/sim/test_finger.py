@@ -47,9 +47,14 @@ SCENE_OUTPUTS = SceneFile.known_outputs()
 @pytest.mark.parametrize("refinement", [1, 3])
 def test_chunks_change_no_bit_at_any_rate_with_all_interference(rate, refinement):
     design = Design(detector={"sample_rate_hz": rate}, board=DESIGN.board.model_dump())
-    tables = {"hold": {"wait_s": 0.05}, "slide": {"distance_m": 0.004}, "outputs": [*SCENE_OUTPUTS]} | EVERYTHING
+    tables = {
+        "hold": {"wait_s": 0.05},
+        "slide": {"distance_m": 0.004},
+        "outputs": [*SCENE_OUTPUTS],
+    } | EVERYTHING
     for contact in ({}, {"feedback": True}, {"bristles": "elasto_plastic"}):
-        scene, grid = SceneFile(**tables, contact=contact), Grid(refinement)
+        scene = SceneFile(**tables, contact=contact)
+        grid = Grid(refinement)
         with compiled():
             whole = run_scene(design, scene, 2, grid=grid).signals
             parts = FingerSignals.join([*SceneRun(design, scene, 2, grid).chunks(1303)])
@@ -70,48 +75,70 @@ def test_stream_needs_no_more_memory_for_a_longer_scene():
 
     with compiled():
         peak_mb(5.0)
-        short, long = peak_mb(5.0), peak_mb(30.0)
+        short = peak_mb(5.0)
+        long = peak_mb(30.0)
     assert long < 1.1 * short
 
 
 @pytest.mark.parametrize("suffix", ["csv", "npz"])
 def test_trace_in_chunks_has_the_bytes_of_the_whole(suffix, monkeypatch):
-    scene = SceneFile.load(list_bundled_files(SCENE)["contact"]).model_copy(update={"outputs": [*SCENE_OUTPUTS]})
+    scene = SceneFile.load(list_bundled_files(SCENE)["contact"]).model_copy(
+        update={"outputs": [*SCENE_OUTPUTS]}
+    )
     result = run_scene(DESIGN, scene, 1)
-    path, out = Path(f"trace.{suffix}"), io.BytesIO()
+    path = Path(f"trace.{suffix}")
+    out = io.BytesIO()
     whole = encode_trace(result.time_s, result.columns, path)
     monkeypatch.setattr("fingertip.sim.trace_file._ROWS", 999)
     writer = open_trace(out, path, [*SCENE_OUTPUTS])
     for a, b in pairwise((0, 1, 700, 5000, len(result.time_s))):
-        writer.write(result.time_s[a:b], {name: values[a:b] for name, values in result.columns.items()})
+        writer.write(
+            result.time_s[a:b], {name: values[a:b] for name, values in result.columns.items()}
+        )
     writer.close()
     assert out.getvalue() == whole
 
 
-def power_density(values: np.ndarray, rate_hz: float, length: int = 8192) -> tuple[np.ndarray, np.ndarray]:
+def power_density(
+    values: np.ndarray, rate_hz: float, length: int = 8192
+) -> tuple[np.ndarray, np.ndarray]:
     """Frequency [Hz] and one-sided power spectral density, by Welch's method."""
     window = np.hanning(length)
     parts = np.lib.stride_tricks.sliding_window_view(values, length)[:: length // 2]
-    power = (np.abs(np.fft.rfft(parts * window, axis=1)) ** 2).mean(axis=0) * 2 / (rate_hz * np.sum(window**2))
+    power = (
+        (np.abs(np.fft.rfft(parts * window, axis=1)) ** 2).mean(axis=0)
+        * 2
+        / (rate_hz * np.sum(window**2))
+    )
     return np.fft.rfftfreq(length, 1 / rate_hz), power
 
 
 def test_processes_of_pink_noise_have_the_spectrum_and_the_steady_state_of_independent_ones():
-    """Those of all octaves have the power 1 / f of independent ones, whose integral over an octave is 1 / 2."""
+    """Those of all octaves have the power 1 / f of independent
+    ones, whose integral over an octave is 1 / 2.
+    """
     decays, gains, steady = design_pink()
     per_step = np.logspace(-7, math.log10(0.5), 200)
     z = np.exp(-2j * math.pi * per_step)[:, None]
     independent = ((1 - np.square(decays)) / np.abs(1 - decays * z) ** 2).sum(axis=1)
     heard = (per_step > 2 / BASE_HZ) & (per_step < 300 / BASE_HZ)
     assert (per_step * independent)[heard] * 2 * math.log(2.0) == pytest.approx(1.0, rel=0.05)
-    assert np.abs((gains / (1 - decays * z)).sum(axis=1)) ** 2 == pytest.approx(independent, rel=1e-10)
+    assert np.abs((gains / (1 - decays * z)).sum(axis=1)) ** 2 == pytest.approx(
+        independent, rel=1e-10
+    )
     matrix = np.array([row + [0.0] * (len(steady) - len(row)) for row in steady])
-    after = np.outer(decays, decays) * (matrix @ matrix.T) + np.outer(gains, gains)  # covariance, one step later
+    after = np.outer(decays, decays) * (matrix @ matrix.T) + np.outer(
+        gains, gains
+    )  # covariance, one step later
     assert matrix @ matrix.T == pytest.approx(after, rel=1e-10)
-    first = [PinkNoise(Grid(), 1.0, open_stream(seed, "test")).process(1)[0] for seed in range(1000)]
+    first = [
+        PinkNoise(Grid(), 1.0, open_stream(seed, "test")).process(1)[0] for seed in range(1000)
+    ]
     assert np.std(first) == pytest.approx(math.sqrt(len(decays) * math.log10(2.0)), rel=0.1)
     steps = np.diff(PinkNoise(Grid(), 1.0, open_stream(1, "test")).process(20_000))
-    assert np.mean(steps**2) == pytest.approx(2 * math.log10(2.0) * (1 - np.array(decays)).sum(), rel=0.05)
+    assert np.mean(steps**2) == pytest.approx(
+        2 * math.log10(2.0) * (1 - np.array(decays)).sum(), rel=0.05
+    )
 
 
 def test_vibration_of_a_hand_lies_in_its_band():
@@ -132,8 +159,11 @@ def test_hum_has_its_harmonics():
 
 
 def test_touched_cable_hums_as_long_as_it_is_touched():
-    """50 Hz from 0.7 to 1.0 s: thirty half waves, whose RMS is the amplitude over the root of two."""
-    cable, time_s = Cable(hum_v=1e-3, at_s=0.2, duration_s=0.3), (np.arange(20_000) + 0.5) * 1e-4
+    """50 Hz from 0.7 to 1.0 s: thirty half waves, whose RMS is the amplitude over the
+    root of two.
+    """
+    cable = Cable(hum_v=1e-3, at_s=0.2, duration_s=0.3)
+    time_s = (np.arange(20_000) + 0.5) * 1e-4
     volts, jumps = compute_cable_v(cable, 0.5, time_s, 1e-4)
     touched = slice(7000, 10_000)
     assert (np.flatnonzero(volts)[[0, -1]] == [7000, 9999]).all()
@@ -144,7 +174,8 @@ def test_touched_cable_hums_as_long_as_it_is_touched():
 
 def test_touched_cable_jumps_at_both_ends_and_each_jump_decays():
     """Up at 0.7 s and down at 1.0 s by 10 mV, of which 1/e is left after 50 ms."""
-    cable, time_s = Cable(step_v=0.01, decay_s=0.05, at_s=0.2, duration_s=0.3), (np.arange(2000) + 0.5) * 1e-3
+    cable = Cable(step_v=0.01, decay_s=0.05, at_s=0.2, duration_s=0.3)
+    time_s = (np.arange(2000) + 0.5) * 1e-3
     volts, jumps = compute_cable_v(cable, 0.5, time_s, 1e-3)
     assert np.flatnonzero(jumps).tolist() == [700, 1000]
     assert jumps[[700, 1000]] == pytest.approx([0.01, -0.01], rel=0.02)
@@ -154,7 +185,9 @@ def test_touched_cable_jumps_at_both_ends_and_each_jump_decays():
 
 def test_amplifier_drifts_by_its_rate():
     """2 mV/s: 5 mV after 2.5 s, also across two chunks, and nothing else."""
-    source = InterferenceSource(Grid(), Drift(volt_per_s=2e-3), Cable(), Noise(), 0.0, partial(open_stream, 1))
+    source = InterferenceSource(
+        Grid(), Drift(volt_per_s=2e-3), Cable(), Noise(), 0.0, partial(open_stream, 1)
+    )
     volts = np.concatenate([source.process(np.ones(12_500))[0] for _ in range(2)])
     assert volts[[0, 12_500]] == pytest.approx([0.0, 2.5e-3])
     assert np.ptp(np.diff(volts)) < 1e-15
@@ -162,7 +195,10 @@ def test_amplifier_drifts_by_its_rate():
 
 def test_hand_vibration_needs_contact():
     scene = SceneFile(
-        hold={"wait_s": 0.2}, noise={"hand_v": 5e-3}, sensing={"noise": False}, outputs=["tactile_v", "force_n"]
+        hold={"wait_s": 0.2},
+        noise={"hand_v": 5e-3},
+        sensing={"noise": False},
+        outputs=["tactile_v", "force_n"],
     )
     found = run_scene(Design(), scene, 0).columns
     air = found["force_n"] == 0.0
@@ -171,20 +207,28 @@ def test_hand_vibration_needs_contact():
 
 
 def test_average_over_the_patch_is_the_pressure_weighted_mean():
-    """Against a sum over the disc; tests/sim/test_materials.py compares scenes with and without it."""
+    """Against a sum over the disc; tests/sim/test_materials.py compares scenes with and
+    without it.
+    """
     pad = Pad.from_design(Design())
     radius = pad.patch_radius_m(1.0)
     (contact,) = find_contacts(PadForm.of_design(Design()), REFERENCE_POSE, [1.0])
-    assert radius == pytest.approx(1e-3 * math.sqrt(contact.area_mm2 / math.pi), rel=0.02)  # whole cells
+    assert radius == pytest.approx(
+        1e-3 * math.sqrt(contact.area_mm2 / math.pi), rel=0.02
+    )  # whole cells
     x, y = np.meshgrid(np.linspace(-1, 1, 801), np.linspace(-1, 1, 801))
     weight = np.sqrt(np.clip(1 - x * x - y * y, 0.0, None))
     for wavelength in (0.2e-3, 0.8e-3, 3e-3, 50e-3):
         u = 2 * math.pi * radius / wavelength
-        assert average_over_patch(u) == pytest.approx((weight * np.cos(u * x)).sum() / weight.sum(), abs=2e-3)
+        assert average_over_patch(u) == pytest.approx(
+            (weight * np.cos(u * x)).sum() / weight.sum(), abs=2e-3
+        )
 
 
 def test_stick_slip_lets_the_pad_stop_during_a_slide():
-    scene = Trial("medium", 0.04, 2.0, 1).scene.model_copy(update={"outputs": ["velocity_m_s", "slip"]})
+    scene = Trial("medium", 0.04, 2.0, 1).scene.model_copy(
+        update={"outputs": ["velocity_m_s", "slip"]}
+    )
     still = []
     for stick_slip in (False, True):
         contact = scene.contact.model_copy(update={"stick_slip": stick_slip})

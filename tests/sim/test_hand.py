@@ -1,4 +1,6 @@
-"""Hand and object: motors and forces against closed forms and scipy, and what a controller sees and commands."""
+"""Hand and object: motors and forces against closed forms and scipy,
+and what a controller sees and commands.
+"""
 
 from __future__ import annotations
 
@@ -40,13 +42,16 @@ def test_motors_follow_with_lag_and_limited_velocity():
     assert closing[0] == pytest.approx(0.02 * (1 - np.exp(-np.arange(1, 401) * H / 0.05)), rel=1e-9)
     slow = make_motors(("thumb", "index"), lag_s=0.005, rate_m_s=0.05)
     motion = slow.follow(np.full((2, 1200), 0.02))
-    closing, shaking = motion.closing_m, motion.vibration_n
+    closing = motion.closing_m
+    shaking = motion.vibration_n
     assert np.diff(closing[0])[:300] == pytest.approx(0.05 * H)
     turns = np.flatnonzero((shaking[0][:-1] < 0) & (shaking[0][1:] >= 0))
     assert np.diff(turns[:8]).mean() * H == pytest.approx(1 / 45, rel=0.03)
     assert np.abs(shaking).max() == pytest.approx(0.01, rel=0.01)
     assert closing[0][-1] == pytest.approx(0.02, abs=2e-9)
-    assert not slow.follow(np.full((2, 400), 0.02)).vibration_n[:, 300:].any()  # a motor at rest does not vibrate
+    assert (
+        not slow.follow(np.full((2, 400), 0.02)).vibration_n[:, 300:].any()
+    )  # a motor at rest does not vibrate
 
 
 def test_ring_and_little_finger_share_a_motor():
@@ -63,8 +68,10 @@ def test_thumb_force_equals_the_sum_of_the_finger_forces():
     for _ in range(20):
         goal = 0.03 + rng.uniform(-0.01, 0.05, 5)
         motion = hand.follow(np.repeat(goal[:, None], 300, axis=1))
-        closing, force = motion.closing_m, motion.force_n
-        F, depth = force[:, -1], closing[:, -1] - 0.03
+        closing = motion.closing_m
+        force = motion.force_n
+        F = force[:, -1]
+        depth = closing[:, -1] - 0.03
         assert F[0] == pytest.approx(F[1:].sum(), abs=1e-9)
         if F[0] == 0.0:
             assert depth[0] + depth[1:].max() <= 1e-6
@@ -79,17 +86,22 @@ def test_thumb_force_equals_the_sum_of_the_finger_forces():
 def test_planned_closing_gives_its_force_and_tendon_stalls_at_the_limit():
     hand = make_motors(("thumb", "index"), lag_s=0.001, rate_m_s=1.0)
     goal = 0.03 + PAD.depth_m(1.7)
-    assert hand.follow(np.full((2, 300), goal)).force_n[:, -1] == pytest.approx([1.7, 1.7], abs=1e-6)
+    assert hand.follow(np.full((2, 300), goal)).force_n[:, -1] == pytest.approx(
+        [1.7, 1.7], abs=1e-6
+    )
     weak = make_motors(("thumb", "index"), lag_s=0.001, rate_m_s=1.0, max_force_n=2.0)
     assert weak.follow(np.full((2, 600), 1.0)).force_n[:, -1] == pytest.approx([2.0, 2.0], abs=1e-6)
 
 
 def move_object(seconds: float, step_s: float, loads, mass=0.1, weight=0.98, pin=None, leaves=1.0):
-    count, length = len(loads), round(seconds / step_s)
+    count = len(loads)
+    length = round(seconds / step_s)
     time = np.arange(length + 1) * step_s
     pin_m, pin_m_s = (np.full(length + 1, -1.0), np.zeros(length + 1)) if pin is None else pin(time)
     mounts = (Mount(PAD.backing.mass_kg, 6000.0, 2.0),) * count
-    held = HeldObject(Friction(0.7, 0.56), mounts, mass, leaves, Pin(2000.0, 5.0, pin is pull_motion, 0.1))
+    held = HeldObject(
+        Friction(0.7, 0.56), mounts, mass, leaves, Pin(2000.0, 5.0, pin is pull_motion, 0.1)
+    )
     weights = weight * np.minimum(time / 0.05, 1.0) if weight else np.zeros(length + 1)
     load_n = np.repeat(np.array(loads)[:, None], length + 1, axis=1)
     found = Grasp(held, step_s, 1).advance(load_n, weights, pin_m, pin_m_s)
@@ -109,7 +121,9 @@ def test_released_object_falls():
     time, moved, *_ = move_object(0.3, 1.25e-4, [0.0, 0.0])
     late = time > 0.05
     # The weight rises for 0.05 s. After that the position is g (t^2 - 0.05 t + 0.05^2 / 3) / 2.
-    assert moved[late] == pytest.approx(4.9 * (time[late] ** 2 - 0.05 * time[late] + 0.05**2 / 3), abs=2e-8)
+    assert moved[late] == pytest.approx(
+        4.9 * (time[late] ** 2 - 0.05 * time[late] + 0.05**2 / 3), abs=2e-8
+    )
 
 
 def pin_motion(time):
@@ -125,8 +139,13 @@ def pull_motion(time):
 def rates(t, y, loads, mass, weight, pin=pin_motion):
     """The equations of `grasp_loop`, written as plainly as possible."""
     n = len(loads)
-    x, v, s, X, V = y[:n], y[n : 2 * n], y[2 * n : 3 * n], y[-2], y[-1]
-    w, c = v - V, 1 / np.sqrt(loads + LOAD_SCALE_N)
+    x = y[:n]
+    v = y[n : 2 * n]
+    s = y[2 * n : 3 * n]
+    X = y[-2]
+    V = y[-1]
+    w = v - V
+    c = 1 / np.sqrt(loads + LOAD_SCALE_N)
     g = 0.56 + 0.14 / (1 + (w / 0.005) ** 2)
     ds = loads * c * (w - 25e3 * np.abs(w) * c * s / g)
     mu = 25e3 * c * s + 2.0 * c * ds + 0.6 * w
@@ -146,7 +165,9 @@ def test_every_step_is_ros2_with_the_full_jacobian(pin):
 
     The method keeps its order with any other Jacobian, so only this test detects a wrong one.
     """
-    loads, h, g = np.array([0.8, 0.5, 0.3]), 1e-3, 1 - 1 / math.sqrt(2)
+    loads = np.array([0.8, 0.5, 0.3])
+    h = 1e-3
+    g = 1 - 1 / math.sqrt(2)
     steps = 150  # beyond the impact of the pin, into the slide
     y = np.zeros(11)
     for i in range(steps):
@@ -157,7 +178,8 @@ def test_every_step_is_ros2_with_the_full_jacobian(pin):
         lower = [2 * y - up for up in nudged]
         J = np.stack(
             [
-                (rates(t, up, loads, 0.1, 0.98, pin) - rates(t, low, loads, 0.1, 0.98, pin)) / (2 * size[j])
+                (rates(t, up, loads, 0.1, 0.98, pin) - rates(t, low, loads, 0.1, 0.98, pin))
+                / (2 * size[j])
                 for j, (up, low) in enumerate(zip(nudged, lower, strict=True))
             ],
             axis=1,
@@ -178,7 +200,14 @@ def test_every_step_is_ros2_with_the_full_jacobian(pin):
     [
         {"object": {"mass_kg": 0.005}, "grasp": {"force_n": 15.0}},
         {"object": {"mass_kg": 5.0}, "grasp": {"force_n": 0.01}},
-        {"knock": {"stiffness_n_per_m": 1e5, "speed_m_s": 0.2, "stroke_m": 0.1, "damping_s_per_m": 20.0}},
+        {
+            "knock": {
+                "stiffness_n_per_m": 1e5,
+                "speed_m_s": 0.2,
+                "stroke_m": 0.1,
+                "damping_s_per_m": 20.0,
+            }
+        },
         {"hand": {"lag_s": 0.001, "rate_m_s": 1.0, "delay_s": 0.0, "period_s": 0.0005}},
         {"object": {"mass_kg": 0.005}, "knock": {"stiffness_n_per_m": 1e5, "damping_s_per_m": 0.0}},
     ],
@@ -187,11 +216,16 @@ def test_every_step_is_ros2_with_the_full_jacobian(pin):
 def test_extreme_parameters_give_bounded_motion(tables):
     """Nothing moves faster than the pin or a free fall over the length of the object."""
     quick = {"close_s": 0.05, "settle_s": 0.0, "let_go_s": 0.05, "after_s": 0.2}
-    tables = tables | {"grasp": quick | tables.get("grasp", {}), "knock": {"at_s": 0.1} | tables.get("knock", {})}
+    tables = tables | {
+        "grasp": quick | tables.get("grasp", {}),
+        "knock": {"at_s": 0.1} | tables.get("knock", {}),
+    }
     scene = ManipulationFile(**tables, outputs=["force_n", "velocity_m_s", "object_m", "pin_n"])
     result = run_manipulation(Design(), scene, None, 1)
     assert all(np.isfinite(signal).all() for signal in result.columns.values())
-    assert np.abs(result.output("velocity_m_s")).max() < 2 * scene.knock.speed_m_s + math.sqrt(2 * 9.81 * 0.05)
+    assert np.abs(result.output("velocity_m_s")).max() < 2 * scene.knock.speed_m_s + math.sqrt(
+        2 * 9.81 * 0.05
+    )
 
 
 DESIGN = Design()
@@ -202,29 +236,47 @@ QUICK = {"close_s": 0.3, "settle_s": 0.2, "after_s": 1.0}
 
 @pytest.fixture(autouse=True)
 def _fast():
-    """Run compiled loops where numba is installed; test_report.py checks that they give the same bits."""
+    """Run compiled loops where numba is installed;
+    test_report.py checks that they give the same bits.
+    """
     with compiled():
         yield
 
 
 def make_scene(**tables) -> ManipulationFile:
     """A short manipulation without spread of the friction, with these tables."""
-    tables = {name: dict(table) if isinstance(table, dict) else table for name, table in tables.items()}
+    tables = {
+        name: dict(table) if isinstance(table, dict) else table for name, table in tables.items()
+    }
     tables["grasp"] = QUICK | tables.get("grasp", {})
     tables["object"] = {"friction_spread": 0.0} | tables.get("object", {})
     return ManipulationFile(**tables)
 
 
 @pytest.mark.parametrize(("delay_s", "rate_hz"), [(0.0, 2000), (0.015, 10_000), (0.0333, 2000)])
-def test_a_controller_sees_every_sample_once_and_its_commands_give_what_they_give_in_advance(delay_s, rate_hz):
-    """Whatever part of the future is computed before a command is known, and whatever it does to what it sees."""
-    seen, commands = [], []
+def test_a_controller_sees_every_sample_once_and_its_commands_give_what_they_give_in_advance(
+    delay_s, rate_hz
+):
+    """Whatever part of the future is computed before a command is
+    known, and whatever it does to what it sees.
+    """
+    seen = []
+    commands = []
 
     class ReactingController:
         def step(self, observation):
-            arrays = {name: array for name, array in vars(observation).items() if isinstance(array, np.ndarray)}
-            seen.append({name: array.copy() for name, array in arrays.items()} | {"time_s": observation.time_s})
-            commands.append(observation.planned_m + 0.1 * abs(observation.voltage_v[:, -1] - 2.5) * 1e-3)
+            arrays = {
+                name: array
+                for name, array in vars(observation).items()
+                if isinstance(array, np.ndarray)
+            }
+            seen.append(
+                {name: array.copy() for name, array in arrays.items()}
+                | {"time_s": observation.time_s}
+            )
+            commands.append(
+                observation.planned_m + 0.1 * abs(observation.voltage_v[:, -1] - 2.5) * 1e-3
+            )
             for array in arrays.values():
                 array[...] = 99.0
             return commands[-1]
@@ -233,7 +285,8 @@ def test_a_controller_sees_every_sample_once_and_its_commands_give_what_they_giv
     scene = make_scene(grasp={"kind": "pinch"}, hand={"delay_s": delay_s}, outputs=outputs)
     design = Design(detector={"sample_rate_hz": rate_hz})
     result = run_manipulation(design, scene, ReactingController(), 1)
-    signals, plan = result.signals, result.plan
+    signals = result.signals
+    plan = result.plan
     period, delay = scene.hand.count_points(BASE_HZ)
     count = Grid().count_points(plan.duration_s, design.detector.sample_rate_hz) - 1
     stepper = ManipulationStepper(design, scene, plan, PAD, 1, frozenset(outputs), Grid())
@@ -242,27 +295,40 @@ def test_a_controller_sees_every_sample_once_and_its_commands_give_what_they_giv
     assert len(commands) == math.ceil(count / period)
     # What moves the motors up to a sample was commanded one delay before, or nothing yet.
     at = np.ceil((signals.time_s - delay_s) / 0.01 - 1e-6).astype(int) - 1
-    assert np.array_equal(signals.command_m, np.where(at < 0, 0.0, np.array(commands).T[:, np.maximum(at, 0)]))
+    assert np.array_equal(
+        signals.command_m, np.where(at < 0, 0.0, np.array(commands).T[:, np.maximum(at, 0)])
+    )
     for name in (*outputs, "object_m", "closing_m"):
         assert np.array_equal(signals.find(name), whole.find(name)), name
-    rows, each_time = {name: [each[name] for each in seen] for name in seen[0]}, rate_hz // 100
+    rows = {name: [each[name] for each in seen] for name in seen[0]}
+    each_time = rate_hz // 100
     assert set(rows) == {"time_s", "voltage_v", "closing_m", "planned_m", "envelope_v"}
     assert rows["time_s"] == pytest.approx(0.01 * np.arange(len(seen)))
-    assert np.array_equal(np.stack(rows["planned_m"], axis=1), plan.planned_m(np.array(rows["time_s"])))
-    assert np.array_equal(np.stack(rows["closing_m"], axis=1), signals.closing_m[:, ::each_time][:, : len(seen)])
+    assert np.array_equal(
+        np.stack(rows["planned_m"], axis=1), plan.planned_m(np.array(rows["time_s"]))
+    )
+    assert np.array_equal(
+        np.stack(rows["closing_m"], axis=1), signals.closing_m[:, ::each_time][:, : len(seen)]
+    )
     for name, field in (("voltage_v", "voltage_v"), ("envelope_v", "sampled_envelope_v")):
         found = np.concatenate(rows[name], axis=1)
-        assert np.array_equal(found, signals.find(field)[:, : each_time * (len(seen) - 1) + 1]), name
+        assert np.array_equal(found, signals.find(field)[:, : each_time * (len(seen) - 1) + 1]), (
+            name
+        )
     assert np.abs(found - signals.find("envelope_v")[:, : found.shape[1]]).max() > 1e-3
 
 
 def test_weight_shears_the_pad_and_reduces_the_sensor_reading():
     scene = make_scene(
-        grasp={"force_n": 10.0, "kind": "pinch"}, object={"mass_kg": 0.5}, knock={"speed_m_s": 0.0, "at_s": 0.5}
+        grasp={"force_n": 10.0, "kind": "pinch"},
+        object={"mass_kg": 0.5},
+        knock={"speed_m_s": 0.0, "at_s": 0.5},
     )
     result = run_manipulation(DESIGN, scene, None, 1)
     before = result.time_s < result.plan.released_s - scene.grasp.let_go_s
-    held = [result.output("voltage_v")[0][flags][-200:].mean() for flags in (before, result.time_s > 0)]
+    held = [
+        result.output("voltage_v")[0][flags][-200:].mean() for flags in (before, result.time_s > 0)
+    ]
     weight = np.array([0.5 * 9.80665 / 2])
 
     def voltage(shear_n):
@@ -276,7 +342,10 @@ def test_weight_shears_the_pad_and_reduces_the_sensor_reading():
 def test_knock_frees_a_marginal_grip_and_not_a_firm_one():
     loose, firm = (
         run_manipulation(
-            DESIGN, make_scene(grasp={"min_margin": m, "max_margin": m}, outputs=["slip", "object_m"]), None, 1
+            DESIGN,
+            make_scene(grasp={"min_margin": m, "max_margin": m}, outputs=["slip", "object_m"]),
+            None,
+            1,
         )
         for m in (1.15, 1.6)
     )
@@ -291,8 +360,11 @@ def test_knock_frees_a_marginal_grip_and_not_a_firm_one():
 def test_manipulations_of_the_article():
     found = list(article_manipulations())
     assert [(s.object.mass_kg, s.grasp.kind) for s, _ in found[::3]] == [
-        (0.5, "power"), (0.255, "power"), (0.06, "pinch"), (0.02, "pinch"),
-    ]  # fmt: skip
+        (0.5, "power"),
+        (0.255, "power"),
+        (0.06, "pinch"),
+        (0.02, "pinch"),
+    ]
     assert [seed for _, seed in found] == list(range(12))
     assert {s.knock.speed_m_s for s, _ in found} == {0.08}
     assert {len(s.fingers) for s, _ in found} == {5, 2}
@@ -300,14 +372,21 @@ def test_manipulations_of_the_article():
 
 def test_robot_pulls_the_object_one_second_after_the_voltage_of_the_thumb_has_changed():
     design = Design(detector={"noise_v": 0.0, "adc_bits": 24})
-    file, outputs = ROOT / "params/scenes/tri_digital.toml", '["voltage_v", "force_n", "slip", "object_m", "pin_n"]'
-    run = run_manipulation(design, ManipulationFile.load(file, changes=["sensing.noise=false", f"outputs={outputs}"]))
+    file = ROOT / "params/scenes/tri_digital.toml"
+    outputs = '["voltage_v", "force_n", "slip", "object_m", "pin_n"]'
+    run = run_manipulation(
+        design, ManipulationFile.load(file, changes=["sensing.noise=false", f"outputs={outputs}"])
+    )
     assert run.fingers == ("thumb", "index", "middle")
-    volts, moves_s = run.output("voltage_v")[0], run.plan.knock_s
+    volts = run.output("voltage_v")[0]
+    moves_s = run.plan.knock_s
     changes_s = run.time_s[np.flatnonzero(np.abs(volts - volts[0]) >= 0.01)[0]]
-    assert moves_s - 1.0 == pytest.approx(changes_s, abs=3e-3)  # the poles ahead of the ADC, and the contact, lag
+    assert moves_s - 1.0 == pytest.approx(
+        changes_s, abs=3e-3
+    )  # the poles ahead of the ADC, and the contact, lag
     assert 0.5 <= run.force_n <= 3.5
-    before, slides = run.time_s < moves_s, (run.time_s > moves_s + 0.1) & (run.time_s < moves_s + 1.0)
+    before = run.time_s < moves_s
+    slides = (run.time_s > moves_s + 0.1) & (run.time_s < moves_s + 1.0)
     assert not run.output("slip")[:, before].any()
     assert run.output("slip")[:, slides].all()
     assert run.output("object_m")[-1] == pytest.approx(0.04, abs=3e-4)  # the arm yields
@@ -325,13 +404,18 @@ def test_without_a_drop_the_robot_waits_for_the_hand(trigger_v):
 
 
 def test_object_that_yields_takes_more_closing_for_the_same_force():
-    scenes = [make_scene(grasp={"kind": "tri"}, object={"stiffness_n_per_m": k}) for k in (0.0, 3000.0, 1e6)]
+    scenes = [
+        make_scene(grasp={"kind": "tri"}, object={"stiffness_n_per_m": k})
+        for k in (0.0, 3000.0, 1e6)
+    ]
     rigid, soft, hard = (plan_motion(DESIGN, scene, PAD, 1) for scene in scenes)
     assert np.array_equal(soft.force_n, rigid.force_n)
     assert soft.goal_m - rigid.goal_m == pytest.approx(rigid.force_n / 3000)
     assert hard.goal_m == pytest.approx(rigid.goal_m, abs=2e-5)
     outputs = frozenset({"force_n"})
-    steppers = [ManipulationStepper(DESIGN, scenes[1], soft, PAD, 1, outputs, Grid()) for _ in range(2)]
+    steppers = [
+        ManipulationStepper(DESIGN, scenes[1], soft, PAD, 1, outputs, Grid()) for _ in range(2)
+    ]
     for stepper, goal in zip(steppers, (soft.goal_m, rigid.goal_m), strict=True):
         stepper.advance(np.repeat(goal[:, None], 8000, axis=1))
     full, short = (stepper.chunks[-1].find("force_n")[0, -1] for stepper in steppers)
@@ -340,7 +424,9 @@ def test_object_that_yields_takes_more_closing_for_the_same_force():
 
 
 def test_seed_determines_the_result():
-    scene = make_scene(grasp={"kind": "pinch", "after_s": 0.0}, object={"mass_kg": 0.2, "friction_spread": 0.05})
+    scene = make_scene(
+        grasp={"kind": "pinch", "after_s": 0.0}, object={"mass_kg": 0.2, "friction_spread": 0.05}
+    )
     one, again, other = (run_manipulation(DESIGN, scene, None, seed) for seed in (1, 1, 2))
     assert np.array_equal(one.output("voltage_v"), again.output("voltage_v"))
     assert one.force_n != other.force_n
@@ -351,8 +437,10 @@ def test_an_object_that_no_hand_holds_is_refused_with_remedies_that_pass():
     """They were rounded down, or above what a hand may have."""
     tables = {"object": {"mass_kg": 5.0}, "grasp": {"max_margin": 20.0}, "hand": {}}
     for table, name, remedy in (
-        ("object", "mass_kg", "at most 0.713 kg"), ("hand", "max_force_n", "at least 99.9 N"), ("", "--seed", "0")
-    ):  # fmt: skip
+        ("object", "mass_kg", "at most 0.713 kg"),
+        ("hand", "max_force_n", "at least 99.9 N"),
+        ("", "--seed", "0"),
+    ):
         with pytest.raises(TraceError, match=remedy) as caught:
             run_manipulation(DESIGN, make_scene(**tables), None, -1)
         assert caught.value.issues[-1].field == f"{table}.{name}".removeprefix(".")
@@ -367,5 +455,12 @@ def test_a_friction_that_holds_no_object_is_refused_with_the_least_that_does():
         run_manipulation(DESIGN, make_scene(surface=friction, grasp={"max_margin": 20.0}), None, 1)
     given = dict(re.findall(r"(\w+)=([\d.e-]+)", caught.value.issues[0].message))
     held_by = {name: float(given[name]) for name in friction}
-    held = make_scene(surface=held_by, grasp={"max_margin": 20.0}, object={"mass_kg": float(given["mass_kg"])})
-    assert 0.99 < thumb_force_n(held, 1.0) / Hand.model_json_schema()["properties"]["max_force_n"]["maximum"] <= 1.0
+    held = make_scene(
+        surface=held_by, grasp={"max_margin": 20.0}, object={"mass_kg": float(given["mass_kg"])}
+    )
+    assert (
+        0.99
+        < thumb_force_n(held, 1.0)
+        / Hand.model_json_schema()["properties"]["max_force_n"]["maximum"]
+        <= 1.0
+    )

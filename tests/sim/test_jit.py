@@ -11,7 +11,13 @@ import numpy as np
 import pytest
 
 from fingertip.foundation import jit
-from fingertip.foundation.jit import LOAD_S, CompiledLoop, MutableFloats, compile_for_process, compiled
+from fingertip.foundation.jit import (
+    LOAD_S,
+    CompiledLoop,
+    MutableFloats,
+    compile_for_process,
+    compiled,
+)
 
 
 def _double(values, out: MutableFloats):
@@ -36,7 +42,8 @@ def test_plain_loop_receives_lists_and_fills_arrays():
         received.append((type(values), type(out)))
         out[0] = factor * values[1]
 
-    values, out = np.array([1.0, 2.0]), np.zeros(2)
+    values = np.array([1.0, 2.0])
+    out = np.zeros(2)
     make_loop(loop)(values, 3.0, out)
     assert received == [(list, list)]
     assert out.tolist() == [6.0, 0.0]
@@ -45,7 +52,8 @@ def test_plain_loop_receives_lists_and_fills_arrays():
 
 def test_block_compiles_its_loops():
     pytest.importorskip("numba")
-    loop, out = make_loop(), np.zeros(3)
+    loop = make_loop()
+    out = np.zeros(3)
     loop(np.ones(3), out)
     assert loop._compiled is None
     for _ in range(2):
@@ -74,7 +82,10 @@ def test_loop_compiles_from_its_break_even_on():
 def test_state_in_lists_carries_over_from_plain_to_compiled():
     pytest.importorskip("numba")
     values = np.random.default_rng(0).normal(size=300)
-    loop, total, first, second = make_loop(_accumulate), [0.0], np.zeros(100), np.zeros(200)
+    loop = make_loop(_accumulate)
+    total = [0.0]
+    first = np.zeros(100)
+    second = np.zeros(200)
     loop(values[:100], total, first)
     with compiled():
         loop(values[100:].tolist(), total, second)
@@ -100,13 +111,25 @@ def test_cache_follows_a_helper_of_another_file(tmp_path):
     pytest.importorskip("numba")
     (tmp_path / "factor.py").write_text("def scale(x):\n    return 2 * x\n")
     (tmp_path / "factor_loop.py").write_text(
-        "import numpy as np\nfrom factor import scale\nfrom fingertip.foundation.jit import CompiledLoop, compiled\n"
-        "def loop(values, out: 'MutableFloats'):\n    for i in range(len(values)):\n        out[i] = scale(values[i])\n"
+        "import numpy as np\nfrom factor import scale\nfrom fingertip.foundation.jit import "
+        "CompiledLoop, compiled\n"
+        "def loop(values, out: 'MutableFloats'):\n    for i in range(len(values)):\n        "
+        "out[i] = scale(values[i])\n"
         "out = np.zeros(1)\nwith compiled():\n"
-        "    CompiledLoop(loop, scale, samples='values', plain_us=1e3)(np.ones(1), out)\nprint(out[0])\n"
+        "    CompiledLoop(loop, scale, samples='values', plain_us=1e3)(np.ones(1), "
+        "out)\nprint(out[0])\n"
     )
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path]), "NUMBA_CACHE_DIR": ""}
-    run = partial(subprocess.check_output, [sys.executable, "factor_loop.py"], cwd=tmp_path, env=environment, text=True)
+    environment = os.environ | {
+        "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path]),
+        "NUMBA_CACHE_DIR": "",
+    }
+    run = partial(
+        subprocess.check_output,
+        [sys.executable, "factor_loop.py"],
+        cwd=tmp_path,
+        env=environment,
+        text=True,
+    )
     assert [run(), run()] == ["2.0\n", "2.0\n"]
     (tmp_path / "factor.py").write_text("def scale(x):\n    return 3 * x + 0 * x\n")
     assert run() == "3.0\n"

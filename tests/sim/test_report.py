@@ -1,4 +1,6 @@
-"""Short simulations with every effect: compiled and plain loops give the same bits, and what is said is approved."""
+"""Short simulations with every effect: compiled and plain loops give
+the same bits, and what is said is approved.
+"""
 
 from __future__ import annotations
 
@@ -43,16 +45,27 @@ EVENTS: dict[str, Any] = {
 CONTACT = ["force_n", "slip", "velocity_m_s", "shear_m"]
 STICKY = {"patch_average": True, "stick_slip": True, "surface": "wood"}
 SCENES: dict[str, tuple[str, dict[str, Any]]] = {
-    "slide with everything": ("comparator", SLIDE | EVERYTHING | {"outputs": [*SceneFile.known_outputs()]}),
-    "slide with feedback": (
-        "article", SLIDE | {"contact": {"feedback": True, "bristles": "elasto_plastic"}, "outputs": CONTACT},
+    "slide with everything": (
+        "comparator",
+        SLIDE | EVERYTHING | {"outputs": [*SceneFile.known_outputs()]},
     ),
-    "slide with stick-slip": ("article", SLIDE | {"contact": STICKY, "outputs": [*CONTACT, "envelope_v"]}),
+    "slide with feedback": (
+        "article",
+        SLIDE | {"contact": {"feedback": True, "bristles": "elasto_plastic"}, "outputs": CONTACT},
+    ),
+    "slide with stick-slip": (
+        "article",
+        SLIDE | {"contact": STICKY, "outputs": [*CONTACT, "envelope_v"]},
+    ),
     "events": ("article", EVENTS | {"scene": "events"}),
-}  # fmt: skip
+}
 QUICK = {"close_s": 0.1, "settle_s": 0.05, "let_go_s": 0.1, "after_s": 0.15}
 HANDS: dict[str, dict[str, Any]] = {
-    "pinch that is knocked": {"grasp": {"kind": "pinch", **QUICK}, "knock": {"at_s": 0.05}, **EVERYTHING},
+    "pinch that is knocked": {
+        "grasp": {"kind": "pinch", **QUICK},
+        "knock": {"at_s": 0.05},
+        **EVERYTHING,
+    },
     "power grasp": {
         "outputs": ["voltage_v", "force_n", "slip", "object_m"],
         "grasp": QUICK,
@@ -81,15 +94,23 @@ def test_simulation_is_the_approved_one_compiled_or_not(name: str) -> None:
     grips: dict[str, Any] = {}
     if name in SCENES:
         board, tables = SCENES[name]
-        run, scene = run_scene, SceneFile(**tables)
+        run = run_scene
+        scene = SceneFile(**tables)
     else:
-        board, run = "comparator", lambda design, hand, seed: run_manipulation(design, hand, None, seed)
+        board = "comparator"
+
+        def run(design: Any, hand: Any, seed: int) -> Any:
+            return run_manipulation(design, hand, None, seed)
+
         scene = ManipulationFile(**({"outputs": [*ManipulationFile.known_outputs()]} | HANDS[name]))
         grips = {"grips_s": (0.25, 0.5) if "pinch" in name else ()}
     plain = run(BOARDS[board], scene, 4)
     with compiled():
         fast = run(BOARDS[board], scene, 4)
-    assert all(plain.columns[column].tobytes() == fast.columns[column].tobytes() for column in plain.columns)
+    assert all(
+        plain.columns[column].tobytes() == fast.columns[column].tobytes()
+        for column in plain.columns
+    )
     text = describe(plain, **grips)
     path = Path(__file__).with_name("approved") / f"{name.replace(' ', '_')}.txt"
     check_figures(path, text.splitlines(), 1e-3, 1e-9)
@@ -105,8 +126,12 @@ KINDS_OF_SCENES: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.parametrize("kind", [*KINDS_OF_SCENES, "hand"])
-def test_only_the_stages_that_an_output_needs_run_and_it_does_not_depend_on_others(kind: str) -> None:
-    names = [name for name in SceneFile.known_outputs() if not name.startswith(("sampled", "slip_pin"))]
+def test_only_the_stages_that_an_output_needs_run_and_it_does_not_depend_on_others(
+    kind: str,
+) -> None:
+    names = [
+        name for name in SceneFile.known_outputs() if not name.startswith(("sampled", "slip_pin"))
+    ]
     names = ["slip", "object_m", "force_n", "voltage_v"] if kind == "hand" else names
 
     def run(outputs: list[str]) -> Any:
@@ -121,7 +146,9 @@ def test_only_the_stages_that_an_output_needs_run_and_it_does_not_depend_on_othe
         for name in names:
             alone = run([name])
             assert np.array_equal(alone.columns[name], full.columns[name]), name
-            told.append(f"{name}: {', '.join(f'{stage.name} {stage.states}' for stage in alone.stages)}")
+            told.append(
+                f"{name}: {', '.join(f'{stage.name} {stage.states}' for stage in alone.stages)}"
+            )
     check_text(Path(__file__).with_name("approved") / f"stages_{kind}.txt", "\n".join(told) + "\n")
 
 
@@ -135,21 +162,33 @@ def test_only_the_stages_that_an_output_needs_run_and_it_does_not_depend_on_othe
 def test_plan_names_the_stages_and_evaluations_of_the_simulation(name: str) -> None:
     simulation = load_simulation(name)
     plan = plan_simulation(simulation)
-    planned, run = ({stage.name: stage for stage in stages} for stages in (plan.stages, simulation.run().stages))
+    planned, run = (
+        {stage.name: stage for stage in stages} for stages in (plan.stages, simulation.run().stages)
+    )
     assert list(planned) == list(run)
     for stage in run.values():
         assert planned[stage.name].evaluations == pytest.approx(stage.evaluations, rel=0.02)
         assert planned[stage.name].states == stage.states
     assert {*planned, *plan.left_out} == {*STAGES}
-    assert all(f"{stage.name} " in text for stage, text in zip(plan.stages, plan.as_text()[2:], strict=False))
+    assert all(
+        f"{stage.name} " in text
+        for stage, text in zip(plan.stages, plan.as_text()[2:], strict=False)
+    )
 
 
 def test_summary_merges_slips_as_detection_does() -> None:
     time = np.arange(2000) / 2000
-    slip = ((time >= 0.1) & (time < 0.2)) | ((time >= 0.24) & (time < 0.3)) | ((time >= 0.5) & (time < 0.6))
+    slip = (
+        ((time >= 0.1) & (time < 0.2))
+        | ((time >= 0.24) & (time < 0.3))
+        | ((time >= 0.5) & (time < 0.6))
+    )
     scene = SceneFile(scene="events", outputs=["slip"])
     result = SceneRecord(scene, 0, 1.0, len(time), intervals(time, slip), (), 2000.0, Pose(), 0.6)
-    assert as_text(result)[2:] == ["gross slip from 0.1000 s to 0.3000 s", "gross slip from 0.5000 s to 0.6000 s"]
+    assert as_text(result)[2:] == [
+        "gross slip from 0.1000 s to 0.3000 s",
+        "gross slip from 0.5000 s to 0.6000 s",
+    ]
     assert len(as_data(result)["slips"]) == 3
 
 
@@ -157,14 +196,27 @@ def test_plan_says_what_a_coupled_contact_holds_and_when_a_trigger_is_found() ->
     plan = plan_simulation(load_simulation("sliding_finger", changes=["contact.feedback=true"]))
     assert not {"friction", "profile", "contact"} & {*plan.left_out}
     assert "trigger" not in plan.as_text()[-1]
-    assert "until trigger_v is reached" in plan_simulation(load_simulation("sliding_surface")).as_text()[-1]
+    assert (
+        "until trigger_v is reached"
+        in plan_simulation(load_simulation("sliding_surface")).as_text()[-1]
+    )
 
 
 def test_knock_on_an_object_that_has_left_is_not_reported() -> None:
-    grasp = {"kind": "pinch", "force_n": 5.0, "close_s": 0.1, "settle_s": 0.0, "let_go_s": 0.05, "after_s": 0.1}
+    grasp = {
+        "kind": "pinch",
+        "force_n": 5.0,
+        "close_s": 0.1,
+        "settle_s": 0.0,
+        "let_go_s": 0.05,
+        "after_s": 0.1,
+    }
     with compiled():
         result = run_manipulation(
-            Design(), ManipulationFile(object={"mass_kg": 2.0}, grasp=grasp, outputs=["object_m"]), None, 1
+            Design(),
+            ManipulationFile(object={"mass_kg": 2.0}, grasp=grasp, outputs=["object_m"]),
+            None,
+            1,
         )
     lines = as_text(result)
     assert not any(line.startswith("knock at") for line in lines)

@@ -1,4 +1,6 @@
-"""Scenes and trials: the bundled ones, the effect of each event, and how the command line loads them."""
+"""Scenes and trials: the bundled ones, the effect of each event,
+and how the command line loads them.
+"""
 
 from __future__ import annotations
 
@@ -28,13 +30,26 @@ DESIGN = ARTICLE
 SCENES = [*list_bundled_files(SCENE).values()]
 
 NOT_SLIP = {
-    "contact", "release", "load_change", "hard_tap", "motor_vibration", "drift", "cable_touch", "tremor", "servo_steps",
-    "set_down", "walking", "edge_contact",
-}  # fmt: skip
+    "contact",
+    "release",
+    "load_change",
+    "hard_tap",
+    "motor_vibration",
+    "drift",
+    "cable_touch",
+    "tremor",
+    "servo_steps",
+    "set_down",
+    "walking",
+    "edge_contact",
+}
 
 
 def load_scene(name: str, **changes) -> SceneFile:
-    return SceneFile.load(ROOT / "params" / "scenes" / f"{name}.toml", changes=[f"{k}={v}" for k, v in changes.items()])
+    return SceneFile.load(
+        ROOT / "params" / "scenes" / f"{name}.toml",
+        changes=[f"{k}={v}" for k, v in changes.items()],
+    )
 
 
 def held_s(scene: SceneFile, seed: int = 0) -> float:
@@ -54,10 +69,14 @@ def test_bundled_scene_runs_and_slips_if_named_so(path):
 
 @pytest.mark.parametrize("bridge", ["board", "article"])
 def test_slide_begins_one_second_after_the_voltage_has_dropped(bridge):
-    scene = load_scene("sliding_surface", **{"sensing.noise": "false", "sensing.bridge": f'"{bridge}"'})
+    scene = load_scene(
+        "sliding_surface", **{"sensing.noise": "false", "sensing.bridge": f'"{bridge}"'}
+    )
     run = run_scene(DESIGN, scene.model_copy(update={"outputs": ["tactile_v"]}), 3)
     volts = run.columns["tactile_v"]
-    assert run.motion_s - 1.0 == pytest.approx(run.time_s[np.flatnonzero(volts[0] - volts >= 0.01)[0]], abs=2e-3)
+    assert run.motion_s - 1.0 == pytest.approx(
+        run.time_s[np.flatnonzero(volts[0] - volts >= 0.01)[0]], abs=2e-3
+    )
     late = scene.model_copy(update={"hold": scene.hold.model_copy(update={"trigger_v": 1.0})})
     assert SceneRun(DESIGN, late, 3).timeline.slide.start_s == pytest.approx(held_s(late, 3) + 1.0)
 
@@ -65,28 +84,44 @@ def test_slide_begins_one_second_after_the_voltage_has_dropped(bridge):
 def test_bridge_of_the_design_gives_nearly_the_voltages_of_the_article():
     voltages = {}
     for bridge in ("board", "article"):
-        scene = SceneFile(hold={"min_force_n": 0.8, "max_force_n": 0.8, "release": False}, sensing={"bridge": bridge})
+        scene = SceneFile(
+            hold={"min_force_n": 0.8, "max_force_n": 0.8, "release": False},
+            sensing={"bridge": bridge},
+        )
         voltages[bridge] = run_scene(DESIGN, scene).columns["voltage_v"][-200:].mean()
-    assert voltages["article"] == pytest.approx(4.0, abs=0.01)  # the pose of its curve has the share of 1 N
+    assert voltages["article"] == pytest.approx(
+        4.0, abs=0.01
+    )  # the pose of its curve has the share of 1 N
     sensed_n = Pad.from_design(DESIGN).sensed_n(np.array([0.8]))
     assert voltages["board"] == pytest.approx(compute_bridge_v(DESIGN, sensed_n)[0], abs=1e-3)
-    assert compute_bridge_v(DESIGN, np.array([0.8]))[0] == pytest.approx(4.0, abs=0.02)  # a bare sensor
+    assert compute_bridge_v(DESIGN, np.array([0.8]))[0] == pytest.approx(
+        4.0, abs=0.02
+    )  # a bare sensor
     other = run_scene(
-        article_design(board={"series": "E12"}), scene.model_copy(update={"sensing": load_scene("contact").sensing})
+        article_design(board={"series": "E12"}),
+        scene.model_copy(update={"sensing": load_scene("contact").sensing}),
     )
-    assert abs(other.columns["voltage_v"][-200:].mean() - voltages["board"]) > 1e-3  # other components, other voltage
+    assert (
+        abs(other.columns["voltage_v"][-200:].mean() - voltages["board"]) > 1e-3
+    )  # other components, other voltage
 
 
 @pytest.mark.parametrize("rise", [0.002, 0.010])
 def test_taps_have_the_given_times_and_force(rise):
-    scene = load_scene("hard_tap", **{"tap.rise_s": rise, "tap.force_n": 3.0, "hold.min_force_n": 2.0})
+    scene = load_scene(
+        "hard_tap", **{"tap.rise_s": rise, "tap.force_n": 3.0, "hold.min_force_n": 2.0}
+    )
     result = run_scene(DESIGN, scene)
-    time, force, start = result.time_s, result.columns["force_n"], held_s(scene)
+    time = result.time_s
+    force = result.columns["force_n"]
+    start = held_s(scene)
     for i in range(3):
         tap = (time > start + 1 + 0.5 * i) & (time < start + 1.05 + 0.5 * i)
         before = (time > start + 0.9 + 0.5 * i) & (time < start + 1 + 0.5 * i)
         # The resonance near 100 Hz attenuates short taps and slightly amplifies long ones.
-        assert (0.5 if rise < 0.005 else 0.9) * 3 < force[tap].max() - force[before].mean() < 1.3 * 3
+        assert (
+            (0.5 if rise < 0.005 else 0.9) * 3 < force[tap].max() - force[before].mean() < 1.3 * 3
+        )
 
 
 def test_motor_vibration_has_its_frequency_and_amplitude():
@@ -105,7 +140,9 @@ def test_load_changes_by_the_given_force():
     result = run_scene(DESIGN, scene)
     start = held_s(scene)
     for moment, force in ((start + 0.9, 1.0), (start + 1.6, 2.0)):
-        assert result.columns["force_n"][result.time_s > moment][0] == pytest.approx(force, rel=0.01)
+        assert result.columns["force_n"][result.time_s > moment][0] == pytest.approx(
+            force, rel=0.01
+        )
     assert result.columns["force_n"][-1] == 0.0
 
 
@@ -120,10 +157,12 @@ def test_jitter_error_is_proportional_to_the_slope():
     ]
     start = held_s(load_scene("load_change"))
     untouched, jittered = (run.columns["voltage_v"] for run in runs)
-    time, off = runs[0].time_s, np.abs(jittered - untouched)
+    time = runs[0].time_s
+    off = np.abs(jittered - untouched)
     slope = np.abs(np.gradient(untouched, time))
     changing = (time > start + 1.02) & (time < start + 1.13)
-    # The mean of |x| of a Gaussian is 0.8 of its standard deviation. The ADC's step of 305 uV adds an error.
+    # The mean of |x| of a Gaussian is 0.8 of its standard deviation. The ADC's step of 305 uV adds
+    # an error.
     assert off[changing].mean() == pytest.approx(0.8e-5 * slope[changing].mean(), rel=0.5)
     assert off[(time > start + 0.5) & (time < start + 0.9)].max() <= 20 / 65536 + 1e-12
 
@@ -133,8 +172,16 @@ def test_only_long_scenes_report_progress(monkeypatch):
     messages: list[str] = []
     run_scene(DESIGN, load_scene("contact"), 0, messages.append)
     assert messages == []
-    run_scene(DESIGN, SceneFile(scene="long", hold={"min_s": 20.0}, outputs=["force_n"]), 0, messages.append)
-    assert all(re.fullmatch(r"simulating 2.* s of long: \d+ % done(, \d+ s left)?", line) for line in messages)
+    run_scene(
+        DESIGN,
+        SceneFile(scene="long", hold={"min_s": 20.0}, outputs=["force_n"]),
+        0,
+        messages.append,
+    )
+    assert all(
+        re.fullmatch(r"simulating 2.* s of long: \d+ % done(, \d+ s left)?", line)
+        for line in messages
+    )
     shares = [message.share for message in messages]
     assert len(shares) > 3
     assert shares == sorted(shares)
@@ -142,24 +189,33 @@ def test_only_long_scenes_report_progress(monkeypatch):
 
 
 def test_parameters_are_listed_with_their_values_units_and_descriptions():
-    rows = json.loads(run_fingertip("simulate", "hard_tap", "--parameters", "--json").stdout)["parameters"]
+    rows = json.loads(run_fingertip("simulate", "hard_tap", "--parameters", "--json").stdout)[
+        "parameters"
+    ]
     named = {row["name"]: row["value"] for row in rows}
     assert (named["mount.mass_kg"], named["surface.roughness_um"]) == (0.035, 0.8)
     names = {row["name"] for row in rows}
     assert {name.split(".")[0] for name in names} == set(SceneFile.model_fields)
     assert all(row["description"] for row in rows)
     bounds = {row["name"]: row["bounds"] for row in rows}
-    assert bounds.items() >= {
-        "hold.min_force_n": ">= 0.001, <= 4", "contact.length_m": "> 0, <= 1", "scene": "",
-        "surface.load_law": "named | hertz | proportional",
-    }.items()  # fmt: skip
+    assert (
+        bounds.items()
+        >= {
+            "hold.min_force_n": ">= 0.001, <= 4",
+            "contact.length_m": "> 0, <= 1",
+            "scene": "",
+            "surface.load_law": "named | hertz | proportional",
+        }.items()
+    )
     assert all(row["unit"] for row in rows if row["name"].endswith(("_s", "_n", "_hz", "_m", "_v")))
 
 
 def test_jump_of_the_cable_is_a_jump_for_the_board():
     """The board does not see a ramp over one sample."""
     outputs = {"outputs": '["tactile_v","filtered_v"]', "cable.hum_v": 0.0}
-    touched = load_scene("cable_touch", **outputs, **{"cable.decay_s": 10.0, "sensing.noise": "false"})
+    touched = load_scene(
+        "cable_touch", **outputs, **{"cable.decay_s": 10.0, "sensing.noise": "false"}
+    )
     result = run_scene(DESIGN, touched)
     jump = np.flatnonzero(result.time_s >= held_s(touched) + touched.cable.at_s)[0]
     before = result.columns["tactile_v"][jump - 1]
@@ -167,7 +223,9 @@ def test_jump_of_the_cable_is_a_jump_for_the_board():
     straight = simulate_board(board, 1 / 2000, result.columns["tactile_v"], 1e-6).filtered_v
     at_once = result.columns["tactile_v"].copy()
     at_once[jump] = before
-    right = simulate_board(board, 1 / 2000, at_once, 1e-6, after_v=result.columns["tactile_v"]).filtered_v
+    right = simulate_board(
+        board, 1 / 2000, at_once, 1e-6, after_v=result.columns["tactile_v"]
+    ).filtered_v
     near = slice(jump, jump + 40)
     assert result.columns["filtered_v"][near] == pytest.approx(right[near], abs=2e-3)
     assert np.abs(straight[near] - right[near]).max() > 0.1
@@ -184,9 +242,15 @@ def test_a_board_that_clips_says_so():
             "sensing.amplifiers": f'"{kind}"',
         }
         result = run_scene(DESIGN, load_scene("sliding_finger", **changes))
-        shown[kind, felt_um] = result.columns["filtered_v"].max(), [*find_warnings(result)], result.clip_share
+        shown[kind, felt_um] = (
+            result.columns["filtered_v"].max(),
+            [*find_warnings(result)],
+            result.clip_share,
+        )
     assert shown["real", 8.0][0] == 3.5 < shown["ideal", 8.0][0]
-    assert f"the board clips in {shown['real', 8.0][2]:.0%} of the slide" in shown["real", 8.0][1][-1]
+    assert (
+        f"the board clips in {shown['real', 8.0][2]:.0%} of the slide" in shown["real", 8.0][1][-1]
+    )
     assert shown["real", 0.8][1:] == ([], 0.0)
 
 
@@ -198,13 +262,17 @@ def test_nothing_given_means_default_design_and_trial():
 
 def test_changes_go_to_the_file_that_has_the_parameter():
     simulation = load_simulation(
-        "hard_tap", design_file("fsr400"), changes=["tap.count=1", "detector.noise_v=0.0"], force_n=1.5
+        "hard_tap",
+        design_file("fsr400"),
+        changes=["tap.count=1", "detector.noise_v=0.0"],
+        force_n=1.5,
     )
     assert isinstance(simulation.scene, SceneFile)
     assert simulation.scene.tap.count == 1
     assert simulation.scene.hold.min_force_n == simulation.scene.hold.max_force_n == 1.5
     assert simulation.design.detector.noise_v == 0.0
-    result, expected = simulation.run(), run_scene(simulation.design, simulation.scene)
+    result = simulation.run()
+    expected = run_scene(simulation.design, simulation.scene)
     assert np.array_equal(result.columns["force_n"], expected.columns["force_n"])
 
 
@@ -224,10 +292,14 @@ def test_converter_that_clips_the_voltage_is_reported(changes, warning):
 
 
 def test_range_up_to_the_named_voltage_does_not_clip():
-    simulation = load_simulation("sliding_finger", "article", changes=["converter.bits=12", "converter.high_v=3.3"])
+    simulation = load_simulation(
+        "sliding_finger", "article", changes=["converter.bits=12", "converter.high_v=3.3"]
+    )
     (warning,) = simulation.find_warnings()
     named = re.search(r"converter\.high_v=([0-9.]+)\.$", warning).group(1)
-    wide = load_simulation("sliding_finger", "article", changes=["converter.bits=12", f"converter.high_v={named}"])
+    wide = load_simulation(
+        "sliding_finger", "article", changes=["converter.bits=12", f"converter.high_v={named}"]
+    )
     assert not [*wide.find_warnings()]
     volts = wide.run().columns["voltage_v"]
     assert volts.max() < float(named) - 5 / 2**12
@@ -236,7 +308,9 @@ def test_range_up_to_the_named_voltage_does_not_clip():
 def test_trial_has_the_rate_voltage_and_force_of_the_article():
     gross = simulate(ARTICLE, Trial("gross", 0.04, 1.0, 3))
     assert (gross.time_s[1] - gross.time_s[0]) == 0.0005
-    assert gross.voltage_v[:200].mean() == pytest.approx(compute_bridge_v(ARTICLE, np.zeros(1))[0], abs=1e-3)
+    assert gross.voltage_v[:200].mean() == pytest.approx(
+        compute_bridge_v(ARTICLE, np.zeros(1))[0], abs=1e-3
+    )
     holding = (gross.time_s > 1.4) & (gross.time_s < 1.8)
     assert gross.force_n[holding].mean() == pytest.approx(1.0, rel=1e-3)
     assert gross.force_n.min() == 0.0
@@ -279,14 +353,18 @@ def test_a_slide_that_is_refused_passes_with_the_values_of_the_message(slide, le
     with pytest.raises(TraceError) as refused:
         SceneFile(**tables)
     for issue in refused.value.issues:
-        for table, name, value in re.findall(r"(\w+)\.(\w+)=([\d.e-]*\d)", issue.message.partition(", or")[0]):
+        for table, name, value in re.findall(
+            r"(\w+)\.(\w+)=([\d.e-]*\d)", issue.message.partition(", or")[0]
+        ):
             tables[table] = tables[table] | {name: float(value)}
     SceneFile(**tables)
 
 
 def test_grid_that_is_too_coarse_is_refused_with_one_that_passes():
     scene = load_scene("sliding_finger", **{"mount.mass_kg": 1e-4, "mount.stiffness_n_per_m": 1e5})
-    with pytest.raises(TraceError, match=r"grid: has steps of 0.0001 s, .* give Grid\((\d)\), or leave") as caught:
+    with pytest.raises(
+        TraceError, match=r"grid: has steps of 0.0001 s, .* give Grid\((\d)\), or leave"
+    ) as caught:
         SceneRun(DESIGN, scene, grid=Grid())
     needed = int(re.findall(r"Grid\((\d)\)", str(caught.value))[0])
     assert SceneRun(DESIGN, scene, grid=Grid(needed)).grid == SceneRun(DESIGN, scene).grid

@@ -33,7 +33,9 @@ def test_a_steady_hand_has_no_motion() -> None:
     ("tremor", "share", "low_hz", "high_hz"),
     [(Tremor(share=0.03), 0.03, 8.0, 12.0), (Tremor(voluntary_share=0.05), 0.05, 0.48, 1.92)],
 )
-def test_tremor_has_its_level_and_its_band(tremor: Tremor, share: float, low_hz: float, high_hz: float) -> None:
+def test_tremor_has_its_level_and_its_band(
+    tremor: Tremor, share: float, low_hz: float, high_hz: float
+) -> None:
     factor = draw(tremor).factor(TIME_S) - 1.0
     assert factor.std() == pytest.approx(share, rel=0.1)
     power = np.abs(np.fft.rfft(factor * np.hanning(len(factor)))) ** 2
@@ -61,21 +63,34 @@ def test_a_servo_steps_up_and_down_in_turn() -> None:
 
 def test_the_force_of_a_scene_follows_the_hand() -> None:
     scene = SceneFile(hold=QUIET, tremor={"share": 0.03}, outputs=["force_n", "slip"])
-    steady = run_scene(DESIGN, SceneFile(hold=QUIET, outputs=["force_n", "slip"]), 2).columns["force_n"]
+    steady = run_scene(DESIGN, SceneFile(hold=QUIET, outputs=["force_n", "slip"]), 2).columns[
+        "force_n"
+    ]
     found = run_scene(DESIGN, scene, 2).columns
-    assert (found["force_n"] / np.where(steady > 0.5, steady, np.inf))[2000:7000].std() == pytest.approx(0.03, rel=0.3)
+    assert (found["force_n"] / np.where(steady > 0.5, steady, np.inf))[
+        2000:7000
+    ].std() == pytest.approx(0.03, rel=0.3)
     assert not found["slip"].any()
-    assert np.array_equal(found["force_n"] == 0.0, steady == 0.0), "a finger in the air does not tremble"
+    assert np.array_equal(found["force_n"] == 0.0, steady == 0.0), (
+        "a finger in the air does not tremble"
+    )
 
 
 def test_slips_with_pauses_are_as_many_as_moves() -> None:
-    scene = SceneFile(slide={"distance_m": 0.04, "moves": 4, "pause_s": 0.3}, outputs=["slip", "velocity_m_s"])
+    scene = SceneFile(
+        slide={"distance_m": 0.04, "moves": 4, "pause_s": 0.3}, outputs=["slip", "velocity_m_s"]
+    )
     run = SceneRun(DESIGN, scene, 3)
     assert run.timeline.slide
-    moved = run.timeline.slide.position_m(np.array([run.timeline.slide.start_s, run.timeline.slide.end_s]))
+    moved = run.timeline.slide.position_m(
+        np.array([run.timeline.slide.start_s, run.timeline.slide.end_s])
+    )
     assert moved == pytest.approx([0.0, 0.04])
-    speed, acceleration = scene.slide.speed_m_s, scene.slide.acceleration_m_s2
-    period_s = 0.01 / speed + speed / acceleration + 0.3  # a quarter of the way, ramps included, and the pause
+    speed = scene.slide.speed_m_s
+    acceleration = scene.slide.acceleration_m_s2
+    period_s = (
+        0.01 / speed + speed / acceleration + 0.3
+    )  # a quarter of the way, ramps included, and the pause
     starts_s = [move.start_s - run.timeline.slide.start_s for move in run.timeline.slide.moves]
     assert starts_s == pytest.approx([0.0, period_s, 2 * period_s, 3 * period_s])
     result = run_scene(DESIGN, scene, 3)
@@ -83,7 +98,9 @@ def test_slips_with_pauses_are_as_many_as_moves() -> None:
 
 
 def test_bad_values_are_refused_with_what_passes() -> None:
-    with pytest.raises(TraceError, match=r"servo.interval_s: 0.06 s lets steps overlap; at least 0.08 s"):
+    with pytest.raises(
+        TraceError, match=r"servo.interval_s: 0.06 s lets steps overlap; at least 0.08 s"
+    ):
         SceneFile(servo={"step_n": 0.1, "interval_s": 0.06, "rise_s": 0.08})
     SceneFile(servo={"step_n": 0.1, "interval_s": 0.08, "rise_s": 0.08})
     with pytest.raises(TraceError, match="is not reached within") as refused:

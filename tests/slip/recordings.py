@@ -27,8 +27,14 @@ def burst(rate: float = 2000.0) -> tuple[np.ndarray, np.ndarray]:
 
 
 def csv(t, v, delimiter=",", header=("time_s", "voltage_v"), comma=False) -> str:
-    lines = [delimiter.join(header), *(f"{a:.6f}{delimiter}{b:.6f}" for a, b in zip(t, v, strict=True))]
-    return "\n".join([lines[0], *(line.replace(".", ",") if comma else line for line in lines[1:])]) + "\n"
+    lines = [
+        delimiter.join(header),
+        *(f"{a:.6f}{delimiter}{b:.6f}" for a, b in zip(t, v, strict=True)),
+    ]
+    return (
+        "\n".join([lines[0], *(line.replace(".", ",") if comma else line for line in lines[1:])])
+        + "\n"
+    )
 
 
 def single_onset(done) -> float:
@@ -57,8 +63,9 @@ def iso(form: str) -> list[str]:
 def lvm(x_columns: str, segments: int = 1) -> str:
     """Text of a LabVIEW measurement file with tabs and one channel."""
     text = (
-        "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n"
-        f"Multi_Headings\t{'Yes' if segments > 1 else 'No'}\nX_Columns\t{x_columns}\nTime_Pref\tRelative\n"
+        "LabVIEW "
+        "Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n"
+        f"Multi_Headings\t{'Yes' if segments > 1 else 'No'}\nX_Columns\t{x_columns}\nTime_Pref\tRelative\n"  # noqa: E501
         "Date\t2024/05/31\nTime\t12:00:00.5\n***End_of_Header***\t\n\n"
     )
     step = len(T) // segments
@@ -69,7 +76,10 @@ def lvm(x_columns: str, segments: int = 1) -> str:
             f"X_Dimension\tTime\t\nX0\t{T[first]:E}\t\nDelta_X\t0.000500\t\n***End_of_Header***\t\t\n"
             "X_Value\tVoltage\tComment\n"
         )
-        lines = [f"{'' if x_columns == 'No' else f'{t:.6f}'}\t{v:.6f}" for t, v in zip(T[part], V[part], strict=True)]
+        lines = [
+            f"{'' if x_columns == 'No' else f'{t:.6f}'}\t{v:.6f}"
+            for t, v in zip(T[part], V[part], strict=True)
+        ]
         lines[0] += "\tpressed"
         text += "\n".join(lines) + "\n"
     return text

@@ -1,4 +1,6 @@
-"""Detectors `digital` and `analog`: the chain against closed forms, a recorded envelope, and a simulated board."""
+"""Detectors `digital` and `analog`: the chain against closed forms, a
+recorded envelope, and a simulated board.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,13 @@ from fingertip.design import Design
 from fingertip.detection.warnings import settings_warnings, threshold_warnings
 from fingertip.foundation.errors import TraceError
 from fingertip.sim.signal.converter import SimulatedBoardDetector
-from fingertip.slip.detectors.analog_and_digital import AnalogDetector, ChainSettings, SlipChain, high_pass, noise_level
+from fingertip.slip.detectors.analog_and_digital import (
+    AnalogDetector,
+    ChainSettings,
+    SlipChain,
+    high_pass,
+    noise_level,
+)
 from fingertip.slip.detectors.input_noise import NoiseLevel
 from fingertip.slip.detectors.registry import make_detector
 from fingertip.slip.scored_detection import detect
@@ -36,7 +44,10 @@ def digital_response(settings: ChainSettings, frequency_hz: float) -> complex:
 
 
 def analog_response(settings: ChainSettings, frequency_hz: float) -> complex:
-    """Frequency response of the board's ideal high-pass filter (article, eq. 9, with the j that it omits); Q is 1."""
+    """Frequency response of the board's ideal high-pass filter (article, eq.
+
+    9, with the j that it omits); Q is 1.
+    """
     s = 1j * frequency_hz / settings.cutoff_hz
     return settings.gain * s / (s + 1) * s * s / (s * s + s + 1)
 
@@ -44,15 +55,21 @@ def analog_response(settings: ChainSettings, frequency_hz: float) -> complex:
 @pytest.mark.parametrize("cutoff", [5.0, 67.0, 200.0, 499.0])
 def test_response_at_the_cutoff_is_exact_for_any_cutoff(cutoff):
     settings = replace(SETTINGS, cutoff_hz=cutoff)
-    assert cmath.isclose(digital_response(settings, cutoff), analog_response(settings, cutoff), rel_tol=1e-11)
-    assert abs(digital_response(settings, cutoff)) == pytest.approx((1 + 100 / 1.5) / math.sqrt(2), rel=1e-11)
+    assert cmath.isclose(
+        digital_response(settings, cutoff), analog_response(settings, cutoff), rel_tol=1e-11
+    )
+    assert abs(digital_response(settings, cutoff)) == pytest.approx(
+        (1 + 100 / 1.5) / math.sqrt(2), rel=1e-11
+    )
 
 
 @pytest.mark.parametrize("frequency", [30.0, 67.0, 120.0])
 def test_rms_of_a_filtered_tone_matches_the_response(frequency):
     time = np.arange(8000) / 2000
     out = SlipChain(SETTINGS).process(np.sin(2 * math.pi * frequency * time)).filtered_v[4000:]
-    assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(abs(digital_response(SETTINGS, frequency)), rel=1e-9)
+    assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(
+        abs(digital_response(SETTINGS, frequency)), rel=1e-9
+    )
 
 
 def test_envelope_step_response_matches_the_analog_pole():
@@ -109,9 +126,16 @@ def test_threshold_within_the_noise_gives_a_warning():
     (within,) = threshold_warnings(0.0135, level)
     (far,) = threshold_warnings(0.1, level)
     assert "is within the noise, which crosses it repeatedly" in within
-    assert "(mean level 0.01 V, standard deviation 0.001 V); the noise-derived threshold is 0.016 V" in within
+    assert (
+        "(mean level 0.01 V, standard deviation 0.001 V); the noise-derived threshold is 0.016 V"
+        in within
+    )
     assert "detects weaker slip" in far
-    assert list(threshold_warnings(0.017, level)) == list(threshold_warnings(0.1, level, may_be_lower=False)) == []
+    assert (
+        list(threshold_warnings(0.017, level))
+        == list(threshold_warnings(0.1, level, may_be_lower=False))
+        == []
+    )
 
 
 def test_unsuitable_settings_give_a_warning():
@@ -138,7 +162,10 @@ def test_the_board_is_simulated_for_a_recording_without_envelope(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, V))
     done = run("detect", tmp_path / "t.csv", "--detector", "analog", "--json")
     assert single_onset(done) == pytest.approx(ONSET, abs=0.006)
-    assert "has no column envelope_v: simulating the design's board for the column voltage_v" in done.stderr
+    assert (
+        "has no column envelope_v: simulating the design's board for the column voltage_v"
+        in done.stderr
+    )
     # A burst of 10 mV hardly opens a diode without bias, and the noise does not open it.
     closed = run("detect", tmp_path / "t.csv", "--detector", "analog", *ARTICLE_DESIGN, "--json")
     assert json.loads(closed.stdout)["noise_threshold_v"] == pytest.approx(20 / 65536, abs=1e-6)
@@ -156,7 +183,9 @@ def test_on_outlasts_the_envelope_by_the_memory() -> None:
 
 def test_a_recorded_envelope_is_used(tmp_path):
     def find(path, *words, **lines):
-        return run("detect", path, "--detector", "analog", "--json", *ARTICLE_DESIGN, *words, **lines)
+        return run(
+            "detect", path, "--detector", "analog", "--json", *ARTICLE_DESIGN, *words, **lines
+        )
 
     envelope = np.where((T >= 0.5) & (T < 0.7), 0.2, 0.001)
     np.savez(tmp_path / "t.npz", time_s=T, voltage_v=V, envelope_v=envelope)
@@ -175,7 +204,9 @@ def test_a_recorded_envelope_is_used(tmp_path):
     # Counts of both voltages, as a file and as a stream.
     step = 5 / 65536
     counts = np.column_stack((T, np.round(V / step), np.round(envelope / step)))
-    np.savetxt(tmp_path / "c.csv", counts, "%.6f", ",", header="time_s,voltage_v,envelope_v", comments="")
+    np.savetxt(
+        tmp_path / "c.csv", counts, "%.6f", ",", header="time_s,voltage_v,envelope_v", comments=""
+    )
     assert single_onset(find(tmp_path / "c.csv", "--scale", step)) == 0.502
     live = find("-", "--scale", step, lines=(tmp_path / "c.csv").read_text())
     assert json.loads(live.stdout)["transitions"][0] == {"on": True, "time_s": 0.502}
@@ -184,8 +215,18 @@ def test_a_recorded_envelope_is_used(tmp_path):
 def test_the_board_is_simulated_for_a_stream_but_not_of_a_force():
     words = ("--detector", "analog", "--json")
     assert "simulating the design's board" in run("detect", "-", *words, lines=csv(T, V)).stderr
-    force = run("detect", "-", *words, "--column", "voltage_v=force_n", lines=csv(T, V, header=("time_s", "force_n")))
-    assert "names a force, whose thresholds require --calibrate and the whole recording" in force.stderr + force.stdout
+    force = run(
+        "detect",
+        "-",
+        *words,
+        "--column",
+        "voltage_v=force_n",
+        lines=csv(T, V, header=("time_s", "force_n")),
+    )
+    assert (
+        "names a force, whose thresholds require --calibrate and the whole recording"
+        in force.stderr + force.stdout
+    )
 
 
 def test_a_force_passes_the_simulated_bridge(tmp_path):
@@ -196,7 +237,9 @@ def test_a_force_passes_the_simulated_bridge(tmp_path):
 
 
 def test_an_envelope_recorded_against_ground_gives_a_warning(tmp_path):
-    """E of a board for a controller rests at its signal ground, 1.47 V; the envelope is E minus M."""
+    """E of a board for a controller rests at its signal ground, 1.47 V; the envelope is
+    E minus M.
+    """
     envelope = 0.002 + 0.1 * ((T >= 0.5) & (T < 0.7))
     for rest_v, variant, is_warned in (
         (1.475, "precision", True),
@@ -207,24 +250,33 @@ def test_an_envelope_recorded_against_ground_gives_a_warning(tmp_path):
         changes = [word for change in VARIANT_CHANGES[variant] for word in ("--set", change)]
         done = run("detect", tmp_path / "t.npz", "--detector", "analog", *changes)
         assert done.exit_code == 0, done.stderr
-        assert ("The envelope is E minus M: subtract" in done.stderr) == is_warned, (rest_v, variant)
+        assert ("The envelope is E minus M: subtract" in done.stderr) == is_warned, (
+            rest_v,
+            variant,
+        )
 
 
 def test_detect_requires_an_envelope_for_analog():
-    with pytest.raises(TraceError, match="envelope_v: is missing: the detector analog works on the board's output"):
+    with pytest.raises(
+        TraceError, match="envelope_v: is missing: the detector analog works on the board's output"
+    ):
         detect(Trace(T, V), Design(), "analog")
 
 
 def test_digital_agrees_with_a_simulated_board_without_dead_zone():
     """The means differ by less than 5 %, the flags in less than 1 % of the samples.
 
-    The differences have two causes: the simulated board is linear between samples, which the bilinear transform is not,
-    and it is built of preferred values.
+    The differences have two causes: the simulated board is linear between samples, which the
+    bilinear transform is not, and it is built of preferred values.
     """
     design = Design(board={"variant": "precision"})
     digital = make_detector("digital", design).process(V)
-    analog = make_detector("analog", design).process(SimulatedBoardDetector(design).simulate_envelope_v(V))
+    analog = make_detector("analog", design).process(
+        SimulatedBoardDetector(design).simulate_envelope_v(V)
+    )
     during = (T >= 0.53) & (T < 0.7)
     difference = analog.statistic_v[during] - digital.statistic_v[during]
-    assert np.sqrt(np.mean(difference**2)) < 0.05 * np.sqrt(np.mean(digital.statistic_v[during] ** 2))
+    assert np.sqrt(np.mean(difference**2)) < 0.05 * np.sqrt(
+        np.mean(digital.statistic_v[during] ** 2)
+    )
     assert np.mean(analog.on != digital.on) < 0.01

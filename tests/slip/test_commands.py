@@ -1,4 +1,6 @@
-"""Commands `fingertip simulate` and `fingertip detect`: options, streams, and other rates than the design's."""
+"""Commands `fingertip simulate` and `fingertip detect`: options,
+streams, and other rates than the design's.
+"""
 
 from __future__ import annotations
 
@@ -16,10 +18,22 @@ from fingertip.detection import live
 from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import FingertipError
 from fingertip.slip.detectors.analog_and_digital import noise_level
-from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, find_rounding, rate_bounds_message
+from fingertip.slip.traces.sampling import (
+    MAX_RATE_HZ,
+    MIN_RATE_HZ,
+    find_rounding,
+    rate_bounds_message,
+)
 from tests.slip.recordings import ONSET, PLAIN, T, V, burst, csv, rows, run, single_onset
 
-ARTICLE = ("--design", "article", "--set", "detector.threshold_v=0.017", "--set", "detector.kind=fast")
+ARTICLE = (
+    "--design",
+    "article",
+    "--set",
+    "detector.threshold_v=0.017",
+    "--set",
+    "detector.kind=fast",
+)
 
 
 @pytest.mark.parametrize("surface", ["smooth", "medium", "gross", "wood", "paper", "plastic"])
@@ -37,9 +51,16 @@ def test_slip_of_a_simulated_trace_is_detected(tmp_path, surface):
     data = json.loads(found.stdout)
     assert data["slips"] == simulated["slips"]
     assert len(data["delays_s"]) == 1
-    # On the smoothest surface the signal barely exceeds the noise of a 16-bit ADC ahead of the gain.
+    # On the smoothest surface the signal barely exceeds the noise of a 16-bit ADC ahead of the
+    # gain.
     assert 0.0 < data["delays_s"][0] < (0.2 if surface == "smooth" else 0.05)
-    assert set(data["intervals"][0]) == {"onset_s", "end_s", "confidence", "force_n", "force_interval_n"}
+    assert set(data["intervals"][0]) == {
+        "onset_s",
+        "end_s",
+        "confidence",
+        "force_n",
+        "force_interval_n",
+    }
     assert data["intervals"][0]["confidence"] > 1.0
     assert data["incipient"] is data["learned_noise_v"] is None
     assert data["missed_slips"] == []
@@ -48,14 +69,32 @@ def test_slip_of_a_simulated_trace_is_detected(tmp_path, surface):
 def test_simulate_reports_every_issue_and_writes_nothing(tmp_path):
     out = tmp_path / "t.csv"
     done = run(
-        "simulate", "--out", out, "--surface", "ice", "--speed-m-s", -1, "--force-n", 99, "--seed", -3,
-        "--set", "detector.window_samples=3000", "--set", "detector.threshold_v=9",
-    )  # fmt: skip
+        "simulate",
+        "--out",
+        out,
+        "--surface",
+        "ice",
+        "--speed-m-s",
+        -1,
+        "--force-n",
+        99,
+        "--seed",
+        -3,
+        "--set",
+        "detector.window_samples=3000",
+        "--set",
+        "detector.threshold_v=9",
+    )
     assert done.exit_code == 2
     fields = [line.split(": ")[1] for line in done.stderr.splitlines()]
     assert fields == [
-        "detector.window_samples", "detector.threshold_v", "--surface", "--speed-m-s", "--force-n", "--seed",
-    ]  # fmt: skip
+        "detector.window_samples",
+        "detector.threshold_v",
+        "--surface",
+        "--speed-m-s",
+        "--force-n",
+        "--seed",
+    ]
     assert not out.exists()
 
 
@@ -63,7 +102,9 @@ def test_simulate_reports_every_issue_and_writes_nothing(tmp_path):
 @pytest.mark.parametrize("detector", ["analog", "digital", "fft", "fast"])
 def test_a_stream_gives_the_same_transitions_as_the_file(tmp_path, detector):
     (tmp_path / "t.csv").write_text(csv(T, V))
-    whole = json.loads(run("detect", tmp_path / "t.csv", "--detector", detector, "--json").stdout)["intervals"]
+    whole = json.loads(run("detect", tmp_path / "t.csv", "--detector", detector, "--json").stdout)[
+        "intervals"
+    ]
     data = json.loads(run("detect", "-", "--detector", detector, "--json", lines=csv(T, V)).stdout)
     assert [transition["time_s"] for transition in data["transitions"]] == [
         time for i in whole for time in (i["onset_s"], i["end_s"])
@@ -76,20 +117,27 @@ def test_a_stream_gives_the_same_transitions_as_the_file(tmp_path, detector):
 @pytest.mark.parametrize("rate", [1400, 1900, 1980, 2020, 2100, 2990])
 def test_another_sampling_rate_gives_the_same_message_as_a_file(rate):
     t, v = burst(rate)
-    assert run("detect", "-", "--quiet", lines=csv(t, v)).stdout.startswith("ON      0.50"), "unless one is stated"
+    assert run("detect", "-", "--quiet", lines=csv(t, v)).stdout.startswith("ON      0.50"), (
+        "unless one is stated"
+    )
     done = run("detect", "-", "--set", "detector.sample_rate_hz=2000", lines=csv(t, v))
     assert done.exit_code == 2
-    rates = re.search(r"is sampled at ([\d.]+) Hz, but the .* designed for 2000 Hz .*-hz ([\d.]+)", done.stderr)
+    rates = re.search(
+        r"is sampled at ([\d.]+) Hz, but the .* designed for 2000 Hz .*-hz ([\d.]+)", done.stderr
+    )
     assert rates
     assert float(rates[1]) == float(rates[2]) == pytest.approx(rate, rel=1e-3)
-    assert run("detect", "-", "--rate-hz", rate, "--quiet", lines=csv(t, v)).stdout.startswith("ON      0.50")
+    assert run("detect", "-", "--rate-hz", rate, "--quiet", lines=csv(t, v)).stdout.startswith(
+        "ON      0.50"
+    )
 
 
 def test_jitter_is_accepted_and_a_change_of_rate_is_not():
     t, v = burst()
     jittered = t + np.random.default_rng(2).uniform(-1e-4, 1e-4, len(t))
     assert run("detect", "-", lines=csv(jittered, v)).exit_code == 0
-    t, v = np.concatenate((t, t[-1] + np.arange(1, 8000) / 2040)), np.full(9999, 2.3)
+    t = np.concatenate((t, t[-1] + np.arange(1, 8000) / 2040))
+    v = np.full(9999, 2.3)
     done = run("detect", "-", lines=csv(t, v))  # 2 % faster from the first second on
     assert "the detector is designed for 2000 Hz" in done.stderr
 
@@ -101,7 +149,10 @@ def test_several_voltages_of_a_stream_are_judged_alone():
     found = json.loads(run("detect", "-", "--json", *options, lines=lines).stdout)["transitions"]
     onsets = {each["channel"]: each["time_s"] for each in found if each["on"]}
     assert onsets == {"A0": ONSET, "4": pytest.approx(ONSET + 0.2, abs=0.002)}
-    assert "no column A1; known" in run("detect", "-", *options[:3], "voltage_v=A1", lines=lines).stderr
+    assert (
+        "no column A1; known"
+        in run("detect", "-", *options[:3], "voltage_v=A1", lines=lines).stderr
+    )
 
 
 def test_transitions_are_reported_whatever_ends_the_stream(monkeypatch):
@@ -116,7 +167,9 @@ def test_transitions_are_reported_whatever_ends_the_stream(monkeypatch):
         raise KeyboardInterrupt
 
     open_stream = live.open_stream
-    monkeypatch.setattr(live, "open_stream", lambda lines, *columns: open_stream(interrupted(), *columns))
+    monkeypatch.setattr(
+        live, "open_stream", lambda lines, *columns: open_stream(interrupted(), *columns)
+    )
     done = run("detect", "-", "--json", lines="")
     assert done.exit_code == 130
     assert json.loads(done.stdout) == whole
@@ -160,28 +213,49 @@ def test_a_recording_that_begins_in_slip_is_decided_with_the_floors_of_a_rest(tm
     rest, slip = np.random.default_rng(3).normal(2.3, [[4e-4], [4e-3]], (2, 4000))
     late = np.concatenate([slip, rest])
     flicker = np.concatenate([np.where(rest > 2.3, 2.3, 2.305), 2.3 + (rest - 2.3) / 8])
-    signals = {"rest": rest[:1001], "short": rest[:1000], "slip": slip, "late": late, "flicker": flicker}
+    signals = {
+        "rest": rest[:1001],
+        "short": rest[:1000],
+        "slip": slip,
+        "late": late,
+        "flicker": flicker,
+    }
     texts = {name: csv(np.arange(len(volts)) / 2000, volts) for name, volts in signals.items()}
     for name, text in texts.items():
         (tmp_path / name).with_suffix(".csv").write_text(text)
-    words, rested = ("--detector", "fast", "--json"), ("--floors", tmp_path / "rest.csv")
-    for name, end_s, said in (("slip", 2.0, "noise of 3.5 mV, 7 times"), ("late", 2.2, "before 2.2 s")):
+    words = ("--detector", "fast", "--json")
+    rested = ("--floors", tmp_path / "rest.csv")
+    for name, end_s, said in (
+        ("slip", 2.0, "noise of 3.5 mV, 7 times"),
+        ("late", 2.2, "before 2.2 s"),
+    ):
         done = json.loads(run("detect", tmp_path / f"{name}.csv", *words, "-q").stdout)
-        assert (done["intervals"], done["undecided"]["end_s"]) == ([], pytest.approx(end_s, abs=0.05))
+        assert (done["intervals"], done["undecided"]["end_s"]) == (
+            [],
+            pytest.approx(end_s, abs=0.05),
+        )
         assert said in done["warnings"][0]
         done = run("detect", "-", *words, "-q", lines=texts[name])
         assert "if something slides all the time" in json.loads(done.stdout)["warnings"][0]
     assert json.loads(run("detect", tmp_path / "flicker.csv", *words).stdout)["undecided"] is None
     assert "begins in more" not in run("detect", "-", *words, lines=texts["flicker"]).stdout
     done = json.loads(run("detect", tmp_path / "slip.csv", *words, *rested).stdout)
-    assert (done["intervals"][0]["onset_s"] < 0.1, done["undecided"], done["warnings"]) == (True, None, [])
+    assert (done["intervals"][0]["onset_s"] < 0.1, done["undecided"], done["warnings"]) == (
+        True,
+        None,
+        [],
+    )
     streamed = json.loads(run("detect", "-", *words, *rested, lines=texts["slip"]).stdout)
     assert streamed["transitions"][0]["time_s"] == done["intervals"][0]["onset_s"]
     for name, options, said in (
-        ("short", (), "the rest lasts 0.499 s"), ("slip", (), "the rest vibrates by 3.5 mV, over 5 times the stated"),
-        ("rest", ("--detector", "digital"), "are not learned by digital"), ("rest", ("--calibrate", "0:1"), "are not"),
-    ):  # fmt: skip
-        refused = run("detect", tmp_path / "slip.csv", *words, *options, "--floors", tmp_path / f"{name}.csv").stderr
+        ("short", (), "the rest lasts 0.499 s"),
+        ("slip", (), "the rest vibrates by 3.5 mV, over 5 times the stated"),
+        ("rest", ("--detector", "digital"), "are not learned by digital"),
+        ("rest", ("--calibrate", "0:1"), "are not"),
+    ):
+        refused = run(
+            "detect", tmp_path / "slip.csv", *words, *options, "--floors", tmp_path / f"{name}.csv"
+        ).stderr
         assert f"--floors: {said}" in refused
 
 
@@ -197,7 +271,9 @@ def test_detect_file_in_python_gives_the_result_of_the_command(tmp_path):
     (tmp_path / "t.csv").write_text(csv(t, v, header=("t", "AI0")))
     progress: list[str] = []
     columns = {"time_s": "t", "voltage_v": "AI0"}
-    found = fingertip.detect_file(tmp_path / "t.csv", columns=columns, calibrate_s=(0.0, 0.4), progress=progress.append)
+    found = fingertip.detect_file(
+        tmp_path / "t.csv", columns=columns, calibrate_s=(0.0, 0.4), progress=progress.append
+    )
     words = ("--column", "time_s=t", "--column", "voltage_v=AI0", "--calibrate", "0:0.4", "--json")
     done = run("detect", tmp_path / "t.csv", *words)
     assert found.detection.intervals[0].onset_s == pytest.approx(single_onset(done))
@@ -211,7 +287,9 @@ def test_detect_file_in_python_adapts_a_design_that_states_no_rate(tmp_path):
     (tmp_path / "t.csv").write_text(csv(t, v))
     chosen = Design(detector={"threshold_v": 0.0123})
     assert fingertip.detect_file(tmp_path / "t.csv", chosen).detection.threshold_v == 0.0123
-    with pytest.raises(fingertip.FingertipError, match="sampled at 5000 Hz, but the detector is designed for 2000"):
+    with pytest.raises(
+        fingertip.FingertipError, match="sampled at 5000 Hz, but the detector is designed for 2000"
+    ):
         fingertip.detect_file(tmp_path / "t.csv", Design(detector={"sample_rate_hz": 2000.0}))
 
 
@@ -219,19 +297,26 @@ def test_the_shortest_quiet_part_in_the_message_is_long_enough(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, V))
     for detector, seconds in (("fast", "0.3"), ("analog", "0.33")):
         words = ("detect", tmp_path / "t.csv", "--detector", detector, "--calibrate")
-        assert f"covers 1 sample of t.csv; choose at least {seconds} s." in run(*words, "0:0.0001").stderr
+        assert (
+            f"covers 1 sample of t.csv; choose at least {seconds} s."
+            in run(*words, "0:0.0001").stderr
+        )
         assert run(*words, f"0:{seconds}").exit_code == 0
 
 
 def test_calibration_on_any_interval(tmp_path):
-    """Noise that begins with the grasp is calibrated there: an interval in the air gives a lower threshold."""
+    """Noise that begins with the grasp is calibrated there: an
+    interval in the air gives a lower threshold.
+    """
     rng = np.random.default_rng(8)
     t = np.arange(12_000) / 2000
     volts = 2.6 + rng.normal(0, 4e-4, len(t)) + (t > 3.0) * (rng.normal(0, 1.2e-3, len(t)) - 0.3)
     (tmp_path / "t.csv").write_text(csv(t, volts))
 
     def threshold_v(interval: str) -> float:
-        return json.loads(run("detect", tmp_path / "t.csv", "--calibrate", interval, "--json").stdout)["threshold_v"]
+        return json.loads(
+            run("detect", tmp_path / "t.csv", "--calibrate", interval, "--json").stdout
+        )["threshold_v"]
 
     assert threshold_v("4.0:4.5") == pytest.approx(threshold_v("5:5.9"), rel=0.25)
     assert threshold_v("4.0:4.5") > 2 * threshold_v("0.5:2.5")
@@ -267,13 +352,19 @@ def test_a_stated_threshold_does_not_change_with_the_rate(tmp_path):
     t, v = burst(5000)
     (tmp_path / "t.csv").write_text(csv(t, v))
     (tmp_path / "d.toml").write_text("[detector]\nthreshold_v = 0.0123\n")
-    rate, mine = ("--rate-hz", 5000), ("--set", "detector.threshold_v=0.0123")
-    default, adapted = Design().detector.threshold_v, adapt_rate(Design(), 5000.0).detector.threshold_v
+    rate = ("--rate-hz", 5000)
+    mine = ("--set", "detector.threshold_v=0.0123")
+    default = Design().detector.threshold_v
+    adapted = adapt_rate(Design(), 5000.0).detector.threshold_v
     assert adapted != pytest.approx(default, rel=0.05)
     for words, volts, message in (
         ((), adapted, f"the threshold is {adapted:.3g} V"),
         (mine, 0.0123, "the window is 150 samples, 30 ms; the threshold is 0.0123 V"),
-        ((*rate, *mine), 0.0123, "adapted to 5000 Hz; the window is 150 samples, 30 ms; the threshold is 0.0123"),
+        (
+            (*rate, *mine),
+            0.0123,
+            "adapted to 5000 Hz; the window is 150 samples, 30 ms; the threshold is 0.0123",
+        ),
         ((*rate, "--design", tmp_path / "d.toml"), 0.0123, "the threshold is 0.0123 V"),
         ((*rate, "--detector", "analog"), default, f"the threshold is {default:g} V"),
     ):
@@ -319,7 +410,9 @@ def test_only_evenly_spaced_times_are_recognised_as_rounded():
     whole = find_rounding(np.floor(T * 4))  # whole seconds do not determine the rate
     assert whole is not None
     assert whole.rate_hz is None
-    assert find_rounding(np.round(np.arange(100_000) / 4567, 3)).rate_hz == pytest.approx(4567, rel=1e-4)
+    assert find_rounding(np.round(np.arange(100_000) / 4567, 3)).rate_hz == pytest.approx(
+        4567, rel=1e-4
+    )
 
 
 def test_bounds_of_the_sampling_rate_are_those_of_a_design():
@@ -338,7 +431,10 @@ def test_a_wrong_value_is_refused_without_a_word_on_the_rate(tmp_path):
 
 
 def test_a_stream_is_warned_of_at_its_end() -> None:
-    assert "samples are at the limits of the ADC range" in run("detect", "-", lines=csv(T, np.full(len(T), 3.3))).stderr
+    assert (
+        "samples are at the limits of the ADC range"
+        in run("detect", "-", lines=csv(T, np.full(len(T), 3.3))).stderr
+    )
 
 
 def test_detect_file_in_python_returns_warnings(tmp_path):
@@ -350,7 +446,9 @@ def test_detect_file_in_python_returns_warnings(tmp_path):
 
 
 class _Port(io.RawIOBase):
-    """Serial port as pyserial gives it: bytes as they come; once it is unplugged, an error without a number."""
+    """Serial port as pyserial gives it: bytes as they come; once it
+    is unplugged, an error without a number.
+    """
 
     in_waiting = 1000
 
@@ -358,7 +456,8 @@ class _Port(io.RawIOBase):
         self._file = io.BytesIO(text.encode())
 
     def read(self, size: int = -1) -> bytes:
-        if block := self._file.read(size):
+        block = self._file.read(size)
+        if block:
             return block
         raise OSError("device disconnected")
 
@@ -379,12 +478,16 @@ def test_a_series_whose_index_holds_the_times(unit: str) -> None:
     assert onset_s == fingertip.detect(np.column_stack([T, V])).intervals[0].onset_s
     wide = np.column_stack([V, np.full_like(V, 2.3), V])
     for recording, names, rate_hz in (
-        (np.column_stack([T, wide]), "123", None), (wide, "012", 2000.0),
+        (np.column_stack([T, wide]), "123", None),
+        (wide, "012", 2000.0),
         (pandas.DataFrame(wide, index=index, columns=[*"abc"]), "abc", None),
-    ):  # fmt: skip
+    ):
         found = fingertip.detect_channels(recording, rate_hz=rate_hz)
         assert {name: [i.onset_s for i in each.intervals] for name, each in found.items()} == dict(
             zip(names, ([onset_s], [], [onset_s]), strict=True)
         )
-        with pytest.raises(fingertip.FingertipError, match=rf"holds 3 channels, {names[0]}, .* call detect_channels"):
+        with pytest.raises(
+            fingertip.FingertipError,
+            match=rf"holds 3 channels, {names[0]}, .* call detect_channels",
+        ):
             fingertip.detect(recording, rate_hz=rate_hz)

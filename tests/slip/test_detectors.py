@@ -1,4 +1,6 @@
-"""Properties of all detectors (any chunks, causal, picklable), and the false alarm rates of their thresholds."""
+"""Properties of all detectors (any chunks, causal, picklable), and
+the false alarm rates of their thresholds.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,11 @@ FIELDS = ("statistic_v", "threshold_v", "on")
 def make_signal(count: int, seed: int = 0) -> np.ndarray:
     """Noise with a contact, a burst of 90 Hz and a step, so that every branch is executed."""
     t = np.arange(count) / 2000
-    volts = 4.3 + np.random.default_rng(seed).normal(0, 4e-4, count) - 0.3 * np.clip(t - 0.1, 0, 0.2) / 0.2
+    volts = (
+        4.3
+        + np.random.default_rng(seed).normal(0, 4e-4, count)
+        - 0.3 * np.clip(t - 0.1, 0, 0.2) / 0.2
+    )
     return volts + 0.02 * np.sin(2 * math.pi * 90 * t) * ((t > 0.4) & (t < 0.6)) + 0.2 * (t > 0.7)
 
 
@@ -47,7 +53,10 @@ def assert_equal_to_whole(name: str, parts: list) -> None:
     assert whole.on.any()
     assert not whole.on.all()
     for field in FIELDS:
-        assert np.concatenate([getattr(part, field) for part in parts]).tobytes() == getattr(whole, field).tobytes()
+        assert (
+            np.concatenate([getattr(part, field) for part in parts]).tobytes()
+            == getattr(whole, field).tobytes()
+        )
 
 
 @pytest.mark.full
@@ -56,7 +65,9 @@ def assert_equal_to_whole(name: str, parts: list) -> None:
 @given(sizes=st.lists(st.integers(0, 499), max_size=12))
 def test_any_division_into_chunks_gives_the_same_bits_even_if_pickled_between(name, sizes):
     whole = make_full_input(name)
-    detector, parts, start = make_detector(name, DESIGN), [], 0
+    detector = make_detector(name, DESIGN)
+    parts = []
+    start = 0
     for size in [*sizes, len(whole)]:
         parts.append(detector.process(whole[start : start + size]))
         start += size
@@ -66,7 +77,9 @@ def test_any_division_into_chunks_gives_the_same_bits_even_if_pickled_between(na
 
 @pytest.mark.parametrize("name", NAMES)
 def test_sample_by_sample_gives_the_same_flags(name):
-    whole, detector, stepping = make_full_input(name), make_detector(name, DESIGN), make_detector(name, DESIGN)
+    whole = make_full_input(name)
+    detector = make_detector(name, DESIGN)
+    stepping = make_detector(name, DESIGN)
     assert_equal_to_whole(name, [detector.process([x]) for x in whole.tolist()])
     flags = [stepping.step(x) for x in whole.tolist()]
     assert flags == make_detector(name, DESIGN).process(whole).on.tolist()
@@ -93,22 +106,34 @@ def test_a_burst_is_detected_at_any_sampling_rate(name, rate):
     volts += 0.01 * np.sin(2 * math.pi * 90 * t) * ((t > 0.5) & (t < 0.8))
     on = make_detector(name, design).process(make_input(name, volts, design)).on
     first = int(np.flatnonzero(on)[0])
-    assert 0.5 < t[first] < 0.5 + {"analog": 0.02, "digital": 0.02, "fft": 0.04, "fast": 0.035, "incipient": 0.02}[name]
+    assert (
+        0.5
+        < t[first]
+        < 0.5
+        + {"analog": 0.02, "digital": 0.02, "fft": 0.04, "fast": 0.035, "incipient": 0.02}[name]
+    )
     assert on[t > 0.9].sum() == 0
 
 
 def test_all_thresholds_together_permit_the_stated_alarm_rate():
     detector = FftDetector(DESIGN)
-    excursions = tail_probability(detector.noise_weights() * detector.noise_v**2, detector.threshold_v**2)
+    excursions = tail_probability(
+        detector.noise_weights() * detector.noise_v**2, detector.threshold_v**2
+    )
     assert 3600 / EXCURSION_S * excursions == pytest.approx(ALARMS_PER_HOUR, rel=1e-3)
 
 
 def test_plain_fft_takes_windows_side_by_side_and_the_strongest_bin():
-    """63 bins between 0 Hz and half the rate, each of which noise exceeds with the probability exp(-x^2)."""
-    plain, rate_hz = FftDetector(DESIGN, is_plain=True), DESIGN.detector.sample_rate_hz
+    """63 bins between 0 Hz and half the rate, each of which noise
+    exceeds with the probability exp(-x^2).
+    """
+    plain = FftDetector(DESIGN, is_plain=True)
+    rate_hz = DESIGN.detector.sample_rate_hz
     n = plain.window_samples
     per_bin = ALARMS_PER_HOUR * n / rate_hz / 3600 / 63
-    assert plain.threshold_v == pytest.approx(plain.noise_v * math.sqrt(-2 * math.log(per_bin) / n), rel=0.005)
+    assert plain.threshold_v == pytest.approx(
+        plain.noise_v * math.sqrt(-2 * math.log(per_bin) / n), rel=0.005
+    )
     t = np.arange(6 * n) / rate_hz
     tones = 0.02 * np.sin(2 * math.pi * 125 * t) + 0.01 * np.sin(2 * math.pi * 906.25 * t)
     tones[: 2 * n + 1] = 0.0
@@ -121,7 +146,9 @@ def test_plain_fft_takes_windows_side_by_side_and_the_strongest_bin():
 def test_tail_probability_of_a_sum_of_squares():
     # Two equal weights give an exponential distribution, one weight a chi-square distribution.
     assert tail_probability(np.array([2.0, 2.0]), 60.0) == pytest.approx(math.exp(-15.0), rel=0.05)
-    assert tail_probability(np.array([3.0]), 75.0) == pytest.approx(math.erfc(5 / math.sqrt(2)), rel=0.1)
+    assert tail_probability(np.array([3.0]), 75.0) == pytest.approx(
+        math.erfc(5 / math.sqrt(2)), rel=0.1
+    )
     rng = np.random.default_rng(0)
     weights = np.array([1.0, 0.5, 0.2, 0.1])
     drawn = rng.normal(size=(400_000, 4)) ** 2 @ weights
@@ -138,7 +165,9 @@ def test_a_quiet_part_sets_the_threshold_whatever_its_spectrum(detector, kind):
     t = np.arange(40_000) / 2000
     signal_v = rng.normal(0, 3e-4, len(t))
     if kind == "low-passed":
-        signal_v = 4 * scipy_signal.sosfilt(scipy_signal.butter(2, 300, fs=2000, output="sos"), signal_v)
+        signal_v = 4 * scipy_signal.sosfilt(
+            scipy_signal.butter(2, 300, fs=2000, output="sos"), signal_v
+        )
     elif kind == "hum":
         signal_v = signal_v + 1e-3 * np.sin(2 * math.pi * 50 * t)
     noise_v = equivalent_noise_v(detector, DESIGN, signal_v[:4000], "t")
@@ -172,7 +201,8 @@ def test_compiled_and_plain_give_the_same_bits(name, monkeypatch):
 
 @pytest.mark.parametrize("name", ["digital", "fft", "fast"])
 def test_twice_the_noise_gives_twice_the_threshold(name):
-    one, two = make_detector(name, DESIGN, 1e-3).threshold_v, make_detector(name, DESIGN, 2e-3).threshold_v
+    one = make_detector(name, DESIGN, 1e-3).threshold_v
+    two = make_detector(name, DESIGN, 2e-3).threshold_v
     assert two == pytest.approx(2 * one, rel=0.06 if name == "digital" else 1e-9)
 
 
@@ -183,6 +213,8 @@ def test_analog_and_digital_use_the_same_window():
     assert np.array_equal(window.statistic_v, chain.statistic_v)
     assert np.array_equal(window.on, chain.on)
     with pytest.raises(
-        TraceError, match="does not determine the threshold of the detector analog, which applies to the board's output"
+        TraceError,
+        match="does not determine the threshold of the detector analog, which applies to the "
+        "board's output",
     ):
         make_detector("analog", DESIGN, 1e-3)

@@ -1,4 +1,6 @@
-"""Detector `fast` with the board's filtered signal beside the tactile voltage, of arrays, files and streams."""
+"""Detector `fast` with the board's filtered signal beside the
+tactile voltage, of arrays, files and streams.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,12 @@ from fingertip.foundation import jit
 from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
-from fingertip.slip.detectors.fast_settings import LIMIT_SHARE, LIMITED_S, FastSettings, FilteredSignal
+from fingertip.slip.detectors.fast_settings import (
+    LIMIT_SHARE,
+    LIMITED_S,
+    FastSettings,
+    FilteredSignal,
+)
 from fingertip.slip.detectors.registry import find_second_column, make_detector, select_inputs
 from fingertip.slip.scored_detection import detect
 from fingertip.slip.traces.trace import Trace
@@ -50,7 +57,9 @@ def slip_from(seconds: float, rms_v: float, at_s: float, seed: int) -> np.ndarra
 
     t = np.arange(round(seconds * RATE)) / RATE
     sos = scipy_signal.butter(4, [60.0, 140.0], "band", fs=RATE, output="sos")
-    raw = scipy_signal.sosfilt(sos, np.random.default_rng(seed).normal(0.0, 1.0, len(t) + 2000))[2000:]
+    raw = scipy_signal.sosfilt(sos, np.random.default_rng(seed).normal(0.0, 1.0, len(t) + 2000))[
+        2000:
+    ]
     return np.asarray(2.3 + rms_v * raw / raw.std() * (t >= at_s))
 
 
@@ -68,8 +77,11 @@ def test_weak_slip_is_found_in_a_noisy_converter():
     for seed in range(6):
         rng = np.random.default_rng(seed)
         volts = slip_from(2.0, 0.0015, 1.2, seed)
-        samples, filtered = quantise(volts, rng, 1.6e-3), quantise(board(volts), rng, 1.6e-3)
-        found["alone"] += bool(make_detector("fast", CONTROLLER).process(samples).on[2400:2600].any())
+        samples = quantise(volts, rng, 1.6e-3)
+        filtered = quantise(board(volts), rng, 1.6e-3)
+        found["alone"] += bool(
+            make_detector("fast", CONTROLLER).process(samples).on[2400:2600].any()
+        )
         on = make_detector("fast", CONTROLLER).process(samples, filtered).on
         assert not on[:2400].any()
         found["both"] += bool(on[2400:2600].any())
@@ -94,7 +106,9 @@ def test_a_real_board_s_tolerances_do_not_matter(cutoff_hz, gain):
 
 
 def test_a_stage_at_its_limit_is_not_believed():
-    """After a hard knock the filtered signal sticks to a rail; the bands then follow the voltage."""
+    """After a hard knock the filtered signal sticks to a rail; the bands then follow
+    the voltage.
+    """
     rng = np.random.default_rng(3)
     t = np.arange(4000) / RATE
     since = np.clip(t - 1.0, 0.0, None)
@@ -107,14 +121,20 @@ def test_a_stage_at_its_limit_is_not_believed():
     alone = make_detector("fast", CONTROLLER).process(samples)
     during = (t > 1.005) & (t < 1.02)
     assert np.corrcoef(output.filtered_v[during], alone.filtered_v[during])[0, 1] > 0.99
-    limit_v = LIMIT_SHARE * FilteredSignal.from_design(CONTROLLER).range_v / CONTROLLER.board.passband_gain
+    limit_v = (
+        LIMIT_SHARE
+        * FilteredSignal.from_design(CONTROLLER).range_v
+        / CONTROLLER.board.passband_gain
+    )
     assert detector.coefficients.filtered_limit == pytest.approx(limit_v)
     assert 0.015 < limit_v < 0.022
 
 
 @pytest.mark.parametrize("level_v", [0.0, 1.472, 3.299])
 def test_a_broken_wire_leaves_the_tactile_voltage(level_v):
-    """A filtered signal that never changes is not used: decisions come from the voltage, and slip is found."""
+    """A filtered signal that never changes is not used: decisions
+    come from the voltage, and slip is found.
+    """
     volts = quantise(slip_from(2.0, 0.01, 1.2, 8), np.random.default_rng(8))
     dead = np.full(len(volts), level_v)
     detector = make_detector("fast", CONTROLLER)
@@ -122,7 +142,12 @@ def test_a_broken_wire_leaves_the_tactile_voltage(level_v):
     assert not on[:2400].any()
     assert 2400 <= np.flatnonzero(on)[0] < 2470
     assert on[2470:].mean() > 0.95
-    (warning,) = (text for text in filtered_warnings(Trace(np.arange(len(volts)), volts, filtered_v=dead), CONTROLLER))
+    (warning,) = (
+        text
+        for text in filtered_warnings(
+            Trace(np.arange(len(volts)), volts, filtered_v=dead), CONTROLLER
+        )
+    )
     assert "is the board's pin S connected?" in warning
 
 
@@ -143,7 +168,9 @@ def test_exchanged_wires_are_named():
     good = Trace(np.arange(len(volts)) / RATE, volts, filtered_v=board(volts))
     assert list(filtered_warnings(good, CONTROLLER)) == []
     assert list(filtered_warnings(replace(good, filtered_v=board(volts) - 1.47), CONTROLLER)) == []
-    (warning,) = filtered_warnings(replace(good, voltage_v=board(volts), filtered_v=volts), CONTROLLER)
+    (warning,) = filtered_warnings(
+        replace(good, voltage_v=board(volts), filtered_v=volts), CONTROLLER
+    )
     assert "are T and S exchanged?" in warning
     assert list(filtered_warnings(replace(good, filtered_v=None), CONTROLLER)) == []
 
@@ -161,11 +188,15 @@ def test_the_rest_of_the_filtered_signal_does_not_matter():
 def test_chunks_steps_and_both_forms_give_the_same_bits(monkeypatch):
     rng = np.random.default_rng(5)
     volts = slip_from(1.5, 0.01, 1.0, 5)
-    samples, filtered = quantise(volts, rng), quantise(board(volts), rng)
+    samples = quantise(volts, rng)
+    filtered = quantise(board(volts), rng)
     whole = FastDetector(SETTINGS).process(samples, filtered)
-    detector, parts = FastDetector(SETTINGS), []
+    detector = FastDetector(SETTINGS)
+    parts = []
     for first in range(0, len(samples), 700):
-        parts.append(detector.process(samples[first : first + 700], filtered[first : first + 700]).confidence)
+        parts.append(
+            detector.process(samples[first : first + 700], filtered[first : first + 700]).confidence
+        )
     assert np.concatenate(parts).tobytes() == whole.confidence.tobytes()
     stepped = FastDetector(SETTINGS)
     pairs = zip(samples.tolist(), filtered.tolist(), strict=True)
@@ -199,7 +230,11 @@ ARTICLE = Design(
 def recording() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     rng = np.random.default_rng(7)
     volts = slip_from(2.0, 0.003, 1.2, 7)
-    return np.arange(len(volts)) / 2000, quantise(volts, rng, 1.2e-3), quantise(board(volts), rng, 1.2e-3)
+    return (
+        np.arange(len(volts)) / 2000,
+        quantise(volts, rng, 1.2e-3),
+        quantise(board(volts), rng, 1.2e-3),
+    )
 
 
 def as_lines(columns: tuple[np.ndarray, ...], names: str, factor: float = 1.0) -> Iterator[str]:
@@ -229,9 +264,13 @@ def test_files_and_streams_use_the_column(tmp_path: Path, recording, names, colu
     assert found.detection.intervals == pytest.approx(expected)
     assert not any("steps" in warning for warning in found.warnings)
     stream = detect_stream(lines, CONTROLLER, "fast", scale=1 / factor, columns=columns)
-    archive = dict(zip(names.split(","), (time_s, factor * samples, factor * filtered), strict=True))
+    archive = dict(
+        zip(names.split(","), (time_s, factor * samples, factor * filtered), strict=True)
+    )
     np.savez(tmp_path / "trace.npz", **archive)
-    found = detect_file(tmp_path / "trace.npz", CONTROLLER, "fast", scale=1 / factor, columns=columns)
+    found = detect_file(
+        tmp_path / "trace.npz", CONTROLLER, "fast", scale=1 / factor, columns=columns
+    )
     assert found.detection.intervals == pytest.approx(expected)
     first = next(iter(stream.transitions))
     assert first.on
@@ -240,15 +279,22 @@ def test_files_and_streams_use_the_column(tmp_path: Path, recording, names, colu
 
 def test_only_signals_that_a_detector_reads_are_simulated():
     assert select_board_outputs(CONTROLLER, ["digital", "fft"]) == []
-    assert select_board_outputs(CONTROLLER, ["analog", "fast"]) == ["sampled_envelope_v", "sampled_filtered_v"]
+    assert select_board_outputs(CONTROLLER, ["analog", "fast"]) == [
+        "sampled_envelope_v",
+        "sampled_filtered_v",
+    ]
     assert select_board_outputs(ARTICLE, ["analog", "fast"]) == ["sampled_envelope_v"]
 
 
 @pytest.mark.full
 def test_simulated_traces_carry_the_filtered_signal():
-    """The board's simulated signal is the high-pass of the voltage, and every finger of a hand has its own."""
+    """The board's simulated signal is the high-pass of the voltage,
+    and every finger of a hand has its own.
+    """
     outputs = ["voltage_v", "slip", "sampled_filtered_v"]
-    scene = SceneFile(scene="sliding_finger", slide={"distance_m": 0.04, "speed_m_s": 0.04}, outputs=outputs)
+    scene = SceneFile(
+        scene="sliding_finger", slide={"distance_m": 0.04, "speed_m_s": 0.04}, outputs=outputs
+    )
     trace = run_scene(CONTROLLER, scene, 1).trace
     assert trace.filtered_v is not None
     both = make_detector("fast", CONTROLLER).process(trace.voltage_v, trace.filtered_v)
@@ -264,8 +310,11 @@ def test_simulated_traces_carry_the_filtered_signal():
 
 @pytest.mark.parametrize("hz", [50.0, 76.0, 100.0])
 def test_ripple_of_the_supply_is_noise_unless_it_begins_suddenly(hz: float) -> None:
-    """The README of the board allows 320 mV for an envelope, and a quarter of that where it begins at once."""
-    t, rng = np.arange(20_000) / RATE, np.random.default_rng(3)
+    """The README of the board allows 320 mV for an envelope, and a
+    quarter of that where it begins at once.
+    """
+    t = np.arange(20_000) / RATE
+    rng = np.random.default_rng(3)
     tactile = quantise(np.full(len(t), 0.79), rng)
     for ripple_v, begin_s, is_slip in ((0.32, 0.0, False), (0.08, 4.0, False), (0.32, 4.0, True)):
         # 0.226 of the ripple reaches S at 76 Hz, the largest share.

@@ -1,4 +1,6 @@
-"""Corpus of forms (tests/slip/forms.py): each is read right or answered by what to do, none read wrong in silence."""
+"""Corpus of forms (tests/slip/forms.py): each is read right or
+answered by what to do, none read wrong in silence.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ from tests.slip.recordings import run
 
 _OPTION = re.compile(r"--(?:column|rate-hz|time-scale|scale|offset) (?:'[^']*'|[^\s';]*[^\s';.,])+")
 STARTS_S = (0.0, -1.0, START_NS / 1e9)
-"""Times of the first sample: zero, a second ahead of the trigger, or a date. An option keeps the file's own zero."""
+"""Times of the first sample: zero, a second ahead of the trigger, or a date.
+An option keeps the file's own zero.
+"""
 _MOST = 3
 """Largest number of proposals that are followed one after another."""
 
@@ -25,9 +29,11 @@ _LISTED = re.compile(r"(?:^|, | and )(\S.*?)(?: '[^']*')? \([-+.\de]+ to [-+.\de
 
 
 def judge(path: Path, options: Sequence[str] = (), left: int = _MOST) -> str:
-    """Do what the messages say: 'right', 'wrong' without a warning, 'warned', or 'refused' where none is left.
+    """Do what the messages say: 'right', 'wrong' without a warning, 'warned', or 'refused' where
+    none is left.
 
-    'answered' is right once the person has given what the file does not tell: its rate, or which of the columns.
+    'answered' is right once the person has given what the file does not tell: its rate, or which of
+    the columns.
     """
     done = run("detect", path, "--detector", "fast", "--json", *options)
     if done.exit_code == 0:
@@ -37,7 +43,11 @@ def judge(path: Path, options: Sequence[str] = (), left: int = _MOST) -> str:
             and abs(found[0]["end_s"] - start_s - SLIP_S[1]) < 0.15
             for start_s in STARTS_S
         )
-        return "right" if is_right else "warned" if "warning" in done.stderr else "wrong"
+        if is_right:
+            return "right"
+        if "warning" in done.stderr:
+            return "warned"
+        return "wrong"
     assert done.exit_code in (1, 2), (done.exit_code, done.stderr)
     assert "error: " in done.stderr, done.stderr
     proposed = [word for option in _OPTION.findall(done.stderr) for word in shlex.split(option)]
@@ -45,7 +55,11 @@ def judge(path: Path, options: Sequence[str] = (), left: int = _MOST) -> str:
         return "refused"
     answers = list(itertools.product(*(_answer(word, done.stderr) for word in proposed)))
     results = [judge(path, [*options, *answer], left - 1) for answer in answers]
-    return results[0] if answers == [tuple(proposed)] else "answered" if "right" in results else "refused"
+    if answers == [tuple(proposed)]:
+        return results[0]
+    if "right" in results:
+        return "answered"
+    return "refused"
 
 
 def _answer(word: str, said: str) -> list[str]:

@@ -1,4 +1,6 @@
-"""Kinds of files as people have them: each is read with the right numbers, or answered by what to do."""
+"""Kinds of files as people have them: each is read with the
+right numbers, or answered by what to do.
+"""
 
 from __future__ import annotations
 
@@ -38,46 +40,82 @@ LINES = PLAIN.splitlines(keepends=True)
 # Name -> content of the file, options, part of the warning ("" for none).
 TEXTS: dict[str, tuple[str | bytes, tuple[object, ...], str]] = {
     "exact name in another case": (
-        csv(T, V, header=("time_s", "force_N")), ("--column", "voltage_v=force_N", "--calibrate", "0:0.4"), "",
+        csv(T, V, header=("time_s", "force_N")),
+        ("--column", "voltage_v=force_N", "--calibrate", "0:0.4"),
+        "",
     ),
     "names of numpy.savetxt": ("# time_s voltage_v\n" + rows(T, " "), (), ""),
     "numpy.savetxt": (rows((f"{t:.18e}" for t in T), " "), BY_NUMBER, ""),
     "columns of fixed width": (rows((f"  {t:8.4f}" for t in T), "   "), BY_NUMBER, ""),
     "no header, decimal commas": (csv(T, V, ";", comma=True).split("\n", 1)[1], BY_NUMBER, ""),
-    "no header, third column": (rows(T, ",7,"), ("--column", "time_s=1", "--column", "voltage_v=3"), ""),
-    "one column": ("".join(f"{v:.6f}\n" for v in V), ("--rate-hz", 2000, "--column", "voltage_v=1"), ""),
+    "no header, third column": (
+        rows(T, ",7,"),
+        ("--column", "time_s=1", "--column", "voltage_v=3"),
+        "",
+    ),
+    "one column": (
+        "".join(f"{v:.6f}\n" for v in V),
+        ("--rate-hz", 2000, "--column", "voltage_v=1"),
+        "",
+    ),
     "by name and by number": ("Zeit,voltage_v\n" + rows(T), ("--column", "time_s=1"), ""),
-    "milliseconds": ("time_s,voltage_v\n" + rows(f"{1e3 * t:.1f}" for t in T), ("--time-scale", "ms"), ""),
+    "milliseconds": (
+        "time_s,voltage_v\n" + rows(f"{1e3 * t:.1f}" for t in T),
+        ("--time-scale", "ms"),
+        "",
+    ),
     "nanoseconds since 1970": (
         "time_s,voltage_v\n" + rows(str(1717199999700000000 + 500000 * i) for i in range(len(T))),
-        ("--time-scale", "1e-9"), "",
+        ("--time-scale", "1e-9"),
+        "",
     ),
-    "ISO 8601, UTC": ("time_s,voltage_v\n" + rows(iso("{0}Z")), (), "since 2024-05-31T23:59:59.700000+00:00"),
+    "ISO 8601, UTC": (
+        "time_s,voltage_v\n" + rows(iso("{0}Z")),
+        (),
+        "since 2024-05-31T23:59:59.700000+00:00",
+    ),
     "ISO 8601 as pandas writes it": (
-        "time_s,voltage_v\n" + rows(iso("{1}")), (), "dates are read as seconds",  # whole seconds have no decimals
+        "time_s,voltage_v\n" + rows(iso("{1}")),
+        (),
+        "dates are read as seconds",  # whole seconds have no decimals
     ),
-    "time of day": ("time_s,voltage_v\n" + rows(f"12:00:{t:09.6f}" for t in T), (), "dates are read as seconds"),
+    "time of day": (
+        "time_s,voltage_v\n" + rows(f"12:00:{t:09.6f}" for t in T),
+        (),
+        "dates are read as seconds",
+    ),
     "Latin-1 by name": (
         "Zeit [s];Größe [V]\n".encode("latin-1") + rows(T, ";").encode(),
-        ("--column", "time_s=Zeit [s]", "--column", "voltage_v=Größe [V]"), "",
+        ("--column", "time_s=Zeit [s]", "--column", "voltage_v=Größe [V]"),
+        "",
     ),
     "cut off after the time": (PLAIN + "1.0000", (), "line 2002: is cut off, and passed over"),
-    "cut off within the voltage": (PLAIN + "1.000000,2.3", (), "line 2002: is cut off, and passed over"),
+    "cut off within the voltage": (
+        PLAIN + "1.000000,2.3",
+        (),
+        "line 2002: is cut off, and passed over",
+    ),
     "cut off within a character": (PLAIN.encode() + b"1.0,2.3 \xc2", (), "line 2002: is cut off"),
     "repeated header": (
-        "".join([*LINES[:701], LINES[0], *LINES[701:1201], LINES[0], *LINES[1201:]]), (),
+        "".join([*LINES[:701], LINES[0], *LINES[701:1201], LINES[0], *LINES[1201:]]),
+        (),
         "line 702: is a header or a comment among the samples (and 1 more), and passed over",
     ),
-    "comments among the samples": ("".join([*LINES[:701], "# pressed\n", *LINES[701:]]), (), "line 702: is a header"),
+    "comments among the samples": (
+        "".join([*LINES[:701], "# pressed\n", *LINES[701:]]),
+        (),
+        "line 702: is a header",
+    ),
     "empty lines": (PLAIN.replace("\n", "\n\n"), (), ""),
     "PicoScope": (
         "Time,Channel A\n(ms),(V)\n\n" + rows(f"{1e3 * t:.1f}" for t in T),
-        ("--column", "time_s=Time", "--column", "voltage_v=Channel A", "--time-scale", "ms"), "",
+        ("--column", "time_s=Time", "--column", "voltage_v=Channel A", "--time-scale", "ms"),
+        "",
     ),
     "LVM": (lvm("One"), (), ""),
     "LVM without times": (lvm("No"), (), ""),
     "LVM of four segments": (lvm("One", 4), (), "among the samples (and 2 more), and passed over"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.every_case
@@ -96,7 +134,11 @@ def test_text_files_are_read(tmp_path: Path, name: str) -> None:
 
 
 def _column_map(options: tuple[object, ...]) -> ColumnMap:
-    pairs = [str(value).partition("=") for name, value in itertools.pairwise(options) if name == "--column"]
+    pairs = [
+        str(value).partition("=")
+        for name, value in itertools.pairwise(options)
+        if name == "--column"
+    ]
     rate = 2000.0 if "--rate-hz" in options else None
     scales = {"ms": 1e-3, "1e-9": 1e-9}
     scale = next((scales[str(value)] for value in options if value in scales), 1.0)
@@ -105,12 +147,16 @@ def _column_map(options: tuple[object, ...]) -> ColumnMap:
 
 def test_a_repeated_header_in_a_stream_is_passed_over_without_a_word() -> None:
     done = run("detect", "-", "--json", lines="".join([*LINES[:701], LINES[0], *LINES[701:]]))
-    assert json.loads(done.stdout)["transitions"][0].items() >= {"on": True, "time_s": ONSET}.items()
+    assert (
+        json.loads(done.stdout)["transitions"][0].items() >= {"on": True, "time_s": ONSET}.items()
+    )
     assert "header" not in done.stderr
 
 
 def test_a_file_may_begin_before_its_header_as_a_stream_may(tmp_path: Path) -> None:
-    """Lines of a controller that ran already: the rest of a line, samples, the header with each second."""
+    """Lines of a controller that ran already: the rest of a line,
+    samples, the header with each second.
+    """
     running = ["9948,2.3\n", *LINES[1:400], LINES[0], *LINES[1:701], LINES[0], *LINES[701:]]
     (tmp_path / "t.csv").write_text("".join(running))
     done = run("detect", tmp_path / "t.csv", "--json")
@@ -128,7 +174,9 @@ def test_a_file_may_begin_before_its_header_as_a_stream_may(tmp_path: Path) -> N
 def test_a_stream_in_other_units_and_by_number() -> None:
     words = ("--time-scale", "us", *BY_NUMBER, "--json")
     done = run("detect", "-", *words, lines=rows(f"{1e6 * t:.0f}" for t in T))
-    assert json.loads(done.stdout)["transitions"][0].items() >= {"on": True, "time_s": ONSET}.items()
+    assert (
+        json.loads(done.stdout)["transitions"][0].items() >= {"on": True, "time_s": ONSET}.items()
+    )
 
 
 def save_mat(path: Path, **arrays: object) -> None:
@@ -153,29 +201,44 @@ def save_wav(path: Path, width: int = 2, channels: int = 1, rate: int = 2000) ->
 
 # Name of the file -> how to save it, options, tolerance of the voltage [V].
 ARRAYS: dict[str, tuple[Callable[[Path], None], tuple[object, ...], float]] = {
-    "column vectors.mat": (lambda p: save_mat(p, time_s=T[:, None], voltage_v=V[:, None], other=np.eye(3)), (), 0.0),
+    "column vectors.mat": (
+        lambda p: save_mat(p, time_s=T[:, None], voltage_v=V[:, None], other=np.eye(3)),
+        (),
+        0.0,
+    ),
     "dates.parquet": (
-        lambda p: save_parquet(p, time_s=np.array(DATES, dtype="datetime64[ns]"), voltage_v=V), (), 0.0,
+        lambda p: save_parquet(p, time_s=np.array(DATES, dtype="datetime64[ns]"), voltage_v=V),
+        (),
+        0.0,
     ),
     "24 bits.wav": (lambda p: save_wav(p, 3), ("--scale", 10), 1e-6),
     "16 bits.wav": (save_wav, ("--scale", 10), 2e-4),
     "32 bits.wav": (lambda p: save_wav(p, 4), ("--scale", 10), 1e-8),
     "stereo.wav": (lambda p: save_wav(p, 3, 2), ("--scale", 10, "--column", "voltage_v=2"), 1e-6),
     "named columns.npy": (
-        lambda p: np.save(p, np.array(list(zip(T, V, strict=True)), dtype=[("time_s", "f8"), ("voltage_v", "f8")])),
-        (), 0.0,
+        lambda p: np.save(
+            p, np.array(list(zip(T, V, strict=True)), dtype=[("time_s", "f8"), ("voltage_v", "f8")])
+        ),
+        (),
+        0.0,
     ),
     "three columns.npy": (
-        lambda p: np.save(p, np.column_stack((0 * T, T, V))), ("--column", "time_s=2", "--column", "voltage_v=3"), 0.0,
+        lambda p: np.save(p, np.column_stack((0 * T, T, V))),
+        ("--column", "time_s=2", "--column", "voltage_v=3"),
+        0.0,
     ),
     "numpy without suffix": (lambda p: np.save(p.open("wb"), np.column_stack((T, V))), (), 0.0),
     "half precision of nothing else.npz": (
-        lambda p: np.savez(p, time_s=T.astype("f4"), voltage_v=V.astype("f4")), (), 1e-6,
+        lambda p: np.savez(p, time_s=T.astype("f4"), voltage_v=V.astype("f4")),
+        (),
+        1e-6,
     ),
     "whole nanoseconds.npz": (
-        lambda p: np.savez(p, time_s=np.arange(len(T), dtype="i8") * 500_000, voltage_v=V), ("--time-scale", "ns"), 0.0,
+        lambda p: np.savez(p, time_s=np.arange(len(T), dtype="i8") * 500_000, voltage_v=V),
+        ("--time-scale", "ns"),
+        0.0,
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", ARRAYS)
@@ -210,22 +273,35 @@ def npz(**arrays: object) -> bytes:
 
 
 def flip(content: bytes, place: int, count: int = 40) -> bytes:
-    return content[:place] + bytes(255 - b for b in content[place : place + count]) + content[place + count :]
+    return (
+        content[:place]
+        + bytes(255 - b for b in content[place : place + count])
+        + content[place + count :]
+    )
 
 
 SOUND = npz(time_s=T, voltage_v=V)
 HUGE = "(10000000000000,)"
 
 DAMAGED: dict[str, tuple[Callable[[], bytes], str]] = {
-    "deflate.npz": (lambda: flip(SOUND, len(SOUND) // 2), "is not a NumPy archive that can be read"),
+    "deflate.npz": (
+        lambda: flip(SOUND, len(SOUND) // 2),
+        "is not a NumPy archive that can be read",
+    ),
     "short.npz": (lambda: SOUND[: len(SOUND) // 2], "is not a NumPy archive that can be read"),
     "huge.npz": (
         lambda: npz_of(time_s=npy_header(HUGE), voltage_v=npy_header(HUGE)),
         "claims to hold 1e+13 values; at most 8388608 samples are read",
     ),
     "huge.npy": (lambda: npy_header(HUGE), "claims to hold 1e+13 values"),
-    "objects.npy": (lambda: npy_header("(2,)", "|O") + bytes(16), "it holds objects, which only pickle reads"),
-    "low rate.npz": (lambda: npz(voltage_v=V, sample_rate_hz=5e-324), "sample_rate_hz: contains 5e-324; save the rate"),
+    "objects.npy": (
+        lambda: npy_header("(2,)", "|O") + bytes(16),
+        "it holds objects, which only pickle reads",
+    ),
+    "low rate.npz": (
+        lambda: npz(voltage_v=V, sample_rate_hz=5e-324),
+        "sample_rate_hz: contains 5e-324; save the rate",
+    ),
     **{
         f"{kind[:2]} {kind[3:-1]}.npz": (
             lambda kind=kind: npz(time_s=np.arange(2000).astype(kind), voltage_v=V),
@@ -233,27 +309,50 @@ DAMAGED: dict[str, tuple[Callable[[], bytes], str]] = {
         )
         for kind in ("M8[Y]", "M8[as]", "M8", "m8[Y]")
     },
-    "0-d.npz": (lambda: npz(time_s=np.array(0.0), voltage_v=np.array(2.3)), "voltage_v: is a single number; give one"),
-    "not a time.npz": (lambda: npz(time_s=np.full(2000, "NaT", "M8[s]"), voltage_v=V), "nan at sample 0"),
+    "0-d.npz": (
+        lambda: npz(time_s=np.array(0.0), voltage_v=np.array(2.3)),
+        "voltage_v: is a single number; give one",
+    ),
+    "not a time.npz": (
+        lambda: npz(time_s=np.full(2000, "NaT", "M8[s]"), voltage_v=V),
+        "nan at sample 0",
+    ),
     "damaged.mat": (
-        lambda: b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM\x0f\0\0\0\xff\xff\xff\x7f" + bytes(50),
+        lambda: (
+            b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM\x0f\0\0\0\xff\xff\xff\x7f" + bytes(50)
+        ),
         "is not a MATLAB file that can be read",
     ),
-    "short.parquet": (lambda: b"PAR1" + bytes(40) + b"\xff\xff\xff\x7fPAR1", "is not a Parquet file that can be read"),
+    "short.parquet": (
+        lambda: b"PAR1" + bytes(40) + b"\xff\xff\xff\x7fPAR1",
+        "is not a Parquet file that can be read",
+    ),
     "short.wav": (lambda: b"RIFF\xff\xff\xff\xffWAVEfmt ", "is not a WAV file that can be read"),
     "no rate.wav": (
-        lambda: b"RIFF" + struct.pack("<I", 100) + b"WAVEfmt " + struct.pack("<IHHIIHH", 16, 1, 1, 0, 0, 2, 16)
-        + b"data" + struct.pack("<I", 8) + bytes(8),
+        lambda: (
+            b"RIFF"
+            + struct.pack("<I", 100)
+            + b"WAVEfmt "
+            + struct.pack("<IHHIIHH", 16, 1, 1, 0, 0, 2, 16)
+            + b"data"
+            + struct.pack("<I", 8)
+            + bytes(8)
+        ),
         "sample_rate_hz: contains 0",
     ),
-    "damaged.tdms": (lambda: b"TDSm" + b"\xff" * 60, "contains no arrays; save time_s and voltage_v."),
+    "damaged.tdms": (
+        lambda: b"TDSm" + b"\xff" * 60,
+        "contains no arrays; save time_s and voltage_v.",
+    ),
     "text.tdms": (lambda: b"text", "is not a TDMS file that can be read"),
     "text.npy": (lambda: PLAIN.encode(), "is not a NumPy file that can be read"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", DAMAGED)
-def test_damaged_files_are_refused_in_sentences(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+def test_damaged_files_are_refused_in_sentences(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
     monkeypatch.setenv("FINGERTIP_MAX_SAMPLES", str(2**23))
     make, message = DAMAGED[name]
     for module, suffix in (("scipy", ".mat"), ("pyarrow", ".parquet"), ("nptdms", ".tdms")):
@@ -277,13 +376,18 @@ def test_bounds_of_size(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     (tmp_path / "t.csv").write_text(PLAIN)
     np.save(tmp_path / "t.npy", np.column_stack((T, V)))
     monkeypatch.setenv("FINGERTIP_MAX_SAMPLES", "1500")
-    assert "claims to hold 1.5e+03 values; at most 1500 samples are read" in run("detect", tmp_path / "t.csv").stderr
+    assert (
+        "claims to hold 1.5e+03 values; at most 1500 samples are read"
+        in run("detect", tmp_path / "t.csv").stderr
+    )
     assert "claims to hold 4e+03 values" in run("detect", tmp_path / "t.npy").stderr
     monkeypatch.delenv("FINGERTIP_MAX_SAMPLES")
     with (tmp_path / "t.csv").open("a") as file:
         file.write("\n" * 2**20)
     monkeypatch.setenv("FINGERTIP_MAX_RECORDING_MB", "1")
-    message = "at most 1 MB are read; cut the recording into parts, or raise FINGERTIP_MAX_RECORDING_MB."
+    message = (
+        "at most 1 MB are read; cut the recording into parts, or raise FINGERTIP_MAX_RECORDING_MB."
+    )
     assert message in run("detect", tmp_path / "t.csv").stderr
 
 
@@ -311,14 +415,19 @@ def test_coarse_steps_of_a_stream_are_warned_of_once() -> None:
     assert done.exit_code == 0
     assert done.stderr.count("warning: the voltages come in steps of 4.88 mV") == 1
     assert done.stderr.count("or use --detector fast, which learns the steps") == 1
-    fine = run("detect", "-", "--json", lines="time_s,voltage_v\n" + rows(times, volts=np.tile(V, 3)))
+    fine = run(
+        "detect", "-", "--json", lines="time_s,voltage_v\n" + rows(times, volts=np.tile(V, 3))
+    )
     assert fine.stderr == "detector digital, on voltage_v\n"
 
 
 @pytest.mark.full
 def test_fine_steps_are_not_warned_of(tmp_path: Path) -> None:
-    t, step = np.arange(60 * 2000) / 2000, 5 / 2**14
-    volts = 2.3 + 0.05 * np.sin(2 * np.pi * 0.3 * t) + np.random.default_rng(0).normal(0, 4e-4, len(t))
+    t = np.arange(60 * 2000) / 2000
+    step = 5 / 2**14
+    volts = (
+        2.3 + 0.05 * np.sin(2 * np.pi * 0.3 * t) + np.random.default_rng(0).normal(0, 4e-4, len(t))
+    )
     np.savez(tmp_path / "t.npz", time_s=t, voltage_v=np.round(volts / step))
     assert run("detect", tmp_path / "t.npz", "--detector", "fast", "--scale", step).stderr == ""
     assert find_step_v(np.load(tmp_path / "t.npz")["voltage_v"] * step) == pytest.approx(step)
@@ -336,7 +445,9 @@ def test_quoted_numbers_are_read(tmp_path, delimiter, comma):
     assert single_onset(run("detect", tmp_path / "t.csv", "--json")) == ONSET
     transitions = json.loads(run("detect", "-", "--json", lines=text).stdout)["transitions"]
     assert transitions[0].items() >= {"on": True, "time_s": ONSET}.items()
-    (tmp_path / "t.csv").write_text(text.replace('"0' + ("," if comma else ".") + '000500"', '"NA"'))
+    (tmp_path / "t.csv").write_text(
+        text.replace('"0' + ("," if comma else ".") + '000500"', '"NA"')
+    )
     stderr = run("detect", tmp_path / "t.csv").stderr
     assert "'NA' in line 3 is not a number" in stderr
 
@@ -366,11 +477,15 @@ def test_preambles_and_unit_lines_are_skipped(tmp_path, name):
     lines[first + 100] = "word" + lines[first + 100][4:]
     (tmp_path / "t.csv").write_text("\n".join(lines))
     assert f" in line {first + 101} is not a number" in run("detect", tmp_path / "t.csv").stderr
-    assert f"standard input, line {first + 101}: 'word" in run("detect", "-", lines="\n".join(lines)).stderr
+    assert (
+        f"standard input, line {first + 101}: 'word"
+        in run("detect", "-", lines="\n".join(lines)).stderr
+    )
 
 
 SUGGESTIONS = {
-    "Time [s],AI0 (V)": " Or name the file's columns: --column time_s='Time [s]' --column voltage_v='AI0 (V)'",
+    "Time [s],AI0 (V)": " Or name the file's columns: --column time_s='Time [s]' --column "
+    "voltage_v='AI0 (V)'",
     "AI0,Time": "--column time_s=Time --column voltage_v=AI0",
     "date,temp,elapsed_s,ch1": "--column time_s=elapsed_s --column voltage_v=ch1",
     "time_s,force_n": "Or name the file's column: --column voltage_v=force_n --calibrate 0:0.5",
@@ -382,7 +497,10 @@ SUGGESTIONS = {
 
 @pytest.mark.parametrize("header", SUGGESTIONS)
 def test_columns_are_suggested_as_options_that_work(tmp_path, header):
-    cells = {name: (V if name in SUGGESTIONS[header].replace("'", "") else 0 * V) for name in header.split(",")}
+    cells = {
+        name: (V if name in SUGGESTIONS[header].replace("'", "") else 0 * V)
+        for name in header.split(",")
+    }
     for time in ("Time [s]", "Time", "elapsed_s", "time_s", "t"):
         if time in cells:
             cells[time] = T
@@ -395,13 +513,19 @@ def test_columns_are_suggested_as_options_that_work(tmp_path, header):
     options = shlex.split(re.search(r"(--column.*?)(?: \(a force|$)", done.stderr, re.MULTILINE)[1])
     if "--calibrate" in options:
         options[-1] = "0:0.4"
-    assert single_onset(run("detect", tmp_path / "t.csv", *options, "--json")) == pytest.approx(ONSET, abs=0.006)
+    assert single_onset(run("detect", tmp_path / "t.csv", *options, "--json")) == pytest.approx(
+        ONSET, abs=0.006
+    )
 
 
 @pytest.mark.full
 def test_tdms_file_written_by_nptdms_is_read(tmp_path):
-    nptdms = pytest.importorskip("nptdms", reason="the extra tdms is not installed; a fake library is tested below")
-    channel = nptdms.ChannelObject("group", "AI0", np.round(V, 6), properties={"wf_increment": 1 / 2000})
+    nptdms = pytest.importorskip(
+        "nptdms", reason="the extra tdms is not installed; a fake library is tested below"
+    )
+    channel = nptdms.ChannelObject(
+        "group", "AI0", np.round(V, 6), properties={"wf_increment": 1 / 2000}
+    )
     with nptdms.TdmsWriter(tmp_path / "t.tdms") as writer:
         writer.write_segment([channel])
     (tmp_path / "t.tdms_index").write_bytes(b"TDSh" + bytes(60))  # the library would read it
@@ -411,7 +535,9 @@ def test_tdms_file_written_by_nptdms_is_read(tmp_path):
 def test_daqmx_data_of_a_tdms_file_is_read(tmp_path):
     pytest.importorskip("nptdms")
     counts = np.round(V * 1000).astype("<i2")
-    index = struct.pack("<3IQ", 0x1269, 2, 1, len(counts)) + struct.pack("<8I", 1, 3, 0, 0, 0, 0, 1, 2)
+    index = struct.pack("<3IQ", 0x1269, 2, 1, len(counts)) + struct.pack(
+        "<8I", 1, 3, 0, 0, 0, 0, 1, 2
+    )
     increment = struct.pack("<I12sId", 12, b"wf_increment", 10, 1 / 2000)
     names = struct.pack("<2I9s", 1, 9, b"/'g'/'v1'") + index + struct.pack("<I", 1) + increment
     lead_in = struct.pack("<4sIIQQ", b"TDSm", 0x8E, 4713, len(names) + 2 * len(counts), len(names))
@@ -422,9 +548,14 @@ def test_daqmx_data_of_a_tdms_file_is_read(tmp_path):
 
 def test_columns_of_text_of_a_parquet_file_are_refused(tmp_path):
     save_parquet(tmp_path / "t.parquet", time_s=T, voltage_v=["2.3 V"] * len(T))
-    save_parquet(tmp_path / "u.parquet", time_s=T, voltage_v=V, **{"voltage_v.raw": ["2.3 V"] * len(T)})
+    save_parquet(
+        tmp_path / "u.parquet", time_s=T, voltage_v=V, **{"voltage_v.raw": ["2.3 V"] * len(T)}
+    )
     for name in ("t.parquet", "u.parquet"):
-        assert "voltage_v: has the type object; give an array of numbers." in run("detect", tmp_path / name).stderr
+        assert (
+            "voltage_v: has the type object; give an array of numbers."
+            in run("detect", tmp_path / name).stderr
+        )
 
 
 def test_a_scale_under_which_voltages_overflow_gives_infinite_ones_without_a_warning() -> None:
@@ -440,14 +571,23 @@ def test_read_trace_in_python(tmp_path):
     assert fingertip.detect(trace, Design()).intervals[0].onset_s == ONSET
     np.save(tmp_path / "v.npy", V)
     assert len(fingertip.read_trace(tmp_path / "v.npy", rate_hz=1000).time_s) == len(V)
-    assert np.array_equal(fingertip.read_trace(str(tmp_path / "v.npy"), rate_hz=2000, scale=0.5).voltage_v, 0.5 * V)
-    with pytest.raises(fingertip.FingertipError, match="is sampled at 2000 Hz, but the detector is designed for 4000"):
+    assert np.array_equal(
+        fingertip.read_trace(str(tmp_path / "v.npy"), rate_hz=2000, scale=0.5).voltage_v, 0.5 * V
+    )
+    with pytest.raises(
+        fingertip.FingertipError,
+        match="is sampled at 2000 Hz, but the detector is designed for 4000",
+    ):
         fingertip.read_trace(
-            tmp_path / "t.csv", Design(detector={"sample_rate_hz": 4000.0}), {"time_s": "t", "voltage_v": "AI0"}
+            tmp_path / "t.csv",
+            Design(detector={"sample_rate_hz": 4000.0}),
+            {"time_s": "t", "voltage_v": "AI0"},
         )
 
 
-@pytest.mark.parametrize(("unit", "per_s"), [("milliseconds", 1e3), ("microseconds", 1e6), ("nanoseconds", 1e9)])
+@pytest.mark.parametrize(
+    ("unit", "per_s"), [("milliseconds", 1e3), ("microseconds", 1e6), ("nanoseconds", 1e9)]
+)
 def test_times_in_other_units_are_read_with_the_options_in_the_message(tmp_path, unit, per_s):
     text = csv(T * per_s, V)
     (tmp_path / "t.csv").write_text(text)
@@ -468,16 +608,23 @@ def test_a_missing_row_is_ignored_with_the_options_in_the_message(tmp_path):
     done = run("detect", tmp_path / "t.csv")
     assert "0.0245 s in line 50 comes after a gap" in done.stderr
     remedy = shlex.split(re.search(r"ignore the times with (.*)$", done.stderr, re.MULTILINE)[1])
-    assert single_onset(run("detect", tmp_path / "t.csv", *remedy, "--json")) == pytest.approx(ONSET, abs=0.001)
+    assert single_onset(run("detect", tmp_path / "t.csv", *remedy, "--json")) == pytest.approx(
+        ONSET, abs=0.001
+    )
     live = run("detect", "-", lines=(tmp_path / "t.csv").read_text())
     assert "line 50: 0.0245 s is 0.001 s after the previous sample" in live.stderr
-    assert shlex.split(re.search(r"ignore the times with (.*)$", live.stderr, re.MULTILINE)[1]) == remedy
+    assert (
+        shlex.split(re.search(r"ignore the times with (.*)$", live.stderr, re.MULTILINE)[1])
+        == remedy
+    )
 
 
 @pytest.mark.full
 def test_a_matlab_file_that_unpacks_to_much_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(array_files, "_memory_bytes", lambda: 2**29)
-    save_mat(tmp_path / "t.mat", time_s=T, voltage_v=V, s={"voltage_v": np.zeros(3 * 2**27, np.uint8)})
+    save_mat(
+        tmp_path / "t.mat", time_s=T, voltage_v=V, s={"voltage_v": np.zeros(3 * 2**27, np.uint8)}
+    )
     assert run("detect", tmp_path / "t.mat").exit_code == 0, "what no column takes is not unpacked"
     done = run("detect", tmp_path / "t.mat", "--column", "voltage_v=s/voltage_v")
     assert "is not a MATLAB file that can be read" in done.stderr

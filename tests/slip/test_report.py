@@ -1,4 +1,6 @@
-"""Reports of detections on known recordings: text, JSON, table and figures are the approved ones."""
+"""Reports of detections on known recordings: text, JSON, table and figures are the
+approved ones.
+"""
 
 from __future__ import annotations
 
@@ -27,17 +29,25 @@ def during(*parts: tuple[float, float]) -> np.ndarray:
     return np.logical_or.reduce([(start <= T) & (end > T) for start, end in parts])
 
 
-def record(bursts: np.ndarray, slip: np.ndarray | None = None, origin: Origin | None = None) -> Trace:
-    """Noise with a tone of 10 mV at 90 Hz during the bursts; the slip that is stated may be another one."""
+def record(
+    bursts: np.ndarray, slip: np.ndarray | None = None, origin: Origin | None = None
+) -> Trace:
+    """Noise with a tone of 10 mV at 90 Hz during the bursts; the
+    slip that is stated may be another one.
+    """
     volts = 2.3 + NOISE_V + 0.01 * np.sin(2 * np.pi * 90 * T) * bursts
     return Trace(T, volts, 1.0 + 0 * T, slip, 0.1 * bursts, origin=origin or Origin())
 
 
 SLIP = during((1.5, 2.0))
 MANY = during((0.9, 1.0), (1.5, 2.0), (2.6, 2.9), (3.2, 3.4))
-"""Vibration without slip, a slip that is found, and one before which the detector is ON; a fourth is missed."""
+"""Vibration without slip, a slip that is found, and one before
+which the detector is ON; a fourth is missed.
+"""
 STATED = during((1.5, 2.0), (2.7, 2.9), (3.21, 3.4), (3.7, 3.75))
-FILTERED_V = 1.47 + SlipChain(ChainSettings.from_design(Design())).process(record(SLIP).voltage_v).filtered_v
+FILTERED_V = (
+    1.47 + SlipChain(ChainSettings.from_design(Design())).process(record(SLIP).voltage_v).filtered_v
+)
 CASES = {
     "digital, many": (record(MANY, STATED), "digital"),
     "analog, many": (record(MANY, STATED), "analog"),
@@ -59,8 +69,16 @@ def test_report_of_a_detection_is_the_approved_one(name: str) -> None:
     path = APPROVED / f"{name.replace(', ', '_').replace(' ', '_')}.txt"
     with keep_figures() as figures:
         _ = found.plot("title"), draw_trace(trace) if path == whole else None
-    drawn = (line for one in figures for line in describe_figure(one)) if path == whole else list_words(figures)
-    lines = [*as_text(found).splitlines(), repr(found), found._repr_html_().replace("<tr>", "\n<tr>")]
+    drawn = (
+        (line for one in figures for line in describe_figure(one))
+        if path == whole
+        else list_words(figures)
+    )
+    lines = [
+        *as_text(found).splitlines(),
+        repr(found),
+        found._repr_html_().replace("<tr>", "\n<tr>"),
+    ]
     lines += (*list_data(as_data(found, found.noise)), *drawn)
     check_figures(path, lines, 1e-3, 1e-9, whole if path != whole else None)
 
@@ -72,7 +90,9 @@ def test_threshold_drawn_is_the_one_of_each_sample() -> None:
         found.plot()
     assert found.threshold.lowest_v < found.threshold.highest_v
     for axes in (figures[0].axes[1], figures[0].axes[3]):
-        (drawn,) = [line for line in axes.get_lines() if str(line.get_label()).startswith("threshold")]
+        (drawn,) = [
+            line for line in axes.get_lines() if str(line.get_label()).startswith("threshold")
+        ]
         assert np.array_equal(drawn.get_ydata(), 1000 * found.output.threshold_v)
 
 
@@ -88,22 +108,38 @@ def test_incipient_slip_that_never_becomes_on_is_listed() -> None:
     assert "and 1 more\n" in text
 
 
-@pytest.mark.parametrize(("beside", "noise", "stated"), [(-1e-6, "14 mV", "0.64 mV"), (1e-6, "15 mV", "0.65 mV")])
-def test_figures_of_warnings_of_noise_are_rounded_at_their_edges(beside: float, noise: str, stated: str) -> None:
+@pytest.mark.parametrize(
+    ("beside", "noise", "stated"), [(-1e-6, "14 mV", "0.64 mV"), (1e-6, "15 mV", "0.65 mV")]
+)
+def test_figures_of_warnings_of_noise_are_rounded_at_their_edges(
+    beside: float, noise: str, stated: str
+) -> None:
     """A factor of 999 or 1001 would show."""
     design = Design.load(changes={"detector.noise_v": 0.645e-3 * (1 + beside)})
-    noise_v, before = 14.5e-3 * (1 + beside), detect(record(SLIP), design, "fast")
+    noise_v = 14.5e-3 * (1 + beside)
+    before = detect(record(SLIP), design, "fast")
     for warnings in (
         calibration_warnings(noise_v, before, slice(9), design, "it"),
         noise_warnings(noise_v, design, None),
     ):
         (said,) = warnings
         assert re.findall(r"[\d.]+ mV", said) == [noise, stated]
-    assert bool([*noise_warnings(5 * 0.645e-3, design, None)]) == (beside < 0), "the training draws up to 5 times"
+    assert bool([*noise_warnings(5 * 0.645e-3, design, None)]) == (beside < 0), (
+        "the training draws up to 5 times"
+    )
 
 
 def test_hum_is_told_above_1_mv_rms_where_it_stands_out() -> None:
-    """Hann's window leaves half of a tone 2 Hz beside it: 3/4 is the median at 6 and 8 Hz from the hum, 4 the ratio."""
+    """Hann's window leaves half of a tone 2 Hz beside it: 3/4 is the
+    median at 6 and 8 Hz from the hum, 4 the ratio.
+    """
     tones = np.sin(2 * np.pi * np.outer([44, 50, 56], np.arange(4000) / 2000))
-    for hum_v, beside, is_told in ((1.42e-3, 0, 1), (1.41e-3, 0, 0), (0.01, 0.33, 1), (0.01, 0.34, 0)):
-        assert len([*hum_warnings(hum_v * np.array([beside, 1, beside]) @ tones, 2000.0)]) == is_told
+    for hum_v, beside, is_told in (
+        (1.42e-3, 0, 1),
+        (1.41e-3, 0, 0),
+        (0.01, 0.33, 1),
+        (0.01, 0.34, 0),
+    ):
+        assert (
+            len([*hum_warnings(hum_v * np.array([beside, 1, beside]) @ tones, 2000.0)]) == is_told
+        )

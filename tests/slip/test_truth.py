@@ -1,4 +1,6 @@
-"""True slip: intervals of flags, their score against the truth, and which recordings are known to be simulated."""
+"""True slip: intervals of flags, their score against the truth, and
+which recordings are known to be simulated.
+"""
 
 from __future__ import annotations
 
@@ -51,24 +53,37 @@ def as_intervals(runs: list[range]) -> tuple[Interval, ...]:
 def test_detections_are_scored_as_sets_of_samples_say(
     detected: list[bool], truth: list[bool], memory: int, cuts: list[int]
 ) -> None:
-    """Against runs of samples; the times are cut into chunks anywhere. Slips 50 ms apart are one."""
+    """Against runs of samples; the times are cut into chunks anywhere.
+
+    Slips 50 ms apart are one.
+    """
     count = max(len(detected), len(truth)) + 1
     time_s = np.arange(count) * STEP_S
     on, slip = (np.array([*flags, *[False] * (count - len(flags))]) for flags in (detected, truth))
     collector = SlipCollector()
     for part, times in zip(np.split(on, sorted(cuts)), np.split(time_s, sorted(cuts)), strict=True):
         collector.add(times, part)
-    runs, slips = find_runs(on.tolist()), find_runs(slip.tolist(), int(STICK_S / STEP_S))
+    runs = find_runs(on.tolist())
+    slips = find_runs(slip.tolist(), int(STICK_S / STEP_S))
     found = collector.close()
     assert found == intervals(time_s, on) == as_intervals(runs) == collector.close()
     assert merge(intervals(time_s, slip), STICK_S) == as_intervals(slips)
     scored = score(found, intervals(time_s, slip), memory * STEP_S)
     assert scored.slips == as_intervals(slips)
     first = [next((run for run in runs if set(run) & set(one)), None) for one in slips]
-    delays = [None if run is None else (run.start - one.start) * STEP_S for run, one in zip(first, slips, strict=True)]
+    delays = [
+        None if run is None else (run.start - one.start) * STEP_S
+        for run, one in zip(first, slips, strict=True)
+    ]
     assert list(scored.delays_s) == delays
-    assert scored.missed == as_intervals([one for one, run in zip(slips, first, strict=True) if run is None])
-    false = [run for run in runs if not any(set(run) & set(range(one.start, one.stop + memory)) for one in slips)]
+    assert scored.missed == as_intervals(
+        [one for one, run in zip(slips, first, strict=True) if run is None]
+    )
+    false = [
+        run
+        for run in runs
+        if not any(set(run) & set(range(one.start, one.stop + memory)) for one in slips)
+    ]
     assert scored.false_intervals == as_intervals(false)
     slipping = {number for one in slips for number in one}
     assert (

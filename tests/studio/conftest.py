@@ -42,7 +42,9 @@ def server(design: Design) -> Iterator[StudioServer]:
 
 class Reply:
     def __init__(self, response: http.client.HTTPResponse) -> None:
-        self.status, self.headers, self.data = response.status, response.headers, response.read()
+        self.status = response.status
+        self.headers = response.headers
+        self.data = response.read()
 
     @property
     def content(self) -> Any:
@@ -52,7 +54,10 @@ class Reply:
 def send(
     server: StudioServer, method: str, path: str, body: bytes | None = None, **headers: str | None
 ) -> http.client.HTTPConnection:
-    """One request as the page sends it. A header given as None is left out, others replace the page's."""
+    """One request as the page sends it.
+
+    A header given as None is left out, others replace the page's.
+    """
     shown: dict[str, str | None] = {
         "Host": server.hosts[0],
         "Content-Type": "application/json" if body is not None else None,
@@ -69,7 +74,9 @@ def send(
     return connection
 
 
-def ask(server: StudioServer, method: str, path: str, body: bytes | None = None, **headers: str | None) -> Reply:
+def ask(
+    server: StudioServer, method: str, path: str, body: bytes | None = None, **headers: str | None
+) -> Reply:
     connection = send(server, method, path, body, **headers)
     reply = Reply(connection.getresponse())
     connection.close()
@@ -77,4 +84,9 @@ def ask(server: StudioServer, method: str, path: str, body: bytes | None = None,
 
 
 def post(server: StudioServer, name: str, tables: object, **more: str) -> Reply:
-    return ask(server, "POST", f"/api/{name}", json.dumps({"client": "test", "tables": tables, **more}).encode())
+    return ask(
+        server,
+        "POST",
+        f"/api/{name}",
+        json.dumps({"client": "test", "tables": tables, **more}).encode(),
+    )

@@ -1,4 +1,6 @@
-"""Studio in a browser: sliders, refusals, downloads and accessibility, without an error or a request elsewhere."""
+"""Studio in a browser: sliders, refusals, downloads and
+accessibility, without an error or a request elsewhere.
+"""
 
 from __future__ import annotations
 
@@ -58,7 +60,9 @@ def put(driver: Any, path: str, value: object, *, by_slider: bool = False) -> st
 
 
 def value_of(driver: Any, path: str) -> str:
-    found: str = driver.execute_script("return document.getElementById(arguments[0]).value", f"f-{path}")
+    found: str = driver.execute_script(
+        "return document.getElementById(arguments[0]).value", f"f-{path}"
+    )
     return found
 
 
@@ -103,7 +107,9 @@ def test_the_picture_of_the_pad_follows_a_change(opened: Any) -> None:
 
 
 def take_in_hand(driver: Any, path: str) -> str:
-    """Give a slider the focus in the middle of the screen; return what is said of the values that pass."""
+    """Give a slider the focus in the middle of the screen; return
+    what is said of the values that pass.
+    """
     script = """
     const field = document.getElementById(`p-${arguments[0]}`);
     field.closest('details').open = true;
@@ -116,7 +122,9 @@ def take_in_hand(driver: Any, path: str) -> str:
 
 
 def measure(driver: Any, path: str) -> tuple[float, int, str]:
-    """Place of a field on the screen, number of open groups, and the colours on its slider's track."""
+    """Place of a field on the screen, number of open groups, and the colours on its
+    slider's track.
+    """
     script = """
     const field = document.getElementById(`p-${arguments[0]}`);
     return [field.getBoundingClientRect().top, document.querySelectorAll('.group[open]').length,
@@ -152,7 +160,10 @@ def test_a_slider_shows_what_passes_and_refuses_the_rest_where_it_stands(opened:
 def test_a_design_is_chosen_by_its_picture_and_its_figures_follow(opened: Any) -> None:
     before = opened.find_element("id", "figures").text
     assert re.search(r"17 x 15 x 68 mm.* g.*days.*US dollars", " ".join(before.split()))
-    shown = "return [...document.querySelectorAll('.presets img')].filter((i) => i.naturalWidth > 100).length"
+    shown = (
+        "return [...document.querySelectorAll('.presets img')].filter((i) => i.naturalWidth > "
+        "100).length"
+    )
     wait(lambda: opened.execute_script(shown) == len(list_bundled_files(DESIGN)))
     click(opened, "[data-design=adult_thumb]")
     assert wait_for_checks(opened).startswith("✓")
@@ -186,7 +197,11 @@ def test_a_fit_moves_the_other_values_and_marks_them(opened: Any) -> None:
     assert value_of(opened, "skin.width_mm") == "16"
     listed = opened.find_elements("css selector", "#fitted a")
     marked = opened.find_elements("css selector", ".field.fitted.changed")
-    assert {each.text for each in listed} == {each.get_attribute("data-path") for each in marked} != set()
+    assert (
+        {each.text for each in listed}
+        == {each.get_attribute("data-path") for each in marked}
+        != set()
+    )
 
 
 @pytest.mark.full
@@ -197,7 +212,9 @@ def test_a_parameter_is_found_and_highlighted(opened: Any) -> None:
     assert [one.get_attribute("data-path") for one in fields] == ["mold.wall_mm"]
     before = picture(opened)
     click(opened, "[data-named='mold.wall_mm']")
-    assert opened.find_element("id", "view-status").text.startswith("mold.wall_mm shapes: mold palmar")
+    assert opened.find_element("id", "view-status").text.startswith(
+        "mold.wall_mm shapes: mold palmar"
+    )
     assert not np.array_equal(picture(opened), before)
 
 

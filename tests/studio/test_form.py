@@ -19,13 +19,17 @@ def test_nine_fields_come_first_and_the_others_in_the_order_of_the_file() -> Non
     groups = make_form()
     main, *others = ([field.parameter.path for field in fields] for fields in groups.values())
     assert (next(iter(groups)), len(main)) == (MAIN, 9)
-    assert [path for paths in others for path in paths] == [path for path in PARAMETERS if path not in main]
+    assert [path for paths in others for path in paths] == [
+        path for path in PARAMETERS if path not in main
+    ]
     assert set(main) <= set(PARAMETERS)
 
 
 def test_choices_show_the_values_of_the_design() -> None:
     """A choice without one would show its first word, which the studio would take for the value."""
-    form, shown = render_form(design := Design.load("fsr400"), {}), {}
+    design = Design.load("fsr400")
+    form = render_form(design, {})
+    shown = {}
     for path, options in re.findall('<select id="f-([^"]+)"[^>]*>(.*?)</select>', form, re.DOTALL):
         shown[path] = re.findall("<option[^>]* selected[^>]*>([^<]*)<", options)
     choices = [path for path, field in FIELDS.items() if field.kind == "choice"]
@@ -39,9 +43,12 @@ def test_sliders_are_between_the_declared_bounds() -> None:
 
 
 def slider_has_the_bounds(field: Field) -> bool:
-    """Return whether the slider of a number ends at the declared bounds, and above the one that is excluded."""
+    """Return whether the slider of a number ends at the declared
+    bounds, and above the one that is excluded.
+    """
     declared = PARAMETERS[field.parameter.path]
-    bounds, slider = find_bounds(declared), field.slider
+    bounds = find_bounds(declared)
+    slider = field.slider
     if not slider:
         return field.kind in ("choice", "text")
     if bounds.above is None:
@@ -60,8 +67,13 @@ def test_sliders_have_some_hundred_steps_of_round_size() -> None:
         elif field.kind == "integer":
             right = slider.step >= 1
         else:
-            exponent, count = math.log10(slider.step), (slider.maximum - slider.minimum) / slider.step
-            right = count + 1.001 >= 200 and count <= 2001 and exponent == pytest.approx(round(exponent))
+            exponent = math.log10(slider.step)
+            count = (slider.maximum - slider.minimum) / slider.step
+            right = (
+                count + 1.001 >= 200
+                and count <= 2001
+                and exponent == pytest.approx(round(exponent))
+            )
         if not right:
             wrong.append((field.parameter.path, slider))
     assert wrong == []

@@ -40,39 +40,70 @@ def wait_for_handlers() -> None:
 
 DOWNLOAD = "/api/download/design"
 MALFORMED: list[tuple[str, str | bytes, dict[str, str | None], int, str]] = [
-    (DOWNLOAD, TABLES % f'{{"width_mm": {4000 * "9"}}}', {}, 400, "whole numbers of at most 18 digits"),
+    (
+        DOWNLOAD,
+        TABLES % f'{{"width_mm": {4000 * "9"}}}',
+        {},
+        400,
+        "whole numbers of at most 18 digits",
+    ),
     (DOWNLOAD, TABLES % r'{"width_mm": "\udfff"}', {}, 400, "not valid JSON"),
     (DOWNLOAD, b'{"\xff": 1}', {}, 400, "not valid JSON"),
     (DOWNLOAD, TABLES % (13 * "[" + 13 * "]"), {}, 400, "nests tables and lists more than 12 deep"),
     (DOWNLOAD, "{", {}, 400, "not valid JSON"),
     (DOWNLOAD, "[]", {}, 400, "no JSON object"),
-    *((DOWNLOAD, body, {}, 400, "not both tables and a client") for body in ("{}", '{"client": 3, "tables": {}}')),
+    *(
+        (DOWNLOAD, body, {}, 400, "not both tables and a client")
+        for body in ("{}", '{"client": 3, "tables": {}}')
+    ),
     *(
         (path, TABLES % "{}", {}, 404, "nothing at this address")
         for path in ("/api/nothing", "/api/download/step", "/parts")
     ),
     (DOWNLOAD, "{}", {"Content-Type": "text/plain"}, 415, "application/json"),
-    *((DOWNLOAD, "{}", {"Host": host}, 403, "answers to") for host in ("evil.example", "127.0.0.1:1", None)),
-    *((DOWNLOAD, "{}", {"Origin": origin}, 403, "own page") for origin in ("http://evil.example", "null")),
-    *((DOWNLOAD, "{}", {TOKEN_HEADER: token}, 403, "not the token") for token in (None, "wrong", "\xe9")),
+    *(
+        (DOWNLOAD, "{}", {"Host": host}, 403, "answers to")
+        for host in ("evil.example", "127.0.0.1:1", None)
+    ),
+    *(
+        (DOWNLOAD, "{}", {"Origin": origin}, 403, "own page")
+        for origin in ("http://evil.example", "null")
+    ),
+    *(
+        (DOWNLOAD, "{}", {TOKEN_HEADER: token}, 403, "not the token")
+        for token in (None, "wrong", "\xe9")
+    ),
     (DOWNLOAD, TABLES % '{"width_mm": NaN, "length_mm": 1e999}', {}, 200, "is not a finite number"),
 ]
 
 
-def test_malformed_requests_get_one_sentence(server: StudioServer, capfd: pytest.CaptureFixture[str]) -> None:
+def test_malformed_requests_get_one_sentence(
+    server: StudioServer, capfd: pytest.CaptureFixture[str]
+) -> None:
     for path, body, headers, status, said in MALFORMED:
-        reply = ask(server, "POST", path, body if isinstance(body, bytes) else body.encode(), **headers)
-        assert (reply.status, set(reply.content)) == (status, {"issues" if status == 200 else "error"}), (body, headers)
+        reply = ask(
+            server, "POST", path, body if isinstance(body, bytes) else body.encode(), **headers
+        )
+        assert (reply.status, set(reply.content)) == (
+            status,
+            {"issues" if status == 200 else "error"},
+        ), (body, headers)
         assert said in json.dumps(reply.content), (body, headers)
         assert "Access-Control-Allow-Origin" not in reply.headers
-    own = ask(server, "POST", DOWNLOAD, (TABLES % '{"x": 1}').encode(), Origin=f"http://{server.hosts[1]}")
+    own = ask(
+        server, "POST", DOWNLOAD, (TABLES % '{"x": 1}').encode(), Origin=f"http://{server.hosts[1]}"
+    )
     assert "there is no such parameter" in json.dumps(own.content)
     wait_for_handlers()
     assert capfd.readouterr() == ("", "")
 
 
-def test_checks_that_nobody_waits_for_are_given_up(server: StudioServer, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Twenty pages ask and are closed; the next one is answered, though each answer would take a minute."""
+def test_checks_that_nobody_waits_for_are_given_up(
+    server: StudioServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Twenty pages ask and are closed; the next one is answered,
+    though each answer would take a minute.
+    """
     begun = threading.Event()
 
     def work(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
@@ -114,7 +145,9 @@ class Gate:
     """Job that runs until it is let go, and asks then whether it is still wanted."""
 
     def __init__(self, result: str) -> None:
-        self.started, self.go, self.result = threading.Event(), threading.Event(), result
+        self.started = threading.Event()
+        self.go = threading.Event()
+        self.result = result
 
     def __call__(self, still_wanted: StillWanted) -> str:
         self.started.set()
@@ -123,7 +156,9 @@ class Gate:
         return self.result
 
 
-def start(pool: ThreadPoolExecutor, worker: NewestWinsWorker, client: str, gate: Gate) -> Future[str]:
+def start(
+    pool: ThreadPoolExecutor, worker: NewestWinsWorker, client: str, gate: Gate
+) -> Future[str]:
     newest = worker._newest.get(client)
     future = pool.submit(worker.run, client, gate, never)
     while worker._newest.get(client) is newest:  # until it has joined the queue
@@ -136,7 +171,8 @@ def never() -> bool:
 
 
 def test_newest_of_each_client_wins() -> None:
-    worker, gates = NewestWinsWorker(), {name: Gate(name) for name in ("a1", "b1", "a2", "a3")}
+    worker = NewestWinsWorker()
+    gates = {name: Gate(name) for name in ("a1", "b1", "a2", "a3")}
     with ThreadPoolExecutor(8) as pool:
         running = {}
         for name in gates:

@@ -33,17 +33,26 @@ def make_plan(**changes: Any) -> SweepPlan:
 
 
 def make_table(
-    axes: dict[str, Any], outputs: dict[str, Any], status: ArrayLike, field: Sequence[str], reason: Sequence[str]
+    axes: dict[str, Any],
+    outputs: dict[str, Any],
+    status: ArrayLike,
+    field: Sequence[str],
+    reason: Sequence[str],
 ) -> SweepTable:
     axis_columns = {name: np.asarray(column) for name, column in axes.items()}
     output_columns = {name: np.asarray(column, dtype=float) for name, column in outputs.items()}
     points = np.arange(len(np.asarray(status)))
     reasons = np.asarray(reason, dtype=np.object_)
-    return SweepTable(points, axis_columns, output_columns, np.asarray(status), np.asarray(field), reasons)
+    return SweepTable(
+        points, axis_columns, output_columns, np.asarray(status), np.asarray(field), reasons
+    )
 
 
 class InlineEngine:
-    """Engine without processes: each task runs at once, in this process. Tests of failures override `submit`."""
+    """Engine without processes: each task runs at once, in this process.
+
+    Tests of failures override `submit`.
+    """
 
     description = "workers in this process"
     attempts = 1

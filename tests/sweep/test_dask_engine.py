@@ -1,4 +1,6 @@
-"""Sweeps on a real Dask cluster: a scheduler and workers as a user starts them, each a process of its own."""
+"""Sweeps on a real Dask cluster: a scheduler and workers as a user
+starts them, each a process of its own.
+"""
 
 from __future__ import annotations
 
@@ -58,7 +60,8 @@ class DaskCluster:
                 stdout=log,
                 stderr=log,
                 cwd=self.folder,
-                env=os.environ | {"PYTHONPATH": paths},  # so that workers find the tests' own functions
+                env=os.environ
+                | {"PYTHONPATH": paths},  # so that workers find the tests' own functions
                 start_new_session=True,
             )
         )
@@ -68,7 +71,15 @@ class DaskCluster:
     def start_all(self, workers: int) -> None:
         """Start a scheduler on a free port, and workers."""
         scheduler_file = self.folder / "scheduler.json"
-        options = ["--host", "127.0.0.1", "--port", "0", "--idle-timeout", "120", "--scheduler-file"]
+        options = [
+            "--host",
+            "127.0.0.1",
+            "--port",
+            "0",
+            "--idle-timeout",
+            "120",
+            "--scheduler-file",
+        ]
         self.start("scheduler", *options, str(scheduler_file))
         until = time.monotonic() + 30
         while not self.address:
@@ -80,7 +91,9 @@ class DaskCluster:
             self.start("worker", self.address, "--nthreads", "1", "--death-timeout", "20")
 
     def kill(self, index: int) -> None:
-        """Kill -9 the scheduler (0), or a worker (1, 2 ...) and its nanny, as when a machine fails."""
+        """Kill -9 the scheduler (0), or a worker (1, 2 ...) and its nanny, as when a
+        machine fails.
+        """
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self.processes[index].pid, signal.SIGKILL)
         self.processes[index].wait()
@@ -92,13 +105,17 @@ class DaskCluster:
 
 @pytest.fixture(autouse=True)
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Gives workers a minute to start: on a busy machine they take longer than a user waits for them."""
+    """Gives workers a minute to start: on a busy machine they
+    take longer than a user waits for them.
+    """
     monkeypatch.setattr(engines, "_CONNECT_TIMEOUT_S", 60.0)
 
 
 @pytest.fixture
 def dask(tmp_path: Path) -> Iterator[DaskCluster]:
-    """A cluster in which the test itself starts the processes; all of them are killed at the end."""
+    """A cluster in which the test itself starts the processes; all of them are killed
+    at the end.
+    """
     cluster = DaskCluster(tmp_path)
     yield cluster
     cluster.kill_all()
@@ -121,7 +138,9 @@ def test_rows_equal_those_of_an_engine_without_processes(
     (tmp_path / "sweep.toml").write_text(SWEEP)
     data = {}
     for name, options in (("inline", ()), ("cluster", ("--cluster", running_cluster.address))):
-        result = run_sweep_command(tmp_path / "sweep.toml", "--out", tmp_path / name, "--json", *options)
+        result = run_sweep_command(
+            tmp_path / "sweep.toml", "--out", tmp_path / name, "--json", *options
+        )
         assert result.exit_code == 0, result.stderr
         data[name] = json.loads(result.stdout) | {"folder": None}
     assert data["inline"] == data["cluster"]
@@ -135,7 +154,10 @@ def assert_rows_complete(folder: Path, size: int) -> None:
     rows = read_rows(folder)
     assert [row.point for row in rows] == list(range(size))
     for row in rows:
-        assert (row.status, tuple(row.outputs.values())) == ("ok", worker_functions.make_result(row.point)[4])
+        assert (row.status, tuple(row.outputs.values())) == (
+            "ok",
+            worker_functions.make_result(row.point)[4],
+        )
 
 
 @pytest.mark.full
@@ -158,7 +180,10 @@ def test_loss_of_a_worker_loses_no_row(running_cluster: DaskCluster, tmp_path: P
 
 @pytest.mark.full
 def test_loss_of_the_scheduler_is_reported_and_resume_completes_the_rows(
-    dask: DaskCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+    dask: DaskCluster,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
     dask.start_all(1)
     monkeypatch.setattr("fingertip.sweep.engines._RECONNECT_TIMEOUT_S", 1.0)
@@ -199,15 +224,20 @@ def run_refused(folder: Path, address: str) -> str:
 def test_closed_port_is_refused_at_once_and_nothing_is_written(tmp_path: Path) -> None:
     address = f"tcp://127.0.0.1:{find_free_port()}"
     assert run_refused(tmp_path, address) == (
-        f"error: --cluster: nothing answers at {address} (Connection refused); start dask scheduler there.\n"
+        f"error: --cluster: nothing answers at {address} (Connection refused); start dask "
+        "scheduler there.\n"
     )
 
 
-def test_listener_that_is_not_a_scheduler_is_refused_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_listener_that_is_not_a_scheduler_is_refused_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("fingertip.sweep.engines._CONNECT_TIMEOUT_S", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
-        assert f"the process listening at {address} is not a Dask scheduler" in run_refused(tmp_path, address)
+        assert f"the process listening at {address} is not a Dask scheduler" in run_refused(
+            tmp_path, address
+        )
 
 
 @pytest.mark.full
@@ -222,21 +252,34 @@ def test_missing_workers_and_workers_of_another_version_are_refused(
     (tmp_path / "other" / "fingertip.py").write_text("__version__ = '9.9'")
     monkeypatch.setattr("fingertip.sweep.engines._CONNECT_TIMEOUT_S", 30.0)
     dask.start("worker", dask.address, "--death-timeout", "20", path=tmp_path / "other")
-    assert f"has fingertip 9.9, but this is {__version__}; install the same version everywhere." in run_refused(
-        tmp_path, dask.address
+    assert (
+        f"has fingertip 9.9, but this is {__version__}; install the same version everywhere."
+        in run_refused(tmp_path, dask.address)
     )
 
 
 @pytest.mark.parametrize(
     ("name", "found", "message"),
     [
-        ("Python", "3.9.2", f"has Python 3.9, but this is {sys.version_info[0]}.{sys.version_info[1]};"),
+        (
+            "Python",
+            "3.9.2",
+            f"has Python 3.9, but this is {sys.version_info[0]}.{sys.version_info[1]};",
+        ),
         ("numpy", "1.0", f"has numpy 1.0, but this is {numpy.__version__};"),
-        ("numpy", ImportError("No module named 'numpy'"), r"has no numpy \(No module named 'numpy'\), but this is"),
+        (
+            "numpy",
+            ImportError("No module named 'numpy'"),
+            r"has no numpy \(No module named 'numpy'\), but this is",
+        ),
     ],
 )
-def test_worker_with_another_python_or_numpy_is_refused(name: str, found: str | ImportError, message: str) -> None:
-    with pytest.raises(SweepError, match=f"worker tcp://w:1 {message}.*install the same version everywhere"):
+def test_worker_with_another_python_or_numpy_is_refused(
+    name: str, found: str | ImportError, message: str
+) -> None:
+    with pytest.raises(
+        SweepError, match=f"worker tcp://w:1 {message}.*install the same version everywhere"
+    ):
         engines.compare_version("tcp://w:1", name, found)
     engines.compare_version("tcp://w:1", "Python", ".".join(map(str, (*sys.version_info[:2], 99))))
 
@@ -252,6 +295,9 @@ def test_worker_that_hangs_is_refused_before_anything_is_written(
     try:
         monkeypatch.setattr(engines, "_ANSWER_TIMEOUT_S", 1.0)
         message = run_refused(tmp_path, dask.address)
-        assert "a worker has not answered for 1 s; end the workers that hang, or start them again" in message
+        assert (
+            "a worker has not answered for 1 s; end the workers that hang, or start them again"
+            in message
+        )
     finally:
         os.killpg(group, signal.SIGCONT)

@@ -1,4 +1,7 @@
-"""Failures: workers crash or hang, the sweep is killed, the disk is full. No row is lost, none is written twice."""
+"""Failures: workers crash or hang, the sweep is killed, the disk is full.
+
+No row is lost, none is written twice.
+"""
 
 from __future__ import annotations
 
@@ -56,7 +59,8 @@ def run_with(folder: Path, evaluate: ChunkFunction) -> dict[int, SweepRow]:
 
 @pytest.mark.full
 @pytest.mark.parametrize(
-    ("evaluate", "deaths"), [(worker_functions.crash_once, "xx"), (worker_functions.die_while_sending, "x")]
+    ("evaluate", "deaths"),
+    [(worker_functions.crash_once, "xx"), (worker_functions.die_while_sending, "x")],
 )
 def test_point_whose_worker_dies_once_is_computed_at_the_second_attempt(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, evaluate: ChunkFunction, deaths: str
@@ -86,7 +90,10 @@ def test_crash_or_hang_of_a_worker_fails_only_its_point(
             assert (row.status, row.field) == (status, "")
             assert reason in row.reason
         else:
-            assert (row.status, tuple(row.outputs.values())) == ("ok", worker_functions.make_result(point)[4])
+            assert (row.status, tuple(row.outputs.values())) == (
+                "ok",
+                worker_functions.make_result(point)[4],
+            )
 
 
 def find_children(parent: int) -> list[int]:
@@ -108,7 +115,17 @@ def assert_processes_end(pids: list[int]) -> None:
 
 def start_sweep(file: Path, out: Path) -> subprocess.Popen[str]:
     """Start the command in a process group of its own, and wait until it has written rows."""
-    command = [sys.executable, "-m", "fingertip", "sweep", str(file), "--out", str(out), "--jobs", "2"]
+    command = [
+        sys.executable,
+        "-m",
+        "fingertip",
+        "sweep",
+        str(file),
+        "--out",
+        str(out),
+        "--jobs",
+        "2",
+    ]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
     until = time.monotonic() + 60
     while time.monotonic() < until and process.poll() is None:
@@ -143,8 +160,11 @@ def resume(file: Path, out: Path) -> int:
 
 
 @pytest.mark.full
-def test_resume_after_kill_9_gives_the_rows_of_an_uninterrupted_run(tmp_path: Path, uninterrupted: list[str]) -> None:
-    file, out = tmp_path / "sweep.toml", tmp_path / "out"
+def test_resume_after_kill_9_gives_the_rows_of_an_uninterrupted_run(
+    tmp_path: Path, uninterrupted: list[str]
+) -> None:
+    file = tmp_path / "sweep.toml"
+    out = tmp_path / "out"
     file.write_text(LARGE_SWEEP)
     process = start_sweep(file, out)
     workers = find_children(process.pid)
@@ -162,7 +182,8 @@ def test_resume_after_kill_9_gives_the_rows_of_an_uninterrupted_run(tmp_path: Pa
 
 @pytest.mark.full
 def test_interrupt_ends_cleanly_and_names_resume(tmp_path: Path) -> None:
-    file, out = tmp_path / "sweep.toml", tmp_path / "out"
+    file = tmp_path / "sweep.toml"
+    out = tmp_path / "out"
     file.write_text(LARGE_SWEEP)
     process = start_sweep(file, out)
     workers = find_children(process.pid)

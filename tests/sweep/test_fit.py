@@ -1,4 +1,6 @@
-"""Sweeps with a fit: axes stay as they are given, derived values follow, and what moved has a column."""
+"""Sweeps with a fit: axes stay as they are given, derived values
+follow, and what moved has a column.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,8 @@ def test_columns_hold_what_moved_and_each_row_is_a_design_that_passes(tmp_path: 
     plan = SweepPlan.load(tmp_path / "fitted.toml", ["fit=true"])
     with SweepDatabase.create(tmp_path / "rows", plan) as database:
         compute_rows(plan, database, ProcessEngine(1))
-        rows, outputs = list(database.rows()), database.find_outputs()
+        rows = list(database.rows())
+        outputs = database.find_outputs()
         report = write_report(database, tmp_path)
         write_csv(database, tmp_path / "rows.csv")
     fitted = [name for name in outputs if name.startswith("fitted.")]
@@ -47,7 +50,9 @@ def test_columns_hold_what_moved_and_each_row_is_a_design_that_passes(tmp_path: 
         Design.load("adult_finger", changes=rows[0].axes)
     # What the points before it were does not count.
     again = PointEvaluator(plan).evaluate(0, plan.point(0))
-    assert again[4] == tuple({**dict.fromkeys(plan.recorded), **plan.fitted, **rows[0].outputs}.values())
+    assert again[4] == tuple(
+        {**dict.fromkeys(plan.recorded), **plan.fitted, **rows[0].outputs}.values()
+    )
     best = rows[report["best"]["point"]]
     written = Design.load(tmp_path / "best.toml")
     assert {name: written.value(name.removeprefix("fitted.")) for name in fitted} == {

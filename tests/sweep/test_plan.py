@@ -31,7 +31,9 @@ def test_samplers_are_stratified_and_reproducible_by_seed(sampling: str) -> None
         "detector.window_samples": {"low": 1, "high": 64},
         "board.series": ["E12", "E24"],
     }
-    plan, again, other = (make_plan(sampling=sampling, points=64, seed=seed, axes=axes) for seed in (1, 1, 2))
+    plan, again, other = (
+        make_plan(sampling=sampling, points=64, seed=seed, axes=axes) for seed in (1, 1, 2)
+    )
     columns = plan.columns(np.arange(64))
     for name, column in again.columns(np.arange(64)).items():
         assert (columns[name] == column).all()
@@ -40,21 +42,31 @@ def test_samplers_are_stratified_and_reproducible_by_seed(sampling: str) -> None
     shares = np.log10(columns["board.cutoff_hz"] / 10.0) / 2.0
     assert sorted(np.floor(64 * shares)) == list(range(64))
     assert np.sum(columns["board.series"] == "E12") == 32
-    assert sorted(columns["detector.window_samples"].tolist()) == list(range(1, 65)), "the ends are as likely"
+    assert sorted(columns["detector.window_samples"].tolist()) == list(range(1, 65)), (
+        "the ends are as likely"
+    )
     assert plan.point(17) == {name: column[17].item() for name, column in columns.items()}
 
 
 def test_points_of_the_largest_grid_are_computed_by_number() -> None:
     steps = {"low": 20.0, "high": 80.0, "steps": 10_000}
-    plan = make_plan(axes={"board.cutoff_hz": steps, "board.envelope_cutoff_hz": steps, "board.series": ["E12"]})
+    plan = make_plan(
+        axes={"board.cutoff_hz": steps, "board.envelope_cutoff_hz": steps, "board.series": ["E12"]}
+    )
     assert plan.size == 100_000_000
-    assert plan.point(99_999_999) == {"board.cutoff_hz": 80.0, "board.envelope_cutoff_hz": 80.0, "board.series": "E12"}
+    assert plan.point(99_999_999) == {
+        "board.cutoff_hz": 80.0,
+        "board.envelope_cutoff_hz": 80.0,
+        "board.series": "E12",
+    }
     assert len(plan.computing_order(99_999_990, 200_000_000)) == 10
 
 
 def test_computed_values_are_rounded_to_nine_significant_digits() -> None:
     values = 10.0 ** np.random.default_rng(0).uniform(-12, 12, 5000)
-    assert round_significant(values).tolist() == [float(f"{value:.9g}") for value in values.tolist()]
+    assert round_significant(values).tolist() == [
+        float(f"{value:.9g}") for value in values.tolist()
+    ]
     assert round_significant(np.array([0.0, 0.1, 1000.0])).tolist() == [0.0, 0.1, 1000.0]
 
 
@@ -71,17 +83,26 @@ def test_what_is_no_table_is_refused(name: str) -> None:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("name", sorted(path.stem for path in (ROOT / "params" / "sweeps").glob("*.toml")))
+@pytest.mark.parametrize(
+    "name", sorted(path.stem for path in (ROOT / "params" / "sweeps").glob("*.toml"))
+)
 def test_bundled_sweep_is_valid_and_survives_a_round_trip(name: str) -> None:
     plan = SweepPlan.load(ROOT / "params" / "sweeps" / f"{name}.toml")
     assert plan.file.name == name
     again = SweepPlan.from_toml(plan.to_toml())
     assert again.to_toml() == plan.to_toml()
-    assert [again.point(i) for i in range(min(50, plan.size))] == [plan.point(i) for i in range(min(50, plan.size))]
+    assert [again.point(i) for i in range(min(50, plan.size))] == [
+        plan.point(i) for i in range(min(50, plan.size))
+    ]
 
 
 def test_changes_apply_to_sweep_file_design_and_scene() -> None:
-    changes = ["tolerance_mm=0.05", "skin.length_mm=35", "scene.slide.distance_m=0.03", "axes.board.cutoff_hz=[50, 60]"]
+    changes = [
+        "tolerance_mm=0.05",
+        "skin.length_mm=35",
+        "scene.slide.distance_m=0.03",
+        "axes.board.cutoff_hz=[50, 60]",
+    ]
     plan = SweepPlan.load(ROOT / "params" / "sweeps" / "delay.toml", changes)
     assert (plan.file.tolerance_mm, plan.designs[""].skin.length_mm) == (0.05, 35.0)
     assert plan.scene is not None

@@ -1,4 +1,6 @@
-"""Evaluation of points: only what the outputs need is computed, and what points share is computed once."""
+"""Evaluation of points: only what the outputs need is computed,
+and what points share is computed once.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,12 @@ from fingertip.lab.campaign.plan import Case
 from fingertip.lab.campaign.run import TrialResult
 from fingertip.sweep import compute
 from fingertip.sweep.compute import PointContext
-from fingertip.sweep.designs import CachedEvaluator, DesignBuilder, LruCache, restrict_kernel_to_one_thread
+from fingertip.sweep.designs import (
+    CachedEvaluator,
+    DesignBuilder,
+    LruCache,
+    restrict_kernel_to_one_thread,
+)
 from fingertip.sweep.outputs import GROUPS, SET_GROUPS, load_outputs
 from fingertip.sweep.point_evaluator import PointEvaluator
 from tests.approved import check_figures
@@ -63,7 +70,9 @@ def test_axes_of_the_board_cause_no_new_meshes(monkeypatch: pytest.MonkeyPatch) 
         axes={"board.cutoff_hz": [60.0, 67.0, 80.0], "skin.width_mm": [17.0, 17.5]},
     )
     evaluator = PointEvaluator(plan)
-    rows = [evaluator.evaluate(int(p), plan.point(int(p))) for p in plan.computing_order(0, plan.size)]
+    rows = [
+        evaluator.evaluate(int(p), plan.point(int(p))) for p in plan.computing_order(0, plan.size)
+    ]
     assert {row[1] for row in rows} == {"ok"}
     assert calls == dict.fromkeys(GROUPS, 0) | {"board": 3, "skin": 2}
 
@@ -80,13 +89,21 @@ def test_checks_with_caches_equal_those_without(changes: list[str]) -> None:
     design = Design.load(changes=changes)
     expected = run_checks(design, MeshEvaluator(COARSE_MM))
     for _ in range(2):
-        assert run_checks(design, SHARED_EVALUATOR) == expected, "after other designs, to the last bit"
+        assert run_checks(design, SHARED_EVALUATOR) == expected, (
+            "after other designs, to the last bit"
+        )
 
 
-@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="processors are chosen on Linux alone")
-def test_mesh_kernel_starts_on_one_processor_of_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.skipif(
+    not hasattr(os, "sched_setaffinity"), reason="processors are chosen on Linux alone"
+)
+def test_mesh_kernel_starts_on_one_processor_of_this_process(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     calls: list[tuple[int, set[int]]] = []
-    monkeypatch.setattr(os, "sched_setaffinity", lambda process, processors: calls.append((process, processors)))
+    monkeypatch.setattr(
+        os, "sched_setaffinity", lambda process, processors: calls.append((process, processors))
+    )
     restrict_kernel_to_one_thread()
     allowed = os.sched_getaffinity(0)
     assert calls == [(0, {min(allowed)}), (0, allowed)]
@@ -138,7 +155,9 @@ ELECTRONIC_AXES: dict[str, Any] = {
 
 @pytest.mark.full
 def test_fast_path_for_electronics_gives_the_same_designs_and_messages() -> None:
-    plan = make_plan(sampling="latin_hypercube", points=150, seed=3, axes=ELECTRONIC_AXES, outputs=["q"])
+    plan = make_plan(
+        sampling="latin_hypercube", points=150, seed=3, axes=ELECTRONIC_AXES, outputs=["q"]
+    )
     fast, complete = (DesignBuilder(plan) for _ in range(2))
     assert fast._only_electronics_vary
     complete._only_electronics_vary = False
@@ -157,22 +176,38 @@ def test_fast_path_for_electronics_gives_the_same_designs_and_messages() -> None
 
 
 def test_outputs_have_the_units_of_their_names() -> None:
-    """Lengths are those of the meshes; the rest follows by hand from values that stand in other units beside them."""
-    design, evaluator = Design(), CachedEvaluator(COARSE_MM)
+    """Lengths are those of the meshes; the rest follows by hand from
+    values that stand in other units beside them.
+    """
+    design = Design()
+    evaluator = CachedEvaluator(COARSE_MM)
     context = PointContext(design, None, make_plan().file, lambda: evaluator)
     values: dict[str, Any] = {}
     for group in ("lengths", "board", "bone", "mold", "casting"):
         values |= compute.GROUP_FUNCTIONS[group](context)
-    halves = [evaluator.mesh(PARTS[f"mold_{half}"].solid(design)).vertices for half in ("palmar", "dorsal")]
+    halves = [
+        evaluator.mesh(PARTS[f"mold_{half}"].solid(design)).vertices
+        for half in ("palmar", "dorsal")
+    ]
     (width, height, _) = np.ptp(np.vstack([halves[0], halves[1][halves[1][:, 1] > 0]]), axis=0)
-    assert [values["mold_width_mm"], values["mold_height_mm"]] == pytest.approx([width, height], abs=1e-4)
-    assert values["finger_length_mm"] == 34.0 + design.bone.base_length_mm, "skin, and base of the bone"
-    assert 67.0 * (1 + values["cutoff_error_percent"] / 100) == pytest.approx(values["cutoff_3db_hz"])
+    assert [values["mold_width_mm"], values["mold_height_mm"]] == pytest.approx(
+        [width, height], abs=1e-4
+    )
+    assert values["finger_length_mm"] == 34.0 + design.bone.base_length_mm, (
+        "skin, and base of the bone"
+    )
+    assert 67.0 * (1 + values["cutoff_error_percent"] / 100) == pytest.approx(
+        values["cutoff_3db_hz"]
+    )
     assert 10 ** (values["gain_db"] / 20) == pytest.approx(values["gain"])
-    assert values["envelope_pole_hz"] == pytest.approx(36.17), "software has the pole that the design asks for"
+    assert values["envelope_pole_hz"] == pytest.approx(36.17), (
+        "software has the pole that the design asks for"
+    )
     assert math.isnan(values["board.r_lp_ohm"] + values["board.c_lp_uf"])
     comparator = Design(board={"variant": "comparator"})
-    on_board = compute.GROUP_FUNCTIONS["board"](PointContext(comparator, None, make_plan().file, lambda: evaluator))
+    on_board = compute.GROUP_FUNCTIONS["board"](
+        PointContext(comparator, None, make_plan().file, lambda: evaluator)
+    )
     decay_s = on_board["board.r_lp_ohm"] * on_board["board.c_lp_uf"] * 1e-6
     assert on_board["envelope_decay_ms"] == pytest.approx(1e3 * decay_s)
     assert on_board["envelope_pole_hz"] == pytest.approx(1 / (2 * math.pi * decay_s))
@@ -189,7 +224,11 @@ def test_outputs_of_a_design_are_the_approved_ones() -> None:
     context = PointContext(Design.load("fsr400"), None, make_plan().file, lambda: evaluator)
     left_out = ("checks", "detection", *SET_GROUPS)
     groups = [name for name in compute.GROUP_FUNCTIONS if name not in left_out]
-    outputs = {key: value for group in groups for key, value in compute.GROUP_FUNCTIONS[group](context).items()}
+    outputs = {
+        key: value
+        for group in groups
+        for key, value in compute.GROUP_FUNCTIONS[group](context).items()
+    }
     lines = (f"{key}: {value:.4g}" for key, value in outputs.items())
     check_figures(Path(__file__).parent / "approved/outputs_fsr400.txt", lines, 1e-3, 1e-9)
 
@@ -202,7 +241,12 @@ def test_alarms_of_a_sweep_are_per_minute(monkeypatch: pytest.MonkeyPatch) -> No
         return [TrialResult(case, 10.0, 1, (next(delays),), 1.0, ("slip",))]
 
     monkeypatch.setattr("fingertip.lab.campaign.run.evaluate", evaluate_trial)
-    plan = make_plan(outputs=["delay_ms"], scene=SHORT_SLIDE, trials=3, axes={"detector.window_samples": [20, 40]})
+    plan = make_plan(
+        outputs=["delay_ms"],
+        scene=SHORT_SLIDE,
+        trials=3,
+        axes={"detector.window_samples": [20, 40]},
+    )
     context = PointContext(Design(), plan.scene, plan.file, Any, lambda seed, record: Any)
     values = compute.compute_detection(context)
     assert (values["delay_ms"], values["delay_p90_ms"], values["found_share"]) == (20.0, 90.0, 1.0)
@@ -211,7 +255,9 @@ def test_alarms_of_a_sweep_are_per_minute(monkeypatch: pytest.MonkeyPatch) -> No
 
 @pytest.mark.full
 @pytest.mark.parametrize(("variant", "detector"), [("precision", "fast"), ("comparator", "analog")])
-def test_simulated_trials_are_shared_between_windows_and_thresholds(variant: str, detector: str) -> None:
+def test_simulated_trials_are_shared_between_windows_and_thresholds(
+    variant: str, detector: str
+) -> None:
     plan = make_plan(
         outputs=["delay_ms", "found_share", "slips"],
         trials=1,
@@ -252,7 +298,10 @@ def test_refused_effect_of_a_scene_keeps_its_reason() -> None:
 
 def test_an_error_of_a_point_is_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
     plan = make_plan(outputs=["q"], axes={"board.cutoff_hz": [60.0]})
-    for error, start in ((DesignError(Issue("a", "is wrong.")), "a: is wrong."), (KeyError("x"), "KeyError: 'x' (in ")):
+    for error, start in (
+        (DesignError(Issue("a", "is wrong.")), "a: is wrong."),
+        (KeyError("x"), "KeyError: 'x' (in "),
+    ):
         monkeypatch.setitem(compute.GROUP_FUNCTIONS, "board", Mock(side_effect=error))
         _, status, field, reason, _ = PointEvaluator(plan).evaluate(0, plan.point(0))
         assert (status, field, reason[: len(start)]) == ("failed", "", start)
@@ -263,18 +312,25 @@ def list_outputs(group: str) -> list[str]:
     return [output.name for output in load_outputs().values() if output.group == group]
 
 
-@pytest.mark.parametrize("group", ["lengths", "board", "noise", "pad", "skin", "bone", "mold", "core", "casting"])
+@pytest.mark.parametrize(
+    "group", ["lengths", "board", "noise", "pad", "skin", "bone", "mold", "core", "casting"]
+)
 def test_output_group_reads_only_its_declared_tables(group: str) -> None:
     base = Design()
-    plan = make_plan(outputs=list_outputs(group), tolerance_mm=COARSE_MM, axes={"skin.width_mm": [17.0]})
+    plan = make_plan(
+        outputs=list_outputs(group), tolerance_mm=COARSE_MM, axes={"skin.width_mm": [17.0]}
+    )
 
     def compute_outputs(design: Design) -> dict[str, float]:
         evaluator = CachedEvaluator(COARSE_MM)
-        return compute.GROUP_FUNCTIONS[group](PointContext(design, None, plan.file, lambda: evaluator))
+        return compute.GROUP_FUNCTIONS[group](
+            PointContext(design, None, plan.file, lambda: evaluator)
+        )
 
     first = compute_outputs(base)
     assert set(first) == set(list_outputs(group))
-    # Tables that it does not declare must not be read. Dimensions are derived before, from all tables.
+    # Tables that it does not declare must not be read. Dimensions are derived before, from all
+    # tables.
     _ = base.dimensions
     others = [name for name in DesignTables.model_fields if name not in GROUPS[group].reads]
     forbidden = base.model_copy(update={name: ForbiddenTable() for name in others})
@@ -285,7 +341,11 @@ def test_output_group_reads_only_its_declared_tables(group: str) -> None:
 def test_computing_order_contains_every_point_and_varies_expensive_axes_slowest() -> None:
     plan = make_plan(
         outputs=["checks_failed", "q"],
-        axes={"board.cutoff_hz": [60.0, 67.0], "skin.width_mm": [17.0, 18.0, 19.0], "mold.wall_mm": [4.0, 5.0]},
+        axes={
+            "board.cutoff_hz": [60.0, 67.0],
+            "skin.width_mm": [17.0, 18.0, 19.0],
+            "mold.wall_mm": [4.0, 5.0],
+        },
     )
     order = [int(p) for part in range(0, 12, 5) for p in plan.computing_order(part, part + 5)]
     assert sorted(order) == list(range(12))

@@ -48,18 +48,34 @@ REASON = 'refused, with "quotes"\nin two lines: \u00e9'
 
 
 def generate_rows(plan: SweepPlan, checks_failed: float = 0.0) -> Iterator[SweepRow]:
-    """Generate plausible rows: narrow fingers are refused, some points fail, high cutoffs give short delays."""
+    """Generate plausible rows: narrow fingers are refused, some
+    points fail, high cutoffs give short delays.
+    """
     for point in range(plan.size):
         axes = plan.point(point)
-        width, cutoff = float(axes["skin.width_mm"]), float(axes["board.cutoff_hz"])
+        width = float(axes["skin.width_mm"])
+        cutoff = float(axes["board.cutoff_hz"])
         no_outputs = dict.fromkeys(plan.outputs, math.nan)
         if width < 17:
             yield SweepRow(point, axes, no_outputs, "refused", "skin.width_mm", REASON)
         elif point % 97 == 5:
-            yield SweepRow(point, axes, no_outputs, "failed", "", "its worker died while it was computed, twice.")
+            yield SweepRow(
+                point,
+                axes,
+                no_outputs,
+                "failed",
+                "",
+                "its worker died while it was computed, twice.",
+            )
         else:
             delay = math.inf if cutoff < 25 else 15.0 + 900.0 / cutoff
-            values = dict(zip(SWEEP["outputs"], (100 * width, cutoff * 1.01, delay, checks_failed), strict=True))
+            values = dict(
+                zip(
+                    SWEEP["outputs"],
+                    (100 * width, cutoff * 1.01, delay, checks_failed),
+                    strict=True,
+                )
+            )
             yield SweepRow(point, axes, {name: values[name] for name in plan.outputs}, "ok", "", "")
 
 
@@ -82,12 +98,21 @@ def database(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SweepDatabase
         yield database
 
 
-GRID = {"skin.width_mm": [15.0, 16.0, 17.0, 18.0, 19.0], "board.cutoff_hz": {"low": 20.0, "high": 130.0, "steps": 6}}
+GRID = {
+    "skin.width_mm": [15.0, 16.0, 17.0, 18.0, 19.0],
+    "board.cutoff_hz": {"low": 20.0, "high": 130.0, "steps": 6},
+}
 NARROW = {**SWEEP["axes"], "skin.width_mm": {"low": 14.0, "high": 16.9}}
 SLOW = {**SWEEP["axes"], "board.cutoff_hz": {"low": 20.0, "high": 24.0}}
 CASES: dict[str, dict[str, Any]] = {
     "complete": {"maximise": ["cutoff_3db_hz"]},
-    "grid": {"axes": GRID, "sampling": "grid", "points": 0, "minimise": [], "maximise": ["cutoff_3db_hz"]},
+    "grid": {
+        "axes": GRID,
+        "sampling": "grid",
+        "points": 0,
+        "minimise": [],
+        "maximise": ["cutoff_3db_hz"],
+    },
     "failed_checks": {"points": 60, "checks_failed": 1.0},
     "nothing_feasible": {"points": 50, "axes": NARROW},
     "no_finite_objective": {"points": 60, "axes": SLOW},
@@ -100,8 +125,12 @@ CASES: dict[str, dict[str, Any]] = {
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", CASES)
-def test_reports_are_the_approved_ones(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Text, and figures of some: what matplotlib is asked to draw stands for its pixels; of a matrix, its words."""
+def test_reports_are_the_approved_ones(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Text, and figures of some: what matplotlib is asked to draw
+    stands for its pixels; of a matrix, its words.
+    """
     pytest.importorskip("matplotlib")
     if name not in ("complete", "grid", "one_row"):
         monkeypatch.setattr(files, "select_plots", lambda _: iter(()))
@@ -109,7 +138,9 @@ def test_reports_are_the_approved_ones(name: str, tmp_path: Path, monkeypatch: p
         told: list[Any] = []
         data = write_report(database, tmp_path / "out", told.append)
     shares = [f"{one.label} {one.share:.3f}" for one in told]
-    written = sorted(path.name for path in (tmp_path / "out").iterdir() if path.name != "manifest.json")
+    written = sorted(
+        path.name for path in (tmp_path / "out").iterdir() if path.name != "manifest.json"
+    )
     assert written == data["files"]
     summary = json.loads((tmp_path / "out/summary.json").read_text())
     assert summary == {key: value for key, value in data.items() if key != "text"}
@@ -126,7 +157,9 @@ def test_reports_are_the_approved_ones(name: str, tmp_path: Path, monkeypatch: p
 
 def test_axes_of_a_scatter_matrix_have_few_ticks_but_counts_have_theirs() -> None:
     pytest.importorskip("matplotlib")
-    columns = {name: np.random.default_rng(seed).uniform(0.0, 100.0, 500) for seed, name in enumerate("ab")}
+    columns = {
+        name: np.random.default_rng(seed).uniform(0.0, 100.0, 500) for seed, name in enumerate("ab")
+    }
     with keep_figures() as figures:
         draw_scatter_matrix(columns, np.ones(500, dtype=bool))
         draw_scatter_matrix({"a": columns["a"]}, np.ones(500, dtype=bool))
@@ -143,7 +176,9 @@ def list_ticks(axis: Axis) -> list[float]:
 
 
 @pytest.mark.full
-def test_best_design_file_reproduces_its_row_and_the_front_is_listed(database: SweepDatabase, tmp_path: Path) -> None:
+def test_best_design_file_reproduces_its_row_and_the_front_is_listed(
+    database: SweepDatabase, tmp_path: Path
+) -> None:
     out = tmp_path
     data = write_report(database, out)
     best = data["best"]
@@ -163,7 +198,9 @@ def test_best_design_file_reproduces_its_row_and_the_front_is_listed(database: S
     listed = list(csv.DictReader((out / "pareto_front.csv").read_text().splitlines()))
     assert [int(line["point"]) for line in listed] == data["pareto_front"]
     delay_ms = {row.point: row.outputs["delay_ms"] for row in database.rows()}
-    assert [float(line["delay_ms"]) for line in listed] == [delay_ms[point] for point in data["pareto_front"]]
+    assert [float(line["delay_ms"]) for line in listed] == [
+        delay_ms[point] for point in data["pareto_front"]
+    ]
 
 
 @pytest.mark.every_case
@@ -176,29 +213,45 @@ def test_best_design_file_reproduces_its_row_and_the_front_is_listed(database: S
         (40 * "w", f"{34 * 'w'}_best", f"{34 * 'w'}_best2"),
     ],
 )
-def test_best_design_has_a_valid_name_that_is_not_that_of_its_base(sweep: str, base: str, best: str) -> None:
+def test_best_design_has_a_valid_name_that_is_not_that_of_its_base(
+    sweep: str, base: str, best: str
+) -> None:
     """A build of `best.toml` once replaced the files of the base."""
-    tables = {"name": sweep, "outputs": ["q"], "axes": {"skin.width_mm": [17]}, "design": {"name": base}}
+    tables = {
+        "name": sweep,
+        "outputs": ["q"],
+        "axes": {"skin.width_mm": [17]},
+        "design": {"name": base},
+    }
     assert name_best_design(SweepPlan.from_tables(tables)) == best
     assert Design.load("first_finger", changes=[f"name={best}"]).name == best
 
 
 def count_pixels(png: bytes, *colours: int) -> list[int]:
-    image = np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=np.int64) @ (1 << 16, 1 << 8, 1)
+    image = np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=np.int64) @ (
+        1 << 16,
+        1 << 8,
+        1,
+    )
     return [int(np.sum(image == colour)) for colour in colours]
 
 
 def test_areas_of_the_feasibility_map_equal_the_shares_of_the_rules() -> None:
     n = 40
-    x, y = (np.repeat(np.arange(float(n)), n), np.tile(np.arange(float(n)), n))
+    x = np.repeat(np.arange(float(n)), n)
+    y = np.tile(np.arange(float(n)), n)
     status = np.where(x < 12, "refused", "ok")
     field = np.where(x < 12, "skin.width_mm", "")
     status[(x >= 12) & (y >= 30)] = "timeout"
     table = make_table({"a": x, "b": y}, {}, status, field, field)
     png = draw_feasibility(table.axes, classify_points(table), ["a", "b"])
-    feasible, refused, timeout = count_pixels(png, *(int(name[1:], 16) for name in (PALE_TEAL, RED, TEXT_COLOUR)))
+    feasible, refused, timeout = count_pixels(
+        png, *(int(name[1:], 16) for name in (PALE_TEAL, RED, TEXT_COLOUR))
+    )
     total = feasible + refused + timeout
-    assert (feasible / total, refused / total, timeout / total) == pytest.approx((0.525, 0.3, 0.175), abs=0.01)
+    assert (feasible / total, refused / total, timeout / total) == pytest.approx(
+        (0.525, 0.3, 0.175), abs=0.01
+    )
     assert total > 500_000
 
 
@@ -219,12 +272,16 @@ def test_csv_reads_back_as_the_rows(database: SweepDatabase, tmp_path: Path) -> 
     assert len(lines) == len(expected) == 400
     for line, row in zip(lines, expected, strict=True):
         assert (int(line["point"]), line["status"], line["field"], line["reason"]) == (
-            row.point, row.status, row.field, row.reason,
-        )  # fmt: skip
+            row.point,
+            row.status,
+            row.field,
+            row.reason,
+        )
         assert float(line["board.cutoff_hz"]) == row.axes["board.cutoff_hz"]
         assert (line["board.series"], int(line["detector.window_samples"])) == (
-            row.axes["board.series"], row.axes["detector.window_samples"],
-        )  # fmt: skip
+            row.axes["board.series"],
+            row.axes["detector.window_samples"],
+        )
         for name, value in row.outputs.items():
             assert (line[name] == "") if math.isnan(value) else float(line[name]) == value
     assert b"\r" not in (tmp_path / "rows.csv").read_bytes()

@@ -28,7 +28,9 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a sweep file and, in `out`, the rows that two processes computed."""
     folder = tmp_path_factory.mktemp("boards")
     (folder / "sweep.toml").write_text(FILE)
-    result = run_sweep_command(folder / "sweep.toml", "--out", folder / "out", "--json", "--jobs", 2)
+    result = run_sweep_command(
+        folder / "sweep.toml", "--out", folder / "out", "--json", "--jobs", 2
+    )
     assert result.exit_code == 0, result.stderr
     data = json.loads(result.stdout)
     assert (data["points"], data["rows"], data["ok"] + data["refused"]) == (24, 24, 24)
@@ -63,10 +65,16 @@ def test_each_row_equals_a_single_evaluation_of_its_design(finished: Path) -> No
 
 @pytest.mark.full
 def test_points_beyond_the_time_limit_make_the_exit_code_one(tmp_path: Path) -> None:
-    text = FILE.replace('name = "boards"', 'name = "boards"\ntime_limit_s = 0.05\ntrials = 50\nscene = "slow.toml"')
-    text = text.replace('outputs = ["q",', 'outputs = ["delay_ms", "q",').replace("steps = 6", "steps = 2")
+    text = FILE.replace(
+        'name = "boards"', 'name = "boards"\ntime_limit_s = 0.05\ntrials = 50\nscene = "slow.toml"'
+    )
+    text = text.replace('outputs = ["q",', 'outputs = ["delay_ms", "q",').replace(
+        "steps = 6", "steps = 2"
+    )
     (tmp_path / "slow.toml").write_text("[slide]\ndistance_m = 0.1\n")
-    (tmp_path / "sweep.toml").write_text(text.replace("[0.0001, 1.0]", "[0.1]").replace('"E12", "E96"', '"E12"'))
+    (tmp_path / "sweep.toml").write_text(
+        text.replace("[0.0001, 1.0]", "[0.1]").replace('"E12", "E96"', '"E12"')
+    )
     result = run_sweep_command(tmp_path / "sweep.toml", "--out", tmp_path / "out", "--json")
     assert result.exit_code == 1, result.stderr
     data = json.loads(result.stdout)

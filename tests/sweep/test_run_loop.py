@@ -1,4 +1,6 @@
-"""Loop of a sweep with scripted workers and a clock that stands still: sizes of chunks, writes, failures, retries."""
+"""Loop of a sweep with scripted workers and a clock that stands still:
+sizes of chunks, writes, failures, retries.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,8 @@ class Clock:
     """Stand-in for the module `time`, set by hand; `tick_s` is added by every reading."""
 
     def __init__(self, tick_s: float = 0.0) -> None:
-        self.now_s, self.tick_s = 100.0, tick_s
+        self.now_s = 100.0
+        self.tick_s = tick_s
 
     def perf_counter(self) -> float:
         self.now_s += self.tick_s
@@ -57,10 +60,17 @@ class Database:
 
 
 class Breaking(InlineEngine):
-    """Engine whose worker dies whenever a chunk holds one of some points, and says so of that point or of none."""
+    """Engine whose worker dies whenever a chunk holds one of some
+    points, and says so of that point or of none.
+    """
 
-    def __init__(self, bad: set[int], elapsed_s: float = 0.0, attempts: int = 1, *, is_known: bool = True) -> None:
-        self.bad, self.elapsed_s, self.attempts, self.is_known = bad, elapsed_s, attempts, is_known
+    def __init__(
+        self, bad: set[int], elapsed_s: float = 0.0, attempts: int = 1, *, is_known: bool = True
+    ) -> None:
+        self.bad = bad
+        self.elapsed_s = elapsed_s
+        self.attempts = attempts
+        self.is_known = is_known
         self.deaths = 0
 
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
@@ -69,7 +79,9 @@ class Breaking(InlineEngine):
             return super().submit(function, *arguments)
         self.deaths += 1
         future: Future[Any] = Future()
-        future.set_exception(WorkerDiedError(tuple(found) if self.is_known else None, self.elapsed_s))
+        future.set_exception(
+            WorkerDiedError(tuple(found) if self.is_known else None, self.elapsed_s)
+        )
         return future
 
 
@@ -79,17 +91,24 @@ def worker(per_point_s: float, sizes: list[int] | None = None) -> Callable[[Chun
     def evaluate(chunk: Chunk) -> ChunkResult:
         if sizes is not None:
             sizes.append(len(chunk.points))
-        return ChunkResult([make_result(point) for point in chunk.points], per_point_s * len(chunk.points))
+        return ChunkResult(
+            [make_result(point) for point in chunk.points], per_point_s * len(chunk.points)
+        )
 
     return evaluate
 
 
 def compute(
-    engine: InlineEngine, database: Database, per_point_s: float = 0.01, sizes: list[int] | None = None
+    engine: InlineEngine,
+    database: Database,
+    per_point_s: float = 0.01,
+    sizes: list[int] | None = None,
 ) -> RunState:
     plan = make_plan(time_limit_s=LIMIT_S)
     assert plan.size == POINTS
-    return compute_rows(plan, cast(SweepDatabase, database), engine, evaluate=worker(per_point_s, sizes))
+    return compute_rows(
+        plan, cast(SweepDatabase, database), engine, evaluate=worker(per_point_s, sizes)
+    )
 
 
 @pytest.fixture
@@ -103,7 +122,9 @@ def test_rate_and_remaining_time_are_those_of_the_last_half_minute(clock: Clock)
     state = RunState(100, 10)
     assert (state.points_per_s, state.remaining_s) == (0.0, math.inf)
     clock.now_s += 0.5
-    few, enough = (RunState(100, 0, written=rows, history=deque([(clock.now_s - 0.5, 0)])) for rows in (9, 10))
+    few, enough = (
+        RunState(100, 0, written=rows, history=deque([(clock.now_s - 0.5, 0)])) for rows in (9, 10)
+    )
     assert enough.points_per_s == 20.0
     assert ("left" in format_state(few), "left" in format_state(enough)) == (False, True)
     clock.now_s += 1.5
@@ -160,9 +181,15 @@ def test_only_missing_points_are_computed(clock: Clock) -> None:
     ],
 )
 def test_rows_are_written_at_once_then_at_intervals_or_when_many_wait(
-    clock: Clock, monkeypatch: pytest.MonkeyPatch, begin_s: float, tick_s: float, max_pending: int, expected: list[int]
+    clock: Clock,
+    monkeypatch: pytest.MonkeyPatch,
+    begin_s: float,
+    tick_s: float,
+    max_pending: int,
+    expected: list[int],
 ) -> None:
-    clock.now_s, clock.tick_s = begin_s, tick_s
+    clock.now_s = begin_s
+    clock.tick_s = tick_s
     monkeypatch.setattr(run, "MAX_PENDING_ROWS", max_pending)
     database = Database()
     compute(InlineEngine(), database)
@@ -171,13 +198,19 @@ def test_rows_are_written_at_once_then_at_intervals_or_when_many_wait(
 
 @pytest.mark.parametrize(
     ("attempts", "limits", "in_time"),
-    [(ProcessEngine.attempts, 0.99, True), (ProcessEngine.attempts, 1, False), (3, 2.9, True), (3, 3, False)],
+    [
+        (ProcessEngine.attempts, 0.99, True),
+        (ProcessEngine.attempts, 1, False),
+        (3, 2.9, True),
+        (3, 3, False),
+    ],
 )
 def test_point_whose_worker_dies_is_tried_again_alone_and_recorded(
     clock: Clock, attempts: int, limits: float, in_time: bool
 ) -> None:
     sizes: list[int] = []
-    engine, database = Breaking({40}, limits * LIMIT_S, attempts), Database()
+    engine = Breaking({40}, limits * LIMIT_S, attempts)
+    database = Database()
     state = compute(engine, database, sizes=sizes)
     assert [row[0] for row in database.rows] == list(range(POINTS))
     assert [row[0] for row in database.rows if row[1] != make_result(int(row[0]))[1]] == [40]
@@ -188,7 +221,9 @@ def test_point_whose_worker_dies_is_tried_again_alone_and_recorded(
 
 
 def test_worker_that_dies_before_it_begins_is_no_fault_of_its_points(clock: Clock) -> None:
-    """Neither at the first attempt nor alone: five such deaths in a row may precede a result, and follow it."""
+    """Neither at the first attempt nor alone: five such deaths in a
+    row may precede a result, and follow it.
+    """
 
     class Flaky(Breaking):
         def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
@@ -196,15 +231,20 @@ def test_worker_that_dies_before_it_begins_is_no_fault_of_its_points(clock: Cloc
             self.bad = set() if self.deaths == 17 else {40}
             return super().submit(function, *arguments)
 
-    engine, database = Flaky({40}), Database()
+    engine = Flaky({40})
+    database = Database()
     state = compute(engine, database)
     assert engine.deaths == 12, "five, a known one, five, and the second known one"
-    assert [row[1] for row in database.rows] == ["failed" if point == 40 else "ok" for point in range(POINTS)]
+    assert [row[1] for row in database.rows] == [
+        "failed" if point == 40 else "ok" for point in range(POINTS)
+    ]
     assert state.failures == 1
 
 
 @pytest.mark.parametrize("results", [0, 2])
-def test_six_workers_in_a_row_that_die_before_they_begin_end_the_run(clock: Clock, results: int) -> None:
+def test_six_workers_in_a_row_that_die_before_they_begin_end_the_run(
+    clock: Clock, results: int
+) -> None:
     engine = Breaking(set(range(results, POINTS)), is_known=False)
     with pytest.raises(SweepError, match="workers died 6 times without computing a point"):
         compute(engine, Database())
@@ -219,7 +259,9 @@ def test_refused_points_and_failed_ones_are_counted_apart(clock: Clock) -> None:
         return ChunkResult([(r[0], status.get(r[0], "ok"), *r[2:]) for r in results], 0.1)
 
     database = Database()
-    state = compute_rows(make_plan(), cast(SweepDatabase, database), InlineEngine(), evaluate=evaluate)
+    state = compute_rows(
+        make_plan(), cast(SweepDatabase, database), InlineEngine(), evaluate=evaluate
+    )
     assert (state.refused, state.failures) == (2, 3)
 
 
@@ -251,9 +293,12 @@ class Slow(InlineEngine):
         future.set_result(worker(1.0)(chunk))
 
 
-def test_silence_of_the_workers_is_measured_from_the_last_result(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_silence_of_the_workers_is_measured_from_the_last_result(
+    clock: Clock, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A worker answers at 3 s, then one 9 s later."""
-    engine, seen = Slow(), []
+    engine = Slow()
+    seen = []
     script = iter([3.0, 0.0, 5.0, 0.5, 3.5, 0.0])
 
     def progress(state: RunState) -> None:
@@ -270,9 +315,12 @@ def test_silence_of_the_workers_is_measured_from_the_last_result(clock: Clock, m
     assert RunState(1, 0).silent_s == 0.0
 
 
-def test_every_worker_has_a_chunk_to_compute_and_one_that_waits(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_worker_has_a_chunk_to_compute_and_one_that_waits(
+    clock: Clock, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(run, "_POLL_INTERVAL_S", 1e-3)
-    engine, waiting = Slow(), list[int]()
+    engine = Slow()
+    waiting = list[int]()
     engine.workers = 3
 
     def progress(_: RunState) -> None:
@@ -280,12 +328,16 @@ def test_every_worker_has_a_chunk_to_compute_and_one_that_waits(clock: Clock, mo
         while engine.waiting:
             engine.answer()
 
-    compute_rows(make_plan(), cast(SweepDatabase, Database(missing=14)), engine, progress, worker(1.0))
+    compute_rows(
+        make_plan(), cast(SweepDatabase, Database(missing=14)), engine, progress, worker(1.0)
+    )
     assert waiting[0] == max(waiting) == 6
 
 
 @pytest.mark.parametrize(("elapsed_s", "status"), [(2.9, "failed"), (3.0, "timeout")])
-def test_chunk_that_the_engine_gives_up_is_tried_point_by_point(clock: Clock, elapsed_s: float, status: str) -> None:
+def test_chunk_that_the_engine_gives_up_is_tried_point_by_point(
+    clock: Clock, elapsed_s: float, status: str
+) -> None:
     """Of a cluster nobody knows which point it was, nor its time, which is that of its retry."""
     sizes: list[int] = []
 
@@ -298,5 +350,7 @@ def test_chunk_that_the_engine_gives_up_is_tried_point_by_point(clock: Clock, el
     database = Database()
     plan = make_plan(time_limit_s=LIMIT_S)
     compute_rows(plan, cast(SweepDatabase, database), InlineEngine(), evaluate=evaluate)
-    assert [row[1] for row in database.rows] == [status if point == 40 else "ok" for point in range(POINTS)]
+    assert [row[1] for row in database.rows] == [
+        status if point == 40 else "ok" for point in range(POINTS)
+    ]
     assert sum(sizes) == POINTS - 1

@@ -1,4 +1,6 @@
-"""Functions that workers run in the tests of failing workers: most points are quick, some never finish."""
+"""Functions that workers run in the tests of failing workers:
+most points are quick, some never finish.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,9 @@ def _evaluate(chunk: Chunk, fail: Callable[[], None]) -> ChunkResult:
         return make_result(point)
 
     start = time.perf_counter()
-    return ChunkResult(evaluate_points(chunk, LIMIT_S, 1, evaluate_point), time.perf_counter() - start)
+    return ChunkResult(
+        evaluate_points(chunk, LIMIT_S, 1, evaluate_point), time.perf_counter() - start
+    )
 
 
 def succeed(chunk: Chunk) -> ChunkResult:
@@ -72,5 +76,7 @@ def sleep(chunk: Chunk) -> ChunkResult:
 
 
 def loop_in_c(chunk: Chunk) -> ChunkResult:
-    """Loop for ever in C at each failing point, with Python's lock held and signals ignored, as a kernel might."""
+    """Loop for ever in C at each failing point, with Python's lock
+    held and signals ignored, as a kernel might.
+    """
     return _evaluate(chunk, lambda: collections.deque(itertools.repeat(0), maxlen=0))

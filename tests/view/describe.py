@@ -40,7 +40,11 @@ def _sum_up_points(points: Any) -> str:
 
 
 def describe_pixels(picture: bytes, columns: int = 8, rows: int = 12) -> Iterator[str]:
-    """Mean colours of the cells of a picture: where it shows what, how bright, and from which side."""
+    """Mean colours of the cells of a picture: where it shows what, how bright, and from
+    which side.
+    """
     pixels = np.asarray(Image.open(io.BytesIO(picture)).convert("RGB"), dtype=float)
     for row in np.array_split(pixels, rows):
-        yield "cells " + " | ".join(sum_up(cell.mean(axis=(0, 1))) for cell in np.array_split(row, columns, axis=1))
+        yield "cells " + " | ".join(
+            sum_up(cell.mean(axis=(0, 1))) for cell in np.array_split(row, columns, axis=1)
+        )

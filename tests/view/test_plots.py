@@ -1,4 +1,6 @@
-"""Plot of a sweep, drawn from small data that stand here: the figure is compared whole with an approved one."""
+"""Plot of a sweep, drawn from small data that stand here: the
+figure is compared whole with an approved one.
+"""
 
 from __future__ import annotations
 
@@ -16,11 +18,15 @@ def test_scatter_matrix_is_the_approved_one() -> None:
     """Points with two numbers, one of them logarithmic, a category and an output."""
     require_module("matplotlib")
     rng = np.random.default_rng(0)
-    width, cutoff = rng.uniform(15.0, 23.0, 100), 10.0 ** rng.uniform(1.0, 3.0, 100)
+    width = rng.uniform(15.0, 23.0, 100)
+    cutoff = 10.0 ** rng.uniform(1.0, 3.0, 100)
     series = np.array(["E12", "E96"], dtype=object)[np.arange(100) % 2]
     columns = {
-        "skin.width_mm": width, "board.cutoff_hz": cutoff, "board.series": series, "delay": width + 900.0 / cutoff,
-    }  # fmt: skip
+        "skin.width_mm": width,
+        "board.cutoff_hz": cutoff,
+        "board.series": series,
+        "delay": width + 900.0 / cutoff,
+    }
     with keep_figures() as figures:
         plots.draw_scatter_matrix(columns, width > 17.0, ["force_n"])
     assert figures

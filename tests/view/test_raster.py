@@ -1,4 +1,6 @@
-"""Rasteriser against closed forms: depth and brightness of a sphere from several sides, and what hides what."""
+"""Rasteriser against closed forms: depth and brightness of a sphere
+from several sides, and what hides what.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,9 @@ from fingertip.cad.kernel.mesh import to_canonical_mesh
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.raster import Camera, Canvas
 
-RADIUS_MM, PIXELS_PER_MM, SIZE = 10.0, 5.0, 120
+RADIUS_MM = 10.0
+PIXELS_PER_MM = 5.0
+SIZE = 120
 LAMP = np.array([-0.45, 0.6, 0.66])
 WHITE = (1.0, 1.0, 1.0)
 
@@ -40,12 +44,16 @@ def test_sphere_has_the_depth_and_the_shade_of_its_closed_form(name: str) -> Non
     camera, lamp_up = CAMERAS[name]
     assert camera.axes @ camera.axes.T == pytest.approx(np.eye(3), abs=1e-12)
     assert np.linalg.det(camera.axes) == pytest.approx(1.0)
-    canvas, height = draw_sphere(camera), expected_height_mm()
+    canvas = draw_sphere(camera)
+    height = expected_height_mm()
     inside = np.isfinite(height)
     assert canvas._depth[inside] / PIXELS_PER_MM == pytest.approx(height[inside], abs=0.07)
     x = (np.arange(SIZE) - SIZE / 2) / PIXELS_PER_MM
     normal = (
-        np.stack([np.broadcast_to(x, height.shape), np.broadcast_to(-x[:, None], height.shape), height]) / RADIUS_MM
+        np.stack(
+            [np.broadcast_to(x, height.shape), np.broadcast_to(-x[:, None], height.shape), height]
+        )
+        / RADIUS_MM
     )
     light = 0.42 + 0.58 * np.clip(np.tensordot(LAMP * [1.0, lamp_up, 1.0], normal, 1), 0.0, 1.0)
     drawn = canvas.image()[..., 0] / 255.0
@@ -63,7 +71,9 @@ def test_camera_looks_along_its_direction() -> None:
 def test_the_nearer_surface_hides_the_other_in_any_order() -> None:
     camera = Camera.from_angles(0.0, 0.0)
     near, far = (
-        to_canonical_mesh(Manifold.cube((4.0, 4.0, 4.0), center=True).translate(tuple(x * camera.axes[2])))
+        to_canonical_mesh(
+            Manifold.cube((4.0, 4.0, 4.0), center=True).translate(tuple(x * camera.axes[2]))
+        )
         for x in (20.0, -20.0)
     )
     pictures = []
@@ -79,8 +89,11 @@ def test_the_nearer_surface_hides_the_other_in_any_order() -> None:
 
 
 def fill_one_by_one(corners: Array, shades: Array, shape: tuple[int, int]) -> tuple[Array, Array]:
-    """Depth and brightness of triangles [fine pixels], each drawn over those before it where it is nearer."""
-    depth, light = np.full(shape, -np.inf), np.ones(shape)
+    """Depth and brightness of triangles [fine pixels], each drawn
+    over those before it where it is nearer.
+    """
+    depth = np.full(shape, -np.inf)
+    light = np.ones(shape)
     rows, columns = np.mgrid[: shape[0], : shape[1]]
     for (a, b, c), shade in zip(corners, shades, strict=True):
         det = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
@@ -98,11 +111,16 @@ def fill_one_by_one(corners: Array, shades: Array, shape: tuple[int, int]) -> tu
 
 @pytest.mark.parametrize("seed", range(3))
 def test_triangles_drawn_together_are_those_drawn_one_by_one(seed: int) -> None:
-    """Large and small ones, at corners of pixels, at one depth, seen from their edge, and beyond the canvas."""
+    """Large and small ones, at corners of pixels, at one depth,
+    seen from their edge, and beyond the canvas.
+    """
     random = np.random.default_rng(seed)
-    width, height = 40, 30
+    width = 40
+    height = 30
     size = random.choice([2.0, 15.0, 90.0], (300, 1, 1))
-    corners = random.uniform(-15.0, 50.0, (300, 1, 3)) + random.uniform(-1.0, 1.0, (300, 3, 3)) * size
+    corners = (
+        random.uniform(-15.0, 50.0, (300, 1, 3)) + random.uniform(-1.0, 1.0, (300, 3, 3)) * size
+    )
     corners[::2, :, :2] = np.round(corners[::2, :, :2])
     corners[::3, :, 2] = np.round(corners[::3, :1, 2] / 20.0)
     corners[::25, 2] = corners[::25, 1]

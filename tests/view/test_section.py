@@ -1,4 +1,6 @@
-"""Section and exploded view: every name stands where the solids have what it names, and no name covers a part."""
+"""Section and exploded view: every name stands where the solids have
+what it names, and no name covers a part.
+"""
 
 from __future__ import annotations
 
@@ -40,36 +42,57 @@ def describe_section(shown: Section) -> Iterator[str]:
     """Title, area of the cut through each part, bounds of what is dashed, and features [mm]."""
     yield shown.title
     for name, solid in shown.parts.items():
-        yield f"  {name}: {abs(sum(area(ring) for ring in slice_solid(EVALUATOR, solid, 1e-3))):.4g} mm2"
+        yield (
+            f"  {name}: "
+            f"{abs(sum(area(ring) for ring in slice_solid(EVALUATOR, solid, 1e-3))):.4g} mm2"
+        )
     for solid, x in shown.dashed:
         corners = np.concatenate([np.empty((0, 2)), *slice_solid(EVALUATOR, solid, x)])
-        ends = f"{sum_up(corners.min(axis=0))} to {sum_up(corners.max(axis=0))}" if len(corners) else "nothing"
+        ends = (
+            f"{sum_up(corners.min(axis=0))} to {sum_up(corners.max(axis=0))}"
+            if len(corners)
+            else "nothing"
+        )
         yield f"  dashed at {x:.4g}: {ends}"
     yield from (f"  {name} at {sum_up(at)}" for name, at in shown.features)
 
 
 def area(ring: Any) -> float:
-    return 0.5 * float(np.sum(ring[:, 0] * np.roll(ring[:, 1], -1) - np.roll(ring[:, 0], -1) * ring[:, 1]))
+    return 0.5 * float(
+        np.sum(ring[:, 0] * np.roll(ring[:, 1], -1) - np.roll(ring[:, 0], -1) * ring[:, 1])
+    )
 
 
 @pytest.mark.parametrize("name", DESIGNS)
 def test_section_is_the_approved_one(name: str) -> None:
     sections = load(name)[1]
-    check_figures(APPROVED / f"section_{name}.txt", (line for each in sections for line in describe_section(each)))
+    check_figures(
+        APPROVED / f"section_{name}.txt",
+        (line for each in sections for line in describe_section(each)),
+    )
 
 
 def test_picture_is_drawn_as_approved(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Names, marks and outlines of all panels, and the pixels without them. The parts are coarse."""
+    """Names, marks and outlines of all panels, and the pixels without them.
+
+    The parts are coarse.
+    """
     pen = PenRecord(monkeypatch)
     monkeypatch.setattr(picture, "_TOLERANCE_MM", 0.3)
     monkeypatch.setattr(section, "_dash", lambda pen, line: pen.polygon(line, outline="dashed"))
-    drawn = draw(load("fork")[0], 400, lambda message: pen.lines.append(f"{message.label} {message.share:.3f}"))
+    drawn = draw(
+        load("fork")[0],
+        400,
+        lambda message: pen.lines.append(f"{message.label} {message.share:.3f}"),
+    )
     size = Image.open(io.BytesIO(drawn)).size
     lines = [f"picture of {size}", *pen.lines, *describe_pixels(drawn)]
     check_figures(APPROVED / "picture_fork.txt", lines, rel=5e-3, abs_=1.1)
 
 
-def test_dashes_are_7_pixels_long_and_4_apart_around_corners(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_dashes_are_7_pixels_long_and_4_apart_around_corners(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     pen = PenRecord(monkeypatch)
     section._dash(ImageDraw.Draw(Image.new("RGB", (9, 9))), [(0.0, 0.0), (60.0, 0.0), (60.0, 39.0)])
     ends = [[float(number) for number in line.split()[1:5]] for line in pen.lines]
@@ -77,7 +100,9 @@ def test_dashes_are_7_pixels_long_and_4_apart_around_corners(monkeypatch: pytest
 
 
 def test_slices_have_the_area_of_the_solid() -> None:
-    ring = difference(Box((-1.0, -2.0, -3.0), (1.0, 4.0, 5.0)), Box((-2.0, -1.0, -1.0), (2.0, 1.0, 2.0)))
+    ring = difference(
+        Box((-1.0, -2.0, -3.0), (1.0, 4.0, 5.0)), Box((-2.0, -1.0, -1.0), (2.0, 1.0, 2.0))
+    )
     outlines = slice_solid(EVALUATOR, ring, 0.5)
     assert abs(sum(area(ring) for ring in outlines)) == pytest.approx(8 * 6 - 3 * 2)
     corners = np.concatenate(outlines)
@@ -86,14 +111,21 @@ def test_slices_have_the_area_of_the_solid() -> None:
 
 
 def test_a_section_has_no_speckles() -> None:
-    """Two blocks that meet in one face: each row of the cut changes its colour once, in one place."""
-    left, right = Box((-5.0, 0.0, 0.0), (5.0, 10.0, 10.0)), Box((-5.0, 0.0, 10.0), (5.0, 10.0, 20.0))
-    picture = draw_section(Section("", {"bone": left, "skin": right}, (), ()), MeshEvaluator(0.05), 800)
+    """Two blocks that meet in one face: each row of the cut changes its colour once, in
+    one place.
+    """
+    left = Box((-5.0, 0.0, 0.0), (5.0, 10.0, 10.0))
+    right = Box((-5.0, 0.0, 10.0), (5.0, 10.0, 20.0))
+    picture = draw_section(
+        Section("", {"bone": left, "skin": right}, (), ()), MeshEvaluator(0.05), 800
+    )
     colours = {tuple(colour) for colour in picture.reshape(-1, 3)}
     rows = [row for row in picture if len({tuple(pixel) for pixel in row[100:700:5]}) >= 2]
     middle = rows[len(rows) // 2]
     changes = np.flatnonzero((middle[1:] != middle[:-1]).any(axis=1))
-    assert len(changes) <= 9  # white, edge, bone, edge, skin, edge, white, with a blended pixel beside each edge
+    assert (
+        len(changes) <= 9
+    )  # white, edge, bone, edge, skin, edge, white, with a blended pixel beside each edge
     assert len(colours) < 400
 
 
@@ -115,7 +147,8 @@ def test_a_free_place_is_free_and_near() -> None:
     taken = np.zeros((200, 300), dtype=bool)
     taken[80:120, 100:200] = True
     x, y = find_free_place(taken, (0.0, 2.0, 60.0, 20.0), (100.0, 80.0, 200.0, 120.0))
-    left, top = int(x), int(y + 2)
+    left = int(x)
+    top = int(y + 2)
     assert not taken[top : top + 18, left : left + 60].any()
     assert abs(y + 11 - 100) < 45
     taken[:] = True
@@ -123,13 +156,17 @@ def test_a_free_place_is_free_and_near() -> None:
 
 
 def test_views_show_the_side_that_they_name() -> None:
-    """Distal is to the right; the dorsal side (y) or the palmar one faces the viewer. A finger bends to its palm."""
+    """Distal is to the right; the dorsal side (y) or the palmar one faces the viewer.
+
+    A finger bends to its palm.
+    """
     for camera, side in ((View.DORSAL, 1.0), (View.PALMAR, -1.0)):
         right, up, towards = camera.axes
         assert right[2] > 0.8
         assert up[1] > 0.7
         assert np.sign(round(float(towards[1]), 9)) == side
-    design, coarse = Design.load("adult_finger"), MeshEvaluator(0.5)
+    design = Design.load("adult_finger")
+    coarse = MeshEvaluator(0.5)
     assert design.dimensions.joint
     parts = {"bone": parts_by_name(design)["bone"].solid(design)}
     placed = place_on_hand(design, design.dimensions.joint, coarse, parts)

@@ -1,4 +1,6 @@
-"""Command `python -m tools.accuracy`: measure what docs/accuracy.md states, and write the page and its pictures."""
+"""Command `python -m tools.accuracy`: measure what docs/accuracy.md
+states, and write the page and its pictures.
+"""
 
 from __future__ import annotations
 
@@ -27,34 +29,48 @@ from fingertip.lab.accuracy.measure import measure_accuracy
 from fingertip.sweep.outputs import load_outputs
 from tools.article.steps import compare_grids, generate_trials
 
-DOCS, TEMPLATE = Path("docs"), Path(__file__).with_name("page.md")
-DESIGN, COMPARED = "fsr400", ("fsr400", "article")
+DOCS = Path("docs")
+TEMPLATE = Path(__file__).with_name("page.md")
+DESIGN = "fsr400"
+COMPARED = ("fsr400", "article")
 TRIALS = 60
 SOLVERS = ("odeint", "CVODE", "RADAU5", "RADAU", "Rodas5P")
-TARGETS_N, TARGETS_V = 5e-5, 8e-4
+TARGETS_N = 5e-5
+TARGETS_V = 8e-4
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m tools.accuracy", description=__doc__)
-    parser.add_argument("--cases", type=int, default=50_000, help="number of extreme cases; 0: keep the table")
-    parser.add_argument("--rounds", type=int, default=3, help="number of runs of the comparison with other solvers")
+    parser.add_argument(
+        "--cases", type=int, default=50_000, help="number of extreme cases; 0: keep the table"
+    )
+    parser.add_argument(
+        "--rounds", type=int, default=3, help="number of runs of the comparison with other solvers"
+    )
     options = parser.parse_args()
     design = Design.load(DESIGN)
-    found, curves = measure_accuracy(design, options.cases or 20), measure_budget(design)
+    found = measure_accuracy(design, options.cases or 20)
+    curves = measure_budget(design)
     groups = {name: output.group for name, output in load_outputs().items()}
-    whole, page = report.as_text(found).splitlines(), DOCS / "accuracy.md"
+    whole = report.as_text(found).splitlines()
+    page = DOCS / "accuracy.md"
     tried = whole if options.cases else page.read_text().splitlines()
     budget = report.budget_text(DESIGN, curves, groups).splitlines()
     peers, picture = _compare_solvers(options.rounds)
     values = {
-        "design": DESIGN, "cases": f"{options.cases or 50_000}", "rounds": f"{options.rounds}",
+        "design": DESIGN,
+        "cases": f"{options.cases or 50_000}",
+        "rounds": f"{options.rounds}",
         "budget": "\n".join([line for line in budget if line.startswith("|")]),
-        "steps": "\n".join(_cut(whole, "| run |")), "extremes": "\n".join(_cut(tried, "| family |")),
-        "trials": "\n".join(_compare_trials()), "peers": "\n".join(peers),
-    }  # fmt: skip
+        "steps": "\n".join(_cut(whole, "| run |")),
+        "extremes": "\n".join(_cut(tried, "| family |")),
+        "trials": "\n".join(_compare_trials()),
+        "peers": "\n".join(peers),
+    }
     text = TEMPLATE.read_text()
     for name, value in values.items():
         text = text.replace(f"{{{{ {name} }}}}", value)
+
     page.write_text(text)
     (DOCS / "accuracy.png").write_bytes(plot_curves(curves))
     (DOCS / "work_precision.png").write_bytes(picture)
@@ -63,63 +79,95 @@ def main() -> None:
 def _cut(lines: list[str], header: str) -> list[str]:
     """Return the table that begins with a header."""
     first = next(i for i, line in enumerate(lines) if line.startswith(header))
-    return [line for line in lines[first : lines.index("", first) if "" in lines[first:] else None] if line[:1] == "|"]
+    return [
+        line
+        for line in lines[first : lines.index("", first) if "" in lines[first:] else None]
+        if line[:1] == "|"
+    ]
 
 
 def _compare_trials() -> Iterator[str]:
     """Yield the table of the errors of the article's trials, of each design."""
     yield "| design | signal | median | 90th percentile | worst | target |"
     yield "| --- | --- | --- | --- | --- | --- |"
+
     with compiled():
         for name in COMPARED:
             errors = defaultdict[str, list[float]](list)
             for case in generate_trials(TRIALS):
                 for signal, error in compare_grids(Design.load(name), case, ("fast",))[0].items():
                     errors[signal].append(error)
+
             for signal, limit in (("force_n", TARGETS_N), ("envelope_v", TARGETS_V)):
                 median, most, worst = np.quantile(errors[signal], (0.5, 0.9, 1.0))
                 held = np.mean(np.array(errors[signal]) <= limit)
-                yield f"| {name} | {signal} | {median:.1e} | {most:.1e} | {worst:.1e} | {limit:g} in {held:.0%} |"
+                yield (
+                    f"| {name} | {signal} | {median:.1e} | {most:.1e} | {worst:.1e} | {limit:g} "
+                    f"in {held:.0%} |"
+                )
 
 
 def _compare_solvers(rounds: int) -> tuple[list[str], bytes]:
     """Return the table of other solvers' CPU times, and the diagrams of the last round."""
     ratios: dict[tuple[str, str], list[float]] = defaultdict(list)
     diagrams: list[WorkPrecision] = []
+
     with compiled(), compile_solvers(SOLVERS) as native:
         for _ in range(rounds):
-            diagrams = [measure_contact(SECONDS, SOLVERS, native), measure_board(SECONDS / 5, SOLVERS, native)]
+            diagrams = [
+                measure_contact(SECONDS, SOLVERS, native),
+                measure_board(SECONDS / 5, SOLVERS, native),
+            ]
             for diagram in diagrams:
                 for solver, one in diagram.comparisons().items():
                     if one.mean and "fingertip" not in solver:
                         ratios[diagram.problem.partition(",")[0], solver].append(one.mean)
+
     lines = ["| problem | solver | multiple | range |", "| --- | --- | --- | --- |"]
-    for (problem, solver), found in sorted(ratios.items(), key=lambda item: (item[0][0], statistics.median(item[1]))):
+    for (problem, solver), found in sorted(
+        ratios.items(), key=lambda item: (item[0][0], statistics.median(item[1]))
+    ):
         lines.append(
-            f"| {problem} | {solver} | {statistics.median(found):.1f} | {min(found):.1f} to {max(found):.1f} |"
+            f"| {problem} | {solver} | {statistics.median(found):.1f} | {min(found):.1f} to "
+            f"{max(found):.1f} |"
         )
+
     return lines, draw(diagrams, "CPU time of the integration, without start-up and input.")
 
 
 def plot_curves(curves: Sequence[Curve]) -> bytes:
-    """Plot the relative error of each output at its settings, the one in use filled; returns a PNG."""
-    figure, drawn = display.new_figure(14, 8), [curve for curve in curves if any(map(any, curve.errors.values()))]
+    """Plot the relative error of each output at its settings, the one in use filled;
+    returns a PNG.
+    """
+    figure = display.new_figure(14, 8)
+    drawn = [curve for curve in curves if any(map(any, curve.errors.values()))]
     styles = list(itertools.product(("-", "--"), display.SERIES))
-    for axes, curve in zip(figure.subplots(2, -(-len(drawn) // 2), squeeze=False).flat, drawn, strict=False):
+
+    for axes, curve in zip(
+        figure.subplots(2, -(-len(drawn) // 2), squeeze=False).flat, drawn, strict=False
+    ):
         for (dashes, colour), (name, errors) in zip(styles, curve.errors.items(), strict=False):
             relative = [error / (abs(curve.values[name]) or 1.0) for error in errors]
             known = [i for i, error in enumerate(relative) if 0.0 < error < math.inf]
-            x, y = [curve.cpu_s[i] for i in known], [relative[i] for i in known]
+            x = [curve.cpu_s[i] for i in known]
+            y = [relative[i] for i in known]
             axes.loglog(x, y, f"o{dashes}", color=colour, markerfacecolor="none", label=name)
             if curve.used in known:
                 axes.loglog([curve.cpu_s[curve.used]], [relative[curve.used]], "o", color=colour)
+
         axes.set(xlabel=f"{curve.source}; CPU time", ylabel="error / value")
         axes.set_xticks([], minor=True)
         ticks = zip(curve.settings, curve.cpu_s, strict=True)
         axes.set_xticks(curve.cpu_s, [f"{setting:g}\n{cpu_s:.2g} s" for setting, cpu_s in ticks])
         axes.set_ylim(top=axes.get_ylim()[1] * 4.0)  # room for the names
-        axes.legend(frameon=False, fontsize=6, ncols=2, loc="upper right")
+        axes.legend(
+            frameon=False,
+            fontsize=6,
+            ncols=2,
+            loc="upper right",
+        )
         display.style_axes(axes, "both")
+
     return display.to_png(figure)
 
 

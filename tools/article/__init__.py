@@ -1,1 +1,3 @@
-"""Studies of the article beside a validation: its protocol, its board, and what other assumptions change."""
+"""Studies of the article beside a validation: its protocol, its
+board, and what other assumptions change.
+"""

@@ -1,10 +1,11 @@
 """Command `python -m tools.article`: the studies of the article.
 
-    python -m tools.article
-    python -m tools.article DESIGN [--trials 120] [--minutes 40] [--detector fast] [--jobs 2] [--out FOLDER]
+    python -m tools.article python -m tools.article DESIGN [--trials 120] [--minutes 40] [--detector
+    fast] [--jobs 2] [--out FOLDER]
 
-Without a design it measures `tools/article/beside_article.json` and writes `docs/beside_article.md` from it, which
-takes some minutes: run it again after a change of simulation or detectors. With one it makes all studies of it.
+Without a design it measures `tools/article/beside_article.json` and writes `docs/beside_article.md`
+from it, which takes some minutes: run it again after a change of simulation or detectors. With one
+it makes all studies of it.
 """
 
 from __future__ import annotations
@@ -29,18 +30,29 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, help="processes; default: one for each processor")
     parser.add_argument("--out", type=Path, help="folder; default: out/NAME/studies")
     arguments = parser.parse_args()
+
     if arguments.design is None:
         write_page()
         return
-    design, plan = Design.load(arguments.design), CampaignPlan(arguments.trials, arguments.minutes)
+
+    design = Design.load(arguments.design)
+    plan = CampaignPlan(arguments.trials, arguments.minutes)
     if not design.board.has_filter:
-        sys.exit(f"{design.name}: its board has no filter, which the studies are about; choose a design that has one.")
+        sys.exit(
+            f"{design.name}: its board has no filter, which the studies are about; choose a "
+            "design that has one."
+        )
+
     with side_by_side(find_workers(arguments.jobs)):
-        files = study(design, plan, arguments.detector, lambda text: print(text, file=sys.stderr)).files()
+        files = study(
+            design, plan, arguments.detector, lambda text: print(text, file=sys.stderr)
+        ).files()
+
     folder = arguments.out or Path("out") / design.name / "studies"
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in files.items():
         (folder / name).write_bytes(content)
+
     print(files["studies.txt"].decode(), end="")
 
 

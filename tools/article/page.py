@@ -38,22 +38,29 @@ PICTURE = PAGE.with_name("vibration_level.png")
 TEMPLATE = Path(__file__).with_name("beside_article.md")
 FORCES_N = (0.3, 0.5, 0.8, 1.2, 2.0)
 SEEDS = range(10)
-DESIGNS, DETECTORS = ("article",), ("analog", "fast")
+DESIGNS = ("article",)
+DETECTORS = ("analog", "fast")
 
 
 def measure_board(design: Design) -> dict[str, Any]:
-    """Measure the mean envelope by surface and force, and the force from which it exceeds what the noise allows [N]."""
+    """Measure the mean envelope by surface and force, and the force
+    from which it exceeds what the noise allows [N].
+    """
     threshold_v = simulate_quiescent_level(design).rounded_threshold_v
     envelopes_v = {
-        name: [measure_envelope_v(design, name, force_n, SEEDS) for force_n in FORCES_N] for name in ARTICLE_SURFACES
+        name: [measure_envelope_v(design, name, force_n, SEEDS) for force_n in FORCES_N]
+        for name in ARTICLE_SURFACES
     }
     above_n = {
         name: [force_n for force_n, volts in zip(FORCES_N, row, strict=True) if volts > threshold_v]
         for name, row in envelopes_v.items()
     }
+
     return {
         "threshold_mv": 1000 * threshold_v,
-        "envelopes_mv": {name: [round(1000 * volts, 3) for volts in row] for name, row in envelopes_v.items()},
+        "envelopes_mv": {
+            name: [round(1000 * volts, 3) for volts in row] for name, row in envelopes_v.items()
+        },
         "above_noise_n": above_n,
     }
 
@@ -63,6 +70,7 @@ def measure() -> dict[str, Any]:
     article = Design.load("article")
     rows = list_protocol_rows(study_article_protocol(article), study_previous_works(article))
     variations = [one for one in VARIATIONS if one.is_law or one.label == PATCH_AVERAGE]
+
     return {
         "devices": list(PROTOCOL_COLUMNS),
         "protocol": list(map(asdict, rows)),
@@ -83,14 +91,19 @@ def measure() -> dict[str, Any]:
 
 def render_page(data: Mapping[str, Any]) -> str:
     """Write the page from the data."""
-    summary: dict[str, Any] = {"level": {**data["level"], "summary": level.summarise(data["level"]["points"])}}
-    return lay_out_page(render_text(TEMPLATE.read_text(encoding="utf-8"), **{**data, **summary}), WIDTH)
+    summary: dict[str, Any] = {
+        "level": {**data["level"], "summary": level.summarise(data["level"]["points"])}
+    }
+    return lay_out_page(
+        render_text(TEMPLATE.read_text(encoding="utf-8"), **{**data, **summary}), WIDTH
+    )
 
 
 def write_page() -> None:
     """Measure, and write data, page and picture."""
     with side_by_side(find_workers(None)):
         data = json.loads(json.dumps(measure(), allow_nan=False))
+
     PICTURE.write_bytes(level.plot(data["level"]["points"]))
     DATA.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
     PAGE.write_text(render_page(data), encoding="utf-8")

@@ -34,21 +34,29 @@ def list_protocol_rows(study: ProtocolStudy, previous: PreviousWorks) -> list[Pr
     data: dict[str, Any] = {
         "columns": PROTOCOL_COLUMNS,
         "devices": [study.find(name) for name in PROTOCOL_COLUMNS],
-        "later": [(moved_m, [study.find(name, moved_m) for name in PROTOCOL_COLUMNS]) for moved_m in MOVED_M[1:]],
+        "later": [
+            (moved_m, [study.find(name, moved_m) for name in PROTOCOL_COLUMNS])
+            for moved_m in MOVED_M[1:]
+        ],
         "fft": study.find("fft"),
         "plates": [(factor, previous.means_s(factor)) for factor in PLATE_FACTORS],
         "plain_fft": previous.plain_fft,
         "boards": list(study.manipulations.values()),
         "motion_ms": ONSETS["motion_ms"],
-        "encoders_ms": [1000 * delay_s for delay_s in encoder_delay_band_s(ONSETS["motion_ms"] / 1000)],
+        "encoders_ms": [
+            1000 * delay_s for delay_s in encoder_delay_band_s(ONSETS["motion_ms"] / 1000)
+        ],
         "ms": lambda seconds: format_ms(seconds, "none found"),
     }
-    rows, page = [], lay_out_page(render_text(TEMPLATE.read_text(encoding="utf-8"), **data))
+    rows = []
+    page = lay_out_page(render_text(TEMPLATE.read_text(encoding="utf-8"), **data))
     table = [line[1:-1].split("|") for line in page.splitlines() if line.startswith("|")]
     head, _, *lines = ([cell.strip() for cell in line] for line in table)
+
     for row in (dict(zip(head, line, strict=True)) for line in lines):
         ours = {name: row[name] for name in PROTOCOL_COLUMNS if row[name]}
         rows.append(ProtocolRow(row["figure"], row["article"], ours, row["differs"]))
+
     return rows
 
 
@@ -59,12 +67,15 @@ def protocol_as_lines(study: ProtocolStudy, previous: PreviousWorks) -> list[str
         "",
         "the article's own protocol beside its figures. Zero: first reading of encoders at "
         f"{ENCODER_HZ:g} Hz that shows the",
-        "robot's motion. Window and converter: those of the design article. Threshold: what the noise of each board's",
+        "robot's motion. Window and converter: those of the design article. Threshold: what the "
+        "noise of each board's",
         "output allows. Nothing was tuned to the article's figures:",
         f"{'':34} {'article':>29}{head}",
     ]
+
     for row in list_protocol_rows(study, previous):
         cells = "".join(f"{row.ours.get(name, ''):>18}" for name in PROTOCOL_COLUMNS)
         lines.append(f"{row.figure:34} {row.article:>29}{cells}".rstrip())
         lines += textwrap.wrap(row.differs, WIDTH, initial_indent="    ", subsequent_indent="    ")
+
     return lines

@@ -1,8 +1,8 @@
 """Sensitivity of the delay to the simulation's assumptions, one at a time, on the same trials.
 
-Among them are effects that real fingers show and that the trials leave out by default: a pad that averages the surface
-over its contact patch, stick-slip, noise that is not white, mains hum, and converters of microcontrollers. Their levels
-are assumptions that nobody has verified.
+Among them are effects that real fingers show and that the trials leave out by default: a pad that
+averages the surface over its contact patch, stick-slip, noise that is not white, mains hum, and
+converters of microcontrollers. Their levels are assumptions that nobody has verified.
 """
 
 from __future__ import annotations
@@ -50,25 +50,38 @@ class Variation:
 
     label: str
     changes: Mapping[str, Change]
-    """Dotted parameter of the design, or of the scene after `scene.` -> its value, or the factor of its value."""
+    """Dotted parameter of the design, or of the scene after `scene.`
+    -> its value, or the factor of its value.
+    """
     is_realistic: bool = False
     """True for an effect that real fingers show and the trials leave out by default."""
     is_law: bool = False
-    """True for another law of friction and vibration in the contact, where no source settles which one is right."""
+    """True for another law of friction and vibration in the contact,
+    where no source settles which one is right.
+    """
 
     def vary_scene(self, scene: SceneFile) -> SceneFile:
-        changes = {name.removeprefix(_SCENE): to for name, to in self.changes.items() if name.startswith(_SCENE)}
+        changes = {
+            name.removeprefix(_SCENE): to
+            for name, to in self.changes.items()
+            if name.startswith(_SCENE)
+        }
         return SceneFile(**_apply(scene.model_dump(), changes)) if changes else scene
 
     def vary_design(self, design: Design) -> Design:
-        """Return a changed design; its threshold changes by the same ratio as the noise-derived one."""
+        """Return a changed design; its threshold changes by the
+        same ratio as the noise-derived one.
+        """
         changes = {name: to for name, to in self.changes.items() if not name.startswith(_SCENE)}
         if not changes:
             return design
+
         tables = _apply(design.model_dump(), changes)
-        before, after = noise_level(design).threshold_v, noise_level(Design(**tables)).threshold_v
+        before = noise_level(design).threshold_v
+        after = noise_level(Design(**tables)).threshold_v
         if before > 0.0 and after > 0.0:
             tables["detector"]["threshold_v"] *= after / before
+
         return Design(**tables)
 
 
@@ -78,15 +91,19 @@ def _apply(tables: dict[str, Any], changes: Mapping[str, Change]) -> dict[str, A
         table, _, key = name.partition(".")
         if isinstance(change, BySurface):
             change = change.values.get(tables["contact"]["surface"], tables[table][key])
-        tables[table][key] = tables[table][key] * change.by if isinstance(change, Factor) else change
+
+        tables[table][key] = (
+            tables[table][key] * change.by if isinstance(change, Factor) else change
+        )
+
     return tables
 
 
 def change_converter(bits: int, high_v: float) -> dict[str, Change]:
     """Parameters of a converter from 0 V to `high_v` [V], in the scene and in the design.
 
-    A user of this converter states it in the design, because the thresholds follow from the design's noise and step.
-    The noise ahead of the converter stays the design's.
+    A user of this converter states it in the design, because the thresholds follow from the
+    design's noise and step. The noise ahead of the converter stays the design's.
     """
     return {
         "scene.converter.bits": bits,
@@ -99,7 +116,9 @@ def change_converter(bits: int, high_v: float) -> dict[str, Change]:
 
 
 LONG_WAIT_S = 10.0
-"""Holding time before slip in which a detector can adapt to noise [s]; the article's trials hold for 1 s."""
+"""Holding time before slip in which a detector can adapt to noise
+[s]; the article's trials hold for 1 s.
+"""
 HELD_LONGER = f"held for {LONG_WAIT_S:g} s"
 PATCH_AVERAGE = "profile averaged over the contact patch"
 STICK_SLIP = "stick-slip"
@@ -112,7 +131,10 @@ VARIATIONS: tuple[Variation, ...] = (
     Variation("surface accelerates at 4 m/s2", {"scene.slide.acceleration_m_s2": Factor(4.0)}),
     Variation("resonance two thirds as high", {"scene.mount.mass_kg": 2.25 * Backing.mass_kg}),
     Variation("resonance half as high again", {"scene.mount.mass_kg": Backing.mass_kg / 2.25}),
-    Variation("half the force", {"scene.hold.min_force_n": Factor(0.5), "scene.hold.max_force_n": Factor(0.5)}),
+    Variation(
+        "half the force",
+        {"scene.hold.min_force_n": Factor(0.5), "scene.hold.max_force_n": Factor(0.5)},
+    ),
     Variation("half the noise", {"detector.noise_v": Factor(0.5)}),
     Variation("twice the noise", {"detector.noise_v": Factor(2.0)}),
     Variation("half the speed", {"scene.slide.speed_m_s": Factor(0.5)}),
@@ -161,21 +183,35 @@ def slide_at(surface: str, force_n: float) -> SceneFile:
     """Return the article's trial at 6 cm/s with a holding force [N]."""
     hold = {"min_force_n": force_n, "max_force_n": force_n}
     slide = {"distance_m": 0.04, "speed_m_s": 0.06}
-    return SceneFile(scene="sliding_finger", contact={"surface": surface}, hold=hold, slide=slide)
+    return SceneFile(
+        scene="sliding_finger",
+        contact={"surface": surface},
+        hold=hold,
+        slide=slide,
+    )
 
 
 def measure_envelope_v(
-    design: Design, surface: str, force_n: float, seeds: Sequence[int], variation: Variation = UNCHANGED
+    design: Design,
+    surface: str,
+    force_n: float,
+    seeds: Sequence[int],
+    variation: Variation = UNCHANGED,
 ) -> float:
-    """Measure a board's mean envelope in slip at 6 cm/s and a force that no variation changes [V]; NaN without slip."""
-    scene, changed = variation.vary_scene(slide_at(surface, force_n)), variation.vary_design(design)
+    """Measure a board's mean envelope in slip at 6 cm/s and a force
+    that no variation changes [V]; NaN without slip.
+    """
+    scene = variation.vary_scene(slide_at(surface, force_n))
+    changed = variation.vary_design(design)
     hold = scene.hold.model_copy(update={"min_force_n": force_n, "max_force_n": force_n})
     scene = scene.model_copy(update={"hold": hold, "outputs": ["voltage_v", "slip", "envelope_v"]})
     means_v = []
+
     for seed in seeds:
         columns = run_scene(changed, scene, seed).columns
         slips = columns["slip"].astype(bool)
         means_v += [float(columns["envelope_v"][slips].mean())] if slips.any() else []
+
     return float(np.mean(means_v)) if means_v else math.nan
 
 
@@ -194,9 +230,13 @@ class VariationResult:
     change_s: float
     """Change of the median against the unchanged trials [s]; NaN if either is infinite."""
     alarms_per_minute: float
-    """False alarms in a few minutes without slip: a change that shortens the delay may also cause alarms."""
+    """False alarms in a few minutes without slip: a change that
+    shortens the delay may also cause alarms.
+    """
     onset_change_s: float
-    """Median change of the true onset of slip, counted from the start of the slide [s]; NaN if none is comparable."""
+    """Median change of the true onset of slip, counted from the start
+    of the slide [s]; NaN if none is comparable.
+    """
     vibration_n: float
     """RMS vibration of the normal force in slip, median of the trials [N]; NaN without slip."""
     p90_s: float
@@ -211,41 +251,89 @@ class VariationResult:
 def study_assumptions(
     design: Design, detector: str, trials: int = 24, variations: Sequence[Variation] = VARIATIONS
 ) -> list[VariationResult]:
-    """Measure the delay without and with each change; all thresholds follow the noise, the design's own one too."""
+    """Measure the delay without and with each change; all thresholds
+    follow the noise, the design's own one too.
+    """
     cases = list(generate_limited_cases(CampaignPlan(trials, _NEGATIVE_MINUTES)))
     all_variations = (UNCHANGED, *variations)
-    runs = list(call_each(partial(_run_variation, design, detector, cases, variation) for variation in all_variations))
+    runs = list(
+        call_each(
+            partial(_run_variation, design, detector, cases, variation)
+            for variation in all_variations
+        )
+    )
     before, onsets_before_s, _, _ = runs[0]
     results = []
-    for variation, (pooled, onsets_s, vibrations_n, envelopes_v) in zip(all_variations, runs, strict=True):
-        median_s, before_s = pooled.delay_s(0.5), before.delay_s(0.5)
+
+    for variation, (pooled, onsets_s, vibrations_n, envelopes_v) in zip(
+        all_variations, runs, strict=True
+    ):
+        median_s = pooled.delay_s(0.5)
+        before_s = before.delay_s(0.5)
         is_comparable = math.isfinite(median_s) and math.isfinite(before_s)
         change_s = median_s - before_s if is_comparable else math.nan
-        onset_s = campaign.median_of_known(now - then for now, then in zip(onsets_s, onsets_before_s, strict=True))
-        worst_s = max((mean for mean, _, _ in pooled.group_delays(campaign.surface).values()), default=math.inf)
+        onset_s = campaign.median_of_known(
+            now - then for now, then in zip(onsets_s, onsets_before_s, strict=True)
+        )
+        worst_s = max(
+            (mean for mean, _, _ in pooled.group_delays(campaign.surface).values()),
+            default=math.inf,
+        )
         row = VariationResult(
-            variation.label, variation.is_realistic, variation.is_law, pooled.slips, pooled.found_share, median_s,
-            change_s, pooled.alarms_per_minute, onset_s, campaign.median_of_known(vibrations_n), pooled.delay_s(0.9),
-            worst_s, *envelopes_v,
-        )  # fmt: skip
+            variation.label,
+            variation.is_realistic,
+            variation.is_law,
+            pooled.slips,
+            pooled.found_share,
+            median_s,
+            change_s,
+            pooled.alarms_per_minute,
+            onset_s,
+            campaign.median_of_known(vibrations_n),
+            pooled.delay_s(0.9),
+            worst_s,
+            *envelopes_v,
+        )
         results.append(row)
+
     return results
 
 
 def _run_variation(
     design: Design, detector: str, cases: Sequence[Case], variation: Variation
 ) -> tuple[campaign.DetectorResult, list[float], list[float], list[float]]:
-    """Run the cases with a change: pooled result, onset and vibration in each trial, and the envelope at `LOADS_N`."""
+    """Run the cases with a change: pooled result, onset and vibration
+    in each trial, and the envelope at `LOADS_N`.
+    """
     changed_design = variation.vary_design(design)
     collected: list[campaign.TrialResult] = []
-    onsets_s, vibrations_n = [], []
+    onsets_s = []
+    vibrations_n = []
+
     for case in cases:
         changed_case = replace(case, scene=variation.vary_scene(case.scene))
         trace = campaign.simulate_trace(changed_design, changed_case, [detector])
-        collected += campaign.evaluate(changed_case, trace, detector, changed_design, [1.0])
+        collected += campaign.evaluate(
+            changed_case,
+            trace=trace,
+            detector=detector,
+            design=changed_design,
+            scales=[1.0],
+        )
+
         if case.cause == "slip":
             onsets_s.append(campaign.find_onset_s(changed_design, changed_case, trace))
             vibrations_n.append(campaign.measure_vibration_n(trace))
+
     seeds = range(HELD_OUT_FROM, HELD_OUT_FROM + _LOAD_SEEDS)
-    envelopes_v = [measure_envelope_v(design, LOADED_ON, force_n, seeds, variation) for force_n in LOADS_N]
+    envelopes_v = [
+        measure_envelope_v(
+            design,
+            surface=LOADED_ON,
+            force_n=force_n,
+            seeds=seeds,
+            variation=variation,
+        )
+        for force_n in LOADS_N
+    ]
     return campaign.DetectorResult(1.0, tuple(collected)), onsets_s, vibrations_n, envelopes_v

@@ -60,7 +60,9 @@ class Studies:
 
 
 def estimate_stages_s(plan: CampaignPlan) -> dict[str, float]:
-    """Estimate the duration of each stage [s] for its share of the progress; measured on one core."""
+    """Estimate the duration of each stage [s] for its share of the progress; measured on
+    one core.
+    """
     return {
         "assumptions": 22.0,
         "time step": 0.3 * min(MAX_STEP_TRIALS, plan.trials / 2),
@@ -81,7 +83,8 @@ def study(
     first_seed: int = HELD_OUT_FROM,
 ) -> Studies:
     """Make all studies of a design that has a filter board."""
-    work, trials = Work("studies", estimate_stages_s(plan), progress), min(STUDY_TRIALS, plan.trials)
+    work = Work("studies", estimate_stages_s(plan), progress)
+    trials = min(STUDY_TRIALS, plan.trials)
 
     def run(stage: str, study: Callable[..., T], *arguments: Any) -> T:
         work.begin(stage)
@@ -96,7 +99,9 @@ def study(
         rates=run("sampling rates", study_sampling_rates, min(2 * STUDY_TRIALS, plan.trials)),
         boards=run("boards", study_board_variants, trials),
         article=run("the article's board", study_article_board, plan, first_seed),
-        protocol=run("the article's protocol", study_article_protocol, plan.trials, repeats, first_seed),
+        protocol=run(
+            "the article's protocol", study_article_protocol, plan.trials, repeats, first_seed
+        ),
         previous=run("previous works", study_previous_works, plan.trials, first_seed),
     )
     return Studies(design, detector, results)
@@ -104,7 +109,8 @@ def study(
 
 def as_markdown(studies: Studies) -> str:
     """Write the page of what the studies find and rest on."""
-    steps, results = studies.results.steps, studies.results
+    steps = studies.results.steps
+    results = studies.results
     return render_text(
         TEMPLATE.read_text(encoding="utf-8"),
         **collect_effects(results.variations, results.patch_radius_m),
@@ -113,25 +119,37 @@ def as_markdown(studies: Studies) -> str:
         steps=steps,
         goal_share=GOAL_SHARE,
         goal_missed=[row.detector for row in steps.shifts if not row.meets_goal],
-        found_once=[f"{row.detector} {row.one_grid_only}" for row in steps.shifts if row.one_grid_only],
-        largest_errors=[f"{row.signal} {format_milli(row.worst, row.signal)}" for row in steps.errors],
+        found_once=[
+            f"{row.detector} {row.one_grid_only}" for row in steps.shifts if row.one_grid_only
+        ],
+        largest_errors=[
+            f"{row.signal} {format_milli(row.worst, row.signal)}" for row in steps.errors
+        ],
     )
 
 
-def collect_effects(variations: Sequence[sensitivity.VariationResult], patch_radius_m: float) -> dict[str, Any]:
+def collect_effects(
+    variations: Sequence[sensitivity.VariationResult], patch_radius_m: float
+) -> dict[str, Any]:
     """Collect what the page says of effects that the trials leave out."""
-    base, rows = variations[0], {v.label: v for v in variations}
+    base = variations[0]
+    rows = {v.label: v for v in variations}
     patch = rows.get(sensitivity.PATCH_AVERAGE)
+
     return {
         **{name: rows.get(label) for name, label in _EXPLAINED.items()},
         "base": base,
-        "other_effects": [v for v in variations[1:] if v.is_realistic and v.label not in _EXPLAINED.values()],
+        "other_effects": [
+            v for v in variations[1:] if v.is_realistic and v.label not in _EXPLAINED.values()
+        ],
         "laws": [v for v in variations if v.is_law],
         "beside": json.loads(DATA.read_bytes()),
         "loaded_on": sensitivity.LOADED_ON,
         "loads_n": sensitivity.LOADS_N,
         "patch_radius_m": patch_radius_m,
-        "patch_ratio": base.vibration_n / patch.vibration_n if patch and patch.vibration_n else math.inf,
+        "patch_ratio": base.vibration_n / patch.vibration_n
+        if patch and patch.vibration_n
+        else math.inf,
         "wavelengths_mm": sorted({SURFACES[name].longest_wave_mm for name in ARTICLE_SURFACES}),
         "held_longer": sensitivity.HELD_LONGER,
         "levels_are_assumed": LEVELS_ARE_ASSUMED,

@@ -1,1 +1,4 @@
-"""Training of the detector `fast`: simulated signals, labels, and the fit of its trees. A developer's tool."""
+"""Training of the detector `fast`: simulated signals, labels, and the fit of its trees.
+
+A developer's tool.
+"""

@@ -1,9 +1,10 @@
-"""Signals of a hand and of slips after its movements, drawn as voltages: for training and tuning alone.
+"""Signals of a hand and of slips after its movements, drawn as voltages: for training and tuning
+alone.
 
-The simulation of contact knows few ways in which a force changes. These signals know none of contact: they add a moving
-force, steps, blows, and band-limited noise for slip. A detector that has seen both leans on neither. Ranges are
-those of a hand (`benchmarks.slip.mix` names sources) and of the default and the article's board.
-The signals that a report uses are drawn by other code.
+The simulation of contact knows few ways in which a force changes. These signals know none of
+contact: they add a moving force, steps, blows, and band-limited noise for slip. A detector that has
+seen both leans on neither. Ranges are those of a hand (`benchmarks.slip.mix` names sources) and of
+the default and the article's board. The signals that a report uses are drawn by other code.
 """
 
 from __future__ import annotations
@@ -14,7 +15,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from benchmarks.slip.mix_signals import LabelledSignal, Slide, draw_band_noise, filter_as_board, sample
+from benchmarks.slip.mix_signals import (
+    LabelledSignal,
+    Slide,
+    draw_band_noise,
+    filter_as_board,
+    sample,
+)
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.slip.traces.truth import Interval
@@ -28,7 +35,9 @@ QUIET_S = 0.8, 2.0
 
 @dataclass
 class Sketch:
-    """Voltage that is drawn piece by piece, positive where the force grows, and what is known of it."""
+    """Voltage that is drawn piece by piece, positive where the
+    force grows, and what is known of it.
+    """
 
     rng: np.random.Generator
     rate_hz: float
@@ -54,10 +63,17 @@ class Sketch:
         """Time since a moment [s], 0 before it."""
         return np.maximum(np.arange(len(self.volts)) / self.rate_hz - start_s, 0.0)
 
-    def ramp(self, start_s: float, height_v: float, rise_s: float, is_event: bool = True) -> None:
+    def ramp(
+        self,
+        start_s: float,
+        height_v: float,
+        rise_s: float,
+        is_event: bool = True,
+    ) -> None:
         """Add a change of force, in one of four shapes."""
         x = self.since(start_s) / rise_s
         shape = self.rng.integers(4)
+
         if shape == 0:
             risen = np.minimum(x, 1.0)
         elif shape == 1:
@@ -68,41 +84,78 @@ class Sketch:
             damping = self.uniform(0.6, 1.0)
             w = 4.0 * x
             damped = math.sqrt(max(1 - damping**2, 1e-6))
-            risen = 1 - np.exp(-damping * w) * (np.cos(damped * w) + damping / damped * np.sin(damped * w))
+            risen = 1 - np.exp(-damping * w) * (
+                np.cos(damped * w) + damping / damped * np.sin(damped * w)
+            )
+
         self.volts += height_v * risen
         if is_event:
             self.events.append(Interval(start_s, start_s + rise_s))
 
-    def slip(self, start_s: float, length_s: float, rms_v: float, creep_s: float | None = None) -> None:
-        """Add noise of a random band and unsteady strength, with the loss or gain of force that comes with it."""
+    def slip(
+        self,
+        start_s: float,
+        length_s: float,
+        rms_v: float,
+        creep_s: float | None = None,
+    ) -> None:
+        """Add noise of a random band and unsteady strength, with the
+        loss or gain of force that comes with it.
+        """
         count = round(length_s * self.rate_hz)
         first = round(start_s * self.rate_hz)
         count = min(count, len(self.volts) - first)
         low_hz = self.uniform(25.0, 85.0)
-        noise = draw_band_noise(self.rng, count, self.rate_hz, low_hz, low_hz + self.spread(25.0, 160.0))
+        noise = draw_band_noise(
+            self.rng,
+            count=count,
+            rate_hz=self.rate_hz,
+            low_hz=low_hz,
+            high_hz=low_hz + self.spread(25.0, 160.0),
+        )
         t = np.arange(count) / self.rate_hz
+
         if self.rng.random() < 0.4:  # a periodic texture beside the noise
-            tone_hz, drift = self.uniform(40.0, 130.0), self.uniform(-0.3, 0.3)
+            tone_hz = self.uniform(40.0, 130.0)
+            drift = self.uniform(-0.3, 0.3)
             tone = np.sin(2 * math.pi * tone_hz * (t + 0.5 * drift * t**2 / max(length_s, 0.1)))
             share = self.uniform(0.2, 0.7)
             noise = math.sqrt(1 - share) * noise + math.sqrt(2 * share) * tone
+
         if self.rng.random() < 0.3:  # strength that varies
-            depth, hz = self.uniform(0.1, 0.4), self.spread(1.0, 12.0)
+            depth = self.uniform(0.1, 0.4)
+            hz = self.spread(1.0, 12.0)
             noise = noise * (1 + depth * np.sin(2 * math.pi * hz * t + self.uniform(0.0, 6.28)))
+
         creep_s = self.uniform(0.0, 0.015) if creep_s is None else creep_s
         grown = np.minimum(t / creep_s, 1.0) if creep_s else np.ones(count)
         ended = np.minimum((count / self.rate_hz - t) / 0.005, 1.0)
         self.volts[first : first + count] += rms_v * grown * ended * noise
+
         if self.rng.random() < 0.6:
             height_v = self.sign() * self.spread(0.001, 0.02)
             self.ramp(start_s, height_v, self.uniform(0.005, 0.05), is_event=False)
+
         onset_s = start_s + 0.5 * creep_s
         self.slides.append(Slide(start_s, onset_s, start_s + count / self.rate_hz))
 
-    def sway(self, low_hz: float, high_hz: float, rms_v: float, start_s: float = 0.0) -> None:
+    def sway(
+        self,
+        low_hz: float,
+        high_hz: float,
+        rms_v: float,
+        start_s: float = 0.0,
+    ) -> None:
         """Add motion of the hand within a band, steady, growing or fading."""
-        motion = draw_band_noise(self.rng, len(self.volts), self.rate_hz, low_hz, high_hz)
-        t, kind = self.since(start_s), self.rng.integers(4)
+        motion = draw_band_noise(
+            self.rng,
+            count=len(self.volts),
+            rate_hz=self.rate_hz,
+            low_hz=low_hz,
+            high_hz=high_hz,
+        )
+        t = self.since(start_s)
+        kind = self.rng.integers(4)
         span_s = max(self.duration_s - start_s, 1.0)
         envelope = (
             np.minimum(t / 0.3, 1.0),
@@ -113,13 +166,26 @@ class Sketch:
         self.volts += rms_v * envelope * motion
 
     def vibrate(
-        self, start_s: float, length_s: float, low_hz: float, high_hz: float, rms_v: float, fade_s: float = 0.004
+        self,
+        start_s: float,
+        length_s: float,
+        low_hz: float,
+        high_hz: float,
+        rms_v: float,
+        fade_s: float = 0.004,
     ) -> None:
         """Add vibration, or slow motion, that is no slip by itself."""
         first = round(start_s * self.rate_hz)
         count = min(round(length_s * self.rate_hz), len(self.volts) - first)
+
         if count > 8:
-            noise = draw_band_noise(self.rng, count, self.rate_hz, low_hz, high_hz)
+            noise = draw_band_noise(
+                self.rng,
+                count=count,
+                rate_hz=self.rate_hz,
+                low_hz=low_hz,
+                high_hz=high_hz,
+            )
             t = np.arange(count) / self.rate_hz
             fade = np.minimum(np.minimum(t, t[-1] - t) / fade_s, 1.0)
             self.volts[first : first + count] += rms_v * noise * fade
@@ -128,15 +194,30 @@ class Sketch:
         """Add a blow: a pulse of force, or none, and one or two decaying modes."""
         t = self.since(start_s)
         after = t > 0
+
         if self.rng.random() < 0.5:
             length_s = self.spread(0.003, 0.02)
-            self.volts += self.sign() * height_v * np.where(t < length_s, np.sin(math.pi * t / length_s), 0.0) * after
+            self.volts += (
+                self.sign()
+                * height_v
+                * np.where(t < length_s, np.sin(math.pi * t / length_s), 0.0)
+                * after
+            )
+
         decay_s = self.spread(0.003, 0.02)
         for _ in range(self.rng.integers(1, 3)):
-            hz, rise_s = self.uniform(50.0, 200.0), self.uniform(0.0005, 0.012)
+            hz = self.uniform(50.0, 200.0)
+            rise_s = self.uniform(0.0005, 0.012)
             phase = self.uniform(0.0, 6.28)
             grown = 1 - np.exp(-t / rise_s)
-            self.volts += height_v * after * grown * np.exp(-t / decay_s) * np.sin(2 * math.pi * hz * t + phase)
+            self.volts += (
+                height_v
+                * after
+                * grown
+                * np.exp(-t / decay_s)
+                * np.sin(2 * math.pi * hz * t + phase)
+            )
+
         self.events.append(Interval(start_s, start_s + 5 * decay_s))
 
 
@@ -173,16 +254,20 @@ def _slips(s: Sketch) -> None:
 
 
 def _slow_slides(s: Sketch) -> None:
-    """Draw weak slides whose friction moves the slow force far more than it vibrates, and such motion alone."""
+    """Draw weak slides whose friction moves the slow force far more
+    than it vibrates, and such motion alone.
+    """
     at_s = s.uniform(*QUIET_S)
     while at_s < s.duration_s - 1.0:
         length_s = min(s.spread(0.3, 3.0), s.duration_s - at_s - 0.3)
         rms_v = s.spread(0.00015, 0.004)
         s.vibrate(at_s, length_s, 1.0, 28.0, rms_v * s.spread(1.5, 12.0), s.uniform(0.01, 0.06))
+
         if s.rng.random() < 0.7:
             s.slip(at_s, length_s, rms_v, creep_s=s.uniform(0.0, 0.05))
         else:
             s.events.append(Interval(at_s, at_s + length_s))
+
         at_s += length_s + s.uniform(0.2, 1.2)
 
 
@@ -199,25 +284,33 @@ def _slip_within_tremor(s: Sketch) -> None:
 
 
 def _servo(s: Sketch) -> None:
-    height_v, rise_s, rate_hz = s.spread(0.0015, 0.04), s.spread(0.003, 0.035), s.spread(0.7, 11.0)
-    has_gears, at_s, sign = s.rng.random() < 0.4, s.uniform(*QUIET_S), s.sign()
+    height_v = s.spread(0.0015, 0.04)
+    rise_s = s.spread(0.003, 0.035)
+    rate_hz = s.spread(0.7, 11.0)
+    has_gears = s.rng.random() < 0.4
+    at_s = s.uniform(*QUIET_S)
+    sign = s.sign()
     is_hunting = s.rng.random() < 0.6
     gear_v = s.spread(0.0001, 0.0015)
+
     while at_s < s.duration_s - 0.3:
         sign = -sign if is_hunting else s.sign()
         s.ramp(at_s, sign * height_v * s.uniform(0.5, 1.0), rise_s)
         if has_gears:
             s.vibrate(at_s, rise_s + 0.01, 50.0, 220.0, gear_v)
+
         at_s += s.uniform(0.7, 1.3) / rate_hz
 
 
 def _isolated_step(s: Sketch) -> None:
     at_s = s.uniform(1.2, 3.0)
     while at_s < s.duration_s - 0.5:
-        height_v, rise_s = s.spread(0.002, 0.04), s.spread(0.003, 0.035)
+        height_v = s.spread(0.002, 0.04)
+        rise_s = s.spread(0.003, 0.035)
         s.ramp(at_s, s.sign() * height_v, rise_s)
         if s.rng.random() < 0.4:
             s.vibrate(at_s, rise_s + 0.01, 50.0, 220.0, s.spread(0.0001, 0.0012))
+
         at_s += s.uniform(1.2, 3.0)
 
 
@@ -250,15 +343,22 @@ def _vibration_with_the_grasp(s: Sketch) -> None:
     s.ramp(at_s, s.sign() * s.spread(0.05, 0.5), s.spread(0.04, 0.3))
     low_hz = s.uniform(25.0, 50.0)
     s.vibrate(at_s, s.duration_s, low_hz, low_hz + s.uniform(30.0, 70.0), s.spread(0.0001, 0.0007))
+
     if s.rng.random() < 0.5:
         at_s += s.uniform(1.5, 2.5)
         s.slip(at_s, min(s.uniform(0.3, 2.0), s.duration_s - at_s - 0.2), s.spread(0.003, 0.012))
 
 
 def _late_hum(s: Sketch) -> None:
-    at_s, hz = s.uniform(1.0, 2.5), float(s.rng.choice([50.0, 60.0]))
+    at_s = s.uniform(1.0, 2.5)
+    hz = float(s.rng.choice([50.0, 60.0]))
     t = s.since(at_s)
-    s.volts += s.spread(0.0002, 0.0012) * math.sqrt(2) * np.sin(2 * math.pi * hz * t) * np.minimum(t / 0.02, 1.0)
+    s.volts += (
+        s.spread(0.0002, 0.0012)
+        * math.sqrt(2)
+        * np.sin(2 * math.pi * hz * t)
+        * np.minimum(t / 0.02, 1.0)
+    )
     s.events.append(Interval(at_s, at_s + 0.2))
     at_s += s.uniform(0.5, 3.0)
     s.slip(at_s, min(s.uniform(0.3, 1.5), s.duration_s - at_s - 0.2), s.spread(0.003, 0.012))
@@ -295,21 +395,34 @@ KINDS: Mapping[str, Kind] = {
 }
 
 
-def draw_disturbance(design: Design, kind: str, seed: int, noise_factor: float = 1.0) -> LabelledSignal:
+def draw_disturbance(
+    design: Design, kind: str, seed: int, noise_factor: float = 1.0
+) -> LabelledSignal:
     """Draw one recording of a kind, sampled by the design's converter."""
-    rng, rate_hz = np.random.default_rng((seed, list(KINDS).index(kind))), design.detector.sample_rate_hz
+    rng = np.random.default_rng((seed, list(KINDS).index(kind)))
+    rate_hz = design.detector.sample_rate_hz
     sketch = Sketch(rng, rate_hz, KINDS[kind].duration_s)
     KINDS[kind].draw(sketch)
     direction = 1.0 if design.board.tactile_rises else -1.0
     middle_v = sketch.uniform(0.25, 0.6) * design.detector.adc_range_v
     volts = middle_v + direction * sketch.volts
-    noisy = design.model_copy(update={"detector": design.detector.model_copy(
-        update={"noise_v": design.detector.noise_v * noise_factor})})  # fmt: skip
+    noisy = design.model_copy(
+        update={
+            "detector": design.detector.model_copy(
+                update={"noise_v": design.detector.noise_v * noise_factor}
+            )
+        }
+    )
     filtered_v = filter_as_board(design, volts)
+
     return LabelledSignal(
-        kind, rate_hz, sample(noisy, rng, volts), tuple(sketch.slides), tuple(sketch.events),
+        kind=kind,
+        rate_hz=rate_hz,
+        voltage_v=sample(noisy, rng, volts),
+        slides=tuple(sketch.slides),
+        events=tuple(sketch.events),
         filtered_v=None if filtered_v is None else sample(noisy, rng, filtered_v),
-    )  # fmt: skip
+    )
 
 
 def generate_disturbances(
@@ -317,19 +430,28 @@ def generate_disturbances(
 ) -> Iterator[tuple[LabelledSignal, Design]]:
     """Draw the recordings of all kinds, each with the design that a detector of it assumes.
 
-    The noise is the stated one, or half to five times as much; a tenth of the recordings has another sampling rate, and
-    a share of those with a filtered signal lacks it.
+    The noise is the stated one, or half to five times as much; a tenth of the recordings has
+    another sampling rate, and a share of those with a filtered signal lacks it.
     """
-    rng, seed = np.random.default_rng(first_seed), first_seed
+    rng = np.random.default_rng(first_seed)
+    seed = first_seed
+
     for kind, plan in KINDS.items():
         for _ in range(math.ceil(plan.share * events)):
-            factor = 1.0 if rng.random() < 0.6 else math.exp(rng.uniform(math.log(0.5), math.log(5.0)))
-            rate_hz = float(rng.choice(OTHER_RATES_HZ)) if rng.random() < 0.1 else design.detector.sample_rate_hz
+            factor = (
+                1.0 if rng.random() < 0.6 else math.exp(rng.uniform(math.log(0.5), math.log(5.0)))
+            )
+            rate_hz = (
+                float(rng.choice(OTHER_RATES_HZ))
+                if rng.random() < 0.1
+                else design.detector.sample_rate_hz
+            )
             sampled = design.model_copy(
                 update={"detector": design.detector.model_copy(update={"sample_rate_hz": rate_hz})}
             )
             signal = draw_disturbance(sampled, kind, seed, factor)
             if signal.filtered_v is not None and rng.random() < unwired_share:
                 signal = replace(signal, filtered_v=None)
+
             yield signal, sampled
             seed += 1

@@ -1,10 +1,14 @@
-"""Fit the trees of the detector `fast` and write their table. Needs scikit-learn, which the package does not.
+"""Fit the trees of the detector `fast` and write their table.
 
-    python -m tools.detector_training.fit [--trials 1350] [--events 450] [--disturbances 300] [--repeat 0] [--out FILE]
+Needs scikit-learn, which the package does not.
 
-The first round labels features that were computed without trees. Each further round computes them with the trees of the
-round before, and gives more weight to the false alarms and the late slips of all rounds so far. The same versions of
-Python, numpy and scikit-learn give the same table; thresholds and leaves are rounded to six digits.
+    python -m tools.detector_training.fit [--trials 1350] [--events 450] [--disturbances 300]
+    [--repeat 0] [--out FILE]
+
+The first round labels features that were computed without trees. Each further round computes them
+with the trees of the round before, and gives more weight to the false alarms and the late slips of
+all rounds so far. The same versions of Python, numpy and scikit-learn give the same table;
+thresholds and leaves are rounded to six digits.
 """
 
 from __future__ import annotations
@@ -27,16 +31,29 @@ from fingertip.foundation.workers import count_processors, side_by_side
 from fingertip.slip.detectors import fast_coefficients as fast_model
 from fingertip.slip.detectors.fast_coefficients import DEPTH, NODES, FastModel
 from tools.detector_training.rows import Rows, collect
-from tools.detector_training.signals import DISTURBANCES_FROM, FIRST_SEED, MANIPULATIONS_FROM, TrainingSignal, generate
+from tools.detector_training.signals import (
+    DISTURBANCES_FROM,
+    FIRST_SEED,
+    MANIPULATIONS_FROM,
+    TrainingSignal,
+    generate,
+)
 
 TREES = 88
 ROUNDS = 4
 LEARNING_RATE = 0.2
-THRESHOLD, NOISE_RISE, INCIPIENT_THRESHOLD = -0.2, 0.6, 1.0
-"""Mean score from which slip is ON, its rise in more noise than stated, and score from which slip may begin. They were
-chosen on the real slides for tuning and on a seed of the held-out signals that does not judge."""
-ROUND_THRESHOLD, ROUND_INCIPIENT_THRESHOLD = 1.4, 0.7
-"""Scores of the detector of the round before: above the first, a row without slip counts as its false alarm."""
+THRESHOLD = -0.2
+NOISE_RISE = 0.6
+INCIPIENT_THRESHOLD = 1.0
+"""Mean score from which slip is ON, its rise in more noise than stated, and score from which slip
+may begin. They were chosen on the real slides for tuning and on a seed of the held-out signals that
+does not judge.
+"""
+ROUND_THRESHOLD = 1.4
+ROUND_INCIPIENT_THRESHOLD = 0.7
+"""Scores of the detector of the round before: above the first, a
+row without slip counts as its false alarm.
+"""
 SEEDS = {"simulated": FIRST_SEED, "drawn": DISTURBANCES_FROM, "manipulations": MANIPULATIONS_FROM}
 NEVER = -50.0
 """Score of a model without trees."""
@@ -46,15 +63,27 @@ _ALWAYS_LEFT = 3e38
 
 def main() -> None:
     """Fit and write the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--trials", type=int, default=1350)
     parser.add_argument("--events", type=int, default=450)
     parser.add_argument("--disturbances", type=int, default=300)
     parser.add_argument("--trees", type=int, default=TREES)
     parser.add_argument("--rounds", type=int, default=ROUNDS)
-    parser.add_argument("--repeat", type=int, default=0, choices=range(3), help="fit with other seeds")
-    parser.add_argument("--cache", type=Path, help="file that keeps the signals from one fit to the next")
-    parser.add_argument("--out", type=Path, default=Path(fast_model.__file__).with_name(fast_model.TABLE))
+    parser.add_argument(
+        "--repeat",
+        type=int,
+        default=0,
+        choices=range(3),
+        help="fit with other seeds",
+    )
+    parser.add_argument(
+        "--cache", type=Path, help="file that keeps the signals from one fit to the next"
+    )
+    parser.add_argument(
+        "--out", type=Path, default=Path(fast_model.__file__).with_name(fast_model.TABLE)
+    )
     arguments = parser.parse_args()
     sizes = {
         "trials": arguments.trials,
@@ -63,14 +92,29 @@ def main() -> None:
         "repeat": arguments.repeat,
     }
     signals = load_signals(arguments.cache, sizes)
-    model = FastModel(np.zeros(0), np.zeros(0), np.zeros(0), NEVER, THRESHOLD, NOISE_RISE, INCIPIENT_THRESHOLD)
+    model = FastModel(
+        features=np.zeros(0),
+        thresholds=np.zeros(0),
+        leaves=np.zeros(0),
+        offset=NEVER,
+        threshold=THRESHOLD,
+        noise_rise=NOISE_RISE,
+        incipient_threshold=INCIPIENT_THRESHOLD,
+    )
     factors: list[Array] = []
+
     for number in range(arguments.rounds):
         before = replace(
-            model, threshold=ROUND_THRESHOLD, incipient_threshold=ROUND_INCIPIENT_THRESHOLD, noise_rise=0.0
+            model,
+            threshold=ROUND_THRESHOLD,
+            incipient_threshold=ROUND_INCIPIENT_THRESHOLD,
+            noise_rise=0.0,
         )
         rows, factors = collect(signals, before, number, factors)
-        print(f"round {number + 1}: {len(rows.labels)} rows, {100 * rows.labels.mean():.1f} % slip", flush=True)
+        print(
+            f"round {number + 1}: {len(rows.labels)} rows, {100 * rows.labels.mean():.1f} % slip",
+            flush=True,
+        )
         model = fit(rows, arguments.trees)
         card = make_card(signals, sizes, number + 1)
         arguments.out.write_text(as_json(model, card), encoding="utf-8")
@@ -81,12 +125,16 @@ def load_signals(cache: Path | None, sizes: Mapping[str, int]) -> list[TrainingS
     if cache and cache.exists():
         with cache.open("rb") as file:
             loaded: list[TrainingSignal] = pickle.load(file)
+
         return loaded
+
     with side_by_side(count_processors()):
         signals = list(generate(**sizes))
+
     if cache:
         with cache.open("wb") as file:
             pickle.dump(signals, file)
+
     return signals
 
 
@@ -109,23 +157,31 @@ def fit(rows: Rows, trees: int) -> FastModel:
     features, thresholds, leaves = (np.concatenate(column) for column in zip(*parts, strict=True))
     offset = float(boosted._baseline_prediction.ravel()[0])
     scores = THRESHOLD, NOISE_RISE, INCIPIENT_THRESHOLD
+
     return FastModel(features, _round(thresholds), _round(leaves), _round(offset), *scores)
 
 
 def _complete(nodes: Any) -> tuple[list[float], list[float], list[float]]:
     """Complete a tree to `DEPTH` levels: a leaf further up fills the whole branch below it."""
-    features, thresholds, leaves = [0.0] * NODES, [_ALWAYS_LEFT] * NODES, [0.0] * (NODES + 1)
+    features = [0.0] * NODES
+    thresholds = [_ALWAYS_LEFT] * NODES
+    leaves = [0.0] * (NODES + 1)
 
     def place(source: int, node: int) -> None:
         record = nodes[source]
         if record["is_leaf"]:
             first = last = node
             while first < NODES:
-                first, last = 2 * first + 1, 2 * last + 2
+                first = 2 * first + 1
+                last = 2 * last + 2
+
             for leaf in range(first, last + 1):
                 leaves[leaf - NODES] = float(record["value"])
+
             return
-        features[node], thresholds[node] = float(record["feature_idx"]), float(record["num_threshold"])
+
+        features[node] = float(record["feature_idx"])
+        thresholds[node] = float(record["num_threshold"])
         place(int(record["left"]), 2 * node + 1)
         place(int(record["right"]), 2 * node + 2)
 
@@ -134,10 +190,16 @@ def _complete(nodes: Any) -> tuple[list[float], list[float], list[float]]:
 
 
 def _round(values: Any) -> Any:
-    return np.vectorize(lambda value: float(f"{value:.6g}"))(values) if np.ndim(values) else float(f"{values:.6g}")
+    return (
+        np.vectorize(lambda value: float(f"{value:.6g}"))(values)
+        if np.ndim(values)
+        else float(f"{values:.6g}")
+    )
 
 
-def make_card(signals: Sequence[TrainingSignal], sizes: Mapping[str, int], rounds: int) -> dict[str, Any]:
+def make_card(
+    signals: Sequence[TrainingSignal], sizes: Mapping[str, int], rounds: int
+) -> dict[str, Any]:
     """State what a model was fitted to, and with what: the same card gives the same bytes."""
     versions = {"python": platform.python_version()}
     versions |= {name: metadata.version(name) for name in ("numpy", "scipy", "scikit-learn")}
@@ -154,6 +216,7 @@ def hash_signals(signals: Sequence[TrainingSignal]) -> str:
     for item in signals:
         for volts in (item.signal.voltage_v, item.signal.filtered_v):
             digest.update(b"" if volts is None else volts.tobytes())
+
     return digest.hexdigest()
 
 
@@ -170,13 +233,16 @@ def as_json(model: FastModel, card: Mapping[str, Any]) -> str:
         "leaves": model.leaves.tolist(),
     }
     lines = []
+
     for name, value in table.items():
         if not isinstance(value, list):
             lines.append(f"{json.dumps(name)}: {json.dumps(value)}")
             continue
+
         size = NODES + 1 if name == "leaves" else NODES
         rows = [json.dumps(value[i : i + size])[1:-1] for i in range(0, len(value), size)]
         lines.append(f"{json.dumps(name)}: [\n" + ",\n".join(rows) + "\n]")
+
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 

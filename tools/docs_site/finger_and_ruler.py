@@ -1,6 +1,8 @@
-"""Picture of a finished finger beside a ruler, and of its bone with the sensor, for README and manual.
+"""Picture of a finished finger beside a ruler, and of its bone with the sensor, for README and
+manual.
 
-`python -m tools.docs_site.finger_and_ruler docs/finger.png` draws `first_finger` on a table, pad up.
+`python -m tools.docs_site.finger_and_ruler docs/finger.png` draws `first_finger` on a table, pad
+up.
 """
 
 from __future__ import annotations
@@ -20,36 +22,70 @@ from fingertip.design.geometry.solids import Box, union
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.raster import Camera, Canvas, Colour, bounds, to_png
 
-_WIDTH_PX, _MARGIN_PX, _OVERSAMPLE = 800, 26, 4
+_WIDTH_PX = 800
+_MARGIN_PX = 26
+_OVERSAMPLE = 4
 _CAMERA = Camera.looking_from((-0.5, 1.0, 0.3), (1.0, 0.0, 0.0))
 """View on the pads: those of the design point to -y, and are turned over here."""
 _SHADOW = np.array((-0.55, -1.0, 0.25))
 """Direction in which shadows fall on the table."""
-_RULER_MM, _RULER_WIDTH_MM, _RULER_HIGH_MM, _GAP_MM = 60, 14.0, 1.6, 4.0
-_BONE, _SKIN, _SENSOR, _STEEL = (0.95, 0.93, 0.88), (0.90, 0.64, 0.53), (0.86, 0.66, 0.2), (0.66, 0.67, 0.70)
-_RULER, _TICK, _INK, _DARKEST = (1.06, 1.03, 0.92), (0.2, 0.2, 0.2), (40, 40, 40), 0.5
+_RULER_MM = 60
+_RULER_WIDTH_MM = 14.0
+_RULER_HIGH_MM = 1.6
+_GAP_MM = 4.0
+_BONE = (0.95, 0.93, 0.88)
+_SKIN = (0.90, 0.64, 0.53)
+_SENSOR = (0.86, 0.66, 0.2)
+_STEEL = (0.66, 0.67, 0.70)
+_RULER = (1.06, 1.03, 0.92)
+_TICK = (0.2, 0.2, 0.2)
+_INK = (40, 40, 40)
+_DARKEST = 0.5
 _TABLE = (246, 247, 249)
-_TAB_PITCH_MM, _TAB_MM = 2.54, 0.6
+_TAB_PITCH_MM = 2.54
+_TAB_MM = 0.6
 Item = tuple[Mesh, Colour]
 
 
 def list_finger(design: Design, evaluator: MeshEvaluator, skin: bool) -> Iterator[Item]:
     """Bone, sensor with its metal legs, and skin, pad up."""
     dims = design.dimensions
-    y, end = dims.pocket_depth - design.sensor.adhesive_thickness_mm - dims.flat_depth - 0.4, dims.tail_end_z
-    half, far = _TAB_PITCH_MM / 2, end - design.sensor.tab_length_mm
-    legs = union(*(Box((x - _TAB_MM / 2, y, far), (x + _TAB_MM / 2, y + 0.3, end + 1.5)) for x in (-half, half)))
+    y = dims.pocket_depth - design.sensor.adhesive_thickness_mm - dims.flat_depth - 0.4
+    end = dims.tail_end_z
+    half = _TAB_PITCH_MM / 2
+    far = end - design.sensor.tab_length_mm
+    legs = union(
+        *(
+            Box((x - _TAB_MM / 2, y, far), (x + _TAB_MM / 2, y + 0.3, end + 1.5))
+            for x in (-half, half)
+        )
+    )
     solids = [(PARTS["bone"].solid(design), _BONE), (sensor_body(design), _SENSOR), (legs, _STEEL)]
     for solid, colour in [*solids, (PARTS["skin"].solid(design), _SKIN)][: 4 if skin else 3]:
         yield _move(evaluator.mesh(solid), (0.0, 0.0, 0.0), turned=True), colour
 
 
 def list_ruler(evaluator: MeshEvaluator, edge: float, table: float, begin: float) -> Iterator[Item]:
-    """Ruler that lies on the table at y = `table`: its ticks begin at x = `edge` and z = `begin` [mm]."""
+    """Ruler that lies on the table at y = `table`: its ticks
+    begin at x = `edge` and z = `begin` [mm].
+    """
     top = table + _RULER_HIGH_MM
-    yield evaluator.mesh(Box((edge - _RULER_WIDTH_MM, table, begin - 4), (edge, top, begin + _RULER_MM + 6))), _RULER
+    yield (
+        evaluator.mesh(
+            Box((edge - _RULER_WIDTH_MM, table, begin - 4), (edge, top, begin + _RULER_MM + 6))
+        ),
+        _RULER,
+    )
+
     for mm in range(_RULER_MM + 1):
-        long, z = 5.0 if mm % 10 == 0 else 3.8 if mm % 5 == 0 else 2.5, begin + mm
+        if mm % 10 == 0:
+            long = 5.0
+        elif mm % 5 == 0:
+            long = 3.8
+        else:
+            long = 2.5
+
+        z = begin + mm
         yield evaluator.mesh(Box((edge - long, top, z - 0.09), (edge, top + 0.03, z + 0.09))), _TICK
 
 
@@ -66,22 +102,38 @@ def draw(design: Design) -> bytes:
     centre, size = bounds([mesh for mesh, _ in items], _CAMERA)
     scale = (_WIDTH_PX - 2 * _MARGIN_PX) / size[0]
     height_px = int(size[1] * scale) + 2 * _MARGIN_PX
-    canvas, shadow = (Canvas(_WIDTH_PX, height_px, scale, _CAMERA, _OVERSAMPLE) for _ in range(2))
+    canvas, shadow = (
+        Canvas(
+            width=_WIDTH_PX,
+            height=height_px,
+            pixels_per_mm=scale,
+            camera=_CAMERA,
+            oversample=_OVERSAMPLE,
+        )
+        for _ in range(2)
+    )
+
     for mesh, colour in items:
         canvas.draw(mesh, colour, centre)
         flat = mesh.vertices + np.outer(mesh.vertices[:, 1] - low[1], -_SHADOW / _SHADOW[1])
-        shadow.draw(Mesh(flat, np.concatenate((mesh.triangles, mesh.triangles[:, ::-1]))), colour, centre)
+        shadow.draw(
+            Mesh(flat, np.concatenate((mesh.triangles, mesh.triangles[:, ::-1]))), colour, centre
+        )
+
     soft = Image.fromarray(shadow.cover()).filter(ImageFilter.GaussianBlur(6))
     dark = soft.point([round(255 - _DARKEST * cover) for cover in range(256)])
     picture = Image.new("RGB", (_WIDTH_PX, height_px), _TABLE)
     picture = ImageChops.multiply(picture, Image.merge("RGB", (dark, dark, dark)))
     picture.paste(Image.fromarray(canvas.image()), mask=Image.fromarray(canvas.cover()))
-    pen, font = ImageDraw.Draw(picture), ImageFont.load_default(size=int(2.6 * scale))
+    pen = ImageDraw.Draw(picture)
+    font = ImageFont.load_default(size=int(2.6 * scale))
+
     for mm in range(0, _RULER_MM + 1, 10):
         point = np.array((edge - 7.4, low[1] + _RULER_HIGH_MM, low[2] + mm))
         u, v = ((point - centre) @ _CAMERA.axes.T * scale)[:2]
         text = f"{mm} mm" if mm == _RULER_MM else f"{mm}"
         pen.text((_WIDTH_PX / 2 + u, height_px / 2 - v), text, fill=_INK, font=font, anchor="mm")
+
     return to_png(picture)
 
 

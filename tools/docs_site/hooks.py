@@ -1,7 +1,7 @@
 """Hooks of mkdocs: pages and pictures that are generated when the site is built.
 
-A comment such as `<!-- steps -->` in a page is replaced by pictures of the bundled designs, by the parameter reference,
-by the help pages of all commands or by the executed notebook.
+A comment such as `<!-- steps -->` in a page is replaced by pictures of the bundled designs, by the
+parameter reference, by the help pages of all commands or by the executed notebook.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from tools.docs_site import notebook, pictures, reference
 
 POLICY = (
-    "default-src 'self' file: data: blob: 'unsafe-inline' 'unsafe-eval'; object-src 'none'; form-action 'none'; "
+    "default-src 'self' file: data: blob: 'unsafe-inline' 'unsafe-eval'; object-src 'none'; "
+    "form-action 'none'; "
     "base-uri 'none'"
 )
 """Content security policy of every page: the browser asks no other server."""
@@ -39,11 +40,15 @@ STYLE = """\
   .md-typeset table:not([class]) { table-layout: fixed; width: 100%; overflow-wrap: anywhere; }
   .md-typeset td code, .md-typeset th code { white-space: normal; }
 }
+"""  # noqa: E501
+"""Style sheet of the site: long lines wrap, for nothing may scroll
+that no key reaches, and links are underlined.
 """
-"""Style sheet of the site: long lines wrap, for nothing may scroll that no key reaches, and links are underlined."""
 
 _PICTURE = re.compile(r'(<img\b[^>]*\bsrc="([^":]+)"[^>]*>)')
-"""Picture from a file, which is shown no wider than the text: a link leads to it in its own size."""
+"""Picture from a file, which is shown no wider than the text: a link leads to it in its
+own size.
+"""
 
 _GENERATED: dict[str, Callable[[], str]] = {
     "parameters": reference.list_all_parameters,
@@ -61,9 +66,14 @@ _OUTSIDE = re.compile(r"(?<!!)\[([^\]]+)\]\((\.\./[^)#]*)(?:#[^)]*)?\)")
 def on_files(files: Files, config: Any) -> Files:
     """Add the generated pictures, and the notebook to download."""
     files.append(File.generated(config, STYLE_SHEET, content=STYLE))
-    files.append(File.generated(config, notebook.SCRIPT.with_suffix(".ipynb").name, content=notebook.to_ipynb()))
+    files.append(
+        File.generated(
+            config, notebook.SCRIPT.with_suffix(".ipynb").name, content=notebook.to_ipynb()
+        )
+    )
     for name, content in pictures.draw_all().items():
         files.append(File.generated(config, name, content=content))
+
     return files
 
 
@@ -73,6 +83,7 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Files) -> str
         comment = f"<!-- {marker} -->"
         if comment in markdown:
             markdown = markdown.replace(comment, text())
+
     return _OUTSIDE.sub(_name_file, markdown)
 
 
@@ -88,10 +99,13 @@ def on_post_template(output: str, template_name: str, config: Any) -> str:
 
 def _with_policy(page: str) -> str:
     page = _PICTURE.sub(r'<a href="\2">\1</a>', page)
-    return page.replace("<head>", f'<head><meta http-equiv="Content-Security-Policy" content="{POLICY}">', 1)
+    return page.replace(
+        "<head>", f'<head><meta http-equiv="Content-Security-Policy" content="{POLICY}">', 1
+    )
 
 
 def _name_file(link: re.Match[str]) -> str:
     """Text of a link with the name of its file."""
-    text, path = link[1], link[2].removeprefix("../")
+    text = link[1]
+    path = link[2].removeprefix("../")
     return f"`{path}`" if text.strip("`") == path else f"{text} (`{path}` in the repository)"

@@ -1,7 +1,7 @@
 """Executed notebook of the site: cells of a plain script, run by Jupyter, with what they show.
 
-The script stands in `examples/`. A line `# %%` begins a cell of code, and `# %% [markdown]` a cell of text in comments.
-Editors open it as a notebook, and Python runs it as a script.
+The script stands in `examples/`. A line `# %%` begins a cell of code, and `# %% [markdown]` a cell
+of text in comments. Editors open it as a notebook, and Python runs it as a script.
 """
 
 from __future__ import annotations
@@ -21,15 +21,20 @@ _CELL = re.compile(r"^# %%(?P<kind>.*)$", re.MULTILINE)
 
 
 def read_cells(script: str) -> list[tuple[str, str]]:
-    """Split a script into cells: kind ("markdown" or "code") and source. What stands before the first is left out."""
+    """Split a script into cells: kind ("markdown" or "code") and source.
+
+    What stands before the first is left out.
+    """
     _, *parts = _CELL.split(script)
     cells = []
+
     for mark, body in zip(parts[::2], parts[1::2], strict=True):
         text = body.strip("\n")
         if "[markdown]" in mark:
             cells.append(("markdown", re.sub(r"^# ?", "", text, flags=re.MULTILINE)))
         else:
             cells.append(("code", text))
+
     return cells
 
 
@@ -37,10 +42,27 @@ def to_ipynb(script: Path = SCRIPT) -> str:
     """Write the script as a notebook without outputs."""
     cells = []
     for i, (kind, source) in enumerate(read_cells(script.read_text(encoding="utf-8"))):
-        cell: dict[str, Any] = {"cell_type": kind, "id": f"cell-{i}", "metadata": {}, "source": source}
+        cell: dict[str, Any] = {
+            "cell_type": kind,
+            "id": f"cell-{i}",
+            "metadata": {},
+            "source": source,
+        }
         cells.append(cell | ({"execution_count": None, "outputs": []} if kind == "code" else {}))
+
     kernel = {"kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"}}
-    return json.dumps({"cells": cells, "metadata": kernel, "nbformat": 4, "nbformat_minor": 5}, indent=1) + "\n"
+    return (
+        json.dumps(
+            {
+                "cells": cells,
+                "metadata": kernel,
+                "nbformat": 4,
+                "nbformat_minor": 5,
+            },
+            indent=1,
+        )
+        + "\n"
+    )
 
 
 def execute(script: Path = SCRIPT) -> str:
@@ -55,22 +77,33 @@ def execute(script: Path = SCRIPT) -> str:
     from nbclient import NotebookClient
 
     book = nbformat.reads(to_ipynb(script), as_version=4)
+
     with tempfile.TemporaryDirectory() as folder:
-        client = NotebookClient(book, timeout=TIME_LIMIT_S, resources={"metadata": {"path": folder}})
+        client = NotebookClient(
+            book, timeout=TIME_LIMIT_S, resources={"metadata": {"path": folder}}
+        )
         client.execute(env=os.environ | {"PYTHONPATH": os.pathsep.join(_python_path())})
+
     return "\n\n".join(_render(cell) for cell in book.cells) + "\n"
 
 
 def _python_path() -> list[str]:
     """Folders that the kernel imports from, as this process does."""
-    return [str(Path(entry).resolve()) for entry in os.environ.get("PYTHONPATH", "").split(os.pathsep) if entry]
+    return [
+        str(Path(entry).resolve())
+        for entry in os.environ.get("PYTHONPATH", "").split(os.pathsep)
+        if entry
+    ]
 
 
 def _render(cell: Any) -> str:
     """Write a cell with its outputs as Markdown."""
     if cell.cell_type == "markdown":
         return str(cell.source)
-    return "\n\n".join([f"```python\n{cell.source}\n```", *(_render_output(output) for output in cell.outputs)])
+
+    return "\n\n".join(
+        [f"```python\n{cell.source}\n```", *(_render_output(output) for output in cell.outputs)]
+    )
 
 
 def _render_output(output: Any) -> str:
@@ -79,6 +112,8 @@ def _render_output(output: Any) -> str:
     if "image/png" in data:
         encoded = base64.b64encode(base64.b64decode(data["image/png"])).decode()
         return f'<img alt="Output of the cell above" src="data:image/png;base64,{encoded}">'
+
     if "text/html" in data:
         return str(data["text/html"])
+
     return f"```text\n{str(data.get('text/plain', '')).rstrip()}\n```"

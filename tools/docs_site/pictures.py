@@ -16,20 +16,25 @@ from fingertip.pictures.picture import draw
 WIDTH_PX = 1200
 """Width of a design's picture in the gallery [pixels]."""
 _TOLERANCE_MM = 0.02
-_STEPS, _GALLERY = "steps", "gallery"
+_STEPS = "steps"
+_GALLERY = "gallery"
 
 
 @functools.cache
 def draw_all() -> dict[str, bytes]:
     """Draw all pictures: path on the site -> PNG."""
-    designs = {f"{_GALLERY}/{name}.png": draw(Design.load(name), WIDTH_PX) for name in list_bundled_files(DESIGN)}
+    designs = {
+        f"{_GALLERY}/{name}.png": draw(Design.load(name), WIDTH_PX)
+        for name in list_bundled_files(DESIGN)
+    }
     return {**{f"{_STEPS}/{name}": png for name, (_, png) in _draw_steps().items()}, **designs}
 
 
 def list_steps() -> str:
     """List the casting steps of the default design with their pictures."""
     return "\n\n".join(
-        f"### {number}. {name.partition('-')[2].removesuffix('.png').replace('_', ' ').capitalize()}\n\n"
+        f"### {number}. "
+        f"{name.partition('-')[2].removesuffix('.png').replace('_', ' ').capitalize()}\n\n"
         f"{text}\n\n![{_escape(text)}]({_STEPS}/{name})"
         for number, (name, (text, _)) in enumerate(_draw_steps().items(), 1)
     )
@@ -38,7 +43,8 @@ def list_steps() -> str:
 def list_designs() -> str:
     """List the bundled designs with their pictures."""
     return "\n\n".join(
-        f"## {name}\n\n{_describe(name)}\n\n![{name}: exploded views and section]({_GALLERY}/{name}.png)"
+        f"## {name}\n\n{_describe(name)}\n\n![{name}: exploded views and "
+        f"section]({_GALLERY}/{name}.png)"
         for name in list_bundled_files(DESIGN)
     )
 
@@ -50,7 +56,11 @@ def _draw_steps() -> dict[str, tuple[str, bytes]]:
     sheet = casting_sheet(design, MeshEvaluator(_TOLERANCE_MM))
     listed = steps_of(sheet)
     drawn = draw_steps(design, sheet, [step.picture for step in listed])
-    return {name: (" ".join(step.text.split()), png) for (name, png), step in zip(drawn.items(), listed, strict=True)}
+
+    return {
+        name: (" ".join(step.text.split()), png)
+        for (name, png), step in zip(drawn.items(), listed, strict=True)
+    }
 
 
 def _escape(text: str) -> str:

@@ -19,13 +19,19 @@ def list_all_parameters() -> str:
     """List all parameters: one table for each table of a design file."""
     lines: list[str] = []
     table = None
+
     for parameter in list_parameters():
         name, _, _ = parameter.path.rpartition(".")
         if name != table:
             table = name
-            header = ["| parameter | default | unit | bounds | kind | meaning |", "|---|---|---|---|---|---|"]
+            header = [
+                "| parameter | default | unit | bounds | kind | meaning |",
+                "|---|---|---|---|---|---|",
+            ]
             lines += ["", *_heading(name), "", *header]
+
         lines.append(_row(parameter))
+
     return "\n".join([*lines, ""])
 
 
@@ -37,6 +43,7 @@ def list_all_commands() -> str:
     lines += ["```text", root.get_help(context), "```"]
     for name, text in _pages(root, context):
         lines += ["", f"## {name}", "", "```text", text.rstrip(), "```"]
+
     return "\n".join([*lines, ""])
 
 
@@ -55,6 +62,7 @@ def _heading(table: str) -> list[str]:
     """Heading of a table with its own description."""
     if not table:
         return ["## Name"]
+
     described = Design.model_fields[table].annotation
     return [f"## {table}", "", " ".join((described.__doc__ or "").split())]
 

@@ -1,4 +1,6 @@
-"""Hash of what figures rest on: program text without its comments, docstrings and layout, tables, and presets."""
+"""Hash of what figures rest on: program text without its comments,
+docstrings and layout, tables, and presets.
+"""
 
 from __future__ import annotations
 
@@ -18,13 +20,17 @@ def hash_basis(root: Path, paths: Iterable[str], presets: Iterable[str]) -> str:
     for path in paths:
         for file in _list_files(root / path):
             whole.update(f"{file.relative_to(root).as_posix()} {_hash_file(file)}\n".encode())
+
     for preset in presets:
         whole.update(f"preset {preset} {_describe_preset(preset)}\n".encode())
+
     return whole.hexdigest()
 
 
 def describe_source(text: str) -> str:
-    """Describe what a Python source does: the same for each layout, comment and docstring, and for each Python."""
+    """Describe what a Python source does: the same for each layout,
+    comment and docstring, and for each Python.
+    """
     parts = list[str]()
     _describe(ast.parse(text), parts)
     return "".join(parts)
@@ -35,7 +41,10 @@ def _list_files(path: Path) -> list[Path]:
         return [path]
     if not path.is_dir():
         raise FileNotFoundError(f"{path} is neither a file nor a folder")
-    return sorted(file for file in path.rglob("*") if file.is_file() and "__pycache__" not in file.parts)
+
+    return sorted(
+        file for file in path.rglob("*") if file.is_file() and "__pycache__" not in file.parts
+    )
 
 
 @functools.cache
@@ -43,6 +52,7 @@ def _hash_file(path: Path) -> str:
     content = path.read_bytes()
     if path.suffix == ".py":
         content = describe_source(content.decode()).encode()
+
     return hashlib.sha256(content).hexdigest()
 
 
@@ -55,7 +65,9 @@ def _describe_preset(name: str) -> str:
 
 
 def _describe(value: object, parts: list[str]) -> None:
-    """Append the text of a node of a syntax tree, or of a field of one; fields that are empty are left out."""
+    """Append the text of a node of a syntax tree, or of a field of
+    one; fields that are empty are left out.
+    """
     if isinstance(value, ast.Constant):
         parts.append(repr(value.value))
     elif isinstance(value, ast.AST):
@@ -65,6 +77,7 @@ def _describe(value: object, parts: list[str]) -> None:
             if field is not None and field != [] and name not in ("ctx", "type_comment"):
                 parts.append(f"{name}=")
                 _describe(field, parts)
+
         parts.append(")")
     elif isinstance(value, list):
         for item in value:
@@ -78,4 +91,8 @@ def _describe(value: object, parts: list[str]) -> None:
 
 def _is_docstring(item: object) -> bool:
     """Tell whether a statement is a text alone, which documents what stands before or around it."""
-    return isinstance(item, ast.Expr) and isinstance(item.value, ast.Constant) and isinstance(item.value.value, str)
+    return (
+        isinstance(item, ast.Expr)
+        and isinstance(item.value, ast.Constant)
+        and isinstance(item.value.value, str)
+    )

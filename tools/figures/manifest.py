@@ -1,4 +1,6 @@
-"""Manifest of the figures: its entries, whether they are old, and the sentences and tables that quote them."""
+"""Manifest of the figures: its entries, whether they are old, and
+the sentences and tables that quote them.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,9 @@ class Quote:
 
     page: str
     template: str
-    """Template (Jinja2) of the text, in which each command's output stands under the command's name."""
+    """Template (Jinja2) of the text, in which each command's
+    output stands under the command's name.
+    """
     text: str
     """Text as it was rendered last, which stands on the page."""
 
@@ -76,7 +80,10 @@ def _read_entry(name: str, table: Mapping[str, Any], groups: Mapping[str, Sequen
         rests_on=tuple(paths),
         presets=tuple(table.get("presets", ())),
         writes=tuple(table.get("writes", ())),
-        quotes=tuple(Quote(quote["page"], quote["template"], quote["text"]) for quote in table.get("quotes", ())),
+        quotes=tuple(
+            Quote(quote["page"], quote["template"], quote["text"])
+            for quote in table.get("quotes", ())
+        ),
         sha256=table["sha256"],
         renewed=str(table["renewed"]),
         seconds=table["seconds"],
@@ -85,22 +92,39 @@ def _read_entry(name: str, table: Mapping[str, Any], groups: Mapping[str, Sequen
 
 
 def find_problems(entries: Sequence[Entry], root: Path = ROOT) -> Iterator[str]:
-    """Yield a sentence for each entry that is old and does not say so, and for each page that differs from one."""
+    """Yield a sentence for each entry that is old and does not say
+    so, and for each page that differs from one.
+    """
     for entry in entries:
         renew = f"run `python -m tools.figures renew {entry.name}` ({entry.seconds} s)"
         if not entry.is_old and entry.hash_now(root) != entry.sha256:
-            yield f"{entry.name}: what these figures rest on has changed since {entry.renewed}; {renew}."
+            yield (
+                f"{entry.name}: what these figures rest on has changed since {entry.renewed}; "
+                f"{renew}."
+            )
+
         for quote in entry.quotes:
             if not find_text(quote.text, (root / quote.page).read_text(encoding="utf-8")):
-                yield f"{entry.name}: {quote.page} does not hold the recorded {quote.text!r}; correct it, or {renew}."
+                yield (
+                    f"{entry.name}: {quote.page} does not hold the recorded {quote.text!r}; "
+                    f"correct it, or {renew}."
+                )
+
         for path in entry.writes:
             if not (root / path).is_file():
                 yield f"{entry.name}: {path} is missing; {renew}."
-        said = [page.name for page in list_pages(root) if find_text(entry.old_sentence, page.read_text("utf-8"))]
+
+        said = [
+            page.name
+            for page in list_pages(root)
+            if find_text(entry.old_sentence, page.read_text("utf-8"))
+        ]
         if entry.is_old and not said:
             yield f"{entry.name}: its page must say {entry.old_sentence!r}; add it, or {renew}."
         if said and not entry.is_old:
-            yield f"{entry.name}: the figures are current; take {entry.old_sentence!r} off {said[0]}."
+            yield (
+                f"{entry.name}: the figures are current; take {entry.old_sentence!r} off {said[0]}."
+            )
 
 
 def list_pages(root: Path = ROOT) -> list[Path]:
@@ -114,15 +138,18 @@ def find_text(text: str, page: str) -> re.Match[str] | None:
 
 
 def replace_text(page: str, old: str, new: str) -> str:
-    """Replace a text on a page; a sentence keeps the page's breaks of lines, if it keeps its number of words.
+    """Replace a text on a page; a sentence keeps the page's breaks of lines, if it keeps its number
+    of words.
 
     Raises LookupError if the page does not hold the text.
     """
     found = find_text(old, page)
     if found is None:
         raise LookupError(f"the page does not hold {old!r}")
+
     words = new.split()
     gaps = re.findall(r"\s+", found[0])
     if "\n" not in new and len(words) == len(gaps) + 1:
         new = "".join(word + gap for word, gap in zip(words, [*gaps, ""], strict=True))
+
     return page[: found.start()] + new + page[found.end() :]

@@ -1,1 +1,3 @@
-"""Compilers and emulators for the C library of `fingertip firmware`: its tests, and the table of its costs."""
+"""Compilers and emulators for the C library of `fingertip
+firmware`: its tests, and the table of its costs.
+"""

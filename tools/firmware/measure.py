@@ -1,6 +1,8 @@
-"""Measure what the library costs on a controller, and write `measured_costs.json` of `fingertip.firmware`.
+"""Measure what the library costs on a controller, and write `measured_costs.json` of
+`fingertip.firmware`.
 
-Run ``python -m tools.firmware.measure``. It needs gcc, gcc-arm-none-eabi and qemu-system-arm (`.ci/install-firmware`).
+Run ``python -m tools.firmware.measure``. It needs gcc, gcc-arm-none-eabi and qemu-system-arm
+(`.ci/install-firmware`).
 """
 
 from __future__ import annotations
@@ -58,7 +60,10 @@ def measure(design: Design, stride: int = STRIDE, seconds: float = SECONDS) -> d
             "emulator": f"QEMU {tool_version('qemu-system-arm')}",
             "options": "-O2",
             "state_bytes": state,
-            "samples": {name: sum(len(one.tactile_v) for one in several) for name, several in signals.items()},
+            "samples": {
+                name: sum(len(one.tactile_v) for one in several)
+                for name, several in signals.items()
+            },
             "targets": {
                 target.name: _measure_target(design, folder, target, signals)
                 | {"five_fingers": _measure_hand(design, hand, target, seconds)}
@@ -71,27 +76,49 @@ def _measure_target(
     design: Design, folder: Path, target: Target, signals: dict[str, list[Recording]]
 ) -> dict[str, Any]:
     image = compile_target(folder, target)
-    runs = {name: [run_target(image, target, one) for one in several] for name, several in signals.items()}
-    counts = {name: np.concatenate([run.instructions for run in several]) for name, several in runs.items()}
+    runs = {
+        name: [run_target(image, target, one) for one in several]
+        for name, several in signals.items()
+    }
+    counts = {
+        name: np.concatenate([run.instructions for run in several])
+        for name, several in runs.items()
+    }
     tick = round(TICK_S * design.detector.sample_rate_hz)
-    settled = {name: each if name == "campaign" else each[len(each) // 2 :] for name, each in counts.items()}
+    settled = {
+        name: each if name == "campaign" else each[len(each) // 2 :]
+        for name, each in counts.items()
+    }
+
     return {
         "emulated": target.emulated,
         "flash_bytes": measure_flash(folder, target),
         "stack_bytes": max(run.stack_bytes for several in runs.values() for run in several),
         "instructions": {name: round(float(np.mean(each))) for name, each in settled.items()},
-        "short_instructions": round(float(np.quantile(np.concatenate(list(counts.values())), 1 - 1.1 / tick))),
+        "short_instructions": round(
+            float(np.quantile(np.concatenate(list(counts.values())), 1 - 1.1 / tick))
+        ),
         "max_instructions": round(max(float(each.max()) for each in counts.values())),
     }
 
 
 def _measure_hand(design: Design, folder: Path, target: Target, seconds: float) -> dict[str, Any]:
-    """Measure the detectors of five fingers, all of which slip: mean of the second half, and most of a sample."""
-    fingers = [slip_recording(design, seconds, 2 + 2 * i).code_pairs(design) for i in range(FIVE.count)]
+    """Measure the detectors of five fingers, all of which slip: mean
+    of the second half, and most of a sample.
+    """
+    fingers = [
+        slip_recording(design, seconds, 2 + 2 * i).code_pairs(design) for i in range(FIVE.count)
+    ]
     codes = np.stack(fingers, axis=1)
-    _, counts = run_hand_on_target(compile_target(folder, target, program="hand_on_target.c"), target, codes)
+    _, counts = run_hand_on_target(
+        compile_target(folder, target, program="hand_on_target.c"), target, codes
+    )
     costs = {"flash_bytes": measure_flash(folder, target, with_grip=True)}
-    return costs | {"slip": round(float(np.mean(counts[len(counts) // 2 :]))), "max": round(float(counts.max()))}
+
+    return costs | {
+        "slip": round(float(np.mean(counts[len(counts) // 2 :]))),
+        "max": round(float(counts.max())),
+    }
 
 
 def main() -> None:

@@ -1,4 +1,6 @@
-"""Signals on which the library's costs are measured, and the comparison of its intervals with the detector's."""
+"""Signals on which the library's costs are measured, and the
+comparison of its intervals with the detector's.
+"""
 
 from __future__ import annotations
 
@@ -38,12 +40,14 @@ class Recording:
 
     def codes(self, design: Design) -> tuple[NDArray[np.int32], NDArray[np.int32] | None]:
         """Convert both signals to the converter's codes."""
-        low, step = design.detector.adc_low_v, design.detector.adc_step_v
+        low = design.detector.adc_low_v
+        step = design.detector.adc_step_v
         tactile, filtered = (
             None if volts is None else np.round((volts - low) / step).astype(np.int32)
             for volts in (self.tactile_v, self.filtered_v)
         )
         assert tactile is not None
+
         return tactile, filtered
 
     def code_pairs(self, design: Design) -> NDArray[np.uint16]:
@@ -54,11 +58,14 @@ class Recording:
 
     def quantised(self, design: Design) -> Recording:
         """Return the voltages of the codes."""
-        low, step = design.detector.adc_low_v, design.detector.adc_step_v
+        low = design.detector.adc_low_v
+        step = design.detector.adc_step_v
         tactile, filtered = (
-            None if codes is None else np.asarray(low + step * codes, np.float64) for codes in self.codes(design)
+            None if codes is None else np.asarray(low + step * codes, np.float64)
+            for codes in self.codes(design)
         )
         assert tactile is not None
+
         return Recording(tactile, filtered)
 
 
@@ -68,7 +75,9 @@ def campaign_recordings(design: Design, stride: int = 1) -> Iterator[Recording]:
         if number % stride == 0:
             trace = simulate_trace(design, case, ("fast",))
             rest_v = signal_ground_ratio(design.board) * design.board.supply_v
-            yield Recording(trace.voltage_v, None if trace.filtered_v is None else trace.filtered_v + rest_v)
+            yield Recording(
+                trace.voltage_v, None if trace.filtered_v is None else trace.filtered_v + rest_v
+            )
 
 
 def quiet_recording(design: Design, seconds: float, seed: int = 1) -> Recording:
@@ -78,24 +87,35 @@ def quiet_recording(design: Design, seconds: float, seed: int = 1) -> Recording:
 
 def slip_recording(design: Design, seconds: float, seed: int = 2) -> Recording:
     """Noise, and half a second later a vibration in the band of slip that lasts."""
-    time_s = np.arange(round(seconds * design.detector.sample_rate_hz)) / design.detector.sample_rate_hz
-    vibration = np.random.default_rng(seed + 1).normal(0.0, SLIP_DEVIATIONS * input_noise_v(design), len(time_s))
-    return _record(design, np.where(time_s > 0.5, vibration * np.sin(2 * math.pi * 70.0 * time_s), 0.0), seed)
+    time_s = (
+        np.arange(round(seconds * design.detector.sample_rate_hz)) / design.detector.sample_rate_hz
+    )
+    vibration = np.random.default_rng(seed + 1).normal(
+        0.0, SLIP_DEVIATIONS * input_noise_v(design), len(time_s)
+    )
+    return _record(
+        design, np.where(time_s > 0.5, vibration * np.sin(2 * math.pi * 70.0 * time_s), 0.0), seed
+    )
 
 
 def _record(design: Design, vibration_v: Array, seed: int) -> Recording:
     """Sample a vibration at a constant force, and its filtered signal where the board gives one."""
-    random, noise_v = np.random.default_rng(seed), input_noise_v(design)
+    random = np.random.default_rng(seed)
+    noise_v = input_noise_v(design)
     tactile = QUIET_V + vibration_v + random.normal(0.0, noise_v, len(vibration_v))
     range_v = filtered_range_v(design.board, design.detector.adc_range_v)
     if range_v is None:
         return Recording(tactile, None)
+
     from scipy.signal import lfilter
 
     (first, second), _ = design_board_filter(design.detector.sample_rate_hz, design.board.cutoff_hz)
-    filtered = lfilter([first.b0, first.b1], [1.0, first.a1], design.board.passband_gain * vibration_v)
+    filtered = lfilter(
+        [first.b0, first.b1], [1.0, first.a1], design.board.passband_gain * vibration_v
+    )
     filtered = lfilter([second.b0, second.b1, second.b2], [1.0, second.a1, second.a2], filtered)
     filtered = np.clip(filtered, -range_v, range_v) + random.normal(0.0, noise_v, len(vibration_v))
+
     return Recording(tactile, signal_ground_ratio(design.board) * design.board.supply_v + filtered)
 
 
@@ -105,11 +125,18 @@ def find_intervals(on: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
-def count_differences(expected: NDArray[np.bool_], found: NDArray[np.bool_], samples: int = 1) -> tuple[int, int]:
-    """Count the intervals of both sides, and those without a counterpart within some samples at both ends."""
-    first, second = find_intervals(expected), find_intervals(found)
+def count_differences(
+    expected: NDArray[np.bool_], found: NDArray[np.bool_], samples: int = 1
+) -> tuple[int, int]:
+    """Count the intervals of both sides, and those without a
+    counterpart within some samples at both ends.
+    """
+    first = find_intervals(expected)
+    second = find_intervals(found)
 
     def unmatched(these: list[tuple[int, int]], those: list[tuple[int, int]]) -> int:
-        return sum(not any(max(abs(a - c), abs(b - d)) <= samples for c, d in those) for a, b in these)
+        return sum(
+            not any(max(abs(a - c), abs(b - d)) <= samples for c, d in those) for a, b in these
+        )
 
     return unmatched(first, second) + unmatched(second, first), len(first) + len(second)

@@ -25,6 +25,7 @@ def damaged(draw: st.DrawFn, valid: bytes, most: int = 4) -> bytes:
     for _ in range(draw(st.integers(1, most))):
         if not data:
             break
+
         kind = draw(st.integers(0, 9))
         # Headers stand at the beginning, and the directory of an archive at the end.
         part = draw(st.sampled_from(("any", "begin", "end")))
@@ -32,6 +33,7 @@ def damaged(draw: st.DrawFn, valid: bytes, most: int = 4) -> bytes:
         high = min(len(data), _HEADER_BYTES) if part == "begin" else len(data)
         at = draw(st.integers(low, max(low, high - 1)))
         length = draw(st.sampled_from((1, 2, 4, 8, 30, 300)))
+
         if kind == 0:
             data[at] ^= 1 << draw(st.integers(0, 7))
         elif kind == 1:
@@ -49,7 +51,9 @@ def damaged(draw: st.DrawFn, valid: bytes, most: int = 4) -> bytes:
                 data[match.start() : match.end()] = draw(st.sampled_from(_TOKENS))
         elif kind == 7:
             size = draw(st.sampled_from((1, 2, 4, 8)))
-            number = draw(st.sampled_from((0, 1, 2 ** (8 * size) - 1, 2 ** (8 * size - 1), 2 ** (4 * size))))
+            number = draw(
+                st.sampled_from((0, 1, 2 ** (8 * size) - 1, 2 ** (8 * size - 1), 2 ** (4 * size)))
+            )
             data[at : at + size] = number.to_bytes(size, draw(st.sampled_from(("little", "big"))))
         elif kind == 8:
             lines = bytes(data).split(b"\n")[:5000]
@@ -58,13 +62,22 @@ def damaged(draw: st.DrawFn, valid: bytes, most: int = 4) -> bytes:
             data = bytearray(b"\n".join(lines))
         else:
             data[at : at + length] = draw(st.binary(min_size=length, max_size=length))
+
     return bytes(data)
 
 
 @st.composite
 def nudged(draw: st.DrawFn, valid: bytes) -> bytes:
-    """Change one number of a valid text within its unit: near its value, or to one of the others."""
-    match = draw(st.sampled_from(found := list(_NUMBER.finditer(valid))))
-    factor = draw(st.one_of(st.floats(0.97, 1.03), st.floats(0.5, 2.0), st.sampled_from((0.0, -1.0, 10.0))))
-    number = draw(st.sampled_from((b"%.6g" % (factor * float(match[0])), draw(st.sampled_from(found))[0])))
+    """Change one number of a valid text within its unit: near its value, or to one of
+    the others.
+    """
+    found = list(_NUMBER.finditer(valid))
+    match = draw(st.sampled_from(found))
+    factor = draw(
+        st.one_of(st.floats(0.97, 1.03), st.floats(0.5, 2.0), st.sampled_from((0.0, -1.0, 10.0)))
+    )
+    number = draw(
+        st.sampled_from((b"%.6g" % (factor * float(match[0])), draw(st.sampled_from(found))[0]))
+    )
+
     return valid[: match.start()] + number + valid[match.end() :]

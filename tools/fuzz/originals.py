@@ -35,12 +35,21 @@ def recordings() -> Mapping[str, bytes]:
     files["plain.csv"] = "\n".join(["time_s,voltage_v", *rows, ""]).encode()
     files["semicolon.csv"] = files["plain.csv"].replace(b",", b";").replace(b".", b",")
     files["utf16.csv"] = files["plain.csv"].decode().encode("utf-16")
-    dates = [f"2024-05-31T23:59:{59 + t:07.4f},{v:.6f}" for t, v in zip(time_s, voltage_v, strict=True) if t < 0.99]
+    dates = [
+        f"2024-05-31T23:59:{59 + t:07.4f},{v:.6f}"
+        for t, v in zip(time_s, voltage_v, strict=True)
+        if t < 0.99
+    ]
     files["dates.csv"] = "\n".join(["time_s,voltage_v", *dates, ""]).encode()
     head = "LabVIEW Measurement\t\nX_Columns\tOne\t\n***End_of_Header***\t\nX_Value\tAI0\tComment\n"
     files["trace.lvm"] = (head + "\n".join(row.replace(",", "\t") for row in rows)).encode()
-    return files | {"trace.tdms": _tdms(voltage_v), "trace.wav": _wav(voltage_v), "trace.mat": _mat(time_s, voltage_v),
-                    "trace.parquet": _parquet(time_s, voltage_v)}  # fmt: skip
+
+    return files | {
+        "trace.tdms": _tdms(voltage_v),
+        "trace.wav": _wav(voltage_v),
+        "trace.mat": _mat(time_s, voltage_v),
+        "trace.parquet": _parquet(time_s, voltage_v),
+    }
 
 
 def _saved(save: object) -> bytes:
@@ -53,10 +62,14 @@ def _saved(save: object) -> bytes:
 def _savers(time_s: np.ndarray, voltage_v: np.ndarray) -> Mapping[str, object]:
     return {
         "plain.npz": lambda file: np.savez(file, time_s=time_s, voltage_v=voltage_v),
-        "deflated.npz": lambda file: np.savez_compressed(file, voltage_v=voltage_v, sample_rate_hz=RATE_HZ),
+        "deflated.npz": lambda file: np.savez_compressed(
+            file, voltage_v=voltage_v, sample_rate_hz=RATE_HZ
+        ),
         "two.npy": lambda file: np.save(file, np.column_stack((time_s, voltage_v))),
         "one.npy": lambda file: np.save(file, voltage_v),
-        "single.npz": lambda file: np.savez(file, time_s=time_s.astype("f4"), voltage_v=voltage_v.astype("f4")),
+        "single.npz": lambda file: np.savez(
+            file, time_s=time_s.astype("f4"), voltage_v=voltage_v.astype("f4")
+        ),
     }
 
 
@@ -67,6 +80,7 @@ def _wav(voltage_v: np.ndarray) -> bytes:
         file.setsampwidth(2)
         file.setframerate(int(RATE_HZ))
         file.writeframes((voltage_v / 5.0 * 32767).astype("<i2").tobytes())
+
     return buffer.getvalue()
 
 
@@ -75,14 +89,19 @@ def _tdms(voltage_v: np.ndarray) -> bytes:
 
     buffer = io.BytesIO()
     with TdmsWriter(buffer) as writer:
-        writer.write_segment([ChannelObject("group", "AI0", voltage_v, properties={"wf_increment": 1 / RATE_HZ})])
+        writer.write_segment(
+            [ChannelObject("group", "AI0", voltage_v, properties={"wf_increment": 1 / RATE_HZ})]
+        )
+
     return buffer.getvalue()
 
 
 def _mat(time_s: np.ndarray, voltage_v: np.ndarray) -> bytes:
     from scipy.io import savemat
 
-    return _saved(lambda file: savemat(file, {"time_s": time_s, "voltage_v": voltage_v}, do_compression=True))
+    return _saved(
+        lambda file: savemat(file, {"time_s": time_s, "voltage_v": voltage_v}, do_compression=True)
+    )
 
 
 def _parquet(time_s: np.ndarray, voltage_v: np.ndarray) -> bytes:
@@ -112,10 +131,14 @@ def weighings() -> bytes:
     from fingertip.design import Design
     from fingertip.sim.signal.bridge import fit_conductance_curve
 
-    curve, response = fit_conductance_curve(), board_values(Design()).tactile_response
+    curve = fit_conductance_curve()
+    response = board_values(Design()).tactile_response
     loads = (0.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
     volts = (response.tactile_v(curve.conductance_s(g * 9.80665e-3)) for g in loads)
-    return "\n".join(["weight_g,voltage_v", *(f"{g:g},{v:.5f}" for g, v in zip(loads, volts, strict=True))]).encode()
+
+    return "\n".join(
+        ["weight_g,voltage_v", *(f"{g:g},{v:.5f}" for g, v in zip(loads, volts, strict=True))]
+    ).encode()
 
 
 @cache
@@ -125,6 +148,7 @@ def sweep_database() -> bytes:
     from fingertip.sweep.plan import SweepPlan
 
     tables = {"outputs": ["cutoff_3db_hz"], "axes": {"board.cutoff_hz": [60.0, 67.0, 75.0]}}
+
     with tempfile.TemporaryDirectory() as folder:
         SweepDatabase.create(Path(folder), SweepPlan.from_tables(tables)).close()
         path = Path(folder) / "sweep.sqlite"
@@ -133,6 +157,7 @@ def sweep_database() -> bytes:
                 "INSERT INTO rows VALUES (?, 'ok', '', '', ?, ?)",
                 [(i, f, 1.01 * f) for i, f in enumerate((60.0, 67.0, 75.0))],
             )
+
         connection.close()
         return path.read_bytes()
 
@@ -145,4 +170,8 @@ def board_folder() -> Mapping[str, bytes]:
 
     with tempfile.TemporaryDirectory() as folder:
         write_board(Design(), folder)
-        return {path.name: path.read_bytes() for path in sorted(Path(folder).iterdir()) if path.is_file()}
+        return {
+            path.name: path.read_bytes()
+            for path in sorted(Path(folder).iterdir())
+            if path.is_file()
+        }

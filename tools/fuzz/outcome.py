@@ -16,19 +16,25 @@ from tools.fuzz import promises
 from tools.fuzz.cases import Case
 
 WAIT_LIMIT_S = 300.0
-"""Time of a case that waits for something other than a processor, which a process of its own may wait for [s]."""
+"""Time of a case that waits for something other than a processor,
+which a process of its own may wait for [s].
+"""
 MEMORY_LIMIT_BYTES = 2**30
 EXIT_CODES = frozenset({0, 1, 2})
 """Documented exit codes, but those of faults of the program and of interruptions."""
 MAX_LINE = 5000
 _SATURATED = "the converter is saturated"
-"""A design may belong to recordings of another board, so that it is accepted and its own board is not made."""
+"""A design may belong to recordings of another board, so that it is
+accepted and its own board is not made.
+"""
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e]")
 _ANSI_STYLE = re.compile("\x1b\\[[0-9;]*m")
 
 
 def read_delay_s(process: int | str = "self") -> float:
-    """Return how long a process was ready and waited for a processor [s]; 0 where the system does not say."""
+    """Return how long a process was ready and waited for a
+    processor [s]; 0 where the system does not say.
+    """
     try:
         return int(Path(f"/proc/{process}/schedstat").read_text().split()[1]) / 1e9
     except (OSError, IndexError, ValueError):
@@ -53,22 +59,29 @@ def find_faults(case: Case, outcome: Outcome, folder: Path) -> Iterator[str]:
     if outcome.code is None:
         yield f"hang: no end after {outcome.seconds:.0f} s"
         return
+
     if outcome.peak_bytes > MEMORY_LIMIT_BYTES:
         yield f"memory: {outcome.peak_bytes / 2**20:.0f} MB"
+
     if outcome.code == 70 or "Traceback (most recent call last)" in outcome.stderr:
         yield f"traceback: {outcome.stderr[-600:]}"
     elif outcome.code not in EXIT_CODES or (outcome.code == 1 and not case.may_fail):
         yield f"exit code: {outcome.code}: {outcome.stderr[-300:]}"
+
     if outcome.code == 2 and "rror" not in outcome.stderr:
         yield "silent: refused without a message"
     if outcome.code == 2 and case.is_accepted and _SATURATED not in outcome.stderr:
         yield f"refused: {outcome.stderr[-600:]}"
+
     for name, text in (("stdout", outcome.stdout), ("stderr", _ANSI_STYLE.sub("", outcome.stderr))):
-        if found := _CONTROL.search(text):
+        found = _CONTROL.search(text)
+        if found:
             yield f"control: {found[0]!r} on {name}"
+
     longest = max(map(len, outcome.stderr.splitlines()), default=0)
     if longest > MAX_LINE:
         yield f"length: a line of {longest} characters on stderr"
+
     try:
         if outcome.code in (0, 1) and "--json" in case.words:
             promises.read_json(outcome.stdout)
@@ -79,41 +92,58 @@ def find_faults(case: Case, outcome: Outcome, folder: Path) -> Iterator[str]:
 
 
 def judge(case: Case, top: Path, run: Callable[[Case, Path], Outcome]) -> tuple[Outcome, list[str]]:
-    """Run the commands of a case in a folder within another, one after the other, and find the faults of all.
+    """Run the commands of a case in a folder within another, one after the other, and find the
+    faults of all.
 
-    The case ends at the first command that is refused, and at the first fault. A command that is refused writes
-    nothing, and none leaves temporary files, which stand beside the folder, or processes.
+    The case ends at the first command that is refused, and at the first fault. A command that is
+    refused writes nothing, and none leaves temporary files, which stand beside the folder, or
+    processes.
     """
-    folder, temporary = top / "case", top / "tmp"
+    folder = top / "case"
+    temporary = top / "tmp"
     for path in (folder, temporary):
         path.mkdir()
-    outcomes, faults = [], list[str]()
-    before_tempdir, tempfile.tempdir = tempfile.tempdir, str(temporary)
+
+    outcomes = []
+    faults = list[str]()
+    before_tempdir = tempfile.tempdir
+    tempfile.tempdir = str(temporary)
     os.environ["TMPDIR"] = str(temporary)
+
     try:
         write_files(case.files, folder)
         for words in (case.words, *case.then):
             before = sorted(folder.rglob("*"))
             outcomes.append(run(replace(case, words=words), folder))
             faults += find_faults(replace(case, words=words), outcomes[-1], folder)
-            if outcomes[-1].code == 2 and sorted(folder.rglob("*")) != before and case.promise == "files":
+
+            if (
+                outcomes[-1].code == 2
+                and sorted(folder.rglob("*")) != before
+                and case.promise == "files"
+            ):
                 faults.append("litter: refused, and yet written")
-            if left := [
+
+            left = [
                 path
                 for place in (temporary, folder)
                 for path in place.rglob("[.]*" if place == folder else "*")
                 if path.name != ".gitattributes"
-            ]:
+            ]
+            if left:
                 faults.append(f"litter: {[read_end(path) for path in left]}")
             if faults or outcomes[-1].code == 2:
                 break
+
         if case.promise == "files" and not faults:
             faults += (f"promise: {broken}" for broken in promises.check_folder(folder))
     finally:
         tempfile.tempdir = before_tempdir
         shutil.rmtree(folder)
         shutil.rmtree(temporary)
-    seconds, peak = sum(outcome.seconds for outcome in outcomes), max(outcome.peak_bytes for outcome in outcomes)
+
+    seconds = sum(outcome.seconds for outcome in outcomes)
+    peak = max(outcome.peak_bytes for outcome in outcomes)
     return replace(outcomes[-1], seconds=seconds, peak_bytes=peak), faults
 
 
@@ -127,7 +157,11 @@ def write_files(files: Mapping[str, bytes], folder: Path) -> None:
 
 def read_end(path: Path) -> str:
     """Read name and end of what a command left: of a fault of the program, its details."""
-    return f"{path.name}: {path.read_bytes()[-1500:].decode(errors='replace')}" if path.is_file() else path.name
+    return (
+        f"{path.name}: {path.read_bytes()[-1500:].decode(errors='replace')}"
+        if path.is_file()
+        else path.name
+    )
 
 
 def _check_design(outcome: Outcome, folder: Path) -> None:

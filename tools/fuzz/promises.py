@@ -1,6 +1,7 @@
 """Promises on files: each kind is read again by something that shares no code with what wrote it.
 
-A promise is a function of a path. It returns nothing, and raises whatever it likes if the file breaks it.
+A promise is a function of a path. It returns nothing, and raises whatever it likes if the file
+breaks it.
 """
 
 from __future__ import annotations
@@ -24,8 +25,12 @@ import numpy as np
 
 from fingertip.design import Design
 
-_NO_NUMBER = re.compile(r"(?<![\w.])[-+]?(?:nan|inf|infinity|NaN|Infinity|None)(?![\w-]| of\b|\.$)", re.MULTILINE)
-_VOID = frozenset({"area", "base", "br", "col", "embed", "hr", "img", "input", "link", "meta", "source", "wbr"})
+_NO_NUMBER = re.compile(
+    r"(?<![\w.])[-+]?(?:nan|inf|infinity|NaN|Infinity|None)(?![\w-]| of\b|\.$)", re.MULTILINE
+)
+_VOID = frozenset(
+    {"area", "base", "br", "col", "embed", "hr", "img", "input", "link", "meta", "source", "wbr"}
+)
 _FIRST_POINT = ("d", "points", "x y", "cx cy", "x1 y1")
 """Attributes of drawn elements that begin with the coordinates of a point."""
 
@@ -52,12 +57,14 @@ def has_only_numbers(path: Path) -> None:
     assert text.strip(), "is empty"
     if path.name == "slip_detector.c":  # its comments explain what it does with NaN
         text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
+
     refuse_no_numbers(text)
 
 
 def refuse_no_numbers(text: str) -> None:
     """Raise an exception at the first number that is none."""
-    if found := _NO_NUMBER.search(text):
+    found = _NO_NUMBER.search(text)
+    if found:
         raise AssertionError(f"{text[max(0, found.start() - 60) : found.end() + 20]!r}")
 
 
@@ -97,6 +104,7 @@ def is_table(path: Path) -> None:
     """CSV has rows of equal length; times increase."""
     with path.open(encoding="utf-8", newline="") as file:
         head, *rows = csv.reader(file, strict=True)
+
     assert len(set(head)) == len(head), f"columns {head}"
     assert all(len(row) == len(head) for row in rows), "rows of different lengths"
     if head[0] == "time_s":
@@ -118,6 +126,7 @@ def is_database(path: Path) -> None:
     assert connection.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
     for row in connection.execute("SELECT * FROM rows"):
         assert all(math.isfinite(value) for value in row if isinstance(value, float)), row
+
     connection.close()
 
 
@@ -127,22 +136,29 @@ def is_figure(path: Path) -> None:
 
     with Image.open(path) as image:
         ranges = image.convert("RGB").getextrema()
+
     assert any(low != high for low, high in ranges), f"one colour: {ranges}"  # type: ignore[misc]
 
 
 def is_drawing(path: Path) -> None:
-    """SVG has a drawn element with a point inside its view, beside a first one that may be its background."""
+    """SVG has a drawn element with a point inside its view, beside
+    a first one that may be its background.
+    """
     from lxml import etree
 
     root = etree.parse(path).getroot()
     left, top, width, height = map(float, root.get("viewBox").split())
     drawn = 0
-    for element in root.iter("{*}path", "{*}polyline", "{*}polygon", "{*}line", "{*}rect", "{*}circle", "{*}text"):
+
+    for element in root.iter(
+        "{*}path", "{*}polyline", "{*}polygon", "{*}line", "{*}rect", "{*}circle", "{*}text"
+    ):
         for names in _FIRST_POINT:
             if element.get(names.split()[0]) is not None:
                 text = " ".join(element.get(name, "0") for name in names.split())
                 x, y = map(float, re.findall(r"-?\d[\d.]*(?:e-?\d+)?", text)[:2])
                 drawn += left <= x <= left + width and top <= y <= top + height
+
     assert drawn > 1, f"{drawn} elements within the view"
 
 
@@ -151,7 +167,8 @@ def is_document(path: Path) -> None:
     data = path.read_bytes()
     assert data.startswith(b"%PDF-"), data[:20]
     assert data.rstrip().endswith(b"%%EOF"), data[-20:]
-    pages, (count,) = re.findall(rb"/Type\s*/Page\b(?!s)", data), re.findall(rb"/Count\s+(\d+)", data)
+    pages = re.findall(rb"/Type\s*/Page\b(?!s)", data)
+    (count,) = re.findall(rb"/Count\s+(\d+)", data)
     assert len(pages) == int(count) > 0, f"{len(pages)} pages of {count!r}"
 
 
@@ -203,7 +220,8 @@ def check_closed(corners: np.ndarray) -> None:
     _, index = np.unique(flat, axis=0, return_inverse=True)
     triangles = index.reshape(-1, 3).astype(np.int64)
     edges = np.concatenate([triangles[:, [i, (i + 1) % 3]] for i in range(3)])
-    keys, back = edges[:, 0] << 32 | edges[:, 1], edges[:, 1] << 32 | edges[:, 0]
+    keys = edges[:, 0] << 32 | edges[:, 1]
+    back = edges[:, 1] << 32 | edges[:, 0]
     assert len(np.unique(keys)) == len(keys), "an edge is used twice"
     assert np.array_equal(np.sort(keys), np.sort(back)), "an edge is open"
     volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
@@ -226,14 +244,25 @@ def is_closed_3mf(path: Path) -> None:
 
     with zipfile.ZipFile(path) as archive:
         assert archive.testzip() is None
-        roots = {name: etree.fromstring(archive.read(name)) for name in archive.namelist() if name.endswith("l")}
+        roots = {
+            name: etree.fromstring(archive.read(name))
+            for name in archive.namelist()
+            if name.endswith("l")
+        }
+
     model = roots["3D/3dmodel.model"]
     objects = {element.get("id") for element in model.iter("{*}object")}
     items = [element.get("objectid") for element in model.iter("{*}item")]
     assert set() < set(items) <= objects, f"items {items} of objects {objects}"
+
     for mesh in model.iter("{*}mesh"):
-        points = np.array([[float(vertex.get(axis)) for axis in "xyz"] for vertex in mesh.iter("{*}vertex")])
-        faces = [[int(face.get(corner)) for corner in ("v1", "v2", "v3")] for face in mesh.iter("{*}triangle")]
+        points = np.array(
+            [[float(vertex.get(axis)) for axis in "xyz"] for vertex in mesh.iter("{*}vertex")]
+        )
+        faces = [
+            [int(face.get(corner)) for corner in ("v1", "v2", "v3")]
+            for face in mesh.iter("{*}triangle")
+        ]
         assert min(map(min, faces)) >= 0
         check_closed(points[np.array(faces)])
 
@@ -262,6 +291,7 @@ def read_expression(text: str) -> list[Any]:
             stack[-1].append(inner)
         else:
             stack[-1].append(word or quoted[1:-1])
+
     assert len(stack) == 1 == len(stack[0]), "a list is not closed, or stands beside another"
     return list(stack[0][0])
 
@@ -271,17 +301,26 @@ def is_kicad(path: Path) -> None:
     tree = read_expression(path.read_text(encoding="utf-8"))
     if path.suffix != ".net":
         return
+
     sections: Mapping[str, list[Any]] = {section[0]: section[1:] for section in tree[1:]}
     named = {dict(part[1:3])["ref"] for part in sections["components"]}
-    joined = {dict(node[1:3])["ref"] for net in sections["nets"] for node in net if node[0] == "node"}
+    joined = {
+        dict(node[1:3])["ref"] for net in sections["nets"] for node in net if node[0] == "node"
+    }
     assert set() < joined <= named, f"no nets, or no components {joined - named}"
 
 
 def is_c(path: Path) -> None:
     """Source in C has balanced brackets, and a compiler accepts it."""
-    text = re.sub(r'/\*.*?\*/|//[^\n]*|"(?:[^"\\\n]|\\.)*"|\'(?:\\.|[^\'])\'', "", path.read_text(), flags=re.DOTALL)
+    text = re.sub(
+        r'/\*.*?\*/|//[^\n]*|"(?:[^"\\\n]|\\.)*"|\'(?:\\.|[^\'])\'',
+        "",
+        path.read_text(),
+        flags=re.DOTALL,
+    )
     for pair in ("()", "[]", "{}"):
         assert text.count(pair[0]) == text.count(pair[1]), pair
+
     if path.suffix == ".c" and shutil.which("gcc"):
         command = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", str(path)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -290,12 +329,31 @@ def is_c(path: Path) -> None:
 
 _TEXT: Iterable[Callable[[Path], None]] = (has_only_numbers,)
 PROMISES: Mapping[str, tuple[Callable[[Path], None], ...]] = {
-    ".json": (is_json,), ".kicad_pro": (is_json,), ".toml": (is_toml,), ".csv": (*_TEXT, is_table), ".npz": (is_trace,),
-    ".sqlite": (is_database,), ".png": (is_figure,), ".svg": (*_TEXT, is_drawing), ".pdf": (is_document,),
-    ".html": (is_page,), ".stl": (is_closed_stl,), ".3mf": (is_closed_3mf,), ".step": (is_step,),
-    ".net": (*_TEXT, is_kicad), ".kicad_sch": (*_TEXT, is_kicad), ".kicad_pcb": (*_TEXT, is_kicad),
-    ".c": (*_TEXT, is_c), ".h": (*_TEXT, is_c), ".ino": (*_TEXT, is_c), ".cir": (*_TEXT,), ".md": (*_TEXT,),
-    ".properties": (*_TEXT,), ".txt": (*_TEXT,), ".urdf": (*_TEXT,), ".xml": (*_TEXT,),
+    ".json": (is_json,),
+    ".kicad_pro": (is_json,),
+    ".toml": (is_toml,),
+    ".csv": (*_TEXT, is_table),
+    ".npz": (is_trace,),
+    ".sqlite": (is_database,),
+    ".png": (is_figure,),
+    ".svg": (*_TEXT, is_drawing),
+    ".pdf": (is_document,),
+    ".html": (is_page,),
+    ".stl": (is_closed_stl,),
+    ".3mf": (is_closed_3mf,),
+    ".step": (is_step,),
+    ".net": (*_TEXT, is_kicad),
+    ".kicad_sch": (*_TEXT, is_kicad),
+    ".kicad_pcb": (*_TEXT, is_kicad),
+    ".c": (*_TEXT, is_c),
+    ".h": (*_TEXT, is_c),
+    ".ino": (*_TEXT, is_c),
+    ".cir": (*_TEXT,),
+    ".md": (*_TEXT,),
+    ".properties": (*_TEXT,),
+    ".txt": (*_TEXT,),
+    ".urdf": (*_TEXT,),
+    ".xml": (*_TEXT,),
     ".gitattributes": (*_TEXT,),
-}  # fmt: skip
+}
 """Promises of each kind of file by the end of its name."""

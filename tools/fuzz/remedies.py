@@ -18,17 +18,24 @@ FIT = "--fit"
 
 
 def read_remedy(issue: Issue) -> dict[str, str]:
-    """Values that a message asks for, by field, or the option --fit; its alternatives ("or ...") are left out."""
+    """Values that a message asks for, by field, or the option --fit;
+    its alternatives ("or ...") are left out.
+    """
     _, mark, remedy = issue.message.rpartition("; ")
     remedy = remedy.partition(", or ")[0] if mark else ""
     if FIT in remedy:
         return {FIT: ""}
+
     values = dict(_ASSIGNMENT.findall(remedy))
-    if bound := _BOUND.match(remedy):
+    bound = _BOUND.match(remedy)
+    if bound:
         last = _LAST_BOUND.search(remedy)
         values[issue.field] = last[1] if last else bound[1]
-    if example := _EXAMPLE.search(remedy):
+
+    example = _EXAMPLE.search(remedy)
+    if example:
         values[issue.field] = example[1]
+
     return values
 
 
@@ -39,4 +46,9 @@ def read_alternatives(issue: Issue) -> list[str]:
 
 def as_changes(issues: Iterable[Issue]) -> list[str]:
     """All remedies of a refusal, as changes; without the option --fit."""
-    return [f"{name}={value}" for issue in issues for name, value in read_remedy(issue).items() if name != FIT]
+    return [
+        f"{name}={value}"
+        for issue in issues
+        for name, value in read_remedy(issue).items()
+        if name != FIT
+    ]

@@ -1,11 +1,13 @@
-"""Command `python -m tools.fuzz.targets`: damage what this program finds on disk, and see what it makes of that.
+"""Command `python -m tools.fuzz.targets`: damage what this program finds on disk, and see what it
+makes of that.
 
     python -m tools.fuzz.targets --cases 400     the same cases each time, by Hypothesis
 
-A target is a function of bytes: it puts them where the program meets a manifest, the plan of an unfinished replacement,
-a sweep's database, a layout that somebody edited in KiCad, or a recording; or takes them for odd arguments of a public
-function. It may raise the errors of the
-program and nothing else, and it asserts what must hold then. Exit code 1: there is a fault, whose bytes are printed.
+A target is a function of bytes: it puts them where the program meets a manifest, the plan of an
+unfinished replacement, a sweep's database, a layout that somebody edited in KiCad, or a recording;
+or takes them for odd arguments of a public function. It may raise the errors of the program and
+nothing else, and it asserts what must hold then. Exit code 1: there is a fault, whose bytes are
+printed.
 """
 
 from __future__ import annotations
@@ -44,7 +46,8 @@ from tools.fuzz.damage import damaged
 def _place() -> Iterator[Path]:
     """Give a folder within one whose other file must stay as it is."""
     with tempfile.TemporaryDirectory() as top:
-        folder, other = Path(top) / "set", Path(top) / "other.txt"
+        folder = Path(top) / "set"
+        other = Path(top) / "other.txt"
         folder.mkdir()
         other.write_bytes(b"somebody's own")
         yield folder
@@ -57,6 +60,7 @@ def _check_set(folder: Path) -> None:
     (folder / "own.txt").write_bytes(b"somebody's own")
     with contextlib.suppress(FingertipError):
         verify_sets(folder)
+
     with contextlib.suppress(FingertipError):
         SetWriter(folder, "parts", "tip", "0" * 64).write({"a.txt": b"new"})
         assert (folder / "a.txt").read_bytes() == b"new"
@@ -80,6 +84,7 @@ def try_plan(data: bytes) -> None:
         (commit / "complete.json").write_bytes(data)
         for name in ("new-a.txt", "new-manifest.json"):
             (commit / name).write_bytes(b"new")
+
         _check_set(folder)
 
 
@@ -97,16 +102,29 @@ def try_database(data: bytes) -> None:
 @cache
 def _boards() -> tuple[Mapping[str, bytes], Mapping[str, bytes], CircuitRecord, CircuitRecord]:
     """Files and circuits of two boards that differ in values."""
-    plans = [plan_board(Design(board={"cutoff_hz": cutoff_hz}), Path("none")).files for cutoff_hz in (67.0, 80.0)]
+    plans = [
+        plan_board(Design(board={"cutoff_hz": cutoff_hz}), Path("none")).files
+        for cutoff_hz in (67.0, 80.0)
+    ]
     records = [read_netlist(files["slip_filter.net"]) for files in plans]
-    short = [{name: _shorten(data) for name, data in files.items() if "kicad_" in name} for files in plans]
+    short = [
+        {name: _shorten(data) for name, data in files.items() if "kicad_" in name}
+        for files in plans
+    ]
+
     return short[0], short[1], records[0], records[1]
 
 
 def _shorten(data: bytes) -> bytes:
-    """Keep the lists of R1, R2 and R3, which change, and a few others: a case takes as long as its file."""
+    """Keep the lists of R1, R2 and R3, which change, and a few
+    others: a case takes as long as its file.
+    """
     head, *lists = data.decode().removesuffix(")\n").split("\n  (")
-    kept = [text for i, text in enumerate(lists) if i % 20 == 0 or any(f'"R{n}"' in text for n in (1, 2, 3))]
+    kept = [
+        text
+        for i, text in enumerate(lists)
+        if i % 20 == 0 or any(f'"R{n}"' in text for n in (1, 2, 3))
+    ]
     return "\n  (".join([head, *kept]).encode() + b")\n"
 
 
@@ -125,26 +143,75 @@ def try_layout(data: bytes) -> None:
     _edit(data, "slip_filter.kicad_pcb", "footprint")
 
 
-_LIGHT = frozenset({
-    "Trace", "Trial", "CampaignPlan", "Readout", "calibrate_printer", "calibrate_sensor", "detect", "detect_file",
-    "detect_stream", "read_trace", "read_weighings",
-})  # fmt: skip
+_LIGHT = frozenset(
+    {
+        "Trace",
+        "Trial",
+        "CampaignPlan",
+        "Readout",
+        "calibrate_printer",
+        "calibrate_sensor",
+        "detect",
+        "detect_file",
+        "detect_stream",
+        "read_trace",
+        "read_weighings",
+    }
+)
 """Public names that may get a design: others would work for minutes."""
 _ODD: tuple[object, ...] = (
-    None, True, 0, -1, 1.5, float("nan"), float("inf"), 10**400, "", "fsr400", "\0", b"x", Path("x"), [], [1.0, 2.0],
-    [None], {}, {"a": 1}, {5: 5}, (1,), ("a", "b"), object(), np.zeros(3), np.zeros((3, 5)), np.float64(2e3),
-)  # fmt: skip
+    None,
+    True,
+    0,
+    -1,
+    1.5,
+    float("nan"),
+    float("inf"),
+    10**400,
+    "",
+    "fsr400",
+    "\0",
+    b"x",
+    Path("x"),
+    [],
+    [1.0, 2.0],
+    [None],
+    {},
+    {"a": 1},
+    {5: 5},
+    (1,),
+    ("a", "b"),
+    object(),
+    np.zeros(3),
+    np.zeros((3, 5)),
+    np.float64(2e3),
+)
 
 
 def try_call(data: bytes) -> None:
-    """Call a public function with odd values: it works, or raises an error of its own that names an argument."""
-    names = [name for name in fingertip.__all__ if callable(getattr(fingertip, name)) and not name.endswith("Error")]
+    """Call a public function with odd values: it works, or raises an
+    error of its own that names an argument.
+    """
+    names = [
+        name
+        for name in fingertip.__all__
+        if callable(getattr(fingertip, name)) and not name.endswith("Error")
+    ]
     name, *rest = names[data[0] % len(names) if data else 0], *data[1:]
     parameters = list(inspect.signature(getattr(fingertip, name)).parameters.values())
-    values = {each.name: _ODD[byte % len(_ODD)] for each, byte in zip(parameters, rest, strict=False)}
-    values |= {each.name: Design() for each in parameters if each.name == "design" and name in _LIGHT}
+    values = {
+        each.name: _ODD[byte % len(_ODD)] for each, byte in zip(parameters, rest, strict=False)
+    }
+    values |= {
+        each.name: Design() for each in parameters if each.name == "design" and name in _LIGHT
+    }
+
     if all(each.name in values or each.default is not each.empty for each in parameters):
-        with tempfile.TemporaryDirectory() as top, contextlib.chdir(top), contextlib.suppress(FingertipError):
+        with (
+            tempfile.TemporaryDirectory() as top,
+            contextlib.chdir(top),
+            contextlib.suppress(FingertipError),
+        ):
             getattr(fingertip, name)(**values)
 
 
@@ -161,22 +228,33 @@ def try_recording(data: bytes) -> None:
 @cache
 def list_examples(name: str) -> list[bytes]:
     """Valid bytes for a target."""
-    recordings = [bytes([i]) + data for i, (_, data) in enumerate(sorted(originals.recordings().items()))]
-    plan = b'{"files": {"a.txt": "nothing", "manifest.json": "nothing"}, "removed": {"b.txt": "no file"}}'
+    recordings = [
+        bytes([i]) + data for i, (_, data) in enumerate(sorted(originals.recordings().items()))
+    ]
+    plan = (
+        b'{"files": {"a.txt": "nothing", "manifest.json": "nothing"}, "removed": {"b.txt": "no '
+        b'file"}}'
+    )
     examples: Mapping[str, list[bytes]] = {
-        "manifest": [originals.board_folder()["manifest.json"]], "plan": [plan],
+        "manifest": [originals.board_folder()["manifest.json"]],
+        "plan": [plan],
         "database": [originals.sweep_database()],
         "layout": [_boards()[0]["slip_filter.kicad_pcb"]],
         "call": [bytes([i, j, *range(j, j + 8)]) for i in range(60) for j in range(len(_ODD))],
         "recording": recordings,
-    }  # fmt: skip
+    }
+
     return examples[name]
 
 
 TARGETS: Mapping[str, Callable[[bytes], None]] = {
-    "manifest": try_manifest, "plan": try_plan, "database": try_database, "layout": try_layout,
-    "call": try_call, "recording": try_recording,
-}  # fmt: skip
+    "manifest": try_manifest,
+    "plan": try_plan,
+    "database": try_database,
+    "layout": try_layout,
+    "call": try_call,
+    "recording": try_recording,
+}
 
 
 def run_hypothesis(name: str, count: int, first_seed: int) -> None:
@@ -184,10 +262,18 @@ def run_hypothesis(name: str, count: int, first_seed: int) -> None:
 
     @seed(first_seed)
     @settings(
-        max_examples=count, database=None, deadline=None, phases=(Phase.generate,),
-        suppress_health_check=list(HealthCheck), print_blob=False,
-    )  # fmt: skip
-    @given(st.one_of(st.binary(max_size=60), *[st.sampled_from(list_examples(name)).flatmap(damaged)] * 9))
+        max_examples=count,
+        database=None,
+        deadline=None,
+        phases=(Phase.generate,),
+        suppress_health_check=list(HealthCheck),
+        print_blob=False,
+    )
+    @given(
+        st.one_of(
+            st.binary(max_size=60), *[st.sampled_from(list_examples(name)).flatmap(damaged)] * 9
+        )
+    )
     def try_data(data: bytes) -> None:
         TARGETS[name](data)
 
@@ -198,7 +284,8 @@ def run_each(run: Callable[[str], None], names: Iterable[str]) -> int:
     """Run something for each target, in a process of its own; return 1 if one of them fails."""
     codes = []
     for name in names:
-        begun, pid = time.monotonic(), os.fork()
+        begun = time.monotonic()
+        pid = os.fork()
         if not pid:
             code = 1
             try:
@@ -209,8 +296,14 @@ def run_each(run: Callable[[str], None], names: Iterable[str]) -> int:
             finally:
                 sys.stderr.flush()
                 os._exit(code)
+
         codes.append(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]))
-        print(f"{name}: {'FAULT' if codes[-1] else 'no fault'} after {time.monotonic() - begun:.0f} s", flush=True)
+        print(
+            f"{name}: {'FAULT' if codes[-1] else 'no fault'} after "
+            f"{time.monotonic() - begun:.0f} s",
+            flush=True,
+        )
+
     return int(any(codes))
 
 
@@ -221,7 +314,10 @@ def main() -> int:
     parser.add_argument("--cases", type=int, default=400, help="cases of each target")
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
-    return run_each(lambda name: run_hypothesis(name, options.cases, options.seed), options.targets.split(","))
+
+    return run_each(
+        lambda name: run_hypothesis(name, options.cases, options.seed), options.targets.split(",")
+    )
 
 
 if __name__ == "__main__":

@@ -57,26 +57,50 @@ def make_outputs(names: Iterable[str], top: Path) -> dict[str, Path]:
     made = {}
     for name in names:
         folder = top / name.replace("/", "_")
-        command = [sys.executable, "-m", "fingertip", *COMMANDS[name], "--out", str(folder), "--quiet"]
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+        command = [
+            sys.executable,
+            "-m",
+            "fingertip",
+            *COMMANDS[name],
+            "--out",
+            str(folder),
+            "--quiet",
+        ]
+        done = subprocess.run(
+            command,
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+
         if done.returncode:
-            sys.exit(f"manifest: exit status {done.returncode} of {' '.join(command)}\n{done.stdout}{done.stderr}")
+            sys.exit(
+                f"manifest: exit status {done.returncode} of "
+                f"{' '.join(command)}\n{done.stdout}{done.stderr}"
+            )
+
         made[name] = folder
+
     return made
 
 
 def hash_folder(folder: Path, other: Iterable[Path] = ()) -> dict[str, str]:
     """Hash every file of a folder, by its path, without the folders of other outputs within it.
 
-    The manifests of its sets are left out: they list the sums of the same files, and one of the program's sources,
-    which each edit of a comment changes.
+    The manifests of its sets are left out: they list the sums of the same files, and one of the
+    program's sources, which each edit of a comment changes.
     """
     skipped = tuple(path.resolve() for path in other)
     found = {}
+
     for path in sorted(folder.rglob("*")):
         is_output = path.is_file() and path.name != MANIFEST
         if is_output and not any(path.resolve().is_relative_to(one) for one in skipped):
-            found[path.relative_to(folder).as_posix()] = hashlib.sha256(path.read_bytes()).hexdigest()
+            found[path.relative_to(folder).as_posix()] = hashlib.sha256(
+                path.read_bytes()
+            ).hexdigest()
+
     return found
 
 
@@ -84,7 +108,8 @@ def hash_outputs(made: dict[str, Path]) -> dict[str, dict[str, str]]:
     """Hash the files of every output."""
     return {
         name: hash_folder(
-            folder, [other for other in made.values() if other != folder and other.is_relative_to(folder)]
+            folder,
+            [other for other in made.values() if other != folder and other.is_relative_to(folder)],
         )
         for name, folder in made.items()
     }

@@ -39,18 +39,31 @@ class Mutant:
     @property
     def module(self) -> str:
         """Dotted name of the module."""
-        return ".".join(Path(self.path).relative_to("src").with_suffix("").parts).removesuffix(".__init__")
+        return ".".join(Path(self.path).relative_to("src").with_suffix("").parts).removesuffix(
+            ".__init__"
+        )
 
     def __str__(self) -> str:
         return f"{self.path}:{self.line} {self.operator}\n    - {self.before}\n    + {self.after}"
 
 
-def draw_mutants(cosmic_ray: str, count: int, seed: int, packages: Sequence[str] = ()) -> list[Mutant]:
+def draw_mutants(
+    cosmic_ray: str, count: int, seed: int, packages: Sequence[str] = ()
+) -> list[Mutant]:
     """Draw mutants over all lines of src, without those that are listed as equivalent."""
-    words = [cosmic_ray, str(FOLDER / "changes.py"), str(count), str(seed), *([",".join(packages)] if packages else [])]
+    words = [
+        cosmic_ray,
+        str(FOLDER / "changes.py"),
+        str(count),
+        str(seed),
+        *([",".join(packages)] if packages else []),
+    ]
     lines = subprocess.run(words, capture_output=True, text=True, check=True).stdout.splitlines()
     listed = read_equivalent()
-    return [mutant for line in lines if not is_equivalent(mutant := Mutant(**json.loads(line)), listed)]
+
+    return [
+        mutant for line in lines if not is_equivalent(mutant := Mutant(**json.loads(line)), listed)
+    ]
 
 
 def read_equivalent() -> list[dict[str, str]]:
@@ -61,14 +74,23 @@ def read_equivalent() -> list[dict[str, str]]:
 
 
 def is_equivalent(mutant: Mutant, listed: Iterable[dict[str, str]]) -> bool:
-    """Tell whether a mutant is listed: by its line before and after the change, or by the part of it that changes."""
+    """Tell whether a mutant is listed: by its line before and after
+    the change, or by the part of it that changes.
+    """
 
     def fits(one: dict[str, str]) -> bool:
         if one.get("module", mutant.path) != mutant.path:
             return False
-        if part := one.get("part"):
-            return re.sub(part, "", mutant.before) == re.sub(part, "", mutant.after) != mutant.before
-        return bool(re.fullmatch(one["before"], mutant.before) and re.fullmatch(one["after"], mutant.after))
+
+        part = one.get("part")
+        if part:
+            return (
+                re.sub(part, "", mutant.before) == re.sub(part, "", mutant.after) != mutant.before
+            )
+
+        return bool(
+            re.fullmatch(one["before"], mutant.before) and re.fullmatch(one["after"], mutant.after)
+        )
 
     return any(map(fits, listed))
 
@@ -94,16 +116,25 @@ class Reach:
         blocks, records = pickle.loads(REACH.read_bytes())
         shared = {key: set(entered) for key, (_, entered, _) in records.items()}
         tests: dict[int, list[str]] = {}
-        cost_s, fixtures = {}, {}
+        cost_s = {}
+        fixtures = {}
+
         for key, (cpu_s, _, asked) in records.items():
             if "::test_" in key:
                 cost_s[key] = cpu_s
                 fixtures[key] = tuple(one for one in asked if one in shared)
                 for block in set.union(shared[key], *(shared[one] for one in fixtures[key])):
                     tests.setdefault(block, []).append(key)
+
         fixture_cost_s = {key: cpu_s for key, (cpu_s, _, _) in records.items() if key not in cost_s}
         by_block = {block: tuple(found) for block, found in tests.items()}
-        return cls(blocks, cost_s, by_block, fixtures, fixture_cost_s)
+        return cls(
+            blocks=blocks,
+            cost_s=cost_s,
+            tests=by_block,
+            fixtures=fixtures,
+            fixture_cost_s=fixture_cost_s,
+        )
 
     def is_in_function(self, mutant: Mutant) -> bool:
         """Tell whether a mutant lies in a block that records."""
@@ -112,16 +143,21 @@ class Reach:
     def candidates(self, mutant: Mutant) -> tuple[str, ...]:
         """List the tests that can notice a mutant.
 
-        A change outside all blocks (a constant, a signature, a loop that numba compiles) reaches whoever uses the
-        module: the tests that enter it, those of the modules that import it, and those that read declarations.
+        A change outside all blocks (a constant, a signature, a loop that numba compiles) reaches
+        whoever uses the module: the tests that enter it, those of the modules that import it, and
+        those that read declarations.
         """
         block = self._innermost(mutant)
         if block is not None:
             return self.tests.get(block, ())
+
         users = {mutant.module, *importers().get(mutant.module, ())}
         if not any(name in users and i in self.tests for i, (name, _, _) in enumerate(self.blocks)):
             users |= {other for one in list(users) for other in importers().get(one, ())}
-        found = (self.tests.get(i, ()) for i, (name, _, _) in enumerate(self.blocks) if name in users)
+
+        found = (
+            self.tests.get(i, ()) for i, (name, _, _) in enumerate(self.blocks) if name in users
+        )
         declared = [test for test in OF_DECLARATIONS if test in self.cost_s]
         return tuple(dict.fromkeys([*declared, *(test for tests in found for test in tests)]))
 
@@ -143,10 +179,16 @@ def importers() -> dict[str, frozenset[str]]:
             if isinstance(node, ast.ImportFrom) and node.module:
                 for one in (node.module, *(f"{node.module}.{alias.name}" for alias in node.names)):
                     found.setdefault(one, set()).add(name)
+
     return {one: frozenset(names) for one, names in found.items()}
 
 
 def list_modules() -> Iterator[tuple[str, Path]]:
     """List the modules of src in the order of their paths."""
     for path in sorted((ROOT / "src").rglob("*.py")):
-        yield ".".join(path.relative_to(ROOT / "src").with_suffix("").parts).removesuffix(".__init__"), path
+        yield (
+            ".".join(path.relative_to(ROOT / "src").with_suffix("").parts).removesuffix(
+                ".__init__"
+            ),
+            path,
+        )

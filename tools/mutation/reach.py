@@ -1,9 +1,11 @@
-"""Command `python -m tools.mutation.reach`: record which blocks of src each test enters, and its CPU time.
+"""Command `python -m tools.mutation.reach`: record which blocks of src each test enters, and its
+CPU time.
 
-Every other argument goes to pytest. A block is the body of a function, of a loop or of a branch. What a fixture of a
-module or session enters counts for every test that asks for it, and what a function enters whose results are kept
-(`functools.cache`) for every test that calls it. The result is out/mutation/reach.pickle. Exit code 1:
-a test failed, or less than `MIN_PERCENT` of the blocks of a package were entered.
+Every other argument goes to pytest. A block is the body of a function, of a loop or of a branch.
+What a fixture of a module or session enters counts for every test that asks for it, and what a
+function enters whose results are kept (`functools.cache`) for every test that calls it. The result
+is out/mutation/reach.pickle. Exit code 1: a test failed, or less than `MIN_PERCENT` of the blocks
+of a package were entered.
 """
 
 from __future__ import annotations
@@ -58,13 +60,16 @@ def list_blocks() -> tuple[dict[str, int], list[tuple[str, int, int]]]:
     """
     first: dict[str, int] = {}
     blocks: list[tuple[str, int, int]] = []
+
     for name, path in list_modules():
         source = path.read_text(encoding="utf-8")
         if any(word in source for word in start.LOOPS):
             continue
+
         first[name] = len(blocks)
         for body in start.number_blocks(ast.parse(source)):
             blocks.append((name, body[0].lineno, body[-1].end_lineno or body[-1].lineno))
+
     return first, blocks
 
 
@@ -81,28 +86,41 @@ class Recorder:
         self._file = folder / f"sub-{os.getpid()}"
         self._folder = folder
         self._records: dict[str, Record] = {}
-        self._recording: frozenset[str] = frozenset(json.loads((folder / "first.json").read_text("utf-8")))
-        os.environ |= {"FINGERTIP_REACH_FILE": str(self._file), "FINGERTIP_REACH_HOME": str(os.getpid())}
+        self._recording: frozenset[str] = frozenset(
+            json.loads((folder / "first.json").read_text("utf-8"))
+        )
+        os.environ |= {
+            "FINGERTIP_REACH_FILE": str(self._file),
+            "FINGERTIP_REACH_HOME": str(os.getpid()),
+        }
 
     def _take(self) -> set[int]:
         """Return the blocks since the last call."""
         found = set(start.SEEN)
         start.SEEN.clear()
+
         if self._file.exists():
             found |= {number for (number,) in struct.iter_unpack("<I", self._file.read_bytes())}
             self._file.unlink()
+
         return found
 
     @pytest.hookimpl(hookwrapper=True)
     def pytest_runtest_protocol(self, item: Any) -> Iterator[None]:
-        """Record a test. It finds no result of a function that another one left: it would miss what that enters."""
+        """Record a test.
+
+        It finds no result of a function that another one left: it would miss what that enters.
+        """
         for name, module in list(sys.modules.items()):
             if name in self._recording or name.startswith("tests."):
                 for value in list(vars(module).values()):
                     if isinstance(value, functools._lru_cache_wrapper):
                         value.cache_clear()
+
         self._take()
-        self._shared, self._shared_s, begun_s = set[int](), 0.0, cpu_now_s()
+        self._shared = set[int]()
+        self._shared_s = 0.0
+        begun_s = cpu_now_s()
         yield
         parameters = item.callspec.params if hasattr(item, "callspec") else {}
         fixtures = {
@@ -111,19 +129,28 @@ class Recorder:
             for one in definitions
             if one.scope != "function"
         }
-        self._records[item.nodeid] = Record(cpu_now_s() - begun_s - self._shared_s, self._take(), fixtures)
+        self._records[item.nodeid] = Record(
+            cpu_now_s() - begun_s - self._shared_s, self._take(), fixtures
+        )
 
     @staticmethod
     def _name(definition: Any, parameter: object) -> str:
-        return f"{definition.baseid}::{definition.argname}" + ("" if parameter is None else f"[{parameter}]")
+        return f"{definition.baseid}::{definition.argname}" + (
+            "" if parameter is None else f"[{parameter}]"
+        )
 
     @pytest.hookimpl(hookwrapper=True)
     def pytest_fixture_setup(self, fixturedef: Any, request: Any) -> Iterator[None]:
-        """Record a fixture that tests share, apart from the test that happens to ask for it first."""
+        """Record a fixture that tests share, apart from the test that happens to ask for
+        it first.
+        """
         if fixturedef.scope == "function":
             yield
             return
-        before, begun_s, inner_s = self._take(), cpu_now_s(), self._shared_s
+
+        before = self._take()
+        begun_s = cpu_now_s()
+        inner_s = self._shared_s
         yield
         name = self._name(fixturedef, getattr(request, "param", None))
         record = self._records.setdefault(name, Record())
@@ -156,33 +183,44 @@ def main() -> None:
         words = [sys.executable, "-m", "pytest", "-q", "-p", "tools.mutation.reach", *sys.argv[1:]]
         status = subprocess.run(words, cwd=ROOT, env=environment, check=False).returncode
         records: dict[str, Record] = {}
+
         for part in sorted(folder.glob("part-*.pickle")):
             for key, record in pickle.loads(part.read_bytes()).items():
                 known = records.setdefault(key, Record())
                 known.cpu_s = max(known.cpu_s, record.cpu_s)
                 known.blocks |= record.blocks
                 known.fixtures |= record.fixtures
+
     REACH.parent.mkdir(parents=True, exist_ok=True)
-    plain = {key: (one.cpu_s, sorted(one.blocks), sorted(one.fixtures)) for key, one in records.items()}
+    plain = {
+        key: (one.cpu_s, sorted(one.blocks), sorted(one.fixtures)) for key, one in records.items()
+    }
     REACH.write_bytes(pickle.dumps((blocks, plain)))
-    print(f"{len(records)} tests and fixtures, {len(blocks)} blocks; exit status of pytest {status}")
+    print(
+        f"{len(records)} tests and fixtures, {len(blocks)} blocks; exit status of pytest {status}"
+    )
     poor = print_entered(blocks, set.union(set(), *(one.blocks for one in records.values())))
     sys.exit(bool(status or poor))
 
 
 def print_entered(blocks: Sequence[tuple[str, int, int]], entered: Collection[int]) -> list[str]:
-    """Print the share of blocks that were entered, by package, and return the packages that have too few.
+    """Print the share of blocks that were entered, by package, and return the packages that have
+    too few.
 
     The modules beside the packages count with the command line, which they start.
     """
-    totals, found = Counter[str](), Counter[str]()
+    totals = Counter[str]()
+    found = Counter[str]()
+
     for number, (name, _, _) in enumerate(blocks):
         package = (*name.split("."), "cli")[1].replace("__main__", "cli")
         totals[package] += 1
         found[package] += number in entered
+
     shares = {package: 100.0 * found[package] / total for package, total in sorted(totals.items())}
     for package, percent in shares.items():
         print(f"{package:14}{totals[package]:6} blocks{percent:7.1f} % entered")
+
     print(f"{'all':14}{len(blocks):6} blocks{100.0 * found.total() / len(blocks):7.1f} % entered")
     return [package for package, percent in shares.items() if percent < MIN_PERCENT]
 

@@ -1,9 +1,10 @@
 """Runs of tests on changed modules.
 
-A server process imports and collects all tests once. For each mutant it forks, gives the changed functions their new
-code, empties the caches of functions, and runs the tests that reach the change, the most promising first, until one
-fails. A change outside functions (a constant, a class, a loop that numba compiles) needs the module to be imported
-anew: these mutants run in a fresh process, whose import hook gives the module its changed source.
+A server process imports and collects all tests once. For each mutant it forks, gives the changed
+functions their new code, empties the caches of functions, and runs the tests that reach the change,
+the most promising first, until one fails. A change outside functions (a constant, a class, a loop
+that numba compiles) needs the module to be imported anew: these mutants run in a fresh process,
+whose import hook gives the module its changed source.
 """
 
 from __future__ import annotations
@@ -33,8 +34,11 @@ from tools.mutation.mutants import ROOT, Mutant
 START = Path(__file__).resolve().parent / "start"
 TESTS_VARIABLE = "FINGERTIP_MUTATION_TESTS"
 """Variable that names a file with the tests of a fresh process, in the order in which they run."""
-_PATIENCE, _MIN_LIMIT_S = 5.0, 30.0
-"""CPU time limit of a mutant, as a multiple of the time that its tests take, above a smallest one [s]."""
+_PATIENCE = 5.0
+_MIN_LIMIT_S = 30.0
+"""CPU time limit of a mutant, as a multiple of the time that its
+tests take, above a smallest one [s].
+"""
 
 
 @dataclass(frozen=True)
@@ -67,18 +71,24 @@ class Outcome:
 
 
 Make = Callable[[Collection[str], Counter[str]], Iterator[Job]]
-"""Generator of jobs. It gets the first set of tests, and reads how many mutants each test has noticed so far."""
+"""Generator of jobs.
+It gets the first set of tests, and reads how many mutants each test has noticed so far.
+"""
 
 
 class Server:
     """Plugin of pytest that runs jobs in place of the collected tests.
 
-    A test that notices a mutant is run on the unchanged source too. If it fails there, it counts for nothing.
+    A test that notices a mutant is run on the unchanged source too. If it fails there, it counts
+    for nothing.
     """
 
     def __init__(self, make: Make, report: Callable[[Job, Outcome], None], at_once: int) -> None:
-        self._make, self._report, self._at_once = make, report, at_once
-        self._kills, self._reliable = Counter[str](), dict[str, bool]()
+        self._make = make
+        self._report = report
+        self._at_once = at_once
+        self._kills = Counter[str]()
+        self._reliable = dict[str, bool]()
         self._running: dict[int, tuple[Job, IO[bytes], float]] = {}
 
     @pytest.hookimpl(tryfirst=True)
@@ -89,12 +99,18 @@ class Server:
         items = {item.nodeid: item for item in session.items}
         gc.collect()
         gc.freeze()  # what the forks share stays shared
-        jobs, urgent = self._make({item.nodeid for item in select(session.items)}, self._kills), list[Job]()
+        jobs = self._make({item.nodeid for item in select(session.items)}, self._kills)
+        urgent = list[Job]()
+
         while True:
-            while len(self._running) < self._at_once and (job := urgent.pop() if urgent else next(jobs, None)):
+            while len(self._running) < self._at_once and (
+                job := urgent.pop() if urgent else next(jobs, None)
+            ):
                 self._start(session, [items[test] for test in job.tests if test in items], job)
+
             if not self._running:
                 return True
+
             urgent += self._judge(*self._wait())
 
     def _start(self, session: Any, items: Sequence[Any], job: Job) -> None:
@@ -102,6 +118,7 @@ class Server:
         process = os.fork()
         if process == 0:
             _become_run(session, items, job, answer.fileno())
+
         self._running[process] = (job, answer, time.monotonic() + 5 * job.limit_s)
 
     def _wait(self) -> tuple[Job, Outcome]:
@@ -113,10 +130,12 @@ class Server:
                     if not done:
                         os.killpg(process, signal.SIGKILL)
                         os.waitpid(process, 0)
+
                     del self._running[process]
                     answer.seek(0)
                     with answer:
                         return job, Outcome(not done or status != 0, answer.read().decode())
+
             time.sleep(0.02)
 
     def _judge(self, job: Job, outcome: Outcome) -> list[Job]:
@@ -125,10 +144,16 @@ class Server:
             self._reliable[job.tests[0]] = not outcome.noticed
             job, outcome = job.accused
         elif outcome.test and outcome.test not in self._reliable:
-            unchanged = replace(job.mutant, code=(ROOT / job.mutant.path).read_text(encoding="utf-8"))
+            unchanged = replace(
+                job.mutant, code=(ROOT / job.mutant.path).read_text(encoding="utf-8")
+            )
             return [replace(job, mutant=unchanged, tests=[outcome.test], accused=(job, outcome))]
+
         if not self._reliable.get(outcome.test, True):
-            return [replace(job, tests=[test for test in job.tests if self._reliable.get(test, True)])]
+            return [
+                replace(job, tests=[test for test in job.tests if self._reliable.get(test, True)])
+            ]
+
         self._kills[outcome.test] += bool(outcome.test)
         self._report(job, outcome)
         return []
@@ -142,6 +167,7 @@ def _become_run(session: Any, items: Sequence[Any], job: Job, answer: int) -> No
         silent = os.open(os.devnull, os.O_RDWR)
         for stream in range(3):
             os.dup2(silent, stream)
+
         with tempfile.TemporaryDirectory(prefix="fingertip-mutant-") as folder:
             if job.is_fresh:
                 status = _run_fresh(job, Path(folder), answer)
@@ -160,6 +186,7 @@ def _run_here(session: Any, items: Sequence[Any], answer: int) -> int:
         if session.testsfailed:
             os.pwrite(answer, item.nodeid.encode(), 0)
             return 1
+
     return 0
 
 
@@ -168,20 +195,40 @@ def _run_fresh(job: Job, folder: Path, answer: int) -> int:
     tests.write_text(json.dumps([*job.tests]), "utf-8")
     files = dict.fromkeys(test.partition("::")[0] for test in job.tests)
     failed = folder / "failed"
-    # Loops are compiled anew if they are what was changed: numba's cache looks at the file on disk only.
+    # Loops are compiled anew if they are what was changed: numba's cache looks at the file on disk
+    # only.
     loops = {"NUMBA_CACHE_DIR": str(folder / "numba")} if "CompiledLoop" in job.mutant.code else {}
     environment = {
-        **os.environ, **_environment(job.mutant, folder), **loops,
-        TESTS_VARIABLE: str(tests), f"{TESTS_VARIABLE}_FAILED": str(failed),
-    }  # fmt: skip
+        **os.environ,
+        **_environment(job.mutant, folder),
+        **loops,
+        TESTS_VARIABLE: str(tests),
+        f"{TESTS_VARIABLE}_FAILED": str(failed),
+    }
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
-    words = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-p", __name__, *files]
+    words = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-x",
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        "-p",
+        __name__,
+        *files,
+    ]
     limit = (job.limit_s, job.limit_s)
     done = subprocess.run(
-        words, cwd=ROOT, env=environment, check=False, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, limit)
+        words,
+        cwd=ROOT,
+        env=environment,
+        check=False,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, limit),
     )
     if failed.exists():
         os.pwrite(answer, failed.read_bytes(), 0)
+
     return int(done.returncode != 0)
 
 
@@ -191,20 +238,29 @@ def _environment(mutant: Mutant, folder: Path) -> dict[str, str]:
     changed = {"name": mutant.module, "code": mutant.code}
     file.write_text(json.dumps(changed), "utf-8")
     paths = [str(START), str(ROOT), str(ROOT / "src")]
+
     return {"FINGERTIP_MUTANT": str(file), "PYTHONPATH": os.pathsep.join(paths)}
 
 
 def change_functions(mutant: Mutant) -> None:
-    """Give every function of a module the code that it has in the changed source, and forget what functions cached."""
+    """Give every function of a module the code that it has in the
+    changed source, and forget what functions cached.
+    """
     path = str(ROOT / mutant.path)
-    changed = {_place(code): code for code in _all_code(compile(mutant.code, path, "exec", dont_inherit=True))}
+    changed = {
+        _place(code): code
+        for code in _all_code(compile(mutant.code, path, "exec", dont_inherit=True))
+    }
     gc.unfreeze()
+
     for one in gc.get_objects():
         if isinstance(one, FunctionType) and one.__code__.co_filename == path:
             code = changed.get(_place(one.__code__))
             if code is not None and code.co_freevars == one.__code__.co_freevars:
                 one.__code__ = code
-        elif isinstance(one, functools._lru_cache_wrapper) and one.__module__.startswith(("fingertip", "tests")):
+        elif isinstance(one, functools._lru_cache_wrapper) and one.__module__.startswith(
+            ("fingertip", "tests")
+        ):
             one.cache_clear()
 
 
@@ -222,8 +278,13 @@ def _place(code: CodeType) -> tuple[str, int]:
 def pytest_collection_modifyitems(items: list[Any]) -> None:
     """Keep, in a fresh process, the tests of the job in its order."""
     if TESTS_VARIABLE in os.environ:
-        order = {test: i for i, test in enumerate(json.loads(Path(os.environ[TESTS_VARIABLE]).read_bytes()))}
-        items[:] = sorted((item for item in items if item.nodeid in order), key=lambda item: order[item.nodeid])
+        order = {
+            test: i
+            for i, test in enumerate(json.loads(Path(os.environ[TESTS_VARIABLE]).read_bytes()))
+        }
+        items[:] = sorted(
+            (item for item in items if item.nodeid in order), key=lambda item: order[item.nodeid]
+        )
 
 
 def pytest_runtest_logreport(report: Any) -> None:

@@ -1,8 +1,9 @@
 """Guided recording of trials from a controller's stream.
 
-The schedule follows the times of the samples, so that nobody presses a key. A trial is written when it is complete: an
-interruption leaves no file half written, and the next run goes on. A sample that did not arrive, or whose line is
-damaged, is replaced by the one before, as in the firmware, and counted; after a longer gap the trial is repeated.
+The schedule follows the times of the samples, so that nobody presses a key. A trial is written when
+it is complete: an interruption leaves no file half written, and the next run goes on. A sample that
+did not arrive, or whose line is damaged, is replaced by the one before, as in the firmware, and
+counted; after a longer gap the trial is repeated.
 """
 
 from __future__ import annotations
@@ -14,7 +15,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fingertip.bench.trials import KINDS, PAUSE_S, SAID, STROKE_M, Labels, kind_of, list_trials, trial_path, write_trial
+from fingertip.bench.trials import (
+    KINDS,
+    PAUSE_S,
+    SAID,
+    STROKE_M,
+    Labels,
+    kind_of,
+    list_trials,
+    trial_path,
+    write_trial,
+)
 from fingertip.design import Design
 from fingertip.drivers import SampleReader
 from fingertip.foundation.errors import Issue, TraceError, raise_issues
@@ -27,8 +38,10 @@ from fingertip.slip.traces.trace import Trace
 
 @dataclass(frozen=True)
 class Plan:
-    """Plan of a recording: `forces_n` by weights, each for an equal part of the trials (empty: unknown), error of the
-    contact that opens with the motion (None: unknown), and `pace`, a factor of all durations. Raises TraceError."""
+    """Plan of a recording: `forces_n` by weights, each for an equal part of the trials (empty:
+    unknown), error of the contact that opens with the motion (None: unknown), and `pace`, a factor
+    of all durations. Raises TraceError.
+    """
 
     trials: int = 40
     forces_n: tuple[float, ...] = ()
@@ -40,14 +53,22 @@ class Plan:
 
     def __post_init__(self) -> None:
         limits = (
-            ("--trials", [self.trials], 1, 9999, ""), ("--force-n", self.forces_n, 0.01, 100, " N each"),
-            ("--stroke-mm", [1000 * self.stroke_m], 1, 1000, " mm"), ("--pace", [self.pace], 0.02, 10, ""),
+            ("--trials", [self.trials], 1, 9999, ""),
+            ("--force-n", self.forces_n, 0.01, 100, " N each"),
+            ("--stroke-mm", [1000 * self.stroke_m], 1, 1000, " mm"),
+            ("--pace", [self.pace], 0.02, 10, ""),
             ("--temperature-c", [self.temperature_c or 0.0], -40, 100, ""),
             ("--onset-error-ms", [1000 * (self.onset_error_s or 0.0)], 0, 1000, " ms"),
-        )  # fmt: skip
-        raise_issues(TraceError, (Issue(name, f"{value:g} is refused; choose {low:g} to {high:g}{unit}.")
-                                  for name, values, low, high, unit in limits
-                                  for value in values if not low <= value <= high))  # fmt: skip
+        )
+        raise_issues(
+            TraceError,
+            (
+                Issue(name, f"{value:g} is refused; choose {low:g} to {high:g}{unit}.")
+                for name, values, low, high, unit in limits
+                for value in values
+                if not low <= value <= high
+            ),
+        )
 
     def force_n(self, number: int) -> float | None:
         """Force of a trial, numbered from 1 [N]."""
@@ -62,7 +83,9 @@ class Plan:
 
 
 class Recorded(NamedTuple):
-    """Numbers of the trials that were written, samples that were lost, trials repeated for a gap, and all samples."""
+    """Numbers of the trials that were written, samples that were lost,
+    trials repeated for a gap, and all samples.
+    """
 
     trials: tuple[int, ...]
     lost: int
@@ -80,69 +103,122 @@ class Recorder:
     _lost: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
-        self._rate_hz, self._hash = self.design.detector.sample_rate_hz, hash_parameters(self.design.identity())
-        self._detector, self._curve = registry.make_detector("fast", self.design), ForceCurve.from_design(self.design)
+        self._rate_hz = self.design.detector.sample_rate_hz
+        self._hash = hash_parameters(self.design.identity())
+        self._detector = registry.make_detector("fast", self.design)
+        self._curve = ForceCurve.from_design(self.design)
 
     def run(self, reader: SampleReader) -> Recorded:
         """Record all trials that the folder lacks. Raises TraceError if the samples end before."""
-        samples, written, lost, repeated, count = iter(reader), list[int](), 0, 0, 0
-        done, plan, rate_hz = {path.name for path in list_trials(self.folder)}, self.plan, self._rate_hz
+        samples = iter(reader)
+        written = list[int]()
+        lost = 0
+        repeated = 0
+        count = 0
+        done = {path.name for path in list_trials(self.folder)}
+        plan = self.plan
+        rate_hz = self._rate_hz
+
         for number in range(1, plan.trials + 1):
-            path, force_n = trial_path(self.folder, number), plan.force_n(number)
+            path = trial_path(self.folder, number)
+            force_n = plan.force_n(number)
             if path.name in done:
                 continue
+
             if not written or force_n != plan.force_n(number - 1):
-                pause_s, weights = plan.pace * PAUSE_S, f"weights for {force_n:g} N" if force_n else "get ready"
+                pause_s = plan.pace * PAUSE_S
+                weights = f"weights for {force_n:g} N" if force_n else "get ready"
                 self.note(f"trial {number} begins in {pause_s:g} s: {weights}")
                 for _ in zip(range(round(pause_s * rate_hz)), samples, strict=False):
                     pass
+
             while (trace := self._take(samples, number)) is None:
                 repeated += 1
                 self.note(f"trial {number}: a gap of more than {1000 * GAP_S:g} ms; it is repeated")
+
             if trace.slip is not None and kind_of(number) == "slide":
                 moved = f"moved for {1000 * trace.slip.sum() / rate_hz:.0f} ms"
-                self.note(f"trial {number}: {moved if trace.slip.any() else 'the contact of MOTION_PIN never opened'}")
+                self.note(
+                    f"trial {number}: "
+                    f"{moved if trace.slip.any() else 'the contact of MOTION_PIN never opened'}"
+                )
+
             labels = Labels(
-                trial=number, kind=kind_of(number), phases=plan.schedule(number), design=self.design.name,
-                design_hash=self._hash, surface=plan.surface, force_n=force_n, stroke_m=plan.stroke_m, lost=self._lost,
-                onset_error_s=plan.onset_error_s, firmware=reader.firmware, temperature_c=plan.temperature_c,
-            )  # fmt: skip
+                trial=number,
+                kind=kind_of(number),
+                phases=plan.schedule(number),
+                design=self.design.name,
+                design_hash=self._hash,
+                surface=plan.surface,
+                force_n=force_n,
+                stroke_m=plan.stroke_m,
+                lost=self._lost,
+                onset_error_s=plan.onset_error_s,
+                firmware=reader.firmware,
+                temperature_c=plan.temperature_c,
+            )
             write_trial(path, labels, trace)
             written.append(number)
-            lost, count = lost + self._lost, count + len(trace.time_s)
+            lost = lost + self._lost
+            count = count + len(trace.time_s)
+
         return Recorded(tuple(written), lost, repeated, count)
 
     def _take(self, samples: Iterator[tuple[float, ...]], number: int) -> Trace | None:
         """Take the samples of one trial; None after a long gap."""
         end_s = max(end for _, end in self.plan.schedule(number).values())
-        total, taken, shown, self._lost = round(self._rate_hz * end_s), list[tuple[float, ...]](), 0, 0
+        total = round(self._rate_hz * end_s)
+        taken = list[tuple[float, ...]]()
+        shown = 0
+        self._lost = 0
+
         while len(taken) < total:
             sample = next(samples, None)
             if sample is None:
-                message = f"ended in trial {number}, which is not kept; run the command again to go on with it."
+                message = (
+                    f"ended in trial {number}, which is not kept; run the command again to "
+                    "go on with it."
+                )
                 raise TraceError(Issue("samples", message))
+
             if taken:
                 steps = round((sample[0] - taken[-1][0]) * self._rate_hz)
-                if not 0 < steps <= GAP_S * self._rate_hz + 1:  # the controller was reset, or much was lost
+                if (
+                    not 0 < steps <= GAP_S * self._rate_hz + 1
+                ):  # the controller was reset, or much was lost
                     return None
+
                 taken += [taken[-1]] * (steps - 1)
                 self._lost += steps - 1
+
             taken.append(sample)
             if len(taken) - shown >= 0.1 * self._rate_hz:  # a line each 0.1 s
                 self._report(np.array(taken[shown:]), number, len(taken) / self._rate_hz)
                 shown = len(taken)
+
         _, volts, filtered, moving = np.array(taken[:total]).T
         slip = None if np.isnan(moving[0]) and kind_of(number) == "slide" else moving > 0.0
-        return Trace(np.arange(total) / self._rate_hz, volts, None, slip, None,
-                     None if np.isnan(filtered[0]) else filtered)  # fmt: skip
+        return Trace(
+            time_s=np.arange(total) / self._rate_hz,
+            voltage_v=volts,
+            force_n=None,
+            slip=slip,
+            envelope_v=None,
+            filtered_v=None if np.isnan(filtered[0]) else filtered,
+        )
 
     def _report(self, part: np.ndarray, number: int, at_s: float) -> None:
         count = 2 if self.design.board.has_filter and np.isfinite(part[:, 2]).all() else 1
         is_on = self._detector.process(*part[:, 1 : 1 + count].T).on.any()
-        phases, mean_v = self.plan.schedule(number), float(part[:, 1].mean())
+        phases = self.plan.schedule(number)
+        mean_v = float(part[:, 1].mean())
         phase = next((name for name, (_, end) in phases.items() if at_s <= end), [*phases][-1])
-        self.show(number, phase, (
-            f"trial {number} of {self.plan.trials}, {kind_of(number)}: {SAID[phase]} "
-            f"{max(0.0, phases[phase][1] - at_s):4.1f} s | "
-            f"{mean_v:.3f} V {self._curve.force_n(mean_v):6.2f} N {'SLIP' if is_on else '    '}"
-        ))  # fmt: skip
+        self.show(
+            number,
+            phase,
+            (
+                f"trial {number} of {self.plan.trials}, {kind_of(number)}: {SAID[phase]} "
+                f"{max(0.0, phases[phase][1] - at_s):4.1f} s | "
+                f"{mean_v:.3f} V {self._curve.force_n(mean_v):6.2f} N {'SLIP' if is_on else '    '}"
+            ),
+        )

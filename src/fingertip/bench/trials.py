@@ -1,8 +1,9 @@
-"""Trials of a bench: what a person does in each, one CSV file per trial, and a folder of them to give away.
+"""Trials of a bench: what a person does in each, one CSV file per trial, and a folder of them to
+give away.
 
-The first line of a file holds its labels. The folder's data sheet is the README of a data set as public collections
-read it: a block of YAML, then the questions of T. Gebru et al., Datasheets for datasets, Commun. ACM 64(12), 2021.
-Nothing is uploaded.
+The first line of a file holds its labels. The folder's data sheet is the README of a data set as
+public collections read it: a block of YAML, then the questions of T. Gebru et al., Datasheets for
+datasets, Commun. ACM 64(12), 2021. Nothing is uploaded.
 """
 
 from __future__ import annotations
@@ -20,7 +21,13 @@ from pydantic import BaseModel, ValidationError
 from fingertip.design import Design
 from fingertip.design.files import load_tables, to_toml
 from fingertip.documents.template import render
-from fingertip.foundation.errors import FingertipError, InputFileError, Issue, TraceError, raise_issues
+from fingertip.foundation.errors import (
+    FingertipError,
+    InputFileError,
+    Issue,
+    TraceError,
+    raise_issues,
+)
 from fingertip.foundation.files import write_file
 from fingertip.foundation.input_files import RECORDING_LIMIT, TOML_LIMIT, read_input
 from fingertip.foundation.output_set import hash_parameters
@@ -29,28 +36,65 @@ from fingertip.slip.traces.trace import ColumnMap, Trace
 
 STROKE_M = 0.04
 Kind = Literal["slide", "hold", "tap", "hand"]
-_MAX_LABELS, _COLUMNS = 2**14, ("time_s", "voltage_v", "filtered_v", "slip")
+_MAX_LABELS = 2**14
+_COLUMNS = ("time_s", "voltage_v", "filtered_v", "slip")
 """Longest line of labels [bytes], and columns of a trial."""
 KINDS: Mapping[str, Mapping[str, float]] = {
-    "slide": {"away": 1.5, "press": 1.5, "wait": 1.0, "slide": 2.0, "rest": 1.0, "release": 1.0},
-    "hold": {"away": 1.5, "press": 1.5, "hold": 5.0, "release": 1.0},
-    "tap": {"away": 1.5, "press": 1.5, "tap": 4.0, "release": 1.0},
-    "hand": {"away": 1.5, "press": 1.5, "hand": 5.0, "release": 1.0},
+    "slide": {
+        "away": 1.5,
+        "press": 1.5,
+        "wait": 1.0,
+        "slide": 2.0,
+        "rest": 1.0,
+        "release": 1.0,
+    },
+    "hold": {
+        "away": 1.5,
+        "press": 1.5,
+        "hold": 5.0,
+        "release": 1.0,
+    },
+    "tap": {
+        "away": 1.5,
+        "press": 1.5,
+        "tap": 4.0,
+        "release": 1.0,
+    },
+    "hand": {
+        "away": 1.5,
+        "press": 1.5,
+        "hand": 5.0,
+        "release": 1.0,
+    },
 }
 """Kind of a trial -> its phases and their durations [s]; a slide is the article's trial (III.C)."""
 PAUSE_S = 15.0
 """Time before the first trial, and before one with other weights [s]."""
 SAID = {
-    "away": "touch nothing", "press": "set the finger down, and keep still", "wait": "keep still",
-    "slide": "let the slide go", "rest": "keep still", "hold": "keep still", "release": "lift the finger",
-    "tap": "tap the bench beside the finger, once a second", "hand": "move as a hand does: wobble, carry, turn",
-}  # fmt: skip
+    "away": "touch nothing",
+    "press": "set the finger down, and keep still",
+    "wait": "keep still",
+    "slide": "let the slide go",
+    "rest": "keep still",
+    "hold": "keep still",
+    "release": "lift the finger",
+    "tap": "tap the bench beside the finger, once a second",
+    "hand": "move as a hand does: wobble, carry, turn",
+}
 """Phase -> what to do in it."""
-SHEET, CONSENT, DESIGN = "README.md", "CONSENT.md", "design.toml"
+SHEET = "README.md"
+CONSENT = "CONSENT.md"
+DESIGN = "design.toml"
 _OPEN = "FILL IN"
 _REQUIRED = {
-    SHEET: (r"(?m)^license: *\S+", "states no licence; write license: cc-by-4.0 into its first block."),
-    CONSENT: (r"(?mi)^agrees: *yes\s*$", "nobody agrees; ask who was recorded, and write agrees: yes."),
+    SHEET: (
+        r"(?m)^license: *\S+",
+        "states no licence; write license: cc-by-4.0 into its first block.",
+    ),
+    CONSENT: (
+        r"(?mi)^agrees: *yes\s*$",
+        "nobody agrees; ask who was recorded, and write agrees: yes.",
+    ),
 }
 """File of a folder -> what must stand in it, and the fault without it."""
 _ORDER: tuple[Kind, ...] = ("slide", "slide", "slide", "hold", "slide", "slide", "tap", "hand")
@@ -72,9 +116,9 @@ def list_trials(folder: Path) -> list[Path]:
 class Labels(BaseModel, frozen=True, allow_inf_nan=False):
     """Labels of a trial beside its samples; None for what is not known.
 
-    `phases` holds the start and end of each phase, as the person was told; `force_n` is that by weights, `stroke_m` the
-    way of the slide, and `onset_error_s` the error of the contact that opens with the motion. `lost` samples did not
-    arrive, and were replaced by the one before.
+    `phases` holds the start and end of each phase, as the person was told; `force_n` is that by
+    weights, `stroke_m` the way of the slide, and `onset_error_s` the error of the contact that
+    opens with the motion. `lost` samples did not arrive, and were replaced by the one before.
     """
 
     trial: int
@@ -97,11 +141,16 @@ class Labels(BaseModel, frozen=True, allow_inf_nan=False):
 class TrialFile:
     labels: Labels
     trace: Trace
-    """Samples; `slip` is true while the slide moves, and None where its contact was not recorded."""
+    """Samples; `slip` is true while the slide moves, and None where its contact was not
+    recorded.
+    """
 
 
 def write_trial(path: Path, labels: Labels, trace: Trace) -> None:
-    """Write a trial under another name and rename it: the file is whole or not there. Raises OutputError."""
+    """Write a trial under another name and rename it: the file is whole or not there.
+
+    Raises OutputError.
+    """
     known = {name: values for name in _COLUMNS if (values := getattr(trace, name)) is not None}
     text = io.StringIO()
     text.write(f"# {labels.model_dump_json()}\n{','.join(known)}\n")
@@ -112,77 +161,122 @@ def write_trial(path: Path, labels: Labels, trace: Trace) -> None:
 def read_trial(path: Path, below: Path | None = None) -> TrialFile:
     """Read a trial with its labels. Raises TraceError."""
     try:
-        first = read_input(path, RECORDING_LIMIT, "a trial", _MAX_LABELS, below).partition(b"\n")[0]
+        first = read_input(
+            path,
+            limit=RECORDING_LIMIT,
+            wanted="a trial",
+            length=_MAX_LABELS,
+            below=below,
+        ).partition(b"\n")[0]
         labels = Labels.model_validate_json(first.decode("utf-8", "replace").removeprefix("#"))
     except InputFileError as error:
         raise TraceError(error.issues) from None
     except ValidationError as error:
         first_fault = error.errors()[0]
         fault = f"{'.'.join(map(str, first_fault['loc']))}: {first_fault['msg'].lower()}"
-        message = f"does not begin with the labels of a trial ({fault}); record it with fingertip record."
+        message = (
+            f"does not begin with the labels of a trial ({fault}); record it with fingertip record."
+        )
         raise TraceError(Issue(path.name, message)) from None
+
     raw = read_raw_trace(path, ColumnMap())
     raise_issues(TraceError, raw.issues)
     return TrialFile(labels, raw.trace)
 
 
 def prepare_folder(folder: Path, design: Design) -> None:
-    """Write what the folder lacks of data sheet, consent and design. Raises TraceError for that of another design."""
-    sheet = {DESIGN: to_toml(design, f"{design.name}, as recorded."), CONSENT: render("consent.md", open=_OPEN),
-             SHEET: render("recordings.md", name=design.name, open=_OPEN)}  # fmt: skip
+    """Write what the folder lacks of data sheet, consent and design.
+
+    Raises TraceError for that of another design.
+    """
+    sheet = {
+        DESIGN: to_toml(design, f"{design.name}, as recorded."),
+        CONSENT: render("consent.md", open=_OPEN),
+        SHEET: render("recordings.md", name=design.name, open=_OPEN),
+    }
     kept = folder / DESIGN
+
     if kept.exists() and _hash_design(folder) != hash_parameters(design.identity()):
-        raise TraceError(Issue(str(folder), f"holds another design; give another --out, or record {kept}."))
+        raise TraceError(
+            Issue(str(folder), f"holds another design; give another --out, or record {kept}.")
+        )
+
     for name, text in sheet.items():
         if not (folder / name).exists():
             write_file(folder / name, text.encode())
 
 
 def _hash_design(folder: Path) -> str:
-    return hash_parameters(Design.from_tables(load_tables([folder / DESIGN], (), below=folder).tables).identity())
+    return hash_parameters(
+        Design.from_tables(load_tables([folder / DESIGN], (), below=folder).tables).identity()
+    )
 
 
 def _read_all(folder: Path) -> tuple[list[TrialFile], list[Issue]]:
-    issues, found = list[Issue](), list[TrialFile]()
+    issues = list[Issue]()
+    found = list[TrialFile]()
     for path in list_trials(folder):
         try:
             found.append(read_trial(path, folder))
         except FingertipError as error:
             issues += error.issues
+
     return found, issues
 
 
 def read_recordings(folder: Path) -> tuple[TrialFile, ...]:
     """Read all trials of a folder, whose faults are found at once. Raises TraceError."""
     found, issues = _read_all(folder)
-    missing = [] if found or issues else [Issue(str(folder), "holds no trials; record some with fingertip record.")]
+    missing = (
+        []
+        if found or issues
+        else [Issue(str(folder), "holds no trials; record some with fingertip record.")]
+    )
     raise_issues(TraceError, issues + missing)
+
     return tuple(found)
 
 
 def check_recordings(folder: Path) -> tuple[int, list[str], list[str]]:
-    """Return the number of trials, what keeps the folder from being given away, and what to know of it."""
+    """Return the number of trials, what keeps the folder from
+    being given away, and what to know of it.
+    """
     found, issues = _read_all(folder)
     faults = [f"{issue.field}: {issue.message}" for issue in issues]
     simulated = sum(trial.labels.simulated for trial in found)
-    notes = [f"{simulated} trials are simulated, as their labels say: no evidence of a built finger"] * (simulated > 0)
+    notes = [
+        f"{simulated} trials are simulated, as their labels say: no evidence of a built finger"
+    ] * (simulated > 0)
+
     return len(list_trials(folder)), [*faults, *_find_faults(folder, found)], notes
 
 
 def _find_faults(folder: Path, trials: Sequence[TrialFile]) -> Iterator[str]:
     try:
         expected = _hash_design(folder)
-        others = [trial_path(folder, each.labels.trial).name for each in trials if each.labels.design_hash != expected]
-        yield from (f"{name}: was recorded with another design; give it its own folder." for name in others)
+        others = [
+            trial_path(folder, each.labels.trial).name
+            for each in trials
+            if each.labels.design_hash != expected
+        ]
+        yield from (
+            f"{name}: was recorded with another design; give it its own folder." for name in others
+        )
     except FingertipError as error:
         yield from (f"{DESIGN}: {issue.field} {issue.message}" for issue in error.issues)
+
     for name, (pattern, message) in _REQUIRED.items():
         try:
             text = read_input(folder / name, TOML_LIMIT, below=folder).decode("utf-8", "replace")
         except (InputFileError, OSError):
-            yield f"{name}: is missing; run fingertip record with --out {folder} once more, which writes it."
+            yield (
+                f"{name}: is missing; run fingertip record with --out {folder} once more, which "
+                "writes it."
+            )
             continue
-        if lines := [str(number) for number, line in enumerate(text.splitlines(), 1) if _OPEN in line]:
+
+        lines = [str(number) for number, line in enumerate(text.splitlines(), 1) if _OPEN in line]
+        if lines:
             yield f"{name}: is open in line {', '.join(lines)}; write over {_OPEN!r}."
         if not re.search(pattern, text):
             yield f"{name}: {message}"

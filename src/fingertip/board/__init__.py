@@ -1,6 +1,7 @@
 """Slip-filter board of a design: component values, circuit, analysis, bring-up and KiCad files.
 
-A `Design` comes in; a `Circuit` goes out, from which all files follow, and `BoardValues` with its figures.
+A `Design` comes in; a `Circuit` goes out, from which all files follow, and `BoardValues` with its
+figures.
 
 >>> from fingertip import Design
 >>> from fingertip.board import board_circuit

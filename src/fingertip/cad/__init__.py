@@ -1,6 +1,8 @@
-"""Computer-aided design of the parts: solids, the kernels that evaluate them, files, printing and checks.
+"""Computer-aided design of the parts: solids, the kernels that evaluate them, files, printing and
+checks.
 
-In: a design. Out: meshes and exact solids of its parts, the bytes of their files, and checks with value and limit.
+In: a design. Out: meshes and exact solids of its parts, the bytes of their files, and checks with
+value and limit.
 
 >>> from fingertip import Design
 >>> from fingertip.cad.shapes.parts import parts_by_name

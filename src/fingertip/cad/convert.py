@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, join_equal, to_canonical_mesh, to_manifold
+from fingertip.cad.kernel.mesh import (
+    Mesh,
+    MeshEvaluator,
+    join_equal,
+    to_canonical_mesh,
+    to_manifold,
+)
 from fingertip.cad.shapes.finger import cable_channel
 from fingertip.cad.shapes.parts import find_frames, hardware, parts_by_name, tagged_faces
 from fingertip.design import Design
@@ -26,8 +32,11 @@ if TYPE_CHECKING:
     import trimesh
 
 
-_ANGLE_RAD, _DECIMALS = 0.1, 6
-"""Angle between neighbouring facets of cadquery's meshes, and decimals [mm] to which their corners are joined."""
+_ANGLE_RAD = 0.1
+_DECIMALS = 6
+"""Angle between neighbouring facets of cadquery's meshes, and
+decimals [mm] to which their corners are joined.
+"""
 _KEPT = 32
 """Number of exact solids that are kept, and made once: a design has some ten."""
 _NEAR_MM = 0.02
@@ -35,9 +44,11 @@ _NEAR_MM = 0.02
 
 
 def part_solid(design: Design, name: str) -> cadquery.Solid:
-    """Build a part, or a bought item such as "sensor", as an exact `cadquery.Solid` [mm]; equal ones are made once.
+    """Build a part, or a bought item such as "sensor", as an exact `cadquery.Solid` [mm]; equal
+    ones are made once.
 
-    Raises DesignError for another name, and MissingLibraryError without cadquery or a system library it needs.
+    Raises DesignError for another name, and MissingLibraryError without cadquery or a system
+    library it needs.
     """
     cadquery = _load_cadquery("part_solid")
     return cadquery.Solid(_evaluate(_find_solid(design, name)))
@@ -67,18 +78,22 @@ def mold(design: Design) -> Mold:
 
 
 def part_workplane(design: Design, name: str) -> cadquery.Workplane:
-    """Build a part as a `cadquery.Workplane` with tagged faces, such as `bone.faces(tag="post").workplane()`.
+    """Build a part as a `cadquery.Workplane` with tagged faces, such as
+    `bone.faces(tag="post").workplane()`.
 
-    The tag "pad" is on the skin over the sensor, or on what shapes it; "pocket" on the floor that the sensor lies on;
-    "flat" on the palmar flat of the bone; "channel" on the wall of the cable channel; "post" on the proximal end of the
-    bone, or "cheek_left" and "cheek_right" on one face of each cheek of a clevis; "parting" on the parting plane of a
-    mold half. A workplane in the middle of a face has `centerOption="CenterOfMass"`. Raises as `part_solid`.
+    The tag "pad" is on the skin over the sensor, or on what shapes it; "pocket" on the floor that
+    the sensor lies on; "flat" on the palmar flat of the bone; "channel" on the wall of the cable
+    channel; "post" on the proximal end of the bone, or "cheek_left" and "cheek_right" on one face
+    of each cheek of a clevis; "parting" on the parting plane of a mold half. A workplane in the
+    middle of a face has `centerOption="CenterOfMass"`. Raises as `part_solid`.
     """
     made = part_solid(design, name)
     workplane = _load_cadquery("part_workplane").Workplane(made)
-    numbers, faces = _tag_faces(_find_solid(design, name), design, name), made.Faces()
+    numbers = _tag_faces(_find_solid(design, name), design, name)
+    faces = made.Faces()
     for tag, tagged in numbers.items():
         workplane.newObject([faces[i] for i in tagged]).tag(tag)
+
     return workplane
 
 
@@ -98,26 +113,37 @@ def _tag_faces(solid: Solid, design: Design, name: str) -> dict[str, list[int]]:
     made = cadquery.Solid(_evaluate(solid))
     form = PadForm.of_design(design)
     places = {"pad": [(0.0, -form.platform_mm - form.over_sensor_mm, form.sensor_z_mm)]}
+
     if name == "bone":  # where the bend of the channel meets its straight pieces
         tube = cable_channel(design)
-        y, z = tube.start_y + tube.bend_radius, tube.exit_z + tube.bend_radius
+        y = tube.start_y + tube.bend_radius
+        z = tube.exit_z + tube.bend_radius
         places["channel"] = [(0.0, tube.start_y + tube.radius, z), (tube.radius, y, tube.exit_z)]
-    faces, tagged = dict(enumerate(made.Faces())), {}
+
+    faces = dict(enumerate(made.Faces()))
+    tagged = {}
     for tag, points in places.items():
         near = [cadquery.Vertex.makeVertex(*point) for point in points]
         tagged[tag] = [i for i, face in faces.items() if min(map(face.distance, near)) < _NEAR_MM]
+
     for tag, selectors in tagged_faces(design, name).items():
         found = cadquery.Workplane(made)
         for each in selectors:
             found = found.faces(each if isinstance(each, str) else in_plane(each))
+
         tagged[tag] = [i for i, face in faces.items() if any(map(face.isSame, found.vals()))]
+
     return {tag: found for tag, found in tagged.items() if found}
 
 
 def frames(design: Design) -> dict[str, cadquery.Location]:
-    """Locate the interface to the hand, the tip and the sensor, whose z axis points out of the pad and y to the tip."""
+    """Locate the interface to the hand, the tip and the sensor, whose z
+    axis points out of the pad and y to the tip.
+    """
     cadquery = _load_cadquery("frames")
-    across, outward = (1.0, 0.0, 0.0), {"sensor": (0.0, -1.0, 0.0)}
+    across = (1.0, 0.0, 0.0)
+    outward = {"sensor": (0.0, -1.0, 0.0)}
+
     return {
         name: cadquery.Location(cadquery.Plane(at, across, outward.get(name, (0.0, 0.0, 1.0))))
         for name, at in find_frames(design).items()
@@ -125,35 +151,51 @@ def frames(design: Design) -> dict[str, cadquery.Location]:
 
 
 def part_mesh(design: Design, name: str, tolerance_mm: float = 0.01) -> Mesh:
-    """Build a part as a mesh: vertices (n, 3) [mm] and triangles (m, 3). Raises DesignError for another name."""
+    """Build a part as a mesh: vertices (n, 3) [mm] and triangles (m, 3).
+
+    Raises DesignError for another name.
+    """
     return MeshEvaluator(tolerance_mm).mesh(_find_solid(design, name))
 
 
 def mesh_of(shape: cadquery.Workplane | cadquery.Shape, tolerance_mm: float = 0.01) -> Mesh:
-    """Mesh what was made with cadquery, such as a part with a nail, for the STL writer and the checks of files.
+    """Mesh what was made with cadquery, such as a part with a nail, for the STL writer and the
+    checks of files.
 
-    Raises DesignError if the tolerance is out of bounds, and GeometryError if the mesh is not closed.
+    Raises DesignError if the tolerance is out of bounds, and GeometryError if the mesh is not
+    closed.
     """
     tolerance_mm = MeshEvaluator(tolerance_mm).tolerance_mm
     whole = getattr(shape, "val", lambda: shape)()
+
     if not hasattr(whole, "tessellate"):
-        raise ArgumentError(Issue("shape", f"is of type {type(shape).__name__}; give a cadquery Workplane or Shape."))
+        raise ArgumentError(
+            Issue(
+                "shape", f"is of type {type(shape).__name__}; give a cadquery Workplane or Shape."
+            )
+        )
+
     points, triangles = whole.tessellate(tolerance_mm, _ANGLE_RAD)
     joined, number = join_equal(np.round(np.array([each.toTuple() for each in points]), _DECIMALS))
     corners = number[np.array(triangles)]
     distinct = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
+
     return to_canonical_mesh(to_manifold(joined, corners[distinct]))
 
 
 def part_trimesh(design: Design, name: str, tolerance_mm: float = 0.01) -> trimesh.Trimesh:
-    """Build a part as a `trimesh.Trimesh` [mm]. Raises as `part_mesh`, and MissingLibraryError without trimesh."""
+    """Build a part as a `trimesh.Trimesh` [mm].
+
+    Raises as `part_mesh`, and MissingLibraryError without trimesh.
+    """
     trimesh_module = extras.load("trimesh", "part_trimesh", alternative="use part_mesh")
     mesh = part_mesh(design, name, tolerance_mm)
     return trimesh_module.Trimesh(mesh.vertices, mesh.triangles, process=False)
 
 
 def assembly(design: Design) -> cadquery.Assembly:
-    """Build all parts of a design with the hardware in their places, as a `cadquery.Assembly` that Jupyter shows.
+    """Build all parts of a design with the hardware in their places, as a `cadquery.Assembly` that
+    Jupyter shows.
 
     Raises MissingLibraryError as `part_solid`.
     """
@@ -164,6 +206,7 @@ def assembly(design: Design) -> cadquery.Assembly:
     whole = cadquery.Assembly(name=design.name)
     for name, solid, colour in placed:
         whole.add(cadquery.Solid(_evaluate(solid)), name=name, color=cadquery.Color(*colour))
+
     return whole
 
 
@@ -178,7 +221,11 @@ def _find_solid(design: Design, name: str) -> Solid:
     parts = parts_by_name(design)
     if name in parts:
         return parts[name].solid(design)
+
     bought = {item.name: item.solid for item in hardware(design, parts)}
     if name not in bought:
-        raise DesignError(Issue("name", f"there is no {name!r}; {suggest_name(name, (*parts, *bought))}"))
+        raise DesignError(
+            Issue("name", f"there is no {name!r}; {suggest_name(name, (*parts, *bought))}")
+        )
+
     return bought[name]

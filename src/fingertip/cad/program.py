@@ -1,4 +1,6 @@
-"""Digest of the program that shapes the parts: its sources, and the versions of the libraries that compute them."""
+"""Digest of the program that shapes the parts: its sources, and the
+versions of the libraries that compute them.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,9 @@ _LIBRARIES = ("manifold3d", "numpy")
 
 @functools.cache
 def digest_program() -> str:
-    """Compute the SHA-256 of all that can change the bytes of a part's STL and 3MF files, but for the design."""
+    """Compute the SHA-256 of all that can change the bytes of a
+    part's STL and 3MF files, but for the design.
+    """
     digest = hashlib.sha256()
 
     for library in _LIBRARIES:
@@ -33,4 +37,6 @@ def digest_program() -> str:
 
 def _list_sources() -> list[Path]:
     found = (path for folder in _FOLDERS for path in (_PACKAGE / folder).rglob("*"))
-    return sorted(path for path in found if path.suffix in _SUFFIXES and "__pycache__" not in path.parts)
+    return sorted(
+        path for path in found if path.suffix in _SUFFIXES and "__pycache__" not in path.parts
+    )

@@ -56,7 +56,9 @@ class Build:
     checks: tuple[Check, ...]
     strength: BoneStrength | None
     casting: Any
-    """Casting sheet, a `CastingSheet` of `fingertip.casting.sheet`; None unless all parts were built."""
+    """Casting sheet, a `CastingSheet` of
+    `fingertip.casting.sheet`; None unless all parts were built.
+    """
     removed: tuple[str, ...] = ()
     """Files of another design that were removed from the folder."""
     opinions: tuple[Check, ...] = ()
@@ -82,21 +84,30 @@ class Build:
             for check in self.checks
             if not check.passed
         ]
-        return text + (html_table("FAILED", ("check", "value", "limit", "unit"), failed) if failed else "")
+
+        return text + (
+            html_table("FAILED", ("check", "value", "limit", "unit"), failed) if failed else ""
+        )
 
     def plot(self, width_px: int = 1600) -> Picture:
         """Draw the design that was built, in a picture of this width [pixels]."""
         return self.design.plot(width_px)
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return every check with value and limit as a data frame. Raises MissingLibraryError without pandas."""
+        """Return every check with value and limit as a data frame.
+
+        Raises MissingLibraryError without pandas.
+        """
         columns: dict[str, list[Any]] = {"check": [check.name for check in self.checks]}
         for key in ("value", "sign", "limit", "unit", "passed"):
             columns[key] = [getattr(check, key) for check in self.checks]
+
         return to_dataframe(columns, "Build.to_dataframe")
 
     def report(self) -> dict[str, Any]:
-        """Return the content of report.json, which depends on the design alone, not on time or machine."""
+        """Return the content of report.json, which depends on the
+        design alone, not on time or machine.
+        """
         report: dict[str, Any] = {
             "fingertip": __version__,
             "design": self.design.name,
@@ -116,16 +127,26 @@ class Build:
             names = [built.part.name for built in self.parts]
             bought = hardware(self.design, names)
             shown = [name for name in names if not PARTS[name].is_tool]
-            report["assembly"] = {"file": ASSEMBLY, "parts": shown, "hardware": [item.name for item in bought]}
+            report["assembly"] = {
+                "file": ASSEMBLY,
+                "parts": shown,
+                "hardware": [item.name for item in bought],
+            }
+
         for check in self.opinions:
             file, _, found = check.name.partition(".trimesh.")
-            report.setdefault("trimesh", {}).setdefault(file, {})[found] = round(check.value, _DECIMALS)
+            report.setdefault("trimesh", {}).setdefault(file, {})[found] = round(
+                check.value, _DECIMALS
+            )
+
         if self.strength:
             report["strength"] = strength_data(self.strength)
+
         if any(built.part.name == "skin" for built in self.parts):
             report["pad"] = survey_pad(self.design).to_dict()
             if not self.design.skin.bonded:
                 report["skin"] = describe_lying_skin(self.design)
+
         return report | ({"casting": asdict(self.casting)} if self.casting else {})
 
     def _part_entry(self, built: BuiltPart) -> dict[str, Any]:
@@ -141,4 +162,5 @@ class Build:
         }
         if built.brep:
             entry["brep_volume_mm3"] = round_for_output(built.brep.volume_mm3)
+
         return entry

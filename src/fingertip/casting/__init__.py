@@ -1,6 +1,8 @@
-"""Casting of the skin: what to mix, what to buy, and every figure of the casting sheet, whose text is in `documents`.
+"""Casting of the skin: what to mix, what to buy, and every figure of the casting sheet, whose text
+is in `documents`.
 
-In: a design, and an evaluator of meshes. Out: a frozen `CastingSheet`, rounded as a person weighs and measures.
+In: a design, and an evaluator of meshes. Out: a frozen `CastingSheet`, rounded as a person weighs
+and measures.
 
 >>> from fingertip.casting.sheet import mix
 >>> from fingertip.catalogues.materials import load_silicones

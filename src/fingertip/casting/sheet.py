@@ -1,4 +1,5 @@
-"""Data of a design's casting sheet: silicone to mix, what to buy, and every figure that its steps and pictures state.
+"""Data of a design's casting sheet: silicone to mix, what to buy, and every figure that its steps
+and pictures state.
 
 Values are rounded here, once, so that page, pictures and report agree.
 """
@@ -32,11 +33,17 @@ from fingertip.design.interfaces.interface import MATING_PLAY_MM
 from fingertip.foundation.tables import load_table, read_rows
 
 WASTE_FRACTION = 0.25
-"""Extra silicone, which stays on cup and stick, as a fraction of what is poured. A project choice."""
+"""Extra silicone, which stays on cup and stick, as a fraction of what is poured.
+A project choice.
+"""
 MIN_COMPONENT_G = 2.0
-"""Least mass of the lighter component, of which half a step of a scale that reads 0.1 g is 2.5 % [g]."""
+"""Least mass of the lighter component, of which half a step of a
+scale that reads 0.1 g is 2.5 % [g].
+"""
 MIN_MIX_G = 10.0
-"""Minimum mass of a mixture [g]. Some 0.5 g stays unstirred on cup and stick, 5 % of this. An assumption."""
+"""Minimum mass of a mixture [g].
+Some 0.5 g stays unstirred on cup and stick, 5 % of this. An assumption.
+"""
 
 
 @dataclass(frozen=True)
@@ -62,11 +69,15 @@ def measure_poured_cm3(design: Design, evaluator: MeshEvaluator) -> float:
 
 
 def parts_by_weight(silicone: Silicone) -> tuple[float, float]:
-    """Return the mix ratio by weight; one by volume is converted, or taken as it is if no densities are known."""
-    a, b = silicone.parts_a.low, silicone.parts_b.low
+    """Return the mix ratio by weight; one by volume is converted, or
+    taken as it is if no densities are known.
+    """
+    a = silicone.parts_a.low
+    b = silicone.parts_b.low
     densities = silicone.density_a_g_cm3, silicone.density_b_g_cm3
     if silicone.ratio_by != "volume" or None in densities:
         return a, b
+
     of_a, of_b = ((density.low + density.high) / 2 for density in densities if density)
     return a * of_a, b * of_b
 
@@ -84,25 +95,48 @@ def compute_batch(silicone: Silicone, volume_cm3: float) -> Mixture:
     to_weigh_g = MIN_COMPONENT_G / min(split_by_mix_ratio(silicone, 1.0))
     total_g = max(in_cup_g * (1.0 + WASTE_FRACTION), MIN_MIX_G, to_weigh_g)
     a_g, b_g = split_by_mix_ratio(silicone, total_g)
+
     return Mixture(
-        in_cup_g, a_g, b_g, total_g, silicone.components, silicone.density_g_cm3.high, silicone.planned_pot_life_min,
-        silicone.cure_h.high,
-    )  # fmt: skip
+        in_cup_g=in_cup_g,
+        a_g=a_g,
+        b_g=b_g,
+        total_g=total_g,
+        components=silicone.components,
+        density_g_cm3=silicone.density_g_cm3.high,
+        pot_life_min=silicone.planned_pot_life_min,
+        cure_h=silicone.cure_h.high,
+    )
 
 
 def mix(silicone: Silicone, volume_cm3: float) -> Mixture:
     """Compute what to mix for a volume [cm3], as a person weighs it."""
     exact = compute_batch(silicone, volume_cm3)
-    a_g, b_g = round(exact.a_g, 1), round(exact.b_g, 1)
-    return replace(exact, in_cup_g=round(exact.in_cup_g, 1), a_g=a_g, b_g=b_g, total_g=round(a_g + b_g, 1))
+    a_g = round(exact.a_g, 1)
+    b_g = round(exact.b_g, 1)
+
+    return replace(
+        exact,
+        in_cup_g=round(exact.in_cup_g, 1),
+        a_g=a_g,
+        b_g=b_g,
+        total_g=round(a_g + b_g, 1),
+    )
 
 
 _WORK_H = (4.0, 3.0)
-"""Work on both days besides printing, with what dries meanwhile [h]. An assumption: nobody has made one."""
-_FILAMENT_STEP_G, _LINE_STEP_N, _KNOT = 5, 10.0, 4.0
-"""Steps to which filament and the line's strength are rounded up [g, N], and that strength over a strand's force."""
+"""Work on both days besides printing, with what dries meanwhile [h].
+An assumption: nobody has made one.
+"""
+_FILAMENT_STEP_G = 5
+_LINE_STEP_N = 10.0
+_KNOT = 4.0
+"""Steps to which filament and the line's strength are rounded up [g,
+N], and that strength over a strand's force.
+"""
 _LEAST_KNOT_MM = 8
-"""Least distance of a knot from the joints of the solder at which fingers can tie it [mm]. An assumption."""
+"""Least distance of a knot from the joints of the solder at which fingers can tie it [mm].
+An assumption.
+"""
 
 
 @dataclass(frozen=True)
@@ -118,7 +152,9 @@ class Thing:
     where: str
     reason: str
     each: str
-    """Item of a set that takes this amount: every finger, or every mixture; empty if all share it."""
+    """Item of a set that takes this amount: every finger, or every mixture; empty if all
+    share it.
+    """
 
 
 class Priced(Protocol):
@@ -132,10 +168,16 @@ class Priced(Protocol):
 
 
 def add_prices(things: Iterable[Priced]) -> tuple[int, int, int]:
-    """Add the classes of prices: least and largest sum of what is to order, largest sum of all [US dollars]."""
-    priced = [([int(price) for price in re.findall(r"\d+", thing.price_usd)], thing.reason) for thing in things]
+    """Add the classes of prices: least and largest sum of what is
+    to order, largest sum of all [US dollars].
+    """
+    priced = [
+        ([int(price) for price in re.findall(r"\d+", thing.price_usd)], thing.reason)
+        for thing in things
+    ]
     order = [prices for prices, reason in priced if reason]
     least = sum(prices[0] for prices in order if len(prices) == 2)
+
     return least, sum(prices[-1] for prices in order), sum(prices[-1] for prices, _ in priced)
 
 
@@ -181,12 +223,18 @@ class CastingSheet:
     """Resistor of the divider; None for a sensor on a board [kohm]."""
     lowering_s: float
     height_mm: tuple[float, float]
-    """Least and largest height from the foot of the cup to the top of the seated core's plate [mm]."""
+    """Least and largest height from the foot of the cup to the top of the seated core's
+    plate [mm].
+    """
     tilt_mm: float
-    """Largest difference of this height between edge and edge, for a skin that is right to 10 % [mm]."""
+    """Largest difference of this height between edge and edge,
+    for a skin that is right to 10 % [mm].
+    """
     length_mm: tuple[float, float]
     head_mm: tuple[float, float]
-    """Least and largest length of the sensor's film, and width of its head, that this bone takes [mm]."""
+    """Least and largest length of the sensor's film, and width
+    of its head, that this bone takes [mm].
+    """
     knot_mm: int
     """Distance of the knot in both wires from the sensor's legs."""
     skin_mm: tuple[float, float]
@@ -199,20 +247,43 @@ class CastingSheet:
 
 def casting_sheet(design: Design, evaluator: MeshEvaluator) -> CastingSheet:
     """Collect the data of the sheet. Raises GeometryError."""
-    batch, mount = mix(design.silicone.material, measure_poured_cm3(design, evaluator)), _mount(design)
-    dims, body, seat = design.dimensions, design.dimensions.sensor, palmar_limits(design)
-    material, printing = design.strength.material, estimate_print(design)
+    batch = mix(design.silicone.material, measure_poured_cm3(design, evaluator))
+    mount = _mount(design)
+    dims = design.dimensions
+    body = design.dimensions.sensor
+    seat = palmar_limits(design)
+    material = design.strength.material
+    printing = estimate_print(design)
     name, _, _ = material.label.partition(" (")
     printed = f"{name} filament" if material.process == "fdm" else name
-    printed_g = float(_FILAMENT_STEP_G * math.ceil(printing.filament_cm3 * material.density_g_cm3 / _FILAMENT_STEP_G))
+    printed_g = float(
+        _FILAMENT_STEP_G
+        * math.ceil(printing.filament_cm3 * material.density_g_cm3 / _FILAMENT_STEP_G)
+    )
     # With some slack between the legs and the hole that the knot lies on.
     to_hole_mm = dims.tail_end_z - design.sensor.tab_length_mm - dims.channel_exit_z
     seat_mm = 0.1 * design.skin.thickness_palmar_mm  # as the heights of the seated core let it be
-    skin_mm = design.skin.thickness_palmar_mm + design.skin.bump_height_mm + design.mold.core_inset_mm
-    things = _list_things(design, batch, mount, printed, printed_g)
+    skin_mm = (
+        design.skin.thickness_palmar_mm + design.skin.bump_height_mm + design.mold.core_inset_mm
+    )
+    things = _list_things(
+        design,
+        batch=batch,
+        mount=mount,
+        printed=printed,
+        printed_g=printed_g,
+    )
+
     return CastingSheet(
-        design.name, material.process, printed, f"{PRINT_FOLDER}/{choose_plate_kind(design).file_names(1)[0]}", PROFILE,
-        PROFILE.brim_mm, round(printing.minutes / 60.0, 1), printed_g, _WORK_H,
+        design=design.name,
+        process=material.process,
+        material=printed,
+        plate=f"{PRINT_FOLDER}/{choose_plate_kind(design).file_names(1)[0]}",
+        profile=PROFILE,
+        brim_mm=PROFILE.brim_mm,
+        print_h=round(printing.minutes / 60.0, 1),
+        printed_g=printed_g,
+        work_h=_WORK_H,
         days=1 + math.ceil(batch.cure_h / 24.0),
         batch=batch,
         mount=mount,
@@ -221,19 +292,32 @@ def casting_sheet(design: Design, evaluator: MeshEvaluator) -> CastingSheet:
         height_mm=(math.ceil(10 * seat.low) / 10, math.floor(10 * seat.high) / 10),
         tilt_mm=math.floor(100 * seat.tilt) / 100,
         length_mm=(body.length_mm - SHORTER_MM, body.length_mm + LONGER_MM),
-        head_mm=(round(body.head_diameter_mm - HEAD_MM, 1), round(body.head_diameter_mm + HEAD_MM, 1)),
+        head_mm=(
+            round(body.head_diameter_mm - HEAD_MM, 1),
+            round(body.head_diameter_mm + HEAD_MM, 1),
+        ),
         knot_mm=max(_LEAST_KNOT_MM, math.ceil(to_hole_mm + 1.0)),
         skin_mm=(round(skin_mm - seat_mm, 1), round(skin_mm + seat_mm, 1)),
         things=things,
-        mail_days=max(int(days) for thing in things for days in re.findall(r"\d+", thing.mail_days)),
+        mail_days=max(
+            int(days) for thing in things for days in re.findall(r"\d+", thing.mail_days)
+        ),
         guessed_sizes=tuple(name for name in design.provisional if name.startswith("hand.")),
-    )  # fmt: skip
+    )
 
 
 def _mount(design: Design) -> Mount:
-    interface, bone, hand = interface_of(design), design.bone, design.hand
-    bolt, anchor = interface.bolt(design), design.dimensions.anchor
-    pull_n = design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm) if anchor else 0.0
+    interface = interface_of(design)
+    bone = design.bone
+    hand = design.hand
+    bolt = interface.bolt(design)
+    anchor = design.dimensions.anchor
+    pull_n = (
+        design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm)
+        if anchor
+        else 0.0
+    )
+
     return Mount(
         interface=interface.name,
         bolt=f"M{bolt.thread_mm:g} x {bolt.length_mm:g} mm, with its nut" if bolt else "",
@@ -247,9 +331,16 @@ def _mount(design: Design) -> Mount:
     )
 
 
-def _list_things(design: Design, batch: Mixture, mount: Mount, printed: str, printed_g: float) -> tuple[Thing, ...]:
+def _list_things(
+    design: Design,
+    batch: Mixture,
+    mount: Mount,
+    printed: str,
+    printed_g: float,
+) -> tuple[Thing, ...]:
     silicone = design.silicone.material
-    example, sensor = find_example(silicone), design.dimensions.sensor
+    example = find_example(silicone)
+    sensor = design.dimensions.sensor
     number = f", order number {sensor.order_number}" if sensor.order_number else ""
     words = {
         "sensor": f"{sensor.maker} {sensor.label} with solder tabs{number}".lstrip(),
@@ -259,26 +350,38 @@ def _list_things(design: Design, batch: Mixture, mount: Mount, printed: str, pri
         "bolt": f"bolt {mount.bolt}",
     }
     sizes = {
-        "silicone_g": batch.total_g, "printed_g": printed_g, "divider_kohm": design.board.divider_ohm / 1e3,
-        "bolts": mount.bolts, "pin_mm": mount.pin_mm, "pin_length_mm": 2 * math.ceil(design.dimensions.pin_length / 2),
-        "tendon_mm": mount.tendon_mm, "tendon_n": mount.tendon_n,
-    }  # fmt: skip
+        "silicone_g": batch.total_g,
+        "printed_g": printed_g,
+        "divider_kohm": design.board.divider_ohm / 1e3,
+        "bolts": mount.bolts,
+        "pin_mm": mount.pin_mm,
+        "pin_length_mm": 2 * math.ceil(design.dimensions.pin_length / 2),
+        "tendon_mm": mount.tendon_mm,
+        "tendon_n": mount.tendon_n,
+    }
     needs = {"board" if design.board.has_filter else "divider", mount.interface}
     needs |= {name for name, size in (("tendon", mount.tendon_mm), ("pin", mount.pin_mm)) if size}
     rows = []
+
     for row in read_rows(Path(__file__).with_name("shopping_list.csv")):
         needed_by = set(row.pop("needed_by").split())
         if not needed_by or needed_by & needs:
             rows.append({name: cell.format(**words, **sizes) for name, cell in row.items()})
+
     return load_table(Thing, rows)
 
 
 def _describe_wire(design: Design) -> str:
-    """Describe wires that pass the bone, and enter the plug of the board's sensor connector if it has one."""
+    """Describe wires that pass the bone, and enter the plug of the
+    board's sensor connector if it has one.
+    """
     widest = design.sensor.wire_diameter_mm
     if design.board.has_filter:
         plug = find_plug_wire(board_circuit(select_components(design)).component(SENSOR_CONNECTOR))
-        least = design.bone.channel_diameter_mm / KNOT_WIRES  # a knot of thinner ones slips into the hole
+        least = (
+            design.bone.channel_diameter_mm / KNOT_WIRES
+        )  # a knot of thinner ones slips into the hole
         if plug and widest >= max(least, plug.min_insulation_mm):
             return f"AWG {plug.min_awg}, {min(widest, plug.max_insulation_mm):g} mm with insulation"
+
     return f"{widest:g} mm with insulation"

@@ -1,13 +1,15 @@
 """Catalogues of force-sensing resistors (FSR), operational amplifiers and controllers.
 
-They are read from `sensors.csv`, `amplifiers.csv` and `controllers.csv`, with the source of every figure. Of sensors,
-[D] is Interlink Electronics' one-page data sheet of the model. Dimensions listed in `unverified` were not found in a
-document of the maker, or differ between its editions. Measure your own sensor before you print.
+They are read from `sensors.csv`, `amplifiers.csv` and `controllers.csv`, with the source of every
+figure. Of sensors, [D] is Interlink Electronics' one-page data sheet of the model. Dimensions
+listed in `unverified` were not found in a document of the maker, or differ between its editions.
+Measure your own sensor before you print.
 
-Figures of an amplifier listed in `unverified` were recalled from the data sheet, assumed, or derived; no document of
-the maker was read for them. Read the data sheet of the part you buy. The article's TL082 has a common-mode input
-range that ends 3 V above the negative rail (typical; the data sheet guarantees 4 V), and below that its output
-reverses its phase and jumps up. All others have rail-to-rail inputs and outputs and the same pins.
+Figures of an amplifier listed in `unverified` were recalled from the data sheet, assumed, or
+derived; no document of the maker was read for them. Read the data sheet of the part you buy. The
+article's TL082 has a common-mode input range that ends 3 V above the negative rail (typical; the
+data sheet guarantees 4 V), and below that its output reverses its phase and jumps up. All others
+have rail-to-rail inputs and outputs and the same pins.
 """
 
 from __future__ import annotations
@@ -23,18 +25,24 @@ from typing import ClassVar, Literal
 from fingertip.foundation.tables import load_table, read_rows
 
 PART_TO_PART = (2.0, 8.0)
-"""Factors by which the readings of real sensors of one model differ at the same force, from usual to bad. Source: three
-sensors under 2.6 N in a divider with a converter of 10 bits gave 341 to 373 counts, and 45 to 54."""
+"""Factors by which the readings of real sensors of one model differ at the same force, from usual
+to bad. Source: three sensors under 2.6 N in a divider with a converter of 10 bits gave 341 to 373
+counts, and 45 to 54.
+"""
 
 HYSTERESIS = 0.10
-"""Largest relative error by which a sensor's force reads high after a higher one (article, III.B: at most 10 %)."""
+"""Largest relative error by which a sensor's force reads high after a
+higher one (article, III.B: at most 10 %).
+"""
 FILM_G_CM3 = 1.4
 """Density of a sensor, taken for that of its polyester films. (unverified)"""
 
 
 @dataclass(frozen=True)
 class ForceSensor:
-    """Outline of a flat force-sensing resistor as bought: round head, and tail that leads to the two solder tabs."""
+    """Outline of a flat force-sensing resistor as bought: round head,
+    and tail that leads to the two solder tabs.
+    """
 
     model: str
     label: str
@@ -63,25 +71,43 @@ class ForceSensor:
 
 
 def plain_name(text: str) -> str:
-    """Reduce the name of a part to what people agree on: "FSR-402" is "fsr402", "Arduino Nano 33 BLE" "nano33ble"."""
-    return re.sub("^(arduino|raspberrypi|stm32|interlink)", "", re.sub("[^a-z0-9]", "", text.lower()))
+    """Reduce the name of a part to what people agree on: "FSR-402" is
+    "fsr402", "Arduino Nano 33 BLE" "nano33ble".
+    """
+    return re.sub(
+        "^(arduino|raspberrypi|stm32|interlink)", "", re.sub("[^a-z0-9]", "", text.lower())
+    )
 
 
 _ROWS = tuple(read_rows(Path(__file__).with_name("sensors.csv")))
-_BY_NAME = {plain_name(name): row for row in _ROWS for name in (row["model"], row["label"], *row["names"].split())}
-SENSORS = {sensor.model: sensor for sensor in load_table(ForceSensor, (row for row in _ROWS if row["fits"] == "yes"))}
+_BY_NAME = {
+    plain_name(name): row
+    for row in _ROWS
+    for name in (row["model"], row["label"], *row["names"].split())
+}
+SENSORS = {
+    sensor.model: sensor
+    for sensor in load_table(ForceSensor, (row for row in _ROWS if row["fits"] == "yes"))
+}
 
 
 def spell_sensor(word: str) -> str:
-    """Spell the name of a sensor as the catalogue does: "FSR-402" is "fsr402". Other words stay as they are."""
+    """Spell the name of a sensor as the catalogue does: "FSR-402" is "fsr402".
+
+    Other words stay as they are.
+    """
     model = _BY_NAME.get(plain_name(word), {}).get("model", word)
     return model if model in SENSORS else word
 
 
 def explain_sensor(word: str) -> str:
-    """Explain why a sensor that people know is not in the catalogue; nothing of a word that is none."""
+    """Explain why a sensor that people know is not in the
+    catalogue; nothing of a word that is none.
+    """
     row = _BY_NAME.get(plain_name(word), {"fits": "yes"})
-    how = {"yes": "", "custom": "fits as custom: {reason}", "never": "never fits: {reason}"}[row["fits"]]
+    how = {"yes": "", "custom": "fits as custom: {reason}", "never": "never fits: {reason}"}[
+        row["fits"]
+    ]
     return how and f"the {row['label']} {how.format(**row)}"
 
 
@@ -89,7 +115,9 @@ def explain_sensor(word: str) -> str:
 class Amplifier:
     name: str
     symbol: str
-    """Name of its symbol in KiCad's library: its own, or a dual amplifier's whose pins are drawn at the same places."""
+    """Name of its symbol in KiCad's library: its own, or a dual
+    amplifier's whose pins are drawn at the same places.
+    """
     order_name: str
     """Name to order, with the grade."""
     bandwidth_hz: float
@@ -106,11 +134,17 @@ class Amplifier:
     max_offset_v: float
     """Maximum input offset voltage at 25 degrees Celsius [V], for the grade in `order_name`."""
     drift_v_per_k: float
-    """Drift of the offset with the temperature [V/K]; the maximum where the data sheet states one."""
+    """Drift of the offset with the temperature [V/K]; the maximum where the data sheet
+    states one.
+    """
     output_from_rail_v: float
-    """Distance from the rails at which the output stops [V], typical, into a light load (10 kohm)."""
+    """Distance from the rails at which the output stops [V], typical, into a light load
+    (10 kohm).
+    """
     output_current_a: float
-    """Peak output current that it may be asked for [A]; half of the short-circuit current where only that is stated."""
+    """Peak output current that it may be asked for [A]; half of the
+    short-circuit current where only that is stated.
+    """
     min_supply_v: float
     max_supply_v: float
     """Range of the voltage between both supply pins [V]."""
@@ -126,22 +160,32 @@ class Amplifier:
     """Place in the order in which a remedy offers them, from 1."""
     source: str
     """Documents of the other figures."""
-    units: ClassVar[Mapping[str, tuple[str, str, str]]] = {"a": ("3", "2", "1"), "b": ("5", "6", "7")}
+    units: ClassVar[Mapping[str, tuple[str, str, str]]] = {
+        "a": ("3", "2", "1"),
+        "b": ("5", "6", "7"),
+    }
     """Unit letter -> pins of non-inverting input, inverting input and output."""
 
     @functools.cached_property
     def second_pole_hz(self) -> float:
-        """Frequency f2 of the second pole [Hz]: at unity gain it lags by 90 degrees less the phase margin."""
+        """Frequency f2 of the second pole [Hz]: at unity gain it
+        lags by 90 degrees less the phase margin.
+        """
         lag = math.tan(math.radians(90.0 - self.phase_margin_deg))
         return self.bandwidth_hz / (lag * math.hypot(1.0, lag))
 
     def open_loop_gain(self, f_hz: float) -> complex:
         """Open-loop gain with two poles at a frequency [Hz]."""
-        return 1.0 / ((1.0 / OPEN_LOOP_GAIN + 1j * f_hz / self.bandwidth_hz) * (1.0 + 1j * f_hz / self.second_pole_hz))
+        return 1.0 / (
+            (1.0 / OPEN_LOOP_GAIN + 1j * f_hz / self.bandwidth_hz)
+            * (1.0 + 1j * f_hz / self.second_pole_hz)
+        )
 
 
 OPEN_LOOP_GAIN = 2e5
-"""Open-loop gain A0 of the TL082 (typical, its data sheet): 106 dB. More, as the others have, changes no result."""
+"""Open-loop gain A0 of the TL082 (typical, its data sheet): 106 dB.
+More, as the others have, changes no result.
+"""
 
 AMPLIFIER_CATALOGUE: dict[str, Amplifier] = {
     amplifier.name: amplifier
@@ -150,7 +194,9 @@ AMPLIFIER_CATALOGUE: dict[str, Amplifier] = {
 """Dual amplifiers by the name that `board.amplifier` gives them."""
 
 AUTO = "auto"
-ARTICLE_AMPLIFIER, RAIL_TO_RAIL_AMPLIFIER, LOW_OFFSET_AMPLIFIER = "TL082", "MCP6022", "OPA2376"
+ARTICLE_AMPLIFIER = "TL082"
+RAIL_TO_RAIL_AMPLIFIER = "MCP6022"
+LOW_OFFSET_AMPLIFIER = "OPA2376"
 LOW_POWER_AMPLIFIER = "TLV2372"
 
 
@@ -160,11 +206,15 @@ def list_dual_amplifiers() -> tuple[Amplifier, ...]:
 
 
 NAMES = ("thumb", "index", "middle", "ring", "little")
-"""Names of the fingers that one controller reads, in the order of its inputs and of a board's channels."""
+"""Names of the fingers that one controller reads, in the order of
+its inputs and of a board's channels.
+"""
 
 
 def split_finger(name: str) -> tuple[str, str]:
-    """Split the parameter of one finger, such as fingers.thumb.skin.width_mm, into both; "" stands for all fingers."""
+    """Split the parameter of one finger, such as
+    fingers.thumb.skin.width_mm, into both; "" stands for all fingers.
+    """
     words = name.split(".", 2)
     return (words[1], words[2]) if words[0] == "fingers" and len(words) == 3 else ("", name)
 
@@ -184,7 +234,9 @@ class ControllerBoard:
     converter: str
     """Resolution and range of the analog inputs."""
     timer: str
-    """Answer to whether `slip_timer.h` has its timer, or the sketch for dividers alone; or "too slow"."""
+    """Answer to whether `slip_timer.h` has its timer, or the
+    sketch for dividers alone; or "too slow".
+    """
     note: str
     inputs: str
     """Analog inputs that are free, as its core names them, separated by spaces."""

@@ -1,8 +1,10 @@
-"""Kinds of TOML files (design, set, scene, manipulation, surface, sweep), and the bundled ones by bare name.
+"""Kinds of TOML files (design, set, scene, manipulation, surface, sweep), and the bundled ones by
+bare name.
 
-This is the one place that decides what a TOML file is. The kinds share the suffix .toml, so that only the names at
-the top level of a file tell them apart. A bare name is a single word without suffix and slash, such as fsr400. An
-existing file of the same name comes first; a folder does not, and ./fsr400 names it.
+This is the one place that decides what a TOML file is. The kinds share the suffix .toml, so that
+only the names at the top level of a file tell them apart. A bare name is a single word without
+suffix and slash, such as fsr400. An existing file of the same name comes first; a folder does not,
+and ./fsr400 names it.
 """
 
 from __future__ import annotations
@@ -23,7 +25,9 @@ from fingertip.foundation.tables import read_rows, read_toml
 class FileKind:
     name: str
     names: frozenset[str]
-    """Names that may stand at the top level of the file. A test compares them with the models of the files."""
+    """Names that may stand at the top level of the file.
+    A test compares them with the models of the files.
+    """
     example: str
     """Name of a bundled file of this kind."""
     use: str
@@ -42,76 +46,103 @@ SWEEP, SET, SURFACE, MANIPULATION, SCENE, DESIGN = KINDS
 
 
 def read_file(path: Path, kind: FileKind, below: Path | None = None) -> dict[str, Any]:
-    """Read a file, unless none of its names belongs to the expected kind alone, but some name to another kind."""
+    """Read a file, unless none of its names belongs to the expected
+    kind alone, but some name to another kind.
+    """
     tables = read_toml(path, kind.describe(), below)
     found = _find_kinds(tables)
+
     if found and kind not in found and not kind.names.issuperset(tables):
         other = next(iter(found))
-        message = f"is {other.describe()}, not {kind.describe()}; give one such as {kind.example} ({other.use})."
+        message = (
+            f"is {other.describe()}, not {kind.describe()}; give one such as {kind.example} "
+            f"({other.use})."
+        )
         if (other, kind) == (SET, DESIGN):
             remedy = "give that of one finger, or the set to `fingertip make` or `check`"
             message = f"{message.partition(';')[0]}; {remedy}."
+
         raise TomlFileError(Issue(str(path), message))
+
     return tables
 
 
 def identify_kind(path: Path) -> FileKind | None:
-    """Identify the kind of a file by its names; None if it cannot be read or no name is known. Raises TomlFileError."""
+    """Identify the kind of a file by its names; None if it cannot be read or no name is known.
+
+    Raises TomlFileError.
+    """
     try:
         tables = read_toml(path)
     except TomlFileError:
         return None
+
     found = _find_kinds(tables)
     if len(found) > 1:
         parts = " and ".join(f"{min(names)} of a {kind.name}" for kind, names in found.items())
         remedy = "and give the design with --design" if DESIGN in found else "one for each"
         raise TomlFileError(Issue(str(path), f"holds {parts}; write them in two files {remedy}."))
+
     return next(iter(found), None)
 
 
-def split_changes(changes: Iterable[str], kinds: Collection[FileKind]) -> tuple[list[str], list[str]]:
-    """Split changes, such as "tap.force_n=5", into those of a file of some kinds and those of the design beside it.
+def split_changes(
+    changes: Iterable[str], kinds: Collection[FileKind]
+) -> tuple[list[str], list[str]]:
+    """Split changes, such as "tap.force_n=5", into those of a file of some kinds and those of the
+    design beside it.
 
-    The name before the first dot decides. A name that only files of other kinds have counts as the file's, whose error
-    then lists the file's names. Any other unknown name counts as the most similar known one, so that the error can
-    suggest it.
+    The name before the first dot decides. A name that only files of other kinds have counts as the
+    file's, whose error then lists the file's names. Any other unknown name counts as the most
+    similar known one, so that the error can suggest it.
     """
     own: list[str] = []
     others: list[str] = []
     foreign = frozenset().union(*(kind.names for kind in KINDS)) - DESIGN.names
     own_names = foreign.union(*(kind.names for kind in kinds))
     known = sorted(own_names | DESIGN.names)
+
     for change in changes:
         name = change.partition("=")[0].partition(".")[0].strip()
-        similar = [name] if name in known else difflib.get_close_matches(name, known, n=1, cutoff=0.65)
+        similar = (
+            [name] if name in known else difflib.get_close_matches(name, known, n=1, cutoff=0.65)
+        )
         (own if own_names.intersection(similar) else others).append(change)
+
     return own, others
 
 
 def _find_kinds(tables: Mapping[str, Any]) -> dict[FileKind, set[str]]:
     """Find the kinds that names at the top level of a file belong to, with these names.
 
-    Names of one kind alone decide. Names that are shared count only if no other name decides for a kind that has them.
-    A sweep file may hold names of all kinds.
+    Names of one kind alone decide. Names that are shared count only if no other name decides for a
+    kind that has them. A sweep file may hold names of all kinds.
     """
     names = set(tables)
     if names == SURFACE.names:  # a scene may have such a table too, beside others
         return {SURFACE: names}
+
     found: dict[FileKind, set[str]] = {}
     for kind in KINDS:
         shared = frozenset().union(*(other.names for other in KINDS if other is not kind))
-        if own := names & (kind.names - shared):
+        own = names & (kind.names - shared)
+        if own:
             found[kind] = own
+
     if SWEEP in found:
         return {SWEEP: found[SWEEP]}
+
     for kind in reversed(KINDS):
         explained = frozenset().union(*(other.names for other in found))
-        if left := (names & kind.names) - explained:
+        left = (names & kind.names) - explained
+        if left:
             found[kind] = found.get(kind, set()) | left
+
     return {kind: found[kind] for kind in KINDS if kind in found}
 
 
-# The wheel holds `params/` within the package. In a checkout it stands at the top level, beside `src/`.
+# The wheel holds `params/` within the package. In a checkout it stands at the top level, beside
+# `src/`.
 _IN_WHEEL = Path(__file__).parents[1] / "params"
 _IN_CHECKOUT = Path(__file__).parents[3] / "params"
 PARAMS = _IN_WHEEL if _IN_WHEEL.is_dir() else _IN_CHECKOUT
@@ -121,8 +152,13 @@ _MAX_SUGGESTIONS = 3
 
 
 def list_bundled_files(*kinds: FileKind) -> dict[str, Path]:
-    """List the bundled files of some kinds, or of all kinds, by bare name. No two files have the same name."""
-    files = {path.stem: path for folder in _FOLDERS for path in sorted((PARAMS / folder).glob("*.toml"))}
+    """List the bundled files of some kinds, or of all kinds, by bare name.
+
+    No two files have the same name.
+    """
+    files = {
+        path.stem: path for folder in _FOLDERS for path in sorted((PARAMS / folder).glob("*.toml"))
+    }
     return {name: path for name, path in files.items() if not kinds or identify_kind(path) in kinds}
 
 
@@ -133,10 +169,11 @@ def is_bundled_name(name: str | Path, *kinds: FileKind) -> bool:
 
 
 def parse_source(typed: str, *kinds: FileKind) -> Path:
-    """Parse a word that a user typed for a file of some kinds: its path, or the bare name of a bundled one.
+    """Parse a word that a user typed for a file of some kinds: its path, or the bare name of a
+    bundled one.
 
-    A path such as ./fsr400 or fsr400/ becomes absolute if it would be a bundled name without its slash, which a `Path`
-    does not keep.
+    A path such as ./fsr400 or fsr400/ becomes absolute if it would be a bundled name without its
+    slash, which a `Path` does not keep.
     """
     path = Path(typed)
     return path.absolute() if typed != str(path) and is_bundled_name(path, *kinds) else path
@@ -144,31 +181,45 @@ def parse_source(typed: str, *kinds: FileKind) -> Path:
 
 def find_file(source: str | Path, *kinds: FileKind, folder: Path | None = None) -> Path:
     """Find a file that is given by path or by bare name. Raises TomlFileError."""
-    name, path = str(source), (folder or Path()) / source
+    name = str(source)
+    path = (folder or Path()) / source
     if not _BARE_NAME.fullmatch(name):
         return path
-    bundled, wanted = list_bundled_files().get(name), join_words((kind.describe() for kind in kinds), "or")
+
+    bundled = list_bundled_files().get(name)
+    wanted = join_words((kind.describe() for kind in kinds), "or")
     # False for a name that is too long to be one, where Path.exists raises.
     if os.path.exists(path) and not (bundled and path.is_dir()):
         return path
+
     kind = identify_kind(bundled) if bundled else None
     if bundled and kind in kinds:
         return bundled
+
     known = list(list_bundled_files(*kinds))
     if kind is None:
         raise TomlFileError(Issue(name, _describe_unknown(name, path, kinds, known)))
+
     remedy = f"known names: {', '.join(known)} ({kind.use})"
     raise TomlFileError(Issue(name, f"is {kind.describe()}, not {wanted}; {remedy}."))
 
 
-def _describe_unknown(name: str, path: Path, kinds: Sequence[FileKind], known: Sequence[str]) -> str:
+def _describe_unknown(
+    name: str, path: Path, kinds: Sequence[FileKind], known: Sequence[str]
+) -> str:
     """Describe a bare name that nothing has, with close names, or else with all of them."""
     close = difflib.get_close_matches(name, known, n=_MAX_SUGGESTIONS)
     similar = [other for other in known if other in close]
     if os.path.isfile(path.with_name(f"{name}.toml")):
         similar.insert(0, f"{name}.toml")
-    remedy = f"known names: {', '.join(known)}; or give the path of a file." if known else "give the path of a file."
+
+    remedy = (
+        f"known names: {', '.join(known)}; or give the path of a file."
+        if known
+        else "give the path of a file."
+    )
     if similar:
         remedy = f"did you mean {join_words(similar, 'or')}?"
+
     wanted = join_words((kind.name for kind in kinds), "or")
     return f"is neither a file nor the name of a bundled {wanted}; {remedy}"

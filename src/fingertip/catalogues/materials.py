@@ -1,7 +1,8 @@
-"""Catalogues of silicones for the skin and of materials for printed parts, with the source of every figure.
+"""Catalogues of silicones for the skin and of materials for printed parts, with the source of every
+figure.
 
-They are read from `silicones.toml` and `print_materials.csv`. The strength of a print falls with temperature, moisture,
-age and a poor post-cure: no figure here includes that.
+They are read from `silicones.toml` and `print_materials.csv`. The strength of a print falls with
+temperature, moisture, age and a poor post-cure: no figure here includes that.
 """
 
 from __future__ import annotations
@@ -15,8 +16,9 @@ from typing import Any, Literal, Self, cast
 from fingertip.foundation.tables import load_table, read_rows
 
 Cure = Literal["addition", "condensation"]
-"""Cure system: addition (platinum) or condensation (tin). Addition cure shrinks least, but uncured resin inhibits it.
-Condensation cure is not inhibited."""
+"""Cure system: addition (platinum) or condensation (tin). Addition cure shrinks least, but uncured
+resin inhibits it. Condensation cure is not inhibited.
+"""
 RatioBasis = Literal["weight", "volume", "weight or volume"]
 """Basis on which the maker states the mix ratio; "weight or volume" if both are allowed."""
 
@@ -39,11 +41,14 @@ class MaterialProperty:
 
     @classmethod
     def parse(cls, text: str) -> Self:
-        """Parse a value or a range, its source and a mark if it is not verified: "0.7 to 2, common, unverified"."""
+        """Parse a value or a range, its source and a mark if it is
+        not verified: "0.7 to 2, common, unverified".
+        """
         figures, *rest = text.split(", ")
         verified = rest[-1:] != ["unverified"]
         (source,) = rest[: None if verified else -1] or [""]
         low, _, high = figures.partition(" to ")
+
         return cls(float(low), float(high or low), source, verified)
 
 
@@ -66,7 +71,9 @@ class Silicone:
     """Young's modulus at small strain."""
     shrinkage_percent: MaterialProperty
     pot_life_min: MaterialProperty
-    """Pot life at room temperature, from the start of stirring, as the card or the container states it."""
+    """Pot life at room temperature, from the start of stirring,
+    as the card or the container states it.
+    """
     cure_h: MaterialProperty
     """Time at room temperature until the skin can be demolded."""
     elongation_percent: MaterialProperty
@@ -78,12 +85,16 @@ class Silicone:
 
     @property
     def planned_pot_life_min(self) -> float:
-        """Pot life that the casting sheet plans with [min]: the least of a range, or that of the example to buy."""
+        """Pot life that the casting sheet plans with [min]: the least
+        of a range, or that of the example to buy.
+        """
         return min(max(self.pot_life_min.low, WANTED_POT_LIFE_MIN), self.pot_life_min.high)
 
     def properties(self) -> dict[str, MaterialProperty]:
         """All known properties by field name, which carries the unit."""
-        return {name: value for name, value in vars(self).items() if isinstance(value, MaterialProperty)}
+        return {
+            name: value for name, value in vars(self).items() if isinstance(value, MaterialProperty)
+        }
 
 
 @functools.cache
@@ -104,20 +115,27 @@ def load_silicones() -> dict[str, Silicone]:
 
 
 def find_example(silicone: Silicone) -> dict[str, str] | None:
-    """Find the product of the catalogue that comes nearest in hardness to a kind of silicone; None for a product.
+    """Find the product of the catalogue that comes nearest in hardness to a kind of silicone; None
+    for a product.
 
-    It has the same cure system and lasts as long as asked for. There is none for a kind that no product belongs to.
+    It has the same cure system and lasts as long as asked for. There is none for a kind that no
+    product belongs to.
     """
     if silicone.name not in GENERIC or silicone.shore_a is None:
         return None
+
     wanted = silicone.shore_a.low
     found = [
         (abs(product.shore_a.low - wanted), name)
         for name, product in load_silicones().items()
-        if name not in GENERIC and product.cure == silicone.cure and product.shore_a
+        if name not in GENERIC
+        and product.cure == silicone.cure
+        and product.shore_a
         and product.pot_life_min.low >= WANTED_POT_LIFE_MIN
-    ]  # fmt: skip
-    return {"name": min(found)[1], "label": load_silicones()[min(found)[1]].label} if found else None
+    ]
+    return (
+        {"name": min(found)[1], "label": load_silicones()[min(found)[1]].label} if found else None
+    )
 
 
 Process = Literal["sla", "fdm", "powder"]
@@ -130,7 +148,9 @@ class PrintMaterial:
     process: Process
     """Printer that it is for: resin, filament or powder bed."""
     strength_mpa: float
-    """Tensile strength across the layers [MPa], as a bone prints; the lower end where the source gives a range."""
+    """Tensile strength across the layers [MPa], as a bone prints; the
+    lower end where the source gives a range.
+    """
     modulus_mpa: float
     density_g_cm3: float
     """Density of a print without hollows; no document of a product was found for any."""
@@ -141,5 +161,7 @@ class PrintMaterial:
 
 PRINT_MATERIALS = {
     material.name: material
-    for material in load_table(PrintMaterial, read_rows(Path(__file__).with_name("print_materials.csv")))
+    for material in load_table(
+        PrintMaterial, read_rows(Path(__file__).with_name("print_materials.csv"))
+    )
 }

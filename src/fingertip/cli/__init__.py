@@ -70,12 +70,18 @@ def _version(version: bool = flag("Print the version and exit.")) -> None:
 
 
 def _refuse_empty_words(words: Sequence[str]) -> None:
-    """Refuse an empty word, which is a variable of the shell that is not set: as a folder it would be this one."""
+    """Refuse an empty word, which is a variable of the shell that is
+    not set: as a folder it would be this one.
+    """
     for before, word in zip(["", *words], words, strict=False):
         option, sign, value = word.partition("=")
         if not word or (sign and not value and option.startswith("--")):
             name = option or (before if before.startswith("-") else "argument")
-            raise FingertipError(Issue(name, "is empty, perhaps a variable that is not set; give a value, or omit it."))
+            raise FingertipError(
+                Issue(
+                    name, "is empty, perhaps a variable that is not set; give a value, or omit it."
+                )
+            )
 
 
 @command
@@ -88,12 +94,16 @@ def _answer() -> None:
 
 
 def main() -> None:
-    # The linear systems here have some twenty unknowns: threads of the linear algebra library only delay the start.
+    # The linear systems here have some twenty unknowns: threads of the linear algebra library only
+    # delay the start.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    # The processes that a sweep starts import nothing from the current folder, which may be a stranger's.
+    # The processes that a sweep starts import nothing from the current folder, which may be a
+    # stranger's.
     os.environ["PYTHONSAFEPATH"] = "1"
-    # The modules loaded so far stay until the end: the garbage collector need not search them again and again.
+    # The modules loaded so far stay until the end: the garbage collector need not search them again
+    # and again.
     gc.freeze()
+
     try:
         _answer()
     except typer.Exit as end:

@@ -1,4 +1,6 @@
-"""`fingertip accuracy`: errors of the simulation against its run time, what each stage adds, and extreme cases."""
+"""`fingertip accuracy`: errors of the simulation against its run
+time, what each stage adds, and extreme cases.
+"""
 
 from __future__ import annotations
 
@@ -19,15 +21,19 @@ def accuracy(
     ),
     cases: int = typer.Option(5000, help="Number of extreme cases, 1 to 1000000."),
     jobs: int | None = JOBS,
-    out: Path = typer.Option(Path("out/accuracy"), "--out", "-o", help="Folder for accuracy.txt and .json."),
+    out: Path = typer.Option(
+        Path("out/accuracy"), "--out", "-o", help="Folder for accuracy.txt and .json."
+    ),
 ) -> None:
-    """Measure the errors of simulated traces against run time, and try extreme cases. Exit code 1: one is wrong.
+    """Measure the errors of simulated traces against run time, and try extreme cases. Exit code 1:
+    one is wrong.
 
-    A trial and a grasp of the design run with the program's time step, a half and a quarter of it; the reference has
-    steps 16 times as short. Extreme and stiff cases of contact and board are held, refused with a reason, or wrong.
+    A trial and a grasp of the design run with the program's time step, a half and a quarter of it;
+    the reference has steps 16 times as short. Extreme and stiff cases of contact and board are
+    held, refused with a reason, or wrong.
 
-    After the word budget: errors of 25 named outputs at three settings of steps, grids, meshes and samples each, with
-    their CPU time.
+    After the word budget: errors of 25 named outputs at three settings of steps, grids, meshes and
+    samples each, with their CPU time.
     """
     from fingertip.foundation.errors import Issue
     from fingertip.foundation.output_set import SetWriter, hash_parameters
@@ -42,11 +48,13 @@ def accuracy(
     extra = Issue("DESIGN", f"{of} is one design too many; name one, or write budget ahead of it.")
     refuse([extra] if of and not is_budget else [])
     loaded = load_design(of if is_budget else design, None, console)
+
     if is_budget:
         curves = measure_budget(loaded, console.progress)
         shown = loaded.name, curves, {name: output.group for name, output in load_outputs().items()}
         console.result(report.budget_data(*shown), report.budget_text(*shown))
         return
+
     writer = SetWriter(out, "accuracy", loaded.name, hash_parameters(loaded.identity()))
     writer.check(report.FILES)
     found = measure_accuracy(loaded, cases, console.progress, jobs)

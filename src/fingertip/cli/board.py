@@ -1,4 +1,6 @@
-"""`fingertip board`: compute the component values of the board and write its files for KiCad and SPICE."""
+"""`fingertip board`: compute the component values of the board
+and write its files for KiCad and SPICE.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,14 @@ import typer
 from fingertip.cli import options
 from fingertip.cli.board_tables import analysis_text, channel_lines, gate_lines, table_lines
 from fingertip.cli.console import Console
-from fingertip.cli.options import command, find_file_issues, find_idle_issues, flag, load_design, refuse
+from fingertip.cli.options import (
+    command,
+    find_file_issues,
+    find_idle_issues,
+    flag,
+    load_design,
+    refuse,
+)
 from fingertip.foundation.errors import Issue
 
 if TYPE_CHECKING:
@@ -30,26 +39,37 @@ def board(
         None,
         "--out",
         "-o",
-        help="Output folder; out/NAME/board by default, where only --force replaces a board of another circuit.",
+        help="Output folder; out/NAME/board by default, where only --force replaces a board of "
+        "another circuit.",
     ),
     check: bool = flag(
-        "Write nothing; compare the folder (with --fab also OUT/fab) with the design; exit 1 if they differ."
+        "Write nothing; compare the folder (with --fab also OUT/fab) with the design; exit 1 if "
+        "they differ."
     ),
-    fab: bool = flag("Also write gerbers, drill files, placement, parts and renderings to OUT/fab; requires KiCad 9."),
+    fab: bool = flag(
+        "Also write gerbers, drill files, placement, parts and renderings to OUT/fab; requires "
+        "KiCad 9."
+    ),
     panel: str | None = typer.Option(
         None,
         metavar="ROWSxCOLUMNS",
         help="Also write a panel of so many boards, such as 2x3, to OUT/panel; needs KiKit.",
     ),
     analysis: bool = flag("Also analyse noise, offsets, tolerances (10 000 boards)."),
-    bode: Path | None = typer.Option(None, metavar="FILE", help="Write the Bode table of each stage as CSV."),
-    bringup: bool = flag("Also write bringup.md, how to test a soldered board, and a sketch that plays the tones."),
+    bode: Path | None = typer.Option(
+        None, metavar="FILE", help="Write the Bode table of each stage as CSV."
+    ),
+    bringup: bool = flag(
+        "Also write bringup.md, how to test a soldered board, and a sketch that plays the tones."
+    ),
     article: bool = flag("Also print what the article states about its own board, and what is so."),
     verbose: bool = options.VERBOSE,
     force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Compute the board's component values; write schematic, layout, netlist, SPICE deck and bill of materials."""
+    """Compute the board's component values; write schematic, layout,
+    netlist, SPICE deck and bill of materials.
+    """
     writing = {"--bode": bode, "--bringup": bringup, "--panel": panel}
     idle = find_idle_issues("--check", writing if check else {})
     refuse(find_file_issues("--bode", bode, ".csv"), idle)
@@ -57,13 +77,25 @@ def board(
     message = f"{panel} is no panel; write rows and columns, 1 to 9 each, such as 2x3."
     refuse([] if shape else [Issue("--panel", message)])
     loaded = load_design(design, changes, console)
-    options = _Options(out, fab, shape if panel else None, analysis, bode, bringup, article, verbose, force)
+    options = _Options(
+        out=out,
+        fab=fab,
+        panel=shape if panel else None,
+        analysis=analysis,
+        bode=bode,
+        bring_up=bringup,
+        article=article,
+        verbose=verbose,
+        force=force,
+    )
+
     if not loaded.board.has_filter:
         from fingertip.board.components.values import BOARD_REMEDY
 
         needing = {"--fab": fab, "--analysis": analysis, "--article": article} | writing
         message = f"needs a board, and a divider is none; leave it out, or {BOARD_REMEDY}."
         refuse(Issue(option, message) for option, given in needing.items() if given)
+
     if check:
         _compare(console, loaded, out, fab)
     elif loaded.board.has_filter:
@@ -89,17 +121,22 @@ class _Options:
 
 
 def _write_board(console: Console, design: Design, options: _Options) -> None:
-    """Write the files of a board, and print its values, what is doubtful of it, and what the options add."""
+    """Write the files of a board, and print its values, what is
+    doubtful of it, and what the options add.
+    """
     from fingertip.board.analysis.board_values import board_values
 
     values = board_values(design)
     folder, written = _write(console, design, options)
     warnings = list(_find_warnings(design, values))
-    data, verdict = values.as_data(), _format_verdict(values, warnings)
-    achieved, target = values.achieved_response, values.target_response
+    data = values.as_data()
+    verdict = _format_verdict(values, warnings)
+    achieved = values.achieved_response
+    target = values.target_response
     lines = [
         f"{design.name}, {verdict}",
-        f"-3 dB at {achieved.cutoff_hz:.4g} Hz (target {target.cutoff_hz:.4g} Hz), gain {achieved.passband_gain:.4g}; "
+        f"-3 dB at {achieved.cutoff_hz:.4g} Hz (target {target.cutoff_hz:.4g} Hz), gain "
+        f"{achieved.passband_gain:.4g}; "
         f"files in {folder}, --verbose for the conditions",
         *channel_lines(design, values),
         "",
@@ -109,16 +146,23 @@ def _write_board(console: Console, design: Design, options: _Options) -> None:
         lines += ["", _write_panel(folder, *map(int, options.panel.groups()))]
     if options.verbose:
         lines += ["", *gate_lines(values)]
+
     if options.fab:
         from fingertip.board.circuits.board_circuit import board_circuit
         from fingertip.board.fabrication.bom import missing_numbers_note
 
         data["to_order"] = missing_numbers_note(board_circuit(values, design.board.channels))
         lines += ["", data["to_order"]] if data["to_order"] else []
+
     if options.article:
         lines += ["", "Errata of the article:"]
         for erratum in values.errata:
-            lines += [f"  {erratum.subject}", f"    article: {erratum.statement}", f"    correct: {erratum.correction}"]
+            lines += [
+                f"  {erratum.subject}",
+                f"    article: {erratum.statement}",
+                f"    correct: {erratum.correction}",
+            ]
+
     if options.bode:
         from fingertip.board.analysis.report import bode_table
         from fingertip.foundation.files import write_file
@@ -126,17 +170,21 @@ def _write_board(console: Console, design: Design, options: _Options) -> None:
         write_file(options.bode, bode_table(design).encode(), "--bode")
         written["files"].append(options.bode.as_posix())
         lines += ["", f"wrote {options.bode.as_posix()}"]
+
     if options.analysis:
         from fingertip.board.analysis.report import analyse
 
         found = analyse(design)
         data["analysis"] = found.as_data()
         lines += ["", analysis_text(design, found)]
+
     console.result(data | written | {"verdict": verdict, "warnings": warnings}, "\n".join(lines))
 
 
 def _write_panel(folder: Path, rows: int, columns: int) -> str:
-    """Write a panel of a board beside it, or name the command that does it where KiKit is not installed."""
+    """Write a panel of a board beside it, or name the command
+    that does it where KiKit is not installed.
+    """
     from fingertip.board.fabrication.fabrication_files import panel_command, run_kikit
     from fingertip.catalogues.output_files import LAYOUT
 
@@ -145,6 +193,7 @@ def _write_panel(folder: Path, rows: int, columns: int) -> str:
     panel.parent.mkdir(exist_ok=True)
     if run_kikit(command):
         return f"panel of {rows} x {columns} in {panel}"
+
     return f"KiKit is not installed; where it is, this writes the panel: {shlex.join(command)}"
 
 
@@ -154,10 +203,17 @@ def _write_divider(console: Console, design: Design, options: _Options) -> None:
     from fingertip.documents.board.divider import describe_readings, list_readings
 
     folder, written = _write(console, design, options)
-    console.warn([*find_range_warnings(design), *design.force_curve.find_doubt(design.sensor.model)])
-    first = f"{design.name}, divider of {design.board.divider_ohm:g} ohm on one analog input; files in {folder}"
+    console.warn(
+        [*find_range_warnings(design), *design.force_curve.find_doubt(design.sensor.model)]
+    )
+    first = (
+        f"{design.name}, divider of {design.board.divider_ohm:g} ohm on one analog input; "
+        f"files in {folder}"
+    )
     readings = list_readings(design)
-    console.result(written | {"readings": readings}, "\n  ".join([first, *describe_readings(readings)]))
+    console.result(
+        written | {"readings": readings}, "\n  ".join([first, *describe_readings(readings)])
+    )
 
 
 def _compare(console: Console, design: Design, out: Path | None, fab: bool) -> None:
@@ -165,10 +221,17 @@ def _compare(console: Console, design: Design, out: Path | None, fab: bool) -> N
     from fingertip.tasks.board import board_differences, fabrication_differences
 
     folder = out or BOARD.folder(design)
+
     if folder.is_dir():
-        found = board_differences(design, folder) + fabrication_differences(design, folder, expected=fab)
+        found = board_differences(design, folder) + fabrication_differences(
+            design, folder, expected=fab
+        )
     else:
-        found = [f"{folder} {'is no folder' if folder.exists() else 'does not exist'}; name the folder with --out."]
+        found = [
+            f"{folder} {'is no folder' if folder.exists() else 'does not exist'}; name the folder "
+            "with --out."
+        ]
+
     text = "\n".join(found) or f"{folder} is up to date with this design"
     console.result({"current": not found, "differences": found}, text, passed=not found)
 
@@ -178,20 +241,31 @@ def _write(console: Console, design: Design, options: _Options) -> tuple[Path, d
     from fingertip.catalogues.output_files import BOARD
     from fingertip.tasks import board as task
 
-    folder, force = options.out or BOARD.folder(design), options.force
-    if options.out is None and not force:  # a folder that nobody named keeps a board of another circuit
+    folder = options.out or BOARD.folder(design)
+    force = options.force
+
+    if (
+        options.out is None and not force
+    ):  # a folder that nobody named keeps a board of another circuit
         task.refuse_other_board(design)
     if options.fab:
         task.check_fabrication(design, folder, force=force)
+
     notes: list[str] = []
-    paths = task.write_board(design, folder, force=force, bring_up=options.bring_up, progress=notes.append)
+    paths = task.write_board(
+        design, folder, force=force, bring_up=options.bring_up, progress=notes.append
+    )
     for note in notes:
         console.progress(note)
+
     if options.fab:
         paths += task.write_fabrication(design, folder, console.progress, force)
+
     # Fabrication files of an earlier design may be left in the folder.
     differences = task.fabrication_differences(design, folder)
-    console.warn(f"{difference} Do not send these files to a board house." for difference in differences)
+    console.warn(
+        f"{difference} Do not send these files to a board house." for difference in differences
+    )
     files = [path.as_posix() for path in paths]
     return folder, {"files": files, "notes": notes, "fabrication_differences": differences}
 
@@ -203,24 +277,38 @@ def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:
     from fingertip.board.analysis.loads import load_warnings
     from fingertip.board.analysis.noise import noise_warning
 
-    if warning := noise_warning(values.noise, design.detector.threshold_v):
+    warning = noise_warning(values.noise, design.detector.threshold_v)
+    if warning:
         yield warning
     if values.shared and (warning := crosstalk_warning(values.shared, design.board)):
         yield warning
+
     yield from load_warnings(design, values.filter_load_ohm, values.preferred.c_f)
     yield from gate_warnings(values.gate)
     if values.comparator_levels:
-        # The comparator is the detector here, so the warnings on detector settings apply. They need numpy.
+        # The comparator is the detector here, so the warnings on detector settings apply. They need
+        # numpy.
         from fingertip.detection.warnings import settings_warnings
 
         yield from settings_warnings(design)
 
 
 def _format_verdict(values: BoardValues, warnings: Sequence[str]) -> str:
-    """Verdict on the board: its conditions, and in the same breath what is doubtful all the same."""
+    """Verdict on the board: its conditions, and in the same breath what is doubtful all
+    the same.
+    """
     failed = sum(not condition.passed for condition in values.gate)
     verdict = f"all {len(values.gate)} conditions of a working board are met"
     if failed:
         verdict = f"{failed} of its {len(values.gate)} conditions FAIL"
-    more = ", with a warning:" if len(warnings) == 1 else f", with {len(warnings)} warnings:" if warnings else ""
-    return "\n".join([f"variant {values.variant}: {verdict}{more}", *(f"  warning: {each}" for each in warnings)])
+
+    if len(warnings) == 1:
+        more = ", with a warning:"
+    elif warnings:
+        more = f", with {len(warnings)} warnings:"
+    else:
+        more = ""
+
+    return "\n".join(
+        [f"variant {values.variant}: {verdict}{more}", *(f"  warning: {each}" for each in warnings)]
+    )

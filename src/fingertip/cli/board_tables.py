@@ -16,18 +16,23 @@ _FORCES_N = (0.0, 0.2, 0.8, 1.3, 3.0, 8.0, 20.0)
 def table_lines(design: Design, values: BoardValues) -> list[str]:
     from fingertip.board.analysis.limits import describe_adc_range, describe_filter_swing
 
-    aliasing, limits = values.aliasing, values.voltage_limits
+    aliasing = values.aliasing
+    limits = values.voltage_limits
     sign = "" if design.board.is_for_controller else "plus and minus "
+
     return [
         *_component_lines(design, values),
         "",
         *_response_lines(values),
         "",
-        f"supply of {sign}{design.board.supply_v:g} V: signal ground is at {limits.signal_ground_v:g} V, "
+        f"supply of {sign}{design.board.supply_v:g} V: signal ground is at "
+        f"{limits.signal_ground_v:g} V, "
         f"{describe_filter_swing(limits)}",
-        f"at {aliasing.nyquist_hz:g} Hz, half the ADC's sampling rate, the tactile voltage is attenuated by "
+        f"at {aliasing.nyquist_hz:g} Hz, half the ADC's sampling rate, the tactile voltage is "
+        "attenuated by "
         f"{-aliasing.tactile_nyquist_db:.1f} dB and the "
-        f"{'envelope' if design.board.has_envelope else 'filtered signal'} by {-aliasing.output_nyquist_db:.1f} dB",
+        f"{'envelope' if design.board.has_envelope else 'filtered signal'} by "
+        f"{-aliasing.output_nyquist_db:.1f} dB",
         describe_adc_range(limits),
         "",
         *_force_lines(design, values),
@@ -41,28 +46,48 @@ def gate_lines(values: BoardValues) -> list[str]:
     from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE
 
     amplifier = AMPLIFIER_CATALOGUE[values.amplifier]
-    lines = [f"Conditions with {amplifier.order_name} (unverified: {', '.join(amplifier.unverified)}):"]
-    required = {(c.name, c.subject, c.relation) for c in values.gate if c.level == "required" and c.passed}
+    lines = [
+        f"Conditions with {amplifier.order_name} (unverified: {', '.join(amplifier.unverified)}):"
+    ]
+    required = {
+        (c.name, c.subject, c.relation) for c in values.gate if c.level == "required" and c.passed
+    }
+
     for condition in values.gate:
         is_repeated = condition.level == "advised" and condition.passed
-        if not is_repeated or (condition.name, condition.subject, condition.relation) not in required:
-            lines.append(f"  {'' if condition.passed else 'FAILS: '}{describe_condition(condition)}")
-    return [*lines, describe_threshold_spread(values.threshold_spread)] if values.threshold_spread else lines
+        if (
+            not is_repeated
+            or (condition.name, condition.subject, condition.relation) not in required
+        ):
+            lines.append(
+                f"  {'' if condition.passed else 'FAILS: '}{describe_condition(condition)}"
+            )
+
+    return (
+        [*lines, describe_threshold_spread(values.threshold_spread)]
+        if values.threshold_spread
+        else lines
+    )
 
 
 def channel_lines(design: Design, values: BoardValues) -> Iterator[str]:
     """Yield the figures that the channels of several fingers share."""
-    if shared := values.shared:
+    shared = values.shared
+    if shared:
         yield (
-            f"{design.board.channels} fingers: {1e3 * shared.supply_current_a:.1f} mA at rest, crosstalk at most "
-            f"{shared.crosstalk_db:.0f} dB (at {shared.crosstalk_hz:.0f} Hz); the parts below are those of each finger"
+            f"{design.board.channels} fingers: {1e3 * shared.supply_current_a:.1f} mA at rest, "
+            "crosstalk at most "
+            f"{shared.crosstalk_db:.0f} dB (at {shared.crosstalk_hz:.0f} Hz); the parts below are "
+            "those of each finger"
         )
 
 
 def _component_lines(design: Design, values: BoardValues) -> list[str]:
     from fingertip.board.parts.circuit import format_component_value
 
-    ideal, preferred, adc = values.ideal, values.preferred, values.adc_interface
+    ideal = values.ideal
+    preferred = values.preferred
+    adc = values.adc_interface
     has_envelope = design.board.has_envelope
     filter_resistors = [
         ("R1", ideal.r1_ohm, preferred.r1_ohm, "first stage, pole"),
@@ -73,33 +98,52 @@ def _component_lines(design: Design, values: BoardValues) -> list[str]:
     ]
     if has_envelope:
         filter_resistors.append(("R6", ideal.r_lp_ohm, preferred.r_lp_ohm, "R_LP, envelope"))
+
     single = adc.output_ohm, adc.output_f
     others = [
         ("C1 C2 C3", (preferred.c_f,), "both filters"),
         *([("C4", (preferred.c_lp_f,), "C_LP, envelope")] if has_envelope else []),
         *_front_end_rows(values),
         *([("R7 C8", single, "anti-aliasing filter, envelope")] if has_envelope else []),
-        *([("R27 C25", single, "anti-aliasing filter, filtered signal")] if design.board.is_for_controller else []),
-        ("R8 C9", (adc.first_ohm, adc.first_f), "anti-aliasing filter, tactile voltage: first pole"),
-        ("R9 C19", (adc.second_ohm, adc.second_f), "anti-aliasing filter, tactile voltage: second pole"),
+        *(
+            [("R27 C25", single, "anti-aliasing filter, filtered signal")]
+            if design.board.is_for_controller
+            else []
+        ),
+        (
+            "R8 C9",
+            (adc.first_ohm, adc.first_f),
+            "anti-aliasing filter, tactile voltage: first pole",
+        ),
+        (
+            "R9 C19",
+            (adc.second_ohm, adc.second_f),
+            "anti-aliasing filter, tactile voltage: second pole",
+        ),
     ]
-    if added := values.first_stage_capacitors:
+    added = values.first_stage_capacitors
+
+    if added:
         capacitors = (added.series_capacitor_f, added.limiting_capacitor_f)
         others.append(("C14 C20", capacitors, "first stage, AC coupling of R4 and low-pass"))
+
     lines = [f"{'component':10} {'ideal':>14} {design.board.series:>10} {'deviation':>9}  function"]
     lines += [
-        f"{name:10} {ohm:10.1f} ohm {format_component_value(fitted):>10} {_format_deviation(fitted / ohm)}  {function}"
+        f"{name:10} {ohm:10.1f} ohm {format_component_value(fitted):>10} "
+        f"{_format_deviation(fitted / ohm)}  {function}"
         for name, ohm, fitted, function in filter_resistors
     ]
     lines += [
-        f"{names:10} {'':14} {' '.join(map(format_component_value, components)):>10} {'':9}  {function}"
+        f"{names:10} {'':14} {' '.join(map(format_component_value, components)):>10} {'':9}  "
+        f"{function}"
         for names, components, function in others
     ]
     return lines
 
 
 def _front_end_rows(values: BoardValues) -> list[tuple[str, tuple[float, ...], str]]:
-    if bridge := values.bridge:
+    bridge = values.bridge
+    if bridge:
         return [
             ("R10", (bridge.sensor_top_ohm,), "bridge, supply to sensor"),
             ("R11", (bridge.sensor_shunt_ohm,), "bridge, parallel to the sensor"),
@@ -107,6 +151,7 @@ def _front_end_rows(values: BoardValues) -> list[tuple[str, tuple[float, ...], s
             ("R13", (bridge.reference_bottom_ohm,), "bridge, reference to ground"),
             ("R14", (bridge.gain_ohm,), f"bridge amplifier, gain {bridge.gain:.2f}"),
         ]
+
     fitted = values.by_reference
     return [
         ("R28 C26", (fitted["R28"], fitted["C26"]), "sensor's cable, behind the suppressor D6"),
@@ -121,7 +166,8 @@ def _front_end_rows(values: BoardValues) -> list[tuple[str, tuple[float, ...], s
 def _response_lines(values: BoardValues) -> list[str]:
     from fingertip.foundation.files import format_figure
 
-    target, achieved = values.target_response, values.achieved_response
+    target = values.target_response
+    achieved = values.achieved_response
     quantities = [
         ("maximum gain", target.passband_gain, achieved.passband_gain, ""),
         ("maximum gain", target.passband_gain_db, achieved.passband_gain_db, "dB"),
@@ -131,18 +177,32 @@ def _response_lines(values: BoardValues) -> list[str]:
         ("lower -3 dB", target.cutoff_hz, achieved.cutoff_hz, "Hz"),
         ("upper -3 dB", target.upper_cutoff_hz, achieved.upper_cutoff_hz, "Hz"),
         ("envelope corner", target.envelope_pole_hz, achieved.envelope_pole_hz, "Hz"),
-        ("envelope time constant", 1e3 * target.envelope_decay_s, 1e3 * achieved.envelope_decay_s, "ms"),
-        ("amplifier bandwidth", target.amplifier_bandwidth_hz, achieved.amplifier_bandwidth_hz, "Hz"),
+        (
+            "envelope time constant",
+            1e3 * target.envelope_decay_s,
+            1e3 * achieved.envelope_decay_s,
+            "ms",
+        ),
+        (
+            "amplifier bandwidth",
+            target.amplifier_bandwidth_hz,
+            achieved.amplifier_bandwidth_hz,
+            "Hz",
+        ),
     ]
     lines = [f"{'response':22} {'target':>12} {'achieved':>12}"]
     lines += [
         f"{name:22} {format_figure(wanted):>12} {format_figure(real):>12} {unit}".rstrip()
         for name, wanted, real, unit in quantities
     ]
-    software = "; software computes the envelope" if values.voltage_limits.max_envelope_v is None else ""
-    lines.append(
-        f"achieved: preferred values; gain and -3 dB with the finite bandwidth and gain of the amplifiers{software}"
+    software = (
+        "; software computes the envelope" if values.voltage_limits.max_envelope_v is None else ""
     )
+    lines.append(
+        "achieved: preferred values; gain and -3 dB with the finite bandwidth and gain of the "
+        f"amplifiers{software}"
+    )
+
     return lines
 
 
@@ -157,10 +217,12 @@ def _force_lines(design: Design, values: BoardValues) -> list[str]:
     from fingertip.board.components.front_end import sensor_conductance_s
 
     conductance_of = sensor_conductance_s
+
     if design.force_curve.curve == "calibrated":
         from fingertip.sim.signal.bridge import ConductanceCurve  # needs numpy
 
         conductance_of = ConductanceCurve.of_design(design).conductance_s
+
     lines = [
         "bare sensor; in a finger, skin and bone take part of a force",
         f"{'force':>8} {'sensor':>10} {'tactile voltage':>16}",
@@ -170,6 +232,7 @@ def _force_lines(design: Design, values: BoardValues) -> list[str]:
         resistance = f"{1 / conductance_s:.0f} ohm" if conductance_s else "open"
         tactile_v = values.tactile_response.tactile_v(conductance_s)
         lines.append(f"{force_n:6g} N {resistance:>10} {tactile_v:14.2f} V")
+
     return [*lines, design.force_curve.describe(design.sensor.model)]
 
 
@@ -206,6 +269,7 @@ def analysis_text(design: Design, analysis: Analysis) -> str:
         is_in_software=values.voltage_limits.max_envelope_v is None,
         tolerances=_group_tolerances(analysis.component_percent),
     )
+
     return text.rstrip("\n")
 
 
@@ -213,8 +277,12 @@ def _group_tolerances(percent: Mapping[str, float]) -> str:
     """List the tolerances: the resistors' in one, the capacitors' one by one where they differ."""
     groups: dict[tuple[str, float], list[str]] = {}
     for name, value in percent.items():
-        groups.setdefault(("filter resistors" if name.startswith("R") else "capacitors", value), []).append(name)
+        groups.setdefault(
+            ("filter resistors" if name.startswith("R") else "capacitors", value), []
+        ).append(name)
+
     kinds = [kind for kind, _ in groups]
     return ", ".join(
-        f"{kind if kinds.count(kind) == 1 else ' '.join(names)} {value:g} %" for (kind, value), names in groups.items()
+        f"{kind if kinds.count(kind) == 1 else ' '.join(names)} {value:g} %"
+        for (kind, value), names in groups.items()
     )

@@ -26,7 +26,7 @@ from fingertip.cli.options import (
     load_design,
     load_fingers,
     refuse,
-)  # fmt: skip
+)
 from fingertip.foundation.errors import FingertipError, Issue, join_words
 from fingertip.foundation.files import write_zip
 
@@ -38,45 +38,67 @@ if TYPE_CHECKING:
 def build(
     console: Console,
     design: Path = DESIGN_FILE,
-    out: str | None = typer.Option(None, metavar="PATH", help="Output folder; out/NAME by default."),
-    parts: str | None = typer.Option(None, help="Parts (bone, skin, ...), separated by commas; all by default."),
+    out: str | None = typer.Option(
+        None, metavar="PATH", help="Output folder; out/NAME by default."
+    ),
+    parts: str | None = typer.Option(
+        None, help="Parts (bone, skin, ...), separated by commas; all by default."
+    ),
     formats: str | None = typer.Option(
         None,
-        help="File formats ({formats}), separated by commas; cq: CadQuery scripts. By default all others, "
+        help="File formats ({formats}), separated by commas; cq: CadQuery scripts. By default all "
+        "others, "
         "step if it can be made.",
     ),
-    tolerance_mm: float = typer.Option(0.01, help="Largest distance of a facet from the exact surface, in mm."),
+    tolerance_mm: float = typer.Option(
+        0.01, help="Largest distance of a facet from the exact surface, in mm."
+    ),
     material: str | None = MATERIAL,
     pictures: bool = flag("Draw a picture of each casting step, for the casting sheet."),
     verify: bool = flag(
-        "Read each STL and 3MF file with trimesh too, as a second opinion; with --check, make them again and compare."
+        "Read each STL and 3MF file with trimesh too, as a second opinion; with --check, make "
+        "them again and compare."
     ),
     only_check: bool = typer.Option(
-        False, "--check", help="Write nothing; compare the folder with the design. Exit code 1: they differ."
+        False,
+        "--check",
+        help="Write nothing; compare the folder with the design. Exit code 1: they differ.",
     ),
     force: bool = FORCE,
     changes: list[str] | None = CHANGES,
 ) -> None:
-    """Build bone, skin and mold as STL, 3MF and STEP files, check them, and write a report and a casting sheet.
+    """Build bone, skin and mold as STL, 3MF and STEP files, check them, and write a report and a
+    casting sheet.
 
-    With --check, the folder is compared instead: were its files made from this design, by this version of the program,
-    and are they as they were written?
+    With --check, the folder is compared instead: were its files made from this design, by this
+    version of the program, and are they as they were written?
     """
     from fingertip.catalogues.output_files import PART_FILES, REPORT, SHEET
 
     if only_check:
         writing = {"--formats": formats, "--pictures": pictures, "--force": force}
         refuse(find_idle_issues("--check", writing))
+
     loaded = load_design(design, changes, console)
     if only_check:
         from fingertip.cli.check_files import compare_with_designs
         from fingertip.cli.check_found import Given
 
         wanted = loaded.with_silicone(material)
-        words = [*list_words(changes or (), console), *(["--material", material] if material else [])]
+        words = [
+            *list_words(changes or (), console),
+            *(["--material", material] if material else []),
+        ]
         folder = PART_FILES.folder(wanted, out)
         refuse(_find_other_kind(folder))
-        found = compare_with_designs(folder, [Given(design, wanted)], words, verify, console, parts=split_names(parts))
+        found = compare_with_designs(
+            folder,
+            given=[Given(design, wanted)],
+            words=words,
+            remake=verify,
+            console=console,
+            parts=split_names(parts),
+        )
         console.result(found.data, found.text, found.passed)
         return
 
@@ -94,8 +116,15 @@ def build(
         verify=verify,
         progress=console.progress,
     )
-    data = json.loads(result.contents[REPORT]) | {"folder": str(result.folder), "removed": list(result.removed)}
-    following = f"{result.folder / SHEET} says what to print, and how to cast the skin" if result.casting else ""
+    data = json.loads(result.contents[REPORT]) | {
+        "folder": str(result.folder),
+        "removed": list(result.removed),
+    }
+    following = (
+        f"{result.folder / SHEET} says what to print, and how to cast the skin"
+        if result.casting
+        else ""
+    )
     lines = _format_build(result)
     data |= (offer := offer_fit(loaded, result.checks, changes or (), console))
     last = _tell_next(result, following, offer)
@@ -109,13 +138,20 @@ def _find_other_kind(folder: Path) -> Iterator[Issue]:
     from fingertip.foundation.output_set import read_manifest
 
     manifest = read_manifest(folder)
+
     if manifest and manifest.kind != PART_FILES.kind:
-        message = f"holds the {manifest.kind} of {manifest.design!r} and no parts; give the folder of the parts."
+        message = (
+            f"holds the {manifest.kind} of {manifest.design!r} and no parts; give the "
+            "folder of the parts."
+        )
         yield Issue(str(folder), message)
 
 
-_MAX_LINES, _MAX_WIDTH = 12, 100
-"""Largest summary of what was made: a screen shows it at a glance, and a terminal breaks no line."""
+_MAX_LINES = 12
+_MAX_WIDTH = 100
+"""Largest summary of what was made: a screen shows it at a glance, and a terminal
+breaks no line.
+"""
 
 
 def _format_build(result: Build) -> list[str]:
@@ -125,42 +161,64 @@ def _format_build(result: Build) -> list[str]:
     from fingertip.casting.sheet import add_prices
 
     lines = [f"{result.design.name}: {count_checks(result.checks)}; in {result.folder}"]
-    if sheet := result.casting:
-        (least, most, in_all), batch = add_prices(sheet.things), sheet.batch
+    sheet = result.casting
+
+    if sheet:
+        (least, most, in_all) = add_prices(sheet.things)
+        batch = sheet.batch
         lines += [
             f"print: {sheet.printed_g:g} g of {sheet.material}, some {sheet.print_h:g} h",
             f"cast: {batch.total_g:g} g of silicone, {batch.cure_h:g} h of cure; "
             f"{sheet.days} days, after up to {sheet.mail_days} days of mail",
-            f"buy: {least} to {most} US dollars to order, up to {in_all} with all tools (estimates)",
+            f"buy: {least} to {most} US dollars to order, up to {in_all} with all tools "
+            "(estimates)",
         ]
     else:
         lines.append(f"parts: {', '.join(built.part.name for built in result.parts)}")
-    if found := result.strength:
+
+    found = result.strength
+    if found:
         lines += textwrap.wrap(describe_loads(found), _MAX_WIDTH, subsequent_indent="  ")
+
     return lines
 
 
 def _list_remarks(result: Build, room: int, rewrite: Callable[[str], str] = str) -> list[str]:
-    """List failed checks in so many lines, each cut to its share, and count the rest; those of a set have remedies."""
+    """List failed checks in so many lines, each cut to its share, and
+    count the rest; those of a set have remedies.
+    """
     from fingertip.catalogues.output_files import REPORT
 
     failed = (check for check in result.checks if not check.passed)
     remarks = [
-        f"FAILED {check.name}: {message(check)}; {describe_cause(check, rewrite is not str)}" for check in failed
+        f"FAILED {check.name}: {message(check)}; {describe_cause(check, rewrite is not str)}"
+        for check in failed
     ]
-    shown = [rewrite(remark) for remark in (remarks if len(remarks) <= room else remarks[: room - 1])]
-    share: dict[str, Any] = {"max_lines": room // max(1, len(shown)), "subsequent_indent": "  ", "placeholder": " ..."}
+    shown = [
+        rewrite(remark) for remark in (remarks if len(remarks) <= room else remarks[: room - 1])
+    ]
+    share: dict[str, Any] = {
+        "max_lines": room // max(1, len(shown)),
+        "subsequent_indent": "  ",
+        "placeholder": " ...",
+    }
     lines = [line for remark in shown for line in textwrap.wrap(remark, _MAX_WIDTH, **share)]
-    return lines + ([f"and {len(remarks) - len(shown)} more, in {REPORT}"] if len(shown) < len(remarks) else [])
+
+    return lines + (
+        [f"and {len(remarks) - len(shown)} more, in {REPORT}"] if len(shown) < len(remarks) else []
+    )
 
 
 def _tell_next(result: Build, following: str, offer: Mapping[str, Sequence[str]]) -> list[str]:
     """Tell what follows; where checks failed, the one command that mends them."""
     if result.passed:
         return [f"next: {following}"] if following else []
+
     remedies = dict.fromkeys(f"--set {check.remedy}" for check in result.checks if check.remedy)
-    offers = [*([" ".join(remedies)] if remedies else []),
-              *(f"--fit, which moves {join_words(moved)}" for moved in offer.values())]  # fmt: skip
+    offers = [
+        *([" ".join(remedies)] if remedies else []),
+        *(f"--fit, which moves {join_words(moved)}" for moved in offer.values()),
+    ]
     return [f"next: run it again with {', or '.join(offers) or 'a change that mends what failed'}"]
 
 
@@ -173,35 +231,57 @@ def split_names(text: str | None) -> list[str] | None:
 def make(
     console: Console,
     design: Path = DESIGN_FILE,
-    out: Path | None = typer.Option(None, "--out", "-o", help="Output folder; out/NAME by default."),
+    out: Path | None = typer.Option(
+        None, "--out", "-o", help="Output folder; out/NAME by default."
+    ),
     formats: str | None = typer.Option(
         None, help="File formats of the parts ({formats}), separated by commas; as for build."
     ),
     zip_file: Path | None = typer.Option(
-        None, "--zip", metavar="PATH", help="Also write the whole folder as one ZIP file, to be mailed."
+        None,
+        "--zip",
+        metavar="PATH",
+        help="Also write the whole folder as one ZIP file, to be mailed.",
     ),
     force: bool = FORCE,
     changes: list[str] | None = CHANGES,
 ) -> None:
-    """Make parts, drawings, board or sketch, and a simulated trial with its slip. Exit code 1: a check failed.
+    """Make parts, drawings, board or sketch, and a simulated trial with its slip. Exit code 1: a
+    check failed.
 
-    A set of fingers, such as adult_hand, gives a folder for each of its forms, and casting plan, parts list, acceptance
-    sheet and page of the set.
+    A set of fingers, such as adult_hand, gives a folder for each of its forms, and casting plan,
+    parts list, acceptance sheet and page of the set.
     """
     from fingertip.design.finger_set import is_set
     from fingertip.foundation.output_set import is_packed_set
 
     is_replaced = force or (zip_file is not None and is_packed_set(zip_file))
-    refuse(find_file_issues("--zip", zip_file, ".zip", kept="" if is_replaced else "add --force to overwrite it"))
+    refuse(
+        find_file_issues(
+            "--zip", zip_file, ".zip", kept="" if is_replaced else "add --force to overwrite it"
+        )
+    )
+
     if is_set(design):
-        _make_set(console, design, out, split_names(formats), force, changes or (), zip_file)
+        _make_set(
+            console,
+            file=design,
+            out=out,
+            formats=split_names(formats),
+            force=force,
+            changes=changes or (),
+            zip_file=zip_file,
+        )
         return
+
     from fingertip.catalogues.output_files import PRINT_FOLDER, SHEET
     from fingertip.slip.report import as_data
     from fingertip.tasks.make import make as make_everything
 
     loaded = load_design(design, changes, console)
-    made = make_everything(loaded, out, formats=split_names(formats), force=force, progress=console.progress)
+    made = make_everything(
+        loaded, out, formats=split_names(formats), force=force, progress=console.progress
+    )
     console.warn(made.detection.warnings)
     data = {
         "folder": str(made.parts.folder),
@@ -215,8 +295,11 @@ def make(
     }
     if zip_file:
         write_zip(zip_file, made.parts.folder)
+
     prints = made.parts.prints
-    printed = f", {PRINT_FOLDER}/{'plate_*.3mf' if prints.plates else '*.stl'}" if prints.contents else ""
+    printed = (
+        f", {PRINT_FOLDER}/{'plate_*.3mf' if prints.plates else '*.stl'}" if prints.contents else ""
+    )
     last = [f"look at: {made.page or made.parts.folder}{' in a browser' if made.page else ''}"]
     lines = _format_build(made.parts)
     following = f"order what the page lists, print the parts{printed}, then follow {SHEET}"
@@ -227,9 +310,14 @@ def make(
 
 
 def _make_set(
-    console: Console, file: Path, out: Path | None, formats: list[str] | None, force: bool, changes: Sequence[str],
+    console: Console,
+    file: Path,
+    out: Path | None,
+    formats: list[str] | None,
+    force: bool,
+    changes: Sequence[str],
     zip_file: Path | None,
-) -> None:  # fmt: skip
+) -> None:
     from dataclasses import asdict
 
     from fingertip.catalogues.output_files import OVERVIEW, PAGE
@@ -239,7 +327,10 @@ def _make_set(
     made = make_set(fingers, out, formats=formats, force=force, progress=console.progress)
     if zip_file:
         write_zip(zip_file, made.folder)
-    totals, plan, lines = made.sheets.totals, made.sheets.plan, list[str]()
+
+    totals = made.sheets.totals
+    plan = made.sheets.plan
+    lines = list[str]()
     silicone_g = sum(totals.silicone_g.values())
     boards = "; one board for all fingers" if made.board else ""
     last = [
@@ -251,11 +342,13 @@ def _make_set(
     ]
     following = f"{made.folder / OVERVIEW} says what to print, cast and build"
     last.append(f"next: {following if made.passed else 'mend what failed, and make it again'}")
+
     for each, form in zip(made.forms, fingers.forms, strict=True):
         console.warn(map(form.name_values, each.detection.warnings))
         room = (_MAX_LINES - len(last)) // len(made.forms) - 1
         remarks = _list_remarks(each.parts, room, form.name_values) if room > 0 else []
         lines += [_format_build(each.parts)[0], *remarks]
+
     lines += last
     data = {"folder": str(made.folder), "passed": made.passed, **asdict(made.sheets)}
     console.result(data, "\n".join(lines), made.passed)
@@ -265,24 +358,33 @@ def _make_set(
 def firmware(
     console: Console,
     design: Path = DESIGN_FILE,
-    out: Path | None = typer.Option(None, metavar="PATH", help="Output folder; out/NAME/firmware by default."),
+    out: Path | None = typer.Option(
+        None, metavar="PATH", help="Output folder; out/NAME/firmware by default."
+    ),
     fingers: str | None = typer.Option(
-        None, help="Fingers that the controller reads: their number, or names separated by commas; those of the board."
+        None,
+        help="Fingers that the controller reads: their number, or names separated by commas; "
+        "those of the board.",
     ),
     controller: str | None = typer.Option(
-        None, help="The controller, such as pico2, or generic:240MHz,12bit,A0,A1; black_pill_f411 for several fingers."
+        None,
+        help="The controller, such as pico2, or generic:240MHz,12bit,A0,A1; black_pill_f411 for "
+        "several fingers.",
     ),
     inputs: str | None = typer.Option(
-        None, help="Its analog inputs, T and S of each finger in turn (one for a divider), separated by commas."
+        None,
+        help="Its analog inputs, T and S of each finger in turn (one for a divider), separated by "
+        "commas.",
     ),
     check: bool = flag("Write nothing; compare the folder with the design; exit 1 if they differ."),
     force: bool = FORCE,
     changes: list[str] | None = CHANGES,
 ) -> None:
-    """Write the slip detector of a design as a C99 library for a controller, for Arduino, PlatformIO or plain C.
+    """Write the slip detector of a design as a C99 library for a controller, for Arduino,
+    PlatformIO or plain C.
 
-    The README beside it states the wiring to the board's output connector, and what the detector costs in instructions
-    and memory.
+    The README beside it states the wiring to the board's output connector, and what the detector
+    costs in instructions and memory.
     """
     from fingertip.catalogues.output_files import FIRMWARE, README
     from fingertip.design.finger_set import is_set
@@ -292,22 +394,37 @@ def firmware(
 
     if is_set(design):
         if fingers:
-            raise FingertipError(Issue("--fingers", "does not apply to a set, which names its fingers; leave it out."))
+            raise FingertipError(
+                Issue(
+                    "--fingers", "does not apply to a set, which names its fingers; leave it out."
+                )
+            )
+
         loaded, planned = plan_set(load_fingers(design, changes, console), controller, inputs)
     else:
         loaded = load_design(design, changes, console)
         planned = plan_fingers(loaded, fingers, controller, inputs)
+
     folder = out or FIRMWARE.folder(loaded)
     if check:
         found = firmware_differences(loaded, folder, planned)
         text = "\n".join(found) or f"{folder} is up to date with this design"
         console.result({"current": not found, "differences": found}, text, passed=not found)
         return
+
     paths = write_firmware(loaded, folder, fingers=planned, force=force)
     warnings = list(find_warnings(loaded, planned.controller))
     console.warn(warnings)
-    data = {"files": [path.as_posix() for path in paths], "warnings": warnings, "costs": read_costs()}
-    states = "states wiring, use, and what each sample costs" if loaded.board.has_filter else "says what to open"
+    data = {
+        "files": [path.as_posix() for path in paths],
+        "warnings": warnings,
+        "costs": read_costs(),
+    }
+    states = (
+        "states wiring, use, and what each sample costs"
+        if loaded.board.has_filter
+        else "says what to open"
+    )
     text = f"{len(paths)} files in {folder}\nnext: {folder / README} {states}"
     console.result(data, text)
 
@@ -316,22 +433,33 @@ def firmware(
 def robot(
     console: Console,
     design: Path = DESIGN_FILE,
-    file_format: str = typer.Option("mjcf", "--format", help="mjcf (MuJoCo) or urdf (ROS and many simulators)."),
-    out: Path | None = typer.Option(None, metavar="PATH", help="Output folder; out/NAME/robot by default."),
+    file_format: str = typer.Option(
+        "mjcf", "--format", help="mjcf (MuJoCo) or urdf (ROS and many simulators)."
+    ),
+    out: Path | None = typer.Option(
+        None, metavar="PATH", help="Output folder; out/NAME/robot by default."
+    ),
     force: bool = FORCE,
     changes: list[str] | None = CHANGES,
 ) -> None:
-    """Write a model of a finger, or of a set, for simulators: meshes, inertia, frames, collision pieces and contact.
+    """Write a model of a finger, or of a set, for simulators: meshes, inertia, frames, collision
+    pieces and contact.
 
-    The README beside it states the frames, the errors of collision pieces and contact, and how to attach a finger.
+    The README beside it states the frames, the errors of collision pieces and contact, and how to
+    attach a finger.
     """
     from fingertip.design.finger_set import is_set
     from fingertip.tasks.robot import write_robot
 
-    loaded = load_fingers(design, changes, console) if is_set(design) else load_design(design, changes, console)
+    loaded = (
+        load_fingers(design, changes, console)
+        if is_set(design)
+        else load_design(design, changes, console)
+    )
     made = write_robot(loaded, out, file_format=file_format, force=force, progress=console.progress)
     lines = [
-        f"{form['design']}: {1e3 * form['mass_kg']:.2f} g in {len(form['parts'])} parts. {form['errors']}"
+        f"{form['design']}: {1e3 * form['mass_kg']:.2f} g in {len(form['parts'])} parts. "
+        f"{form['errors']}"
         for form in made.get("forms", {"": made}).values()
     ]
     written = f"{len(made['files'])} files in {made['folder']}; its README.md explains them"

@@ -1,4 +1,6 @@
-"""Command `fingertip check`: verify designs, folders and meshes without writing parts, in a terminal or in CI."""
+"""Command `fingertip check`: verify designs, folders and meshes
+without writing parts, in a terminal or in CI.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,8 @@ if TYPE_CHECKING:
 _MARGIN = ("name", "value", "limit", "unit", "relation", "margin_percent")
 _MESHES = (".stl", ".3mf", ".obj", ".ply")
 _NO_DESIGN = (
-    f"is not a design; check takes design files (.toml), bundled names, folders that a command wrote, and meshes "
+    "is not a design; check takes design files (.toml), bundled names, folders that a command "
+    "wrote, and meshes "
     f"({', '.join(_MESHES)})."
 )
 _NEAREST = 10
@@ -44,30 +47,40 @@ FINE_MM = 0.01
 def check(
     console: Console,
     designs: list[Path] = options.DESIGN_FILES,
-    tolerance_mm: float = typer.Option(FINE_MM, help="Largest distance of a facet from the exact surface, in mm."),
-    junit: Path | None = typer.Option(None, metavar="FILE.xml", help="JUnit report, for CI servers."),
-    sarif: Path | None = typer.Option(None, metavar="FILE.sarif", help="SARIF report, for code scanning and editors."),
+    tolerance_mm: float = typer.Option(
+        FINE_MM, help="Largest distance of a facet from the exact surface, in mm."
+    ),
+    junit: Path | None = typer.Option(
+        None, metavar="FILE.xml", help="JUnit report, for CI servers."
+    ),
+    sarif: Path | None = typer.Option(
+        None, metavar="FILE.sarif", help="SARIF report, for code scanning and editors."
+    ),
     verify: bool = options.flag(
-        "Let trimesh read the STL files too, as a second opinion; make the parts of a folder again and compare them."
+        "Let trimesh read the STL files too, as a second opinion; make the parts of a folder "
+        "again and compare them."
     ),
     margins: bool = options.flag("List the checks and rules that are nearest to their limits."),
     verbose: bool = options.VERBOSE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Check designs and folders. Exit code 0: no check failed, 1: a check failed, 2: a design is not valid.
+    """Check designs and folders. Exit code 0: no check failed, 1: a check failed, 2: a design is
+    not valid.
 
-    The checks read the STL file that each part would have. A wall must reach printer.min_wall_mm and the skin
-    skin.min_thickness_mm, both less the tolerance of the mesh. The genus of a part is the number of its through holes.
-    A check that passes may warn of what is expected to go wrong.
-    Every valid design is checked. One that is refused is an error in the reports, and the exit code is 2. On GitHub
-    Actions, each finding also annotates its line.
+    The checks read the STL file that each part would have. A wall must reach printer.min_wall_mm
+    and the skin skin.min_thickness_mm, both less the tolerance of the mesh. The genus of a part is
+    the number of its through holes. A check that passes may warn of what is expected to go wrong.
+    Every valid design is checked. One that is refused is an error in the reports, and the exit code
+    is 2. On GitHub Actions, each finding also annotates its line.
 
-    A folder that build, board or another command wrote is compared with its manifests: every file must be as written.
-    If you give designs too, the folder must be that of one of them. Nothing in it is changed. A folder of recordings is
-    checked for what others need to use it, and for consent.
+    A folder that build, board or another command wrote is compared with its manifests: every file
+    must be as written. If you give designs too, the folder must be that of one of them. Nothing in
+    it is changed. A folder of recordings is checked for what others need to use it, and for
+    consent.
 
-    A mesh (.stl, .3mf, .obj, .ply) of any program is checked too, and the half of a mold with the other beside it.
-    Beside one design, a mesh that has the name of a part is compared with that part.
+    A mesh (.stl, .3mf, .obj, .ply) of any program is checked too, and the half of a mold with the
+    other beside it. Beside one design, a mesh that has the name of a part is compared with that
+    part.
     """
     given = _sort(designs, console)
     _refuse_what_cannot_be_checked(given, junit, sarif, verify)
@@ -75,34 +88,69 @@ def check(
     settings = changes or ()
     refused: dict[Path, list[Issue]] = {}
     loaded = _load(given.files, settings, console, refused)
-    checked = _check_designs(loaded, tolerance_mm, console, verbose, margins, settings, verify)
-    folders, meshes = _check_files(given, loaded, tolerance_mm, settings, verify, verbose, console, refused)
+    checked = _check_designs(
+        loaded,
+        tolerance_mm=tolerance_mm,
+        console=console,
+        verbose=verbose,
+        margins=margins,
+        changes=settings,
+        verify=verify,
+    )
+    folders, meshes = _check_files(
+        given,
+        loaded=loaded,
+        tolerance_mm=tolerance_mm,
+        changes=settings,
+        verify=verify,
+        verbose=verbose,
+        console=console,
+        refused=refused,
+    )
 
     results = [*checked, *folders, *meshes]
     findings = [
         *(Finding.make(path, issue) for path, issues in refused.items() for issue in issues),
         *(finding for result in results for finding in result.findings),
     ]
-    _report(results, findings, refused, junit, sarif)
+    _report(
+        results,
+        findings=findings,
+        refused=refused,
+        junit=junit,
+        sarif=sarif,
+    )
 
     passed = not findings and all(result.passed for result in results)
-    data = {"passed": passed, "tolerance_mm": tolerance_mm, "issues": [vars(finding) for finding in findings]}
+    data = {
+        "passed": passed,
+        "tolerance_mm": tolerance_mm,
+        "issues": [vars(finding) for finding in findings],
+    }
+
     for kind, some in (("designs", checked), ("folders", folders), ("meshes", meshes)):
         if some:
             data[kind] = [result.data for result in some]
 
     texts = [result.text for result in results]
     if not all(result.passed for result in checked) and tolerance_mm > FINE_MM:
-        texts.append(f"The meshes are coarse, which alone may fail a check: try --tolerance-mm {FINE_MM:g} first.")
+        texts.append(
+            f"The meshes are coarse, which alone may fail a check: try --tolerance-mm {FINE_MM:g} "
+            "first."
+        )
+
     if refused:
         if texts and not console.as_json:
             console.write("\n\n".join(texts))
+
         console.print_issues(DesignError(_name_refusals(refused)), data)
         raise typer.Exit(BAD_INPUT)
+
     console.result(data, "\n\n".join(texts), passed)
 
 
-# --- what is given ----------------------------------------------------------------------------------------------------
+# --- what is given
+# --------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -122,11 +170,19 @@ def _sort(paths: Sequence[Path], console: Console) -> _Sorted:
     return _Sorted(files, list(dict.fromkeys(folders)), list(dict.fromkeys(meshes)))
 
 
-def _refuse_what_cannot_be_checked(given: _Sorted, junit: Path | None, sarif: Path | None, verify: bool) -> None:
-    """Refuse files that are no designs, names that are no file names, and options that would have no effect."""
+def _refuse_what_cannot_be_checked(
+    given: _Sorted, junit: Path | None, sarif: Path | None, verify: bool
+) -> None:
+    """Refuse files that are no designs, names that are no file
+    names, and options that would have no effect.
+    """
     reports = {"--junit": (junit, ".xml"), "--sarif": (sarif, ".sarif")}
     options.refuse(
-        (Issue(str(path), _NO_DESIGN) for path in given.files if path.suffix not in ("", ".toml") and path.exists()),
+        (
+            Issue(str(path), _NO_DESIGN)
+            for path in given.files
+            if path.suffix not in ("", ".toml") and path.exists()
+        ),
         _find_unsafe_names([*given.files, *given.folders, *given.meshes]),
         *(options.find_file_issues(option, *pair) for option, pair in reports.items()),
         [Issue("--verify", "makes the parts of a design; give a design too, or leave it out.")]
@@ -140,11 +196,16 @@ def _find_unsafe_names(paths: Sequence[Path]) -> Iterator[Issue]:
     for path in paths:
         is_plain = escape_control(str(path)) == str(path)
         if path.exists() and not (is_plain and (path.is_dir() or is_safe_name(path.name))):
-            yield Issue(str(path), "has a name that not every system can store or print; rename it.")
+            yield Issue(
+                str(path), "has a name that not every system can store or print; rename it."
+            )
 
 
 def _load(
-    files: Sequence[Path], changes: Sequence[str], console: Console, refused: dict[Path, list[Issue]]
+    files: Sequence[Path],
+    changes: Sequence[str],
+    console: Console,
+    refused: dict[Path, list[Issue]],
 ) -> list[Given]:
     """Load designs and sets, and add what refuses one to `refused`."""
     from fingertip.design.files import load_tables
@@ -160,9 +221,13 @@ def _load(
             if is_set(file):
                 loaded.append(Given(file, options.load_fingers(file, changes, console)))
             else:
-                loaded.append(Given(file, options.load_design(file, changes, console, may_be_empty=False)))
+                loaded.append(
+                    Given(file, options.load_design(file, changes, console, may_be_empty=False))
+                )
+
         if issues:
             refused[file] = issues
+
     return loaded
 
 
@@ -171,18 +236,25 @@ def _label_designs(loaded: Sequence[Given]) -> dict[str, tuple[Path, Design]]:
     from fingertip.design import Design
 
     listed: list[tuple[str, Path, Design]] = []
+
     for one in loaded:
         if isinstance(one.design, Design):
             listed.append((one.file.as_posix(), one.file, one.design))
         else:
             forms = [form.design for form in one.design.forms]
-            listed += ((f"{one.file.as_posix()}: {design.name}", one.file, design) for design in forms)
+            listed += (
+                (f"{one.file.as_posix()}: {design.name}", one.file, design) for design in forms
+            )
 
     names = [design.name for _, _, design in listed]
-    return {design.name if names.count(design.name) == 1 else label: (file, design) for label, file, design in listed}
+    return {
+        design.name if names.count(design.name) == 1 else label: (file, design)
+        for label, file, design in listed
+    }
 
 
-# --- designs ----------------------------------------------------------------------------------------------------------
+# --- designs
+# --------------------------------------------------------------------------------------------------
 
 
 def _check_designs(
@@ -197,9 +269,12 @@ def _check_designs(
     designs = _label_designs(loaded)
     work = Work("checking", dict.fromkeys(designs, 1.0), console.progress)
     found = []
+
     for label, (file, design) in designs.items():
         work.begin(label)
-        console.warn(f"{label}: {doubt}" for doubt in design.force_curve.find_doubt(design.sensor.model))
+        console.warn(
+            f"{label}: {doubt}" for doubt in design.force_curve.find_doubt(design.sensor.model)
+        )
         checks = _run_checks(design, tolerance_mm, verify)
         offer = offer_fit(design, checks, changes, console)
         nearest = _list_nearest(design, checks) if margins else []
@@ -213,10 +288,21 @@ def _check_designs(
         }
         if margins:
             data["margins"] = [{key: getattr(one, key) for key in _MARGIN} for one in nearest]
+
         text = "\n".join([format_checks(label, checks, verbose), *_format_offer(offer)])
         if nearest:
             text += "\n\n" + _format_margins(label, nearest)
-        found.append(Found(label, data, text, checks, tuple(_list_findings(file, checks))))
+
+        found.append(
+            Found(
+                label=label,
+                data=data,
+                text=text,
+                cases=checks,
+                findings=tuple(_list_findings(file, checks)),
+            )
+        )
+
     return found
 
 
@@ -236,7 +322,11 @@ def _list_nearest(design: Design, checks: Sequence[Check]) -> list[Comparison]:
 
 def _format_margins(label: str, nearest: Sequence[Comparison]) -> str:
     rows = [
-        (f"{one.margin_percent:.1f} %", one.name, f"{one.value:.5g} {one.sign} {one.limit:.5g} {one.unit}")
+        (
+            f"{one.margin_percent:.1f} %",
+            one.name,
+            f"{one.value:.5g} {one.sign} {one.limit:.5g} {one.unit}",
+        )
         for one in nearest
     ]
     return "\n".join([f"{label}: nearest to their limits", *align_columns(rows)])
@@ -253,7 +343,8 @@ def _list_findings(file: Path, checks: Sequence[Check]) -> Iterator[Finding]:
             yield Finding.make(file, issue, check.change[0] if check.change else "")
 
 
-# --- folders and meshes -----------------------------------------------------------------------------------------------
+# --- folders and meshes
+# --------------------------------------------------------------------------------------------------
 
 
 def _check_files(
@@ -272,12 +363,23 @@ def _check_files(
     words = options.list_words(changes, console)
     folders: list[Found] = []
     meshes: list[Found] = []
+
     for folder in given.folders:
         with _refusing(folder, refused):
-            folders.append(check_folder(folder, loaded, words, verify, console))
+            folders.append(
+                check_folder(
+                    folder,
+                    given=loaded,
+                    words=words,
+                    remake=verify,
+                    console=console,
+                )
+            )
+
     for mesh in given.meshes:
         with _refusing(mesh, refused):
             meshes.append(check_mesh(mesh, loaded, tolerance_mm, verbose))
+
     return folders, meshes
 
 
@@ -287,11 +389,13 @@ def _refusing(path: Path, refused: dict[Path, list[Issue]]) -> Iterator[None]:
     issues: list[Issue] = []
     with gather(issues):
         yield
+
     if issues:
         refused[path] = issues
 
 
-# --- reports ----------------------------------------------------------------------------------------------------------
+# --- reports
+# --------------------------------------------------------------------------------------------------
 
 
 def _report(
@@ -306,8 +410,10 @@ def _report(
         cases = {result.label: result.cases for result in results}
         refusals = {path.as_posix(): issues for path, issues in refused.items()}
         write_file(junit, to_junit(cases, refusals), "--junit")
+
     if sarif is not None:
         write_file(sarif, to_sarif(findings), "--sarif")
+
     if os.environ.get("GITHUB_ACTIONS") == "true":
         for finding in findings:
             print(finding.to_annotation(), file=sys.stderr)

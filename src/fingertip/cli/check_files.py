@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from fingertip.design import Design
 
 
-# --- mesh files -------------------------------------------------------------------------------------------------------
+# --- mesh files
+# --------------------------------------------------------------------------------------------------
 
 
 def check_mesh(path: Path, given: Sequence[Given], tolerance_mm: float, verbose: bool) -> Found:
@@ -44,7 +45,14 @@ def check_mesh(path: Path, given: Sequence[Given], tolerance_mm: float, verbose:
         for check in file.checks
         if not check.passed
     )
-    return Found(label, data, format_checks(compared, file.checks, verbose, causes), file.checks, findings)
+
+    return Found(
+        label=label,
+        data=data,
+        text=format_checks(compared, file.checks, verbose, causes),
+        cases=file.checks,
+        findings=findings,
+    )
 
 
 def _find_one_design(path: Path, given: Sequence[Given]) -> Design:
@@ -54,33 +62,53 @@ def _find_one_design(path: Path, given: Sequence[Given]) -> Design:
     from fingertip.design import Design
 
     designs = [one.design for one in given if isinstance(one.design, Design)]
+
     if len(given) != 1 or not designs:
-        raise InputFileError(Issue(str(path), "is compared with the design of one finger; give one, or none."))
+        raise InputFileError(
+            Issue(str(path), "is compared with the design of one finger; give one, or none.")
+        )
+
     names = list(parts_by_name(designs[0]))
     if name_part(path) not in names:
-        message = f"has the name of no part of {designs[0].name}; name it after its part ({', '.join(names)})."
+        message = (
+            f"has the name of no part of {designs[0].name}; name it after its part "
+            f"({', '.join(names)})."
+        )
         raise InputFileError(Issue(str(path), message))
+
     return designs[0]
 
 
 def _read_tolerance_beside(path: Path) -> float:
-    """Read the tolerance of the parts among which a mesh lies [mm]; 0 if no report beside it states one."""
+    """Read the tolerance of the parts among which a mesh lies
+    [mm]; 0 if no report beside it states one.
+    """
     from fingertip.catalogues.output_files import PRINT_FOLDER, REPORT
     from fingertip.tasks.report_file import read_json_file
 
     folder = path.parent.parent if path.parent.name == PRINT_FOLDER else path.parent
+
     try:
         tolerance_mm = read_json_file(folder / REPORT, folder).get("tolerance_mm")
     except InputFileError:
         return 0.0
+
     return tolerance_mm if isinstance(tolerance_mm, float) and 0.0 < tolerance_mm <= 1.0 else 0.0
 
 
-# --- folders ----------------------------------------------------------------------------------------------------------
+# --- folders
+# --------------------------------------------------------------------------------------------------
 
 
-def check_folder(folder: Path, given: Sequence[Given], words: Sequence[str], remake: bool, console: Console) -> Found:
-    """Check a folder: recordings for what they must hold, any other with its manifests, and with the designs given.
+def check_folder(
+    folder: Path,
+    given: Sequence[Given],
+    words: Sequence[str],
+    remake: bool,
+    console: Console,
+) -> Found:
+    """Check a folder: recordings for what they must hold, any other with its manifests, and with
+    the designs given.
 
     `words` are the options of the command line that change the designs.
     """
@@ -89,7 +117,14 @@ def check_folder(folder: Path, given: Sequence[Given], words: Sequence[str], rem
     if list_trials(folder) and (folder / DESIGN).exists():
         return _check_recordings(folder)
     if given:
-        return compare_with_designs(folder, given, words, remake, console)
+        return compare_with_designs(
+            folder,
+            given=given,
+            words=words,
+            remake=remake,
+            console=console,
+        )
+
     return _compare_checksums(folder)
 
 
@@ -99,7 +134,10 @@ def _check_recordings(folder: Path) -> Found:
     trials, faults, notes = check_recordings(folder)
     verdict = "must be mended before it is given away" if faults else "may be given away"
     text = "\n".join([*faults, *notes, f"{folder}: {trials} trials; the folder {verdict}"])
-    return _find_in_folder(folder, faults, text, {"trials": trials, "faults": faults, "notes": notes})
+
+    return _find_in_folder(
+        folder, faults, text, {"trials": trials, "faults": faults, "notes": notes}
+    )
 
 
 def _compare_checksums(folder: Path) -> Found:
@@ -108,8 +146,12 @@ def _compare_checksums(folder: Path) -> Found:
     from fingertip.tasks.verification import verify_sets
 
     files, differences = verify_sets(folder)
+
     if (folder / REPORT).exists() and not (folder / MANIFEST).exists():
-        differences.append(f"{folder}: has a {REPORT} and no {MANIFEST}, which lists the parts; make them again.")
+        differences.append(
+            f"{folder}: has a {REPORT} and no {MANIFEST}, which lists the parts; make them again."
+        )
+
     verdict = count(len(differences), "difference") if differences else "all are as written"
     text = "\n".join([*differences, f"{folder}: {count(files, 'file')} compared, {verdict}"])
     return _find_in_folder(folder, differences, text, {"files": files, "differences": differences})
@@ -123,17 +165,21 @@ def compare_with_designs(
     console: Console,
     parts: Sequence[str] | None = None,
 ) -> Found:
-    """Compare a folder with that of the designs which it was made from, and name the command that makes it again.
+    """Compare a folder with that of the designs which it was made from, and name the command that
+    makes it again.
 
-    With `remake`, the STL and 3MF files are made again and compared byte by byte. A folder of parts must hold these
-    `parts`, or all of the design.
+    With `remake`, the STL and 3MF files are made again and compared byte by byte. A folder of parts
+    must hold these `parts`, or all of the design.
     """
     from fingertip.design import Design
     from fingertip.tasks.part_folder import compare_folder
 
     found = compare_folder([one.design for one in given], folder, parts)
     faults = [*found.faults]
-    is_made_again = remake and not faults and bool(found.command) and isinstance(found.design, Design)
+    is_made_again = (
+        remake and not faults and bool(found.command) and isinstance(found.design, Design)
+    )
+
     if is_made_again and isinstance(found.design, Design):
         from fingertip.tasks.parts_again import compare_made_again
 
@@ -145,6 +191,7 @@ def compare_with_designs(
     name = found.design.name if found.design else ""
     data: dict[str, Any] = {"design": name, "files": found.files, "differences": faults}
     compared = f"{folder}: {count(found.files, 'file')} compared with {name or 'the designs given'}"
+
     if not faults:
         how = "STL and 3MF are the same, made again" if is_made_again else "all are as written"
         return _find_in_folder(folder, faults, f"{compared}, {how}", data)
@@ -155,18 +202,36 @@ def compare_with_designs(
         typed = ["fingertip", found.command, str(file), *words, *found.words, "--out", str(folder)]
         data["make_again"] = shlex.join(typed)
         lines.append(f"next: {data['make_again']}")
+
     return _find_in_folder(folder, faults, "\n".join(lines), data)
 
 
 def _find_in_folder(folder: Path, faults: Sequence[str], text: str, data: dict[str, Any]) -> Found:
-    """Collect what was found in a folder; for the reports, each fault is a case, or that there is none."""
+    """Collect what was found in a folder; for the reports, each
+    fault is a case, or that there is none.
+    """
     from fingertip.cad.verification.check import Check
 
     label = folder.as_posix()
     issues = tuple(Issue("difference", fault) for fault in faults)
-    cases = issues or (Check("differences", 0, 0, "", "exactly"),)
+    cases = issues or (
+        Check(
+            name="differences",
+            value=0,
+            limit=0,
+            unit="",
+            relation="exactly",
+        ),
+    )
     findings = tuple(Finding.make(folder, issue) for issue in issues)
-    return Found(label, {"folder": label, "passed": not faults, **data}, text, cases, findings)
+
+    return Found(
+        label=label,
+        data={"folder": label, "passed": not faults, **data},
+        text=text,
+        cases=cases,
+        findings=findings,
+    )
 
 
 def count(number: int, noun: str) -> str:

@@ -1,4 +1,6 @@
-"""What `fingertip check` finds in one design, folder or mesh: as data, as text, and for the reports of CI."""
+"""What `fingertip check` finds in one design, folder or mesh: as
+data, as text, and for the reports of CI.
+"""
 
 from __future__ import annotations
 

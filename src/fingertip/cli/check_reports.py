@@ -1,4 +1,6 @@
-"""Reports of `fingertip check` for machines: findings with file and line, JUnit, SARIF, and annotations of GitHub."""
+"""Reports of `fingertip check` for machines: findings with file and
+line, JUnit, SARIF, and annotations of GitHub.
+"""
 
 from __future__ import annotations
 
@@ -39,6 +41,7 @@ class Finding:
         field = field or issue.field
         line, value = _find_place(path, field)
         stated = re.match(r"line (\d+)\b", issue.message)  # of what is no TOML
+
         return cls(
             file=escape_control(path.as_posix()),
             line=line or (int(stated[1]) if stated else None),
@@ -60,9 +63,12 @@ def _escape_property(text: str) -> str:
 
 
 def _percent_encode(text: str, reserved: str) -> str:
-    """Encode reserved and control characters; GitHub decodes those that it reserves, and shows the others encoded."""
+    """Encode reserved and control characters; GitHub decodes those
+    that it reserves, and shows the others encoded.
+    """
     return "".join(
-        f"%{ord(character):02X}" if character in reserved or character < " " else character for character in text
+        f"%{ord(character):02X}" if character in reserved or character < " " else character
+        for character in text
     )
 
 
@@ -73,14 +79,18 @@ def _find_place(path: Path, field: str) -> tuple[int | None, Any]:
         text = path.read_text(encoding="utf-8")
     except (OSError, FingertipError):
         return None, None
+
     for key in field.split("."):
         value = value.get(key) if isinstance(value, dict) else None
+
     table = ""
     for number, line in enumerate(text.splitlines(), 1):
-        if heading := _TABLE.match(line):
+        heading = _TABLE.match(line)
+        if heading:
             table = f"{heading[1]}."
         elif (key_found := _KEY.match(line)) and table + key_found[1] == field:
             return number, value if isinstance(value, str | int | float | bool) else None
+
     return None, None
 
 
@@ -91,9 +101,18 @@ def to_sarif(findings: Iterable[Finding]) -> bytes:
         place: dict[str, Any] = {"artifactLocation": {"uri": quote(found.file, safe="/:")}}
         if found.line:
             place["region"] = {"startLine": found.line}
+
         message = {"text": f"{found.field}: {found.message}"}
         locations = [{"physicalLocation": place}]
-        results.append({"ruleId": found.field, "level": "error", "message": message, "locations": locations})
+        results.append(
+            {
+                "ruleId": found.field,
+                "level": "error",
+                "message": message,
+                "locations": locations,
+            }
+        )
+
     run = {"tool": {"driver": {"name": "fingertip"}}, "results": results}
     schema = "https://json.schemastore.org/sarif-2.1.0.json"
     return encode_json({"$schema": schema, "version": "2.1.0", "runs": [run]})
@@ -103,20 +122,25 @@ _INVALID_IN_XML = re.compile(r"[^\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010
 
 
 def to_junit(
-    suites: Mapping[str, Iterable[Check | Issue]], refused: Mapping[str, Iterable[Issue]] | None = None
+    suites: Mapping[str, Iterable[Check | Issue]],
+    refused: Mapping[str, Iterable[Issue]] | None = None,
 ) -> bytes:
     """Write a JUnit XML report, in the dialect that Jenkins, GitLab and GitHub readers share.
 
-    Each design, given by its name, is a test suite and each check a test case; of one that is refused, each issue is
-    a case with an error. No times, dates or host names: the same designs give the same bytes.
+    Each design, given by its name, is a test suite and each check a test case; of one that is
+    refused, each issue is a case with an error. No times, dates or host names: the same designs
+    give the same bytes.
     """
     root = Element("testsuites", name="fingertip check")
     for name, checks in suites.items():
         _suite(root, _clean(name), checks)
+
     for name, issues in (refused or {}).items():
         _suite(root, _clean(name), issues)
+
     for count in ("tests", "failures", "errors"):
         root.set(count, str(sum(int(suite.get(count, "0")) for suite in root)))
+
     ElementTree.indent(root)
     text: bytes = ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
     return text + b"\n"
@@ -124,24 +148,45 @@ def to_junit(
 
 def message(check: Check) -> str:
     """Describe a check's value and limit, such as `value 3 edges, must be exactly 0`."""
-    return f"value {check.value:g} {check.unit}".rstrip() + f", must be {check.relation} {check.limit:g}"
+    return (
+        f"value {check.value:g} {check.unit}".rstrip()
+        + f", must be {check.relation} {check.limit:g}"
+    )
 
 
 def _suite(root: Element, name: str, cases: Iterable[Check | Issue]) -> None:
-    # Readers group test cases by the dots in the class name, so dots in the design's name are replaced.
-    suite, counts = SubElement(root, "testsuite", name=name), {"tests": 0, "failures": 0, "errors": 0, "skipped": 0}
+    # Readers group test cases by the dots in the class name, so dots in the design's name are
+    # replaced.
+    suite = SubElement(root, "testsuite", name=name)
+    counts = {
+        "tests": 0,
+        "failures": 0,
+        "errors": 0,
+        "skipped": 0,
+    }
     for each in cases:
         is_refusal = isinstance(each, Issue)
-        title, text = (each.field, each.message) if isinstance(each, Issue) else (each.name, message(each))
-        title, text = _clean(title), _clean(text)
-        case = SubElement(suite, "testcase", classname="fingertip." + name.replace(".", "_"), name=title or "design")
+        title, text = (
+            (each.field, each.message) if isinstance(each, Issue) else (each.name, message(each))
+        )
+        title = _clean(title)
+        text = _clean(text)
+        case = SubElement(
+            suite,
+            "testcase",
+            classname="fingertip." + name.replace(".", "_"),
+            name=title or "design",
+        )
         counts["tests"] += 1
+
         if isinstance(each, Issue) or not each.passed:
             tag, kind = ("error", "refused") if is_refusal else ("failure", "check")
             counts[f"{tag}s"] += 1
             SubElement(case, tag, type=kind, message=text).text = f"{name}: {title}: {text}"
+
         if not is_refusal:
             SubElement(case, "system-out").text = text
+
     for count, number in counts.items():
         suite.set(count, str(number))
 

@@ -17,10 +17,14 @@ _NUMBERS = (1, 3)
 """Columns that are aligned to the right."""
 
 
-def format_checks(label: str, checks: Sequence[Check], verbose: bool, causes: Mapping[str, str] | None = None) -> str:
-    """Format a verdict, then the checks that failed, or all of them, with what to do about each failure.
+def format_checks(
+    label: str, checks: Sequence[Check], verbose: bool, causes: Mapping[str, str] | None = None
+) -> str:
+    """Format a verdict, then the checks that failed, or all of them, with what to do about each
+    failure.
 
-    `causes` says what to do by the name of a check; without it, that follows from the parameters behind the check.
+    `causes` says what to do by the name of a check; without it, that follows from the parameters
+    behind the check.
     """
     from fingertip.cad.verification.check import count_checks
 
@@ -38,6 +42,7 @@ def format_checks(label: str, checks: Sequence[Check], verbose: bool, causes: Ma
         for check in shown
         if not check.passed
     ]
+
     return "\n".join([verdict, *lines, *remedies])
 
 
@@ -48,6 +53,7 @@ def _format_row(check: Check) -> tuple[str, ...]:
     value = f"{round_for_output(check.value):.5g}"
     if check.is_beyond:
         return (check.name, f">{value}", "", "", check.unit, verdict)
+
     return (check.name, value, check.sign, f"{check.limit:.5g}", check.unit, verdict)
 
 
@@ -57,16 +63,27 @@ def _align(row: Sequence[str], widths: Sequence[int]) -> str:
 
 
 def describe_cause(check: Check, with_remedy: bool = True) -> str:
-    """Say what to change about a check that failed: settings with which it passes, or parameters to look at."""
+    """Say what to change about a check that failed: settings with
+    which it passes, or parameters to look at.
+    """
     remedy = f"it passes with --set {check.remedy}; or " if check.remedy and with_remedy else ""
-    return remedy + (f"change {', '.join(check.change)}" if check.change else f"this is a bug in {check.source}")
+    return remedy + (
+        f"change {', '.join(check.change)}" if check.change else f"this is a bug in {check.source}"
+    )
 
 
-def offer_fit(design: Design, checks: Iterable[Check], changes: Iterable[str], console: Console) -> dict[str, Any]:
-    """Name, as data, what a fit moves for checks that failed, if it mends them all and was not asked for."""
+def offer_fit(
+    design: Design, checks: Iterable[Check], changes: Iterable[str], console: Console
+) -> dict[str, Any]:
+    """Name, as data, what a fit moves for checks that failed, if
+    it mends them all and was not asked for.
+    """
     from fingertip.cad.verification.fitting import find_mend
 
     if console.fits or not any(check.change for check in checks if not check.passed):
         return {}
-    moved = find_mend(design, [split_finger(change.partition("=")[0].strip())[1] for change in changes])
+
+    moved = find_mend(
+        design, [split_finger(change.partition("=")[0].strip())[1] for change in changes]
+    )
     return {"fit_moves": list(moved)} if moved else {}

@@ -29,14 +29,22 @@ def compare(
     old: Path = typer.Argument(
         parser=parse_design, help="Design, folder that make or build wrote, or git revision of NEW."
     ),
-    new: Path = typer.Argument(parser=parse_design, help="Design, or folder that make or build wrote."),
-    out: Path | None = typer.Option(None, metavar="PATH", help=f"Folder for {_PAGE} and a picture of both."),
-    force: bool = typer.Option(False, "--force", help="Overwrite files there that fingertip did not write."),
+    new: Path = typer.Argument(
+        parser=parse_design, help="Design, or folder that make or build wrote."
+    ),
+    out: Path | None = typer.Option(
+        None, metavar="PATH", help=f"Folder for {_PAGE} and a picture of both."
+    ),
+    force: bool = typer.Option(
+        False, "--force", help="Overwrite files there that fingertip did not write."
+    ),
 ) -> None:
-    """Show what differs between two versions of a finger: parameters, mass, price, share of the force, delay, checks.
+    """Show what differs between two versions of a finger: parameters, mass, price, share of the
+    force, delay, checks.
 
-    A design is built in a temporary folder, which takes about ten seconds; a folder is read as it is. OLD may be a
-    revision of git, such as main or HEAD~1, in which the design file NEW is read. The exit code is 0 whatever differs.
+    A design is built in a temporary folder, which takes about ten seconds; a folder is read as it
+    is. OLD may be a revision of git, such as main or HEAD~1, in which the design file NEW is read.
+    The exit code is 0 whatever differs.
     """
     from fingertip.documents.comparison import compare_versions
 
@@ -47,15 +55,19 @@ def compare(
     comparison = compare_versions(*versions)
 
     text = format_comparison(comparison)
+
     if writer:
         writer.write(_make_files(comparison, versions))
         text += f"\n\nlook at: {writer.folder / _PAGE}"
+
     console.result(comparison.to_dict(), text)
 
 
 @dataclass(frozen=True)
 class _Side:
-    """One of the two versions that are compared: what was read in a folder, or a design that is made first."""
+    """One of the two versions that are compared: what was read in a
+    folder, or a design that is made first.
+    """
 
     label: str
     made: Version | Design
@@ -67,8 +79,10 @@ def _load_sides(old: Path, new: Path) -> tuple[_Side, _Side]:
     sides: list[_Side] = []
     with gather(issues, prefix="OLD: "):
         sides.append(_load_old(old, new))
+
     with gather(issues, prefix="NEW: "):
         sides.append(_load_side(new))
+
     raise_issues(DesignError, issues)
     before, after = sides
     return before, after
@@ -79,11 +93,14 @@ def _load_old(old: Path, new: Path) -> _Side:
 
     if old.exists() or old.suffix == ".toml" or is_bundled_name(old, DESIGN, SET):
         return _load_side(old)
+
     if not new.is_file():
         message = (
-            f"is no design and no folder; to read it as a git revision, NEW must be a design file, and {new} is none."
+            "is no design and no folder; to read it as a git revision, NEW must be a "
+            f"design file, and {new} is none."
         )
         raise DesignError(Issue(str(old), message))
+
     return _Side(f"{new} at {old.as_posix()}", _load_revision(old.as_posix(), new))
 
 
@@ -95,7 +112,10 @@ def _load_side(path: Path) -> _Side:
     if path.is_dir() and not is_bundled_name(path, DESIGN, SET):
         return _Side(str(path), read_version(path))
     if is_set(path):
-        raise DesignError(Issue(str(path), "is a set; give the design of one finger, or the folder of one."))
+        raise DesignError(
+            Issue(str(path), "is a set; give the design of one finger, or the folder of one.")
+        )
+
     return _Side(str(path), load_design(path, ()))
 
 
@@ -113,6 +133,7 @@ def _load_revision(revision: str, path: Path) -> Design:
         adapter = bone.get("adapter_file") if isinstance(bone, dict) else None
         if isinstance(adapter, str) and is_safe_name(adapter):
             (folder / adapter).write_bytes(read_at_revision(revision, path.parent / adapter))
+
         return load_design(file, ())
 
 
@@ -122,18 +143,27 @@ def _read(side: _Side, console: Console) -> Version:
 
     if isinstance(side.made, Version):
         return side.made
+
     return make_version(side.label, side.made, console.progress)
 
 
-# --- output -----------------------------------------------------------------------------------------------------------
+# --- output
+# --------------------------------------------------------------------------------------------------
 
 
 def _plan_output(folder: Path, new: Path, force: bool) -> SetWriter:
     """Refuse a folder that cannot take the files, before work starts."""
     from fingertip.foundation.output_set import SetWriter, hash_parameters
 
-    writer = SetWriter(folder, "comparison", new.stem, hash_parameters(str(new)), force)
+    writer = SetWriter(
+        folder=folder,
+        kind="comparison",
+        design=new.stem,
+        parameters=hash_parameters(str(new)),
+        force=force,
+    )
     writer.check((_PAGE, _PICTURE))
+
     return writer
 
 
@@ -143,6 +173,7 @@ def _make_files(comparison: Comparison, versions: Sequence[Version]) -> dict[str
 
     old, new = versions
     picture = draw_before_and_after(old.design, new.design, (old.label, new.label))
+
     return {_PAGE: render_comparison(comparison, _PICTURE).encode(), _PICTURE: picture}
 
 
@@ -150,13 +181,17 @@ def format_comparison(comparison: Comparison) -> str:
     """Format what changed for a terminal: parameters, figures, parts and checks."""
     changed = [figure for figure in comparison.figures if not figure.is_none]
     blocks = [f"{comparison.after} compared with {comparison.before}: {comparison.summary}"]
+
     for heading, changes in (
         ("parameter", comparison.parameters),
         ("figure", changed),
         ("volume of a part", comparison.parts),
     ):
         if changes:
-            rows = [(heading, "before", "after"), *((one.name, one.before, one.after) for one in changes)]
+            rows = [
+                (heading, "before", "after"),
+                *((one.name, one.before, one.after) for one in changes),
+            ]
             blocks.append("\n".join(align_columns(rows)))
 
     for heading, names in (
@@ -167,4 +202,5 @@ def format_comparison(comparison: Comparison) -> str:
     ):
         if names:
             blocks.append(f"{heading}: {', '.join(names)}")
+
     return "\n\n".join(blocks)

@@ -1,6 +1,8 @@
-"""Completion in bash, zsh and fish: the words that options and arguments take, and `fingertip completion`.
+"""Completion in bash, zsh and fish: the words that options and arguments take, and `fingertip
+completion`.
 
-At the tab key the shell starts the program with the line before the cursor, and typer finds what may stand there.
+At the tab key the shell starts the program with the line before the cursor, and typer finds what
+may stand there.
 """
 
 from __future__ import annotations
@@ -24,8 +26,8 @@ SHELLS = ("bash", "zsh", "fish")
 def read_script(shell: str) -> str:
     """Read what a shell runs, of `completion.bash` and the others.
 
-    The script gets lines of a word, a tab and its meaning; where there is none, it completes files. No space follows
-    the name of a parameter, which ends in =.
+    The script gets lines of a word, a tab and its meaning; where there is none, it completes files.
+    No space follows the name of a parameter, which ends in =.
     """
     return Path(__file__).with_suffix(f".{shell}").read_text(encoding="utf-8").rstrip("\n")
 
@@ -45,8 +47,8 @@ def first_sentence(text: str) -> str:
     return first if end < 0 else first[: end + 1]
 
 
-# Words that a parameter of a command takes, each list from the table that decides. Functions import what they need when
-# a shell asks, or a help page is written.
+# Words that a parameter of a command takes, each list from the table that decides. Functions import
+# what they need when a shell asks, or a help page is written.
 
 
 def _bundled(*kinds: str) -> Iterable[str]:
@@ -60,13 +62,18 @@ def _files(*kinds: str) -> Callable[[str], Iterable[str]]:
 
     def complete(incomplete: str) -> Iterable[str]:
         own = glob.glob(f"{glob.escape(incomplete)}*.toml")
-        return [*_bundled(*kinds), *sorted(name for name in own if name.isprintable())]  # others control the terminal
+        return [
+            *_bundled(*kinds),
+            *sorted(name for name in own if name.isprintable()),
+        ]  # others control the terminal
 
     return complete
 
 
 def _table(code: str) -> Callable[[], Iterable[str]]:
-    """Names of a table, or those that a function lists, given as "module:name"; it is imported when they are asked."""
+    """Names of a table, or those that a function lists, given as
+    "module:name"; it is imported when they are asked.
+    """
 
     def names() -> Iterable[str]:
         module, _, name = code.partition(":")
@@ -93,7 +100,11 @@ def _settings() -> Iterable[str]:
     from fingertip.design.parameters import PARAMETERS
     from fingertip.design.parameters.declaration import list_choices
 
-    return [f"{path}={choice}" for path, field in PARAMETERS.items() for choice in list_choices(field) or ("",)]
+    return [
+        f"{path}={choice}"
+        for path, field in PARAMETERS.items()
+        for choice in list_choices(field) or ("",)
+    ]
 
 
 def _sets_of_formats() -> Iterable[str]:
@@ -144,4 +155,5 @@ def fill_lists(text: str) -> str:
     for name, find in _LISTS.items():
         if f"{{{name}}}" in text:
             text = text.replace(f"{{{name}}}", join_words(find(), "or"))
+
     return text

@@ -1,7 +1,9 @@
-"""Output conventions of all commands: results on stdout; messages, progress and errors on stderr; exit codes.
+"""Output conventions of all commands: results on stdout; messages, progress and errors on stderr;
+exit codes.
 
-Exit codes: 0 for success, 1 for a failed check, 2 for bad input, 70 for a fault of the program, 130 after Ctrl-C, 143
-after SIGTERM, 129 after SIGHUP, 141 where the reader of the output has closed its pipe.
+Exit codes: 0 for success, 1 for a failed check, 2 for bad input, 70 for a fault of the program, 130
+after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP, 141 where the reader of the output has closed its
+pipe.
 """
 
 from __future__ import annotations
@@ -21,7 +23,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import typer
 
 from fingertip import __version__
-from fingertip.foundation.errors import FingertipError, Issue, OutputError, escape_control, escape_message, shorten
+from fingertip.foundation.errors import (
+    FingertipError,
+    Issue,
+    OutputError,
+    escape_control,
+    escape_message,
+    shorten,
+)
 from fingertip.foundation.progress import ShareText, format_duration
 
 if TYPE_CHECKING:
@@ -44,59 +53,97 @@ def format_state(state: RunState) -> str:
     parts = [f"{state.done} of {state.size} points", f"{state.points_per_s:.3g} points/s"]
     if state.written >= MIN_ROWS_FOR_ESTIMATE and state.remaining_s < math.inf:
         parts.append(f"{format_duration(state.remaining_s)} left")
+
     parts += [f"{state.refused} refused", f"{state.failures} failed"]
     if state.silent_s >= state.hang_s:
         parts.append(
-            f"no worker has answered for {format_duration(state.silent_s)}: one may hang; Ctrl-C keeps the rows, and "
+            f"no worker has answered for {format_duration(state.silent_s)}: one may hang; Ctrl-C "
+            "keeps the rows, and "
             "--resume continues"
         )
+
     return ", ".join(parts)
 
 
-# Last resort of the command line: an exception that no command expected becomes one sentence and a file of details.
+# Last resort of the command line: an exception that no command expected becomes one sentence and a
+# file of details.
 #
-# A traceback would end the process with the exit code of a failed check. The code here is that of an internal fault.
+# A traceback would end the process with the exit code of a failed check. The code here is that of
+# an internal fault.
 
 FAULT = 70
 """Exit code of a fault of the program (`EX_SOFTWARE` of sysexits.h)."""
 _MAX_REASON = 200
 _MACHINE_ERRORS = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOMEM})
 """Errors that blame the machine, whatever path they meet."""
-_FULL_DISK = frozenset(getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG") if hasattr(errno, name))
+_FULL_DISK = frozenset(
+    getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG") if hasattr(errno, name)
+)
 """Errors of a disk, which name no file when they meet one that is open."""
 _REPORT = "report it, with that file, by the form for bugs of the project's issue tracker"
 
 
 def describe_fault(error: BaseException) -> FingertipError:
-    """Describe an unexpected exception, and write its details to a file of the folder for temporary files."""
+    """Describe an unexpected exception, and write its details to a
+    file of the folder for temporary files.
+    """
     reason = type(error).__name__
-    if text := " ".join(str(error).split()):
+    text = " ".join(str(error).split())
+    if text:
         reason = f"{reason}: {shorten(text, _MAX_REASON)}"
+
     details = _write_details(error)
     where = f"details are in {details}" if details else "no file of details could be written"
     if isinstance(error, MemoryError):
-        message = f"the memory did not suffice ({reason}); close other programs, or give smaller input; {where}."
+        message = (
+            f"the memory did not suffice ({reason}); close other programs, or give smaller "
+            f"input; {where}."
+        )
     elif isinstance(error, OSError) and error.errno in (errno.EMFILE, errno.ENFILE):
-        message = f"no more files may be opened ({reason}); raise the limit, as with `ulimit -n 256`; {where}."
+        message = (
+            f"no more files may be opened ({reason}); raise the limit, as with `ulimit -n "
+            f"256`; {where}."
+        )
     else:
-        message = f"stopped at a fault of its own, not at one of your input ({reason}); {where}; {_REPORT}."
+        message = (
+            f"stopped at a fault of its own, not at one of your input ({reason}); {where}; "
+            f"{_REPORT}."
+        )
+
     return FingertipError(Issue("fingertip", message))
 
 
 def describe_path_error(error: BaseException) -> FingertipError | None:
-    """Describe an error of the system that blames a path, which is no fault of the program; None for others."""
+    """Describe an error of the system that blames a path, which is
+    no fault of the program; None for others.
+    """
     if not isinstance(error, OSError):
         return None
-    if isinstance(error, FileNotFoundError) and error.filename is None and _is_working_folder_gone():
-        return FingertipError(Issue("working folder", "has been removed; change to a folder that exists."))
+    if (
+        isinstance(error, FileNotFoundError)
+        and error.filename is None
+        and _is_working_folder_gone()
+    ):
+        return FingertipError(
+            Issue("working folder", "has been removed; change to a folder that exists.")
+        )
+
     reason = error.strerror or type(error).__name__
     if error.errno in _FULL_DISK:
         message = f"cannot be written ({reason}); free some space there, and in TMPDIR."
         return FingertipError(Issue(str(error.filename or "disk"), message))
+
     if error.filename is None or error.errno in _MACHINE_ERRORS:
         return None
-    path = os.fsdecode(error.filename) if isinstance(error.filename, str | bytes) else str(error.filename)
-    return FingertipError(Issue(path, f"cannot be used ({reason}); give another path, or change its mode."))
+
+    path = (
+        os.fsdecode(error.filename)
+        if isinstance(error.filename, str | bytes)
+        else str(error.filename)
+    )
+    return FingertipError(
+        Issue(path, f"cannot be used ({reason}); give another path, or change its mode.")
+    )
 
 
 def _is_working_folder_gone() -> bool:
@@ -104,18 +151,22 @@ def _is_working_folder_gone() -> bool:
         os.getcwd()
     except OSError:
         return True
+
     return False
 
 
 def _write_details(error: BaseException) -> str | None:
-    """Write command, versions and traceback to a new file; return its path, or None if that fails."""
+    """Write command, versions and traceback to a new file; return its path, or None if
+    that fails.
+    """
     try:
         import platform
         import tempfile
         import traceback
 
         lines = [
-            f"fingertip {__version__}, Python {platform.python_version()}, {platform.system()} {platform.machine()}",
+            f"fingertip {__version__}, Python {platform.python_version()}, {platform.system()} "
+            f"{platform.machine()}",
             f"command: {shorten(repr(sys.argv[1:]), 4000)}",
             shorten("".join(traceback.format_exception(error)), 100_000),
         ]
@@ -124,6 +175,7 @@ def _write_details(error: BaseException) -> str | None:
             file.write("\n".join(lines))
     except Exception:  # no memory, no file handle, no such folder: the sentence alone must do
         return None
+
     return path
 
 
@@ -134,10 +186,14 @@ _MAX_PRINTED = 200
 
 class Console:
     has_bar: ClassVar[bool] = False
-    """True while the terminal, of which there is one, shows a bar: whoever prints next removes it."""
+    """True while the terminal, of which there is one, shows a bar: whoever prints next
+    removes it.
+    """
 
     def __init__(self, as_json: bool = False, quiet: bool = False, fits: bool = False) -> None:
-        self.as_json, self.quiet, self.fits = as_json, quiet, fits
+        self.as_json = as_json
+        self.quiet = quiet
+        self.fits = fits
         self.warnings: list[str] = []
         self._moves: list[dict[str, Any]] = []
         self._tables: list[str] = []
@@ -145,16 +201,20 @@ class Console:
         self._printed: set[str] = set()
 
     def progress(self, message: str) -> None:
-        """Print a note to stderr once, or on a terminal draw a bar for the share of long work; a log has no shares."""
+        """Print a note to stderr once, or on a terminal draw a bar for
+        the share of long work; a log has no shares.
+        """
         if message.startswith("warning: "):
             self.warnings.append(message.removeprefix("warning: "))
         if self.quiet:
             return
+
         if not isinstance(message, ShareText):
             message = escape_message(message)
             if message not in self._printed:
                 self.clear()
                 print(message, file=sys.stderr, flush=True)
+
             self._printed.add(message)
         elif self._is_terminal:
             line = format_bar(message, shutil.get_terminal_size().columns)
@@ -167,20 +227,32 @@ class Console:
             Console.has_bar = False
 
     def show_moves(self, design: str, moves: Sequence[Move]) -> None:
-        """Print what a fit has moved, before anything is written; with --quiet it is part of the result."""
+        """Print what a fit has moved, before anything is written;
+        with --quiet it is part of the result.
+        """
         from fingertip.design.parameters import find_kind
 
         keys = ("parameter", "kind", "was", "is", "why")
         # Of what is measured, guesses alone move.
         kinds = (find_kind(move.name).replace("measurement", "guess") for move in moves)
-        rows = [(m.name, kind, m.before, m.after, m.reason) for m, kind in zip(moves, kinds, strict=True)]
+        rows = [
+            (m.name, kind, m.before, m.after, m.reason)
+            for m, kind in zip(moves, kinds, strict=True)
+        ]
         self._moves += ({"design": design, **dict(zip(keys, row, strict=True))} for row in rows)
-        said = f"{len(rows)} value{'s' * (len(rows) > 1)} moved" if rows else "passes as it is, nothing was moved"
+        said = (
+            f"{len(rows)} value{'s' * (len(rows) > 1)} moved"
+            if rows
+            else "passes as it is, nothing was moved"
+        )
         lines = align_columns([[*map(str, row)] for row in (keys, *rows)]) if rows else []
         self._tables.append("\n".join([f"{design}, fit: {said}", *lines]))
+
         if not self.quiet:
             self.clear()
-            shown = fit_width(self._tables[-1], shutil.get_terminal_size().columns if self._is_terminal else 0)
+            shown = fit_width(
+                self._tables[-1], shutil.get_terminal_size().columns if self._is_terminal else 0
+            )
             print(escape_control(shown, kept="\n"), file=sys.stderr, flush=True)
 
     def warn(self, warnings: Iterable[str]) -> None:
@@ -188,26 +260,34 @@ class Console:
             self.progress(f"warning: {warning}")
 
     def result(self, data: Mapping[str, Any], text: str, passed: bool = True) -> None:
-        """Print the result of the command to stdout: `data` as one JSON object, else `text` for people.
+        """Print the result of the command to stdout: `data` as one JSON object, else `text` for
+        people.
 
-        After a fit, the object holds what moved. So does the text with --quiet, unless it is a file of the design.
-        On a terminal, lines of the text that are too long for it are broken between words. A file or another program
-        gets them whole. A result that has not `passed` ends the command with `CHECK_FAILED`.
+        After a fit, the object holds what moved. So does the text with --quiet, unless it is a file
+        of the design. On a terminal, lines of the text that are too long for it are broken between
+        words. A file or another program gets them whole. A result that has not `passed` ends the
+        command with `CHECK_FAILED`.
         """
         self.clear()
         if self.fits:
             data = {**data, "fitted": self._moves}
         if self.quiet and "toml" not in data:
             text = "\n".join([*self._tables, text])
+
         if self.as_json:
             self.write(json.dumps(data, indent=2, allow_nan=False))
         elif text:
-            self.write(fit_width(text, shutil.get_terminal_size().columns) if sys.stdout.isatty() else text)
+            self.write(
+                fit_width(text, shutil.get_terminal_size().columns) if sys.stdout.isatty() else text
+            )
+
         if not passed:
             raise typer.Exit(CHECK_FAILED)
 
     def write(self, text: str) -> None:
-        """Write a line of the result, or all of it, to stdout and flush it. Raises OutputError or BrokenPipeError."""
+        """Write a line of the result, or all of it, to stdout and flush it.
+        Raises OutputError or BrokenPipeError.
+        """
         try:
             print(escape_control(text, kept="\n\t"), flush=True)
         except BrokenPipeError:
@@ -217,13 +297,22 @@ class Console:
             message = f"cannot be written ({error.strerror or error}); redirect it elsewhere."
             raise OutputError(Issue("standard output", message)) from error
 
-    def print_issues(self, error: FingertipError, partial_result: Mapping[str, Any] | None = None) -> None:
-        """Print the issues of an error to stderr; with --json also to stdout, with what was found before."""
+    def print_issues(
+        self, error: FingertipError, partial_result: Mapping[str, Any] | None = None
+    ) -> None:
+        """Print the issues of an error to stderr; with --json also
+        to stdout, with what was found before.
+        """
         self.clear()
         for issue in error.issues[:_MAX_PRINTED]:
             print(f"error: {issue.typed}", file=sys.stderr)
+
         if len(error.issues) > _MAX_PRINTED:
-            print(f"error: and {len(error.issues) - _MAX_PRINTED} more; correct these first", file=sys.stderr)
+            print(
+                f"error: and {len(error.issues) - _MAX_PRINTED} more; correct these first",
+                file=sys.stderr,
+            )
+
         if self.as_json:
             issues = [{"field": issue.field, "message": issue.message} for issue in error.issues]
             with contextlib.suppress(OutputError):  # they are on stderr in any case
@@ -247,14 +336,20 @@ def fit_width(text: str, width: int) -> str:
         if len(line) <= width or width < MIN_WIDTH:
             lines.append(line)
             continue
+
         begin = _LAST_COLUMN.match(line[: width // 2])
         start = " " * (len(begin[1]) if begin else len(line) - len(line.lstrip()) + 2)
-        lines += textwrap.wrap(line, width, subsequent_indent=start, break_long_words=False, break_on_hyphens=False)
+        lines += textwrap.wrap(
+            line, width, subsequent_indent=start, break_long_words=False, break_on_hyphens=False
+        )
+
     return "\n".join(lines)
 
 
 def discard_stdout() -> None:
-    """Redirect stdout to the null device: its buffer would fail again, with a traceback, when the process ends."""
+    """Redirect stdout to the null device: its buffer would fail
+    again, with a traceback, when the process ends.
+    """
     with contextlib.suppress(OSError, ValueError):
         null = os.open(os.devnull, os.O_WRONLY)
         os.dup2(null, sys.stdout.fileno())

@@ -1,4 +1,6 @@
-"""Commands `fingertip params`, `schema` and `completion`: parameters and schemas, for users, editors and shells."""
+"""Commands `fingertip params`, `schema` and `completion`: parameters
+and schemas, for users, editors and shells.
+"""
 
 from __future__ import annotations
 
@@ -23,39 +25,61 @@ def params(
     changes: list[str] | None = options.CHANGES,
     toml: bool = flag("Print a complete design file with comments."),
 ) -> None:
-    """Print every parameter with its value, unit, bounds, kind (wish, measurement or derived) and description."""
+    """Print every parameter with its value, unit, bounds, kind
+    (wish, measurement or derived) and description.
+    """
     from fingertip.design import files as export
 
     loaded = load_design(design, changes, console)
+
     if toml:
         text = export.to_toml(loaded)
         console.result({"toml": text}, text.removesuffix("\n"))
     else:
-        parameters = [(parameter, loaded.value(parameter.path)) for parameter in export.list_parameters()]
+        parameters = [
+            (parameter, loaded.value(parameter.path)) for parameter in export.list_parameters()
+        ]
         data = [
-            {"name": p.path, "value": value, "default": p.default, "unit": p.unit, "bounds": p.bounds,
-             "kind": p.kind, "description": p.description}
+            {
+                "name": p.path,
+                "value": value,
+                "default": p.default,
+                "unit": p.unit,
+                "bounds": p.bounds,
+                "kind": p.kind,
+                "description": p.description,
+            }
             for p, value in parameters
-        ]  # fmt: skip
-        rows = [(p.path, export.format_value(v), p.unit, p.bounds, p.kind, p.description) for p, v in parameters]
+        ]
+        rows = [
+            (p.path, export.format_value(v), p.unit, p.bounds, p.kind, p.description)
+            for p, v in parameters
+        ]
         console.result({"parameters": data}, export.format_parameter_table(rows, "kind"))
 
 
 _MODELS = {
-    "design": "design.parameters:Tables", "set": "design.finger_set:SetFile", "scene": "sim:SceneFile",
-    "manipulation": "sim:ManipulationFile", "surface": "sim.contact.materials:SurfaceFile",
+    "design": "design.parameters:Tables",
+    "set": "design.finger_set:SetFile",
+    "scene": "sim:SceneFile",
+    "manipulation": "sim:ManipulationFile",
+    "surface": "sim.contact.materials:SurfaceFile",
     "sweep": "sweep.sweep_file:SweepFile",
-}  # fmt: skip
+}
 KINDS = tuple(_MODELS)
 """Kinds of TOML files that have a schema."""
 
 
 @command
 def schema(
-    kind: str = typer.Argument(help=f"Kind of file: {', '.join(KINDS)}.", autocompletion=lambda: KINDS),
+    kind: str = typer.Argument(
+        help=f"Kind of file: {', '.join(KINDS)}.", autocompletion=lambda: KINDS
+    ),
     quiet: bool = options.QUIET,
 ) -> None:
-    """Print the JSON schema of a kind of TOML file, for editors. Bundled files name theirs in their first line."""
+    """Print the JSON schema of a kind of TOML file, for editors.
+    Bundled files name theirs in their first line.
+    """
     Console(quiet=quiet).write(json.dumps(make_schema(kind), indent=2))
 
 
@@ -64,7 +88,10 @@ def make_schema(kind: str) -> dict[str, Any]:
     from fingertip.design.parameters.declaration import suggest_name
 
     if kind not in _MODELS:
-        raise DesignError(Issue("KIND", f"{kind!r} is no kind of file; {suggest_name(kind, KINDS)}"))
+        raise DesignError(
+            Issue("KIND", f"{kind!r} is no kind of file; {suggest_name(kind, KINDS)}")
+        )
+
     module, _, name = _MODELS[kind].partition(":")
     found = getattr(import_module(f"fingertip.{module}"), name).model_json_schema()
     if kind == "sweep":
@@ -73,31 +100,42 @@ def make_schema(kind: str) -> dict[str, Any]:
                 "anyOf": [{"type": "string"}, {"type": "object"}],
                 "description": found["properties"][base]["description"],
             }
+
     schema: dict[str, Any] = _normalise(found)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 
 
 def _normalise(value: Any) -> Any:
-    """Write 1 for 1.0, and leave out that further properties are free: releases of pydantic differ in both."""
+    """Write 1 for 1.0, and leave out that further properties are
+    free: releases of pydantic differ in both.
+    """
     if isinstance(value, dict):
         free = ("additionalProperties", True)
         return {key: _normalise(item) for key, item in value.items() if (key, item) != free}
+
     if isinstance(value, list):
         return [_normalise(item) for item in value]
+
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 @command
 def completion(
-    shell: str = typer.Argument(help=f"Shell: {join_words(SHELLS, 'or')}."), quiet: bool = options.QUIET
+    shell: str = typer.Argument(help=f"Shell: {join_words(SHELLS, 'or')}."),
+    quiet: bool = options.QUIET,
 ) -> None:
-    """Print a completion script for a shell: commands, options, bundled names and parameters after --set.
+    """Print a completion script for a shell: commands, options, bundled names and parameters after
+    --set.
 
-    For bash, add this line to ~/.bashrc: eval "$(fingertip completion bash)". For zsh, add eval "$(fingertip completion
-    zsh)" to ~/.zshrc, after compinit. For fish, write the script to ~/.config/fish/completions/fingertip.fish.
+    For bash, add this line to ~/.bashrc: eval "$(fingertip completion bash)". For zsh, add eval
+    "$(fingertip completion zsh)" to ~/.zshrc, after compinit. For fish, write the script to
+    ~/.config/fish/completions/fingertip.fish.
     """
     from fingertip.design.parameters.declaration import suggest_name
 
     if shell not in SHELLS:
-        raise DesignError(Issue("SHELL", f"{shell!r} has no completion; {suggest_name(shell, SHELLS)}"))
+        raise DesignError(
+            Issue("SHELL", f"{shell!r} has no completion; {suggest_name(shell, SHELLS)}")
+        )
+
     Console(quiet=quiet).write(read_script(shell))

@@ -1,4 +1,6 @@
-"""Commands that show a design: casting sheet, acceptance sheet, drawings, pictures, page and studio."""
+"""Commands that show a design: casting sheet, acceptance sheet,
+drawings, pictures, page and studio.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +18,17 @@ if TYPE_CHECKING:
 
 
 class _File:
-    """File that a command writes: the one that is named, else one beside the parts, refused before the work starts."""
+    """File that a command writes: the one that is named, else one
+    beside the parts, refused before the work starts.
+    """
 
-    def __init__(self, design: Design, named: Path | None, name: str, force: bool) -> None:
+    def __init__(
+        self,
+        design: Design,
+        named: Path | None,
+        name: str,
+        force: bool,
+    ) -> None:
         from fingertip.catalogues.output_files import PART_FILES
 
         self.path = named or PART_FILES.folder(design) / name
@@ -39,11 +49,15 @@ class _File:
 def acceptance(
     console: Console,
     design: Path = options.DESIGN_FILE,
-    out: Path | None = typer.Option(None, help="Markdown file to write; out/NAME/acceptance.md by default."),
+    out: Path | None = typer.Option(
+        None, help="Markdown file to write; out/NAME/acceptance.md by default."
+    ),
     force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Write the acceptance sheet: tests of the finished finger, with limits and causes of failure."""
+    """Write the acceptance sheet: tests of the finished finger, with limits and causes
+    of failure.
+    """
     from dataclasses import asdict
 
     from fingertip.catalogues.output_files import ACCEPTANCE
@@ -54,7 +68,9 @@ def acceptance(
     file = _File(loaded, out, ACCEPTANCE, force)
     data = acceptance_sheet(loaded)
     file.write(render_acceptance(data).encode())
-    console.result({**asdict(data), "page": str(file.path)}, f"acceptance sheet written to {file.path}")
+    console.result(
+        {**asdict(data), "page": str(file.path)}, f"acceptance sheet written to {file.path}"
+    )
 
 
 _MESH_TOLERANCE_MM = 0.01
@@ -64,13 +80,17 @@ _MESH_TOLERANCE_MM = 0.01
 def sheet(
     console: Console,
     design: Path = options.DESIGN_FILE,
-    out: Path | None = typer.Option(None, help="Markdown file to write; out/NAME/casting.md by default."),
+    out: Path | None = typer.Option(
+        None, help="Markdown file to write; out/NAME/casting.md by default."
+    ),
     material: str | None = options.MATERIAL,
     pictures: bool = flag("Draw a picture of each step, into a folder beside the page."),
     force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Write the casting sheet: what to buy, and numbered steps from the print to the tested finger."""
+    """Write the casting sheet: what to buy, and numbered steps from the print to the
+    tested finger.
+    """
     from dataclasses import asdict
 
     from fingertip.cad.kernel.mesh import MeshEvaluator
@@ -84,17 +104,25 @@ def sheet(
     step_writer = STEPS.writer(loaded, file.path.parent / STEPS_FOLDER, force, file.path.parent)
     if pictures:
         step_writer.check(())
+
     data = casting_sheet(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
     drawn: dict[str, bytes] = {}
     if pictures:
         from fingertip.pictures.casting_scenes import draw_steps
 
-        drawn = draw_steps(loaded, data, [step.picture for step in list_steps(data)], console.progress)
+        drawn = draw_steps(
+            loaded, data, [step.picture for step in list_steps(data)], console.progress
+        )
         step_writer.write(drawn)
+
     drawn_files = [f"{STEPS_FOLDER}/{name}" for name in drawn]
     file.write(render_sheet(data, drawn_files).encode())
-    batch, (first, second) = data.batch, data.batch.components
-    text = f"mix {batch.a_g:g} g of {first} and {batch.b_g:g} g of {second}; casting sheet written to {file.path}"
+    (first, second) = data.batch.components
+    batch = data.batch
+    text = (
+        f"mix {batch.a_g:g} g of {first} and {batch.b_g:g} g of {second}; casting sheet "
+        f"written to {file.path}"
+    )
     console.result({**asdict(data), "page": str(file.path), "pictures": drawn_files}, text)
 
 
@@ -102,14 +130,20 @@ def sheet(
 def drawing(
     console: Console,
     design: Path = options.DESIGN_FILE,
-    out: Path | None = typer.Option(None, metavar="PATH", help="Output folder; out/NAME by default."),
+    out: Path | None = typer.Option(
+        None, metavar="PATH", help="Output folder; out/NAME by default."
+    ),
     force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Draw each printed part to scale with its dimensions, tolerances and sizes to check, as SVG and as one PDF."""
+    """Draw each printed part to scale with its dimensions, tolerances
+    and sizes to check, as SVG and as one PDF.
+    """
     from fingertip.tasks.views import write_drawing
 
-    *sheets, pdf = write_drawing(load_design(design, changes, console), out, force=force, progress=console.progress)
+    *sheets, pdf = write_drawing(
+        load_design(design, changes, console), out, force=force, progress=console.progress
+    )
     data = {"drawings": [str(path) for path in (*sheets, pdf)]}
     console.result(data, f"{len(sheets)} sheets drawn to {pdf}, and each to an SVG file")
 
@@ -118,24 +152,38 @@ def drawing(
 def picture(
     console: Console,
     design: Path = options.DESIGN_FILE,
-    out: Path | None = typer.Option(None, help="Output PNG, or SVG with --pad or --measure; in out/NAME by default."),
+    out: Path | None = typer.Option(
+        None, help="Output PNG, or SVG with --pad or --measure; in out/NAME by default."
+    ),
     pad: bool = flag("Draw what part of a force reaches the sensor, by place and by tilt."),
     measure: bool = flag("Draw where to put the calipers at the joint of your hand."),
     width_px: int = typer.Option(1600, help="Width of the picture, in pixels: 400 to 6000."),
     force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Draw an exploded view and sections through mold and bone, what the sensor feels, or what to measure on a hand."""
+    """Draw an exploded view and sections through mold and bone, what
+    the sensor feels, or what to measure on a hand.
+    """
     from fingertip.catalogues.output_files import EXPLODED_VIEW, HAND_VIEW, PAD_VIEW
     from fingertip.documents.finger import draw_hand_sizes
     from fingertip.page.pad_section import draw_pad
     from fingertip.page.svg import write_svg
     from fingertip.pictures.picture import draw, find_width_issues
 
-    refuse(find_file_issues("--out", out, ".svg" if pad or measure else ".png"), find_width_issues(width_px))
+    refuse(
+        find_file_issues("--out", out, ".svg" if pad or measure else ".png"),
+        find_width_issues(width_px),
+    )
     loaded = load_design(design, changes, console)
     file = _File(loaded, out, HAND_VIEW if measure else PAD_VIEW if pad else EXPLODED_VIEW, force)
-    svg = draw_hand_sizes(loaded) if measure else write_svg(draw_pad(loaded)) if pad else None
+
+    if measure:
+        svg = draw_hand_sizes(loaded)
+    elif pad:
+        svg = write_svg(draw_pad(loaded))
+    else:
+        svg = None
+
     file.write(svg or draw(loaded, width_px, console.progress))
     console.result({"picture": str(file.path)}, f"drawn to {file.path}")
 
@@ -144,16 +192,21 @@ def picture(
 def page(
     console: Console,
     design: Path = options.DESIGN_FILE,
-    out: Path | None = typer.Option(None, metavar="PATH", help="Folder of the design's files; out/NAME by default."),
+    out: Path | None = typer.Option(
+        None, metavar="PATH", help="Folder of the design's files; out/NAME by default."
+    ),
     force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Write index.html beside a design's files: 3D view, checks, casting guide, board and trial in one offline page."""
+    """Write index.html beside a design's files: 3D view, checks,
+    casting guide, board and trial in one offline page.
+    """
     from fingertip.tasks.views import write_page
 
     path, size, remarks = write_page(load_design(design, changes, console), out, force=force)
     for remark in remarks:
         console.progress(f"note: {remark}")
+
     console.result(
         {"page": str(path), "bytes": size, "remarks": list(remarks)},
         f"page: {path}, {size / 1e6:.1f} MB; open it in a browser, no network is needed",
@@ -173,7 +226,9 @@ def studio(
     no_browser: bool = flag("Print the address and open no browser."),
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Serve a page on this machine where sliders change a design: its parts and checks follow, files are downloaded."""
+    """Serve a page on this machine where sliders change a design: its
+    parts and checks follow, files are downloaded.
+    """
     import contextlib
     import webbrowser
 
@@ -181,11 +236,16 @@ def studio(
     from fingertip.studio.server import StudioServer
 
     loaded = load_design(design, changes, console)
+
     with StudioServer(loaded, DEFAULT_PORT if port is None else port) as server:
         with contextlib.suppress(*INTERRUPTIONS):  # the way to end it, no failure
             console.result({"url": server.url, "port": server.server_port}, f"studio: {server.url}")
             console.progress("Ctrl-C ends it")
             if not no_browser and not webbrowser.open(server.url):
-                console.progress("no browser was found; open the address above in one of this machine")
+                console.progress(
+                    "no browser was found; open the address above in one of this machine"
+                )
+
             server.serve_forever()
+
         console.progress("studio ended")

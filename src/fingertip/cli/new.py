@@ -14,7 +14,14 @@ import typer
 from fingertip.catalogues.electronics import NAMES, spell_sensor
 from fingertip.cli.console import Console
 from fingertip.cli.options import CHANGES, command, find_file_issues, parse_design
-from fingertip.foundation.errors import FingertipError, Issue, gather, join_words, quote_value, raise_issues
+from fingertip.foundation.errors import (
+    FingertipError,
+    Issue,
+    gather,
+    join_words,
+    quote_value,
+    raise_issues,
+)
 from fingertip.foundation.input_files import is_safe_name
 from fingertip.foundation.progress import Work
 
@@ -29,16 +36,21 @@ if TYPE_CHECKING:
 def new(
     console: Console,
     name: str = typer.Argument(help="Name of the design: up to 40 letters, digits, - and _."),
-    sensor: str | None = typer.Option(None, help="Sensor: {sensors} (see the file); fsr400 by default."),
+    sensor: str | None = typer.Option(
+        None, help="Sensor: {sensors} (see the file); fsr400 by default."
+    ),
     preset: str | None = typer.Option(None, help="Anatomical size, with a joint: {presets}."),
     hand: str | None = typer.Option(
-        None, metavar="FILE", help="File with the sizes of your hand's joint, or a bundled hand: {hands}."
+        None,
+        metavar="FILE",
+        help="File with the sizes of your hand's joint, or a bundled hand: {hands}.",
     ),
     finger: list[str] | None = typer.Option(
         None,
         metavar="NAME=WIDTHxLENGTH",
         help="Finger of a hand ({fingers}) with its skin's width at the edge and length "
-        "from tip to edge, in mm, such as index=18x25; repeatable. Writes a set and a design for each size.",
+        "from tip to edge, in mm, such as index=18x25; repeatable. Writes a set and a design for "
+        "each size.",
     ),
     old: Path | None = typer.Option(
         None,
@@ -47,40 +59,61 @@ def new(
         metavar="FILE",
         help="Design file of an earlier version, whose sizes the new design keeps.",
     ),
-    out: Path | None = typer.Option(None, "--out", "-o", metavar="FILE", help="File to write; NAME.toml by default."),
+    out: Path | None = typer.Option(
+        None, "--out", "-o", metavar="FILE", help="File to write; NAME.toml by default."
+    ),
     changes: list[str] | None = CHANGES,
 ) -> None:
-    """Write a design file to be edited: what you wish and what you measured, and all other parameters as comments.
+    """Write a design file to be edited: what you wish and what you measured, and all other
+    parameters as comments.
 
-    The bundled design of the sensor is the base, or the preset. What follows from the sizes is fitted until the design
-    can be made, and its parts are checked. What is changed with --set stays, and no size of the hand moves. Loads that
-    are not set become those that the finger holds. An existing file is never overwritten.
+    The bundled design of the sensor is the base, or the preset. What follows from the sizes is
+    fitted until the design can be made, and its parts are checked. What is changed with --set
+    stays, and no size of the hand moves. Loads that are not set become those that the finger holds.
+    An existing file is never overwritten.
 
-    With --finger, once for each finger of a hand, it writes a set of fingers on one joint, and beside it a design for
-    each size. The preset is then that whose widths are nearest.
+    With --finger, once for each finger of a hand, it writes a set of fingers on one joint, and
+    beside it a design for each size. The preset is then that whose widths are nearest.
 
-    With --from, skin, hand, board, detector and printer are those of a design of an earlier version, as far as the
-    rules allow; a table says what changed. Loads that its bone does not hold become those that it holds.
+    With --from, skin, hand, board, detector and printer are those of a design of an earlier
+    version, as far as the rules allow; a table says what changed. Loads that its bone does not hold
+    become those that it holds.
     """
     sensor = sensor and spell_sensor(sensor)
     issues = list(find_file_issues("--out", out, ".toml", kept="give another name"))
     issues += _find_taken(name, out)
     order = _Order(name, out or Path(f"{name}.toml"), changes or (), issues)
+
     if old:
-        others = {"--sensor": sensor, "--preset": preset, "--hand": hand, "--finger": finger}
+        others = {
+            "--sensor": sensor,
+            "--preset": preset,
+            "--hand": hand,
+            "--finger": finger,
+        }
         for option in (option for option, value in others.items() if value):
-            issues.append(Issue(option, "says otherwise what --from takes from the old design; give one of both."))
+            issues.append(
+                Issue(
+                    option,
+                    "says otherwise what --from takes from the old design; give one of both.",
+                )
+            )
+
         _write_renewed(console, order, old)
     elif finger:
         from fingertip.design.new_set import start_set
 
         console.fits = True
-        _write_set(console, order, partial(start_set, name, finger, sensor, preset, hand, order.changes))
+        _write_set(
+            console, order, partial(start_set, name, finger, sensor, preset, hand, order.changes)
+        )
     else:
         from fingertip.design.new_design import write_new_design
 
         console.fits = bool(preset or hand or changes)
-        begin = partial(write_new_design, name, sensor, preset, hand, order.changes, console.progress)
+        begin = partial(
+            write_new_design, name, sensor, preset, hand, order.changes, console.progress
+        )
         _write_one(console, order, begin, is_new=out is None)
 
 
@@ -105,34 +138,49 @@ def _find_taken(name: str, out: Path | None) -> Iterator[Issue]:
     if not is_safe_name(f"{name}.toml") and name.isalnum():
         yield Issue("NAME", f"{name} names no file on Windows; choose another, such as my_{name}.")
     if out and not is_safe_name(out.name):
-        yield Issue("--out", f"{quote_value(out.name)} names no file on Windows; choose another, such as {name}.toml.")
+        yield Issue(
+            "--out",
+            f"{quote_value(out.name)} names no file on Windows; choose another, such as "
+            f"{name}.toml.",
+        )
+
     for kind in (DESIGN, SET):
         if name in list_bundled_files(kind):
             taken = f"{name} is the name of a bundled {kind.name}"
             yield Issue("NAME", f"{taken}; choose another, such as my_{name}.")
 
 
-def _write_one(console: Console, order: _Order, begin: Callable[[], NewDesign], is_new: bool) -> None:
+def _write_one(
+    console: Console, order: _Order, begin: Callable[[], NewDesign], is_new: bool
+) -> None:
     """Write one design, checked if it was fitted."""
     from fingertip.design.hand_sizes import describe_guesses
     from fingertip.foundation.files import write_file
 
-    made, found, issues = None, list[Issue](), order.issues
+    made = None
+    found = list[Issue]()
+    issues = order.issues
     with gather(found):
         made = begin()
+
     issues += _name_options(found)
     if made and is_new:
         issues += find_file_issues("--out", order.path, ".toml", kept="give another name")
     if issues or made is None:
         raise FingertipError(issues)
+
     data, lines = _describe(order.path, made)
     if console.fits:
         console.show_moves(order.name, made.moves)
         failed, strength = _check(made.design, data, console.progress)
         raise_issues(FingertipError, _refuse(failed))
         lines += strength
+
     write_file(order.path, made.text.encode())
-    lines += [f"wrote {order.path}; edit it, then run: {order.following}", describe_guesses(made.guessed)]
+    lines += [
+        f"wrote {order.path}; edit it, then run: {order.following}",
+        describe_guesses(made.guessed),
+    ]
     console.result(data | {"next": order.following}, "\n".join(filter(None, lines)))
 
 
@@ -140,22 +188,38 @@ def _write_renewed(console: Console, order: _Order, old: Path) -> None:
     from fingertip.design.renewal import LEFT_OUT, renew_design
     from fingertip.foundation.files import write_file
 
-    order.issues.extend(find_file_issues("--out", order.path, ".toml", inputs=(old,), kept="give another name"))
+    order.issues.extend(
+        find_file_issues("--out", order.path, ".toml", inputs=(old,), kept="give another name")
+    )
     raise_issues(FingertipError, dict.fromkeys(order.issues))
+
     for left in LEFT_OUT:
-        renewed = renew_design(order.name, old, order.changes, left, console.progress)
+        renewed = renew_design(
+            order.name,
+            file=old,
+            changes=order.changes,
+            left_out=left,
+            progress=console.progress,
+        )
         data, lines = _describe(order.path, renewed.made)
         failed, strength = _check(renewed.made.design, data, console.progress)
         if not failed:
             break
     else:
         raise FingertipError(_refuse(failed))
+
     write_file(order.path, renewed.made.text.encode())
     columns = max(map(len, renewed.changed), default=0)
-    lines += (f"{parameter:{columns}}  {was} -> {now}" for parameter, (was, now) in renewed.changed.items())
+    lines += (
+        f"{parameter:{columns}}  {was} -> {now}"
+        for parameter, (was, now) in renewed.changed.items()
+    )
     lines.append(f"{len(renewed.retired)} parameters went; begun from {renewed.made.base}")
     lines += _tell_other_joint(renewed.made)
-    data |= {"changed": {key: list(both) for key, both in renewed.changed.items()}, "retired": renewed.retired}
+    data |= {
+        "changed": {key: list(both) for key, both in renewed.changed.items()},
+        "retired": renewed.retired,
+    }
     lines += [*strength, f"wrote {order.path}; edit it, then run: {order.following}"]
     console.result(data | {"next": order.following}, "\n".join(lines))
 
@@ -164,11 +228,22 @@ def _tell_other_joint(made: NewDesign) -> Iterator[str]:
     """Tell with which joint of the hand the bundled design holds more than the new one."""
     from fingertip.design import Design
 
-    base, design = Design.load(made.base), made.design
+    base = Design.load(made.base)
+    design = made.design
     paths = (f"hand.{name}" for name in type(base.hand).model_fields)
-    others = [f"{path}={base.value(path)}" for path in paths if design.value(path) != base.value(path)]
-    if others and design.dimensions.joint and design.strength.grip_force_n < base.strength.grip_force_n:
-        yield f"note: {made.base} holds {base.strength.grip_force_n:g} N, on a joint of {', '.join(others)}"
+    others = [
+        f"{path}={base.value(path)}" for path in paths if design.value(path) != base.value(path)
+    ]
+
+    if (
+        others
+        and design.dimensions.joint
+        and design.strength.grip_force_n < base.strength.grip_force_n
+    ):
+        yield (
+            f"note: {made.base} holds {base.strength.grip_force_n:g} N, on a joint of "
+            f"{', '.join(others)}"
+        )
 
 
 def _write_set(console: Console, order: _Order, start: Callable[[], Starts]) -> None:
@@ -176,19 +251,29 @@ def _write_set(console: Console, order: _Order, start: Callable[[], Starts]) -> 
     from fingertip.design.new_set import fit_set, write_set_file
     from fingertip.foundation.files import write_file
 
-    path, issues, found = order.path, order.issues, list[Issue]()
+    path = order.path
+    issues = order.issues
+    found = list[Issue]()
     starts: Starts = {}
     with gather(found):
         starts = start()
+
     issues += _name_options(found)
     for file in (path, *(path.with_name(f"{one.tables.name}.toml") for one in starts.values())):
         issues += find_file_issues("--out", file, ".toml", kept="give another name")
+
     raise_issues(FingertipError, dict.fromkeys(issues))
     work = Work("", {"fit": 2.0 * len(starts), "checks": len(starts)}, console.progress)
     forms = fit_set(starts, work.within("fit"), issues)
-    checking = Work("checking", dict.fromkeys((join_words(form.fingers) for form in forms), 1.0), work.within("checks"))
+    checking = Work(
+        "checking",
+        dict.fromkeys((join_words(form.fingers) for form in forms), 1.0),
+        work.within("checks"),
+    )
     form_data: list[dict[str, Any]] = []
-    lines, guessed = list[str](), dict[str, None]()
+    lines = list[str]()
+    guessed = dict[str, None]()
+
     for form in forms:
         label = join_words(form.fingers)
         data, details = _describe(path.with_name(form.file), form.design)
@@ -198,17 +283,33 @@ def _write_set(console: Console, order: _Order, start: Callable[[], Starts]) -> 
             failed, strength = _check(form.design.design, data, checking.within(label))
             issues += (Issue(f"{label}: {issue.field}", issue.message) for issue in _refuse(failed))
             details += strength
+
         form_data.append(data | {"design": form.file, "fingers": list(form.fingers)})
-        lines += [f"{label}: {form.file}, begun from {form.design.base}", *(f"  {line}" for line in details)]
+        lines += [
+            f"{label}: {form.file}, begun from {form.design.base}",
+            *(f"  {line}" for line in details),
+        ]
+
     raise_issues(FingertipError, issues)
     for form in forms:
         if form.is_own:
             write_file(path.with_name(form.file), form.design.text.encode())
+
     write_file(path, write_set_file(order.name, forms).encode())
-    if missing := [finger for finger in NAMES if not any(finger in form.fingers for form in forms)]:
+    missing = [finger for finger in NAMES if not any(finger in form.fingers for form in forms)]
+    if missing:
         lines.append(f"note: this hand has no {join_words(missing, 'and no')}")
-    data = {"set": path.as_posix(), "name": order.name, "forms": form_data, "next": order.following}
-    lines += [f"wrote {path}; edit its designs, then run: {order.following}", describe_guesses(guessed)]
+
+    data = {
+        "set": path.as_posix(),
+        "name": order.name,
+        "forms": form_data,
+        "next": order.following,
+    }
+    lines += [
+        f"wrote {path}; edit its designs, then run: {order.following}",
+        describe_guesses(guessed),
+    ]
     console.result(data, "\n".join(filter(None, lines)))
 
 
@@ -220,19 +321,29 @@ def _name_options(issues: Iterable[Issue]) -> list[Issue]:
 def _describe(path: Path, made: NewDesign) -> tuple[dict[str, Any], list[str]]:
     design = made.design
     data: dict[str, Any] = {
-        "design": path.as_posix(), "name": design.name, "sensor": design.sensor.model, "base": made.base,
+        "design": path.as_posix(),
+        "name": design.name,
+        "sensor": design.sensor.model,
+        "base": made.base,
         "guessed": list(made.guessed),
-    }  # fmt: skip
+    }
     lines = [f"note: {doubt}" for doubt in design.force_curve.find_doubt(design.sensor.model)]
+
     if design.dimensions.joint:
-        short, axis_mm = design.dimensions.sensor.short, design.skin.length_mm + design.bone.base_length_mm
+        short = design.dimensions.sensor.short
+        axis_mm = design.skin.length_mm + design.bone.base_length_mm
         shorter = f"; {short} allows less" if short else ""
         lines.append(f"{axis_mm:.1f} mm from the tip to the axis of the joint{shorter}")
+
     return data, lines
 
 
-def _check(design: Design, data: dict[str, Any], progress: Callable[[str], None]) -> tuple[list[Check], list[str]]:
-    """Check a design as a build does, and add its strength to the data. Return what failed, and its strength."""
+def _check(
+    design: Design, data: dict[str, Any], progress: Callable[[str], None]
+) -> tuple[list[Check], list[str]]:
+    """Check a design as a build does, and add its strength to the data.
+    Return what failed, and its strength.
+    """
     from fingertip.cad.verification.strength import describe_loads, strength_data
     from fingertip.cad.verification.verify import check as check_design
 
@@ -240,11 +351,19 @@ def _check(design: Design, data: dict[str, Any], progress: Callable[[str], None]
     assert verified.strength
     data["strength"] = strength_data(verified.strength)
     failed = [check for check in verified.checks if not check.passed]
+
     return failed, [describe_loads(verified.strength)]
 
 
 def _refuse(failed: Iterable[Check]) -> Iterator[Issue]:
     for check in failed:
-        problem = f"{check.value:.3g} {check.unit} must be {check.relation} {check.limit:g}, or `make` fails"
-        remedy = f"it passes with --set {check.remedy}" if check.remedy else f"change {' or '.join(check.change)}"
+        problem = (
+            f"{check.value:.3g} {check.unit} must be {check.relation} {check.limit:g}, or "
+            "`make` fails"
+        )
+        remedy = (
+            f"it passes with --set {check.remedy}"
+            if check.remedy
+            else f"change {' or '.join(check.change)}"
+        )
         yield Issue(check.name, f"{problem}; {remedy}")

@@ -1,4 +1,6 @@
-"""Options of the same meaning in each command, their decorator, loading a design, and checks of file names."""
+"""Options of the same meaning in each command, their decorator,
+loading a design, and checks of file names.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +16,22 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from fingertip.cli.completion import COMPLETIONS
-from fingertip.cli.console import BAD_INPUT, FAULT, Console, describe_fault, describe_path_error, discard_stdout
+from fingertip.cli.console import (
+    BAD_INPUT,
+    FAULT,
+    Console,
+    describe_fault,
+    describe_path_error,
+    discard_stdout,
+)
 from fingertip.foundation import interruption
-from fingertip.foundation.errors import DesignError, FingertipError, Issue, OutputError, raise_issues
+from fingertip.foundation.errors import (
+    DesignError,
+    FingertipError,
+    Issue,
+    OutputError,
+    raise_issues,
+)
 from fingertip.foundation.extras import describe_import_error
 
 if TYPE_CHECKING:
@@ -28,16 +43,35 @@ PIPE_CLOSED = 141
 COMMON = "Options of all commands"
 """Heading of these options on the help pages."""
 
-JSON = typer.Option(False, "--json", rich_help_panel=COMMON, help="Print one JSON object to stdout and nothing else.")
-FIT = typer.Option(False, "--fit", help="Move what follows from the sizes until the design can be made; list it.")
+JSON = typer.Option(
+    False,
+    "--json",
+    rich_help_panel=COMMON,
+    help="Print one JSON object to stdout and nothing else.",
+)
+FIT = typer.Option(
+    False, "--fit", help="Move what follows from the sizes until the design can be made; list it."
+)
 QUIET = typer.Option(
-    False, "--quiet", "-q", rich_help_panel=COMMON,
-    help="Print no progress and no messages on stderr, only errors; the result still goes to stdout.",
-)  # fmt: skip
-VERBOSE = typer.Option(False, "--verbose", "-v", help="Print the details too, not only the verdict.")
-FORCE = typer.Option(False, "--force", help="Overwrite files that fingertip did not write, or that were changed since.")
+    False,
+    "--quiet",
+    "-q",
+    rich_help_panel=COMMON,
+    help="Print no progress and no messages on stderr, only errors; the result still goes to "
+    "stdout.",
+)
+VERBOSE = typer.Option(
+    False, "--verbose", "-v", help="Print the details too, not only the verdict."
+)
+FORCE = typer.Option(
+    False,
+    "--force",
+    help="Overwrite files that fingertip did not write, or that were changed since.",
+)
 JOBS = typer.Option(None, help="Number of worker processes. Default: one per processor.")
-CHANGES = typer.Option(None, "--set", metavar="TABLE.KEY=VALUE", help="Change a parameter of the design; repeatable.")
+CHANGES = typer.Option(
+    None, "--set", metavar="TABLE.KEY=VALUE", help="Change a parameter of the design; repeatable."
+)
 
 
 def parse_design(typed: str) -> Path:
@@ -58,14 +92,23 @@ DESIGN_FILES = typer.Argument(
     parser=parse_design,
     help="Files or bundled names of designs and sets; or folders, to compare with their manifests.",
 )
-_OFFER, _ONLY_FIT = re.compile(r", or add --fit, which moves .*\.$"), re.compile(r"; (?:add )?--fit(,? )")
-"""Offer of a fit, which a command without the option --fit leaves out, and one that has no other remedy beside it."""
+_OFFER = re.compile(r", or add --fit, which moves .*\.$")
+_ONLY_FIT = re.compile(r"; (?:add )?--fit(,? )")
+"""Offer of a fit, which a command without the option --fit leaves out,
+and one that has no other remedy beside it.
+"""
 _FITTED_FILE = r"; `fingertip params DESIGN --fit --toml > fitted.toml`\1"
 _FITTED = (DESIGN_FILE, OPTIONAL_DESIGN, DESIGN_FILES)
 """Arguments of the commands that have the option --fit."""
-MATERIAL = typer.Option(None, help="Silicone: {silicones}; the design's silicone.product if omitted.")
+MATERIAL = typer.Option(
+    None, help="Silicone: {silicones}; the design's silicone.product if omitted."
+)
 CALIBRATED_DESIGN = typer.Option(
-    None, "--out", "-o", metavar="FILE", help="File for the calibrated design, a complete design file."
+    None,
+    "--out",
+    "-o",
+    metavar="FILE",
+    help="File for the calibrated design, a complete design file.",
 )
 FORCE_CALIBRATED = typer.Option(False, "--force", help="Overwrite FILE if it exists.")
 
@@ -76,16 +119,20 @@ def flag(text: str) -> Any:
 
 
 _OUTPUT_OPTIONS = [
-    inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=option, annotation=bool)
+    inspect.Parameter(
+        name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=option, annotation=bool
+    )
     for name, option in (("as_json", JSON), ("quiet", QUIET))
 ]
 
 
 def command(function: Callable[..., None]) -> Callable[..., None]:
-    """Decorate a command: print the issues of an error and exit with `BAD_INPUT`, or at an interruption with its code.
+    """Decorate a command: print the issues of an error and exit with `BAD_INPUT`, or at an
+    interruption with its code.
 
-    What no command expects ends with `FAULT`: never with the exit code of a failed check, as a traceback would. A
-    command with a parameter `console` gets one, and has the options --json and --quiet, and --fit if it takes a design.
+    What no command expects ends with `FAULT`: never with the exit code of a failed check, as a
+    traceback would. A command with a parameter `console` gets one, and has the options --json and
+    --quiet, and --fit if it takes a design.
     """
     # The help page would keep the line breaks of the source within a paragraph.
     paragraphs = inspect.cleandoc(function.__doc__ or "").split("\n\n")
@@ -96,21 +143,34 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
     if "console" in own:
         declared += _OUTPUT_OPTIONS
     if any(parameter.default is each for parameter in declared for each in _FITTED):
-        declared.append(inspect.Parameter("fit", inspect.Parameter.POSITIONAL_OR_KEYWORD, default=FIT, annotation=bool))
+        declared.append(
+            inspect.Parameter(
+                "fit", inspect.Parameter.POSITIONAL_OR_KEYWORD, default=FIT, annotation=bool
+            )
+        )
+
     for parameter in declared:
-        option, name = parameter.default, parameter.name
+        option = parameter.default
+        name = parameter.name
         if not option.metavar and isinstance(option, typer.models.ArgumentInfo):
             option.metavar = name.upper()
         if option.default is False and not option.param_decls:
             option.param_decls = (f"--{name.replace('_', '-')}",)
+
         option.autocompletion = (
-            option.autocompletion or COMPLETIONS.get(f"{function.__name__} {name}") or COMPLETIONS.get(name)
+            option.autocompletion
+            or COMPLETIONS.get(f"{function.__name__} {name}")
+            or COMPLETIONS.get(name)
         )
 
     @functools.wraps(function)
     def run(**words: Any) -> None:
-        console = Console(bool(words.get("as_json")), bool(words.get("quiet")), bool(words.get("fit")))
-        arguments = {name: value for name, value in {**words, "console": console}.items() if name in own}
+        console = Console(
+            bool(words.get("as_json")), bool(words.get("quiet")), bool(words.get("fit"))
+        )
+        arguments = {
+            name: value for name, value in {**words, "console": console}.items() if name in own
+        }
         try:
             function(**arguments)
         except (typer.Exit, typer.Abort):
@@ -122,11 +182,16 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
             if interruption.find_signal(error) is not None:
                 console.clear()
                 raise typer.Exit(interruption.report(error)) from None
+
             refusal = _find_refusal(error)
             if refusal and "fit" not in words:
-                texts = (_ONLY_FIT.sub(_FITTED_FILE, _OFFER.sub(".", each.message)) for each in refusal.issues)
+                texts = (
+                    _ONLY_FIT.sub(_FITTED_FILE, _OFFER.sub(".", each.message))
+                    for each in refusal.issues
+                )
                 issues = zip(refusal.issues, texts, strict=True)
                 refusal = FingertipError(replace(issue, message=text) for issue, text in issues)
+
             console.print_issues(refusal or describe_fault(error))
             raise typer.Exit(BAD_INPUT if refusal else FAULT) from None
 
@@ -136,50 +201,77 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
 
 
 def _find_refusal(error: BaseException) -> FingertipError | None:
-    """Find what an error tells the user about input, a path or a missing package; None for a fault of the program."""
+    """Find what an error tells the user about input, a path or a
+    missing package; None for a fault of the program.
+    """
     if isinstance(error, FingertipError):
         return error
+
     return describe_path_error(error) or describe_import_error(error)
 
 
 def load_design(
-    file: Path | None, changes: Sequence[str] | None, console: Console | None = None, may_be_empty: bool = True
+    file: Path | None,
+    changes: Sequence[str] | None,
+    console: Console | None = None,
+    may_be_empty: bool = True,
 ) -> Design:
-    """Load the design of a file, or the default design, with changes; with --fit, fit it. Raises DesignError."""
+    """Load the design of a file, or the default design, with changes; with --fit, fit it.
+    Raises DesignError.
+    """
     if console and console.fits:
         from fingertip.design import Design
         from fingertip.design.files import load_tables
 
         loaded = load_tables([file] if file else [], changes or ())
-        design = Design.fit_tables(loaded.tables, loaded.before, loaded.changed, console.progress, loaded.provisional)
+        design = Design.fit_tables(
+            loaded.tables,
+            before=loaded.before,
+            changed=loaded.changed,
+            progress=console.progress,
+            provisional=loaded.provisional,
+        )
         console.show_moves(design.name, design.moves)
     else:
         design, is_default = read_design(file, tuple(changes or ()))
         if file and is_default and not may_be_empty:
-            message = "sets no parameter, so it would be fsr400; state what differs, at least its name."
+            message = (
+                "sets no parameter, so it would be fsr400; state what differs, at least its name."
+            )
             raise DesignError(Issue(str(file), message))
+
         if file and is_default and console:
             console.progress(f"{file} sets no parameter: this is the default design, fsr400")
+
     if console and design.provisional:
         from fingertip.design.hand_sizes import describe_guesses
 
-        if said := describe_guesses(design.provisional):
+        said = describe_guesses(design.provisional)
+        if said:
             console.progress(f"note: {said}")
+
     return design
 
 
 def find_folders(paths: Iterable[Path], console: Console) -> list[Path]:
-    """Find the folders among designs; a bare name that is bundled is that of the bundled design or set."""
+    """Find the folders among designs; a bare name that is bundled
+    is that of the bundled design or set.
+    """
     from fingertip.catalogues.file_kinds import DESIGN, SET, is_bundled_name
 
     folders = [path for path in paths if path.is_dir()]
     bundled = [path for path in folders if is_bundled_name(path, DESIGN, SET)]
-    console.warn(f"{path} is the bundled design of this name; ./{path} names the folder" for path in bundled)
+    console.warn(
+        f"{path} is the bundled design of this name; ./{path} names the folder" for path in bundled
+    )
+
     return [path for path in folders if path not in bundled]
 
 
 def list_words(changes: Iterable[str], console: Console) -> list[str]:
-    """List the options that change a design as they were typed, for a command that is to be typed."""
+    """List the options that change a design as they were typed, for a command that is to
+    be typed.
+    """
     words = [word for change in changes for word in ("--set", change)]
     return [*words, "--fit"] if console.fits else words
 
@@ -190,7 +282,10 @@ def read_design(file: Path | None, changes: tuple[str, ...]) -> tuple[Design, bo
     from fingertip.design.files import load_tables
 
     loaded = load_tables([file] if file else [], changes)
-    return Design.from_tables(loaded.tables, loaded.before, loaded.changed, loaded.provisional), not loaded.before
+
+    return Design.from_tables(
+        loaded.tables, loaded.before, loaded.changed, loaded.provisional
+    ), not loaded.before
 
 
 def load_fingers(file: Path, changes: Sequence[str] | None, console: Console) -> FingerSet:
@@ -201,19 +296,30 @@ def load_fingers(file: Path, changes: Sequence[str] | None, console: Console) ->
 
     if not console.fits:
         return load_set(file, changes or ())
+
     typed = {split_finger(change.partition("=")[0].strip())[1] for change in changes or ()}
 
     def fit(loaded: LoadedTables) -> Design:
-        changed = [name for name in loaded.changed if name in typed]  # what the set's file states may move
-        return Design.fit_tables(loaded.tables, loaded.before, changed, console.progress, loaded.provisional)
+        changed = [
+            name for name in loaded.changed if name in typed
+        ]  # what the set's file states may move
+        return Design.fit_tables(
+            loaded.tables,
+            before=loaded.before,
+            changed=changed,
+            progress=console.progress,
+            provisional=loaded.provisional,
+        )
 
     fingers = build_set(*read_set(file, changes or (), fit))
     for form in fingers.forms:
         console.show_moves(form.design.name, form.design.moves)
+
     return fingers
 
 
-# Names of files that a command is asked to write: what is wrong with them is found before any work starts.
+# Names of files that a command is asked to write: what is wrong with them is found before any work
+# starts.
 
 
 def refuse(*issues: Iterable[Issue]) -> None:
@@ -221,26 +327,42 @@ def refuse(*issues: Iterable[Issue]) -> None:
 
 
 def find_idle_issues(mode: str, options: Mapping[str, object]) -> Iterator[Issue]:
-    """Find options that are given though an option that only prints something would pass over them."""
+    """Find options that are given though an option that only prints something would pass
+    over them.
+    """
     for name, value in options.items():
         if value:
-            yield Issue(name, f"has no effect with {mode}, which writes nothing; leave one of them out.")
+            yield Issue(
+                name, f"has no effect with {mode}, which writes nothing; leave one of them out."
+            )
 
 
 def find_file_issues(
-    option: str, path: Path | None, *suffixes: str, inputs: Iterable[Path | None] = (), kept: str = ""
+    option: str,
+    path: Path | None,
+    *suffixes: str,
+    inputs: Iterable[Path | None] = (),
+    kept: str = "",
 ) -> Iterator[Issue]:
-    """Find why a file is not written: it is a folder, ends in another suffix, is needed, or its place takes no file."""
+    """Find why a file is not written: it is a folder, ends in another
+    suffix, is needed, or its place takes no file.
+    """
     from fingertip.foundation.output_set import find_place_issues
 
     if path is None:
         return
+
     remedy = f"choose another file with {option}"
     if os.path.isdir(path):
         yield Issue(str(path), f"is a folder; {remedy}.")
     elif path.suffix.lower() not in suffixes:
-        yield Issue(option, f"{path.name!r} is of no format that is written; end it in {' or '.join(suffixes)}.")
-    elif os.path.exists(path) and any(each and os.path.exists(each) and path.samefile(each) for each in inputs):
+        yield Issue(
+            option,
+            f"{path.name!r} is of no format that is written; end it in {' or '.join(suffixes)}.",
+        )
+    elif os.path.exists(path) and any(
+        each and os.path.exists(each) and path.samefile(each) for each in inputs
+    ):
         yield Issue(option, f"{path} is an input of this command; give another name.")
     elif kept and os.path.lexists(path):
         yield Issue(str(path), f"exists and is not overwritten; {remedy}, or {kept}.")

@@ -1,4 +1,6 @@
-"""`fingertip simulate`: simulate one of the article's trials, a scene or a manipulation, and write its trace."""
+"""`fingertip simulate`: simulate one of the article's trials, a
+scene or a manipulation, and write its trace.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,14 @@ from typing import TYPE_CHECKING, BinaryIO
 import typer
 
 from fingertip.cli.console import Console
-from fingertip.cli.options import FORCE, command, find_file_issues, find_idle_issues, flag, parse_design
+from fingertip.cli.options import (
+    FORCE,
+    command,
+    find_file_issues,
+    find_idle_issues,
+    flag,
+    parse_design,
+)
 from fingertip.foundation.errors import FingertipError, gather
 from fingertip.foundation.files import temporary_folder
 
@@ -41,7 +50,10 @@ def simulate(
         help="Design file or bundled name, for a scene or manipulation.",
     ),
     out: Path | None = typer.Option(
-        None, "--out", "-o", help="Trace to write: .csv or .npz; out/NAME/signal/trace.csv by default."
+        None,
+        "--out",
+        "-o",
+        help="Trace to write: .csv or .npz; out/NAME/signal/trace.csv by default.",
     ),
     plot: Path | None = typer.Option(None, help="Plot of the outputs to write (PNG)."),
     seed: int = typer.Option(0, help="Seed of force, surface and noise."),
@@ -52,7 +64,9 @@ def simulate(
         None, help="Bundled name, such as wood or ridged_fine, or a surface file (.toml, .csv)."
     ),
     force_n: float | None = typer.Option(
-        None, help="Holding force, or that of the thumb; if left out, the seed draws it (trial: 0.2 to 2 N)."
+        None,
+        help="Holding force, or that of the thumb; if left out, the seed draws it (trial: 0.2 to "
+        "2 N).",
     ),
     grip: str | None = typer.Option(
         None, help="Let the hand tighten its grip when this detector (fast, ...) reports slip."
@@ -71,24 +85,41 @@ def simulate(
     from fingertip.foundation import extras
     from fingertip.sim import load_simulation, trace_file
 
-    issues = [*find_file_issues("--out", out, *trace_file.SUFFIXES), *find_file_issues("--plot", plot, ".png")]
+    issues = [
+        *find_file_issues("--out", out, *trace_file.SUFFIXES),
+        *find_file_issues("--plot", plot, ".png"),
+    ]
+
     for option, is_given in {"--parameters": parameters, "--plan": plan}.items():
         if is_given:
             issues += find_idle_issues(option, {"--out": out, "--plot": plot, "--grip": grip})
+
     simulation: Simulation | None = None
     with gather(issues):
         simulation = load_simulation(
-            file, design, changes=changes or (), surface=surface, speed_m_s=speed_m_s, force_n=force_n, seed=seed
+            file,
+            design,
+            changes=changes or (),
+            surface=surface,
+            speed_m_s=speed_m_s,
+            force_n=force_n,
+            seed=seed,
         )
+
     if grip is not None:
         from fingertip.lab.campaign.closed_loop import find_grip_issues
 
         issues.extend(find_grip_issues(grip, simulation))
+
     if issues or simulation is None:
         raise FingertipError(issues)
+
     if parameters:
         scene = simulation.scene.complete()
-        console.result({"parameters": [*map(vars, scene.list_parameters())]}, "\n".join(scene.format_parameters()))
+        console.result(
+            {"parameters": [*map(vars, scene.list_parameters())]},
+            "\n".join(scene.format_parameters()),
+        )
     elif plan:
         from fingertip.sim.plan import plan_simulation
 
@@ -97,14 +128,29 @@ def simulate(
     else:
         if plot is not None:
             extras.require("--plot", "matplotlib", alternative="leave --plot out")
+
         console.warn(simulation.find_warnings())
-        _write(console, simulation, out, plot, grip, force)
+        _write(
+            console,
+            simulation=simulation,
+            out=out,
+            plot=plot,
+            grip=grip,
+            force=force,
+        )
 
 
 def _write(
-    console: Console, simulation: Simulation, out: Path | None, plot: Path | None, grip: str | None, force: bool
+    console: Console,
+    simulation: Simulation,
+    out: Path | None,
+    plot: Path | None,
+    grip: str | None,
+    force: bool,
 ) -> None:
-    """Simulate and write trace and plot, the trace beside the parts of the design if `out` is None."""
+    """Simulate and write trace and plot, the trace beside the parts of the design if
+    `out` is None.
+    """
     from fingertip.catalogues.output_files import SIGNAL
     from fingertip.foundation.files import open_atomic, write_file
     from fingertip.sim import report as summary
@@ -113,31 +159,54 @@ def _write(
     path = out or SIGNAL.folder(simulation.design) / f"{simulation.name}.csv"
     if out is None:  # refused before the work starts
         SIGNAL.writer(simulation.design, path.parent, force).check((path.name,))
+
     with temporary_folder() as folder:
         finished = folder / path.name
         with open_atomic(out) if out else finished.open("wb") as opened:
-            record, grips_s, picture = _simulate(simulation, opened, path, grip, plot is not None, console.progress)
-        if out is None and (removed := trace_file.write_trace(simulation.design, path, finished, force)):
-            console.progress(f"removed what was made from earlier traces or another design: {', '.join(removed)}")
+            record, grips_s, picture = _simulate(
+                simulation,
+                file=opened,
+                path=path,
+                grip=grip,
+                plotted=plot is not None,
+                progress=console.progress,
+            )
+
+        if out is None and (
+            removed := trace_file.write_trace(simulation.design, path, finished, force)
+        ):
+            console.progress(
+                f"removed what was made from earlier traces or another design: {', '.join(removed)}"
+            )
+
     console.warn(summary.find_warnings(record))
     if simulation.scene.sensing.bridge == "board":
         console.progress(simulation.design.force_curve.describe(simulation.design.sensor.model))
     if plot is not None and picture is not None:
         write_file(plot, picture, "--plot")
+
     written = {"trace": path.as_posix()} | ({"plot": plot.as_posix()} if plot else {})
     lines = [*summary.as_text(record, grips_s), f"wrote {' and '.join(written.values())}"]
     console.result(written | summary.as_data(record, grips_s), "\n".join(lines))
 
 
 def _simulate(
-    simulation: Simulation, file: BinaryIO, path: Path, grip: str | None, plotted: bool, progress: Callable[[str], None]
+    simulation: Simulation,
+    file: BinaryIO,
+    path: Path,
+    grip: str | None,
+    plotted: bool,
+    progress: Callable[[str], None],
 ) -> tuple[SceneRecord | ManipulationResult, tuple[float, ...] | None, bytes | None]:
-    """Simulate and write the trace; return what is known about it, the moments of grip, and the plot if asked for."""
+    """Simulate and write the trace; return what is known about it, the
+    moments of grip, and the plot if asked for.
+    """
     from fingertip.sim import report as summary
     from fingertip.sim import trace_file
 
     if grip is None and not plotted:
         return simulation.write(file, path, progress), None, None
+
     grips_s = None
     if grip is None:
         record = simulation.run(progress=progress)
@@ -145,5 +214,10 @@ def _simulate(
         from fingertip.lab.campaign.closed_loop import run_with_grip
 
         record, grips_s = run_with_grip(simulation, grip, progress)
+
     trace_file.write_columns(file, path, record.time_s, record.columns)
-    return record, grips_s, summary.draw(record, summary.as_text(record, grips_s)[0]) if plotted else None
+    return (
+        record,
+        grips_s,
+        summary.draw(record, summary.as_text(record, grips_s)[0]) if plotted else None,
+    )

@@ -1,4 +1,6 @@
-"""`fingertip sweep`: evaluate many designs from one file, on all processors or a cluster; interruptible, resumable."""
+"""`fingertip sweep`: evaluate many designs from one file, on all processors or a cluster;
+interruptible, resumable.
+"""
 
 from __future__ import annotations
 
@@ -35,14 +37,17 @@ def sweep(
     file: Path | None = typer.Argument(
         None, parser=parse_sweep, metavar="SWEEP", help="Sweep file, or a bundled one: {sweeps}."
     ),
-    out: Path | None = typer.Option(None, "--out", "-o", help="Folder for the rows. Default: out/sweeps/NAME."),
+    out: Path | None = typer.Option(
+        None, "--out", "-o", help="Folder for the rows. Default: out/sweeps/NAME."
+    ),
     jobs: int | None = JOBS,
     cluster: str | None = typer.Option(
         None, metavar="ADDRESS", help="Address of a Dask scheduler, such as tcp://127.0.0.1:8786."
     ),
     resume: bool = flag("Continue a sweep that was interrupted."),
     show: bool = flag(
-        "Compute nothing; report on the existing rows: limiting rules, sensitivities, plots, best design."
+        "Compute nothing; report on the existing rows: limiting rules, sensitivities, plots, best "
+        "design."
     ),
     csv: Path | None = typer.Option(None, metavar="FILE", help="Also write the rows as CSV."),
     outputs: bool = flag("List the outputs that can be computed, and exit."),
@@ -58,7 +63,10 @@ def sweep(
 
     Exit code 0: every point has its row; 1: some points failed or exceeded the time limit.
     """
-    refuse(find_file_issues("--csv", csv, ".csv"), find_idle_issues("--outputs", {"--csv": csv} if outputs else {}))
+    refuse(
+        find_file_issues("--csv", csv, ".csv"),
+        find_idle_issues("--outputs", {"--csv": csv} if outputs else {}),
+    )
     if outputs:
         _list_outputs(console)
     elif show:
@@ -68,6 +76,7 @@ def sweep(
         with _open_database(console, out or _default_folder(plan), plan, resume) as database:
             code = _run(console, database, engine)
             _export(database, csv)
+
         if code:
             raise typer.Exit(code)
 
@@ -75,7 +84,10 @@ def sweep(
 def _list_outputs(console: Console) -> None:
     from fingertip.sweep.outputs import load_outputs
 
-    listed = [{"name": o.name, "group": o.group, "description": o.description} for o in load_outputs().values()]
+    listed = [
+        {"name": o.name, "group": o.group, "description": o.description}
+        for o in load_outputs().values()
+    ]
     lines = [f"{'output':24} {'group':10} description"]
     lines += [f"{o.name:24} {o.group:10} {o.description}" for o in load_outputs().values()]
     console.result({"outputs": listed}, "\n".join(lines))
@@ -90,25 +102,40 @@ def _prepare(
     from fingertip.sweep.plan import SweepPlan
 
     if file is None:
-        raise SweepError(Issue("SWEEP.toml", "is missing; give a sweep file, or a bundled sweep, such as board."))
+        raise SweepError(
+            Issue("SWEEP.toml", "is missing; give a sweep file, or a bundled sweep, such as board.")
+        )
+
     workers = find_workers(jobs)
     if jobs is not None and cluster:
-        message = "cannot be combined with --cluster, which has its own workers; leave one of them out."
+        message = (
+            "cannot be combined with --cluster, which has its own workers; leave one of them out."
+        )
         raise SweepError(Issue("--jobs", message))
+
     return SweepPlan.load(file, changes), DaskEngine(cluster) if cluster else ProcessEngine(workers)
 
 
-def _find_shown(file: Path | None, out: Path | None, changes: Sequence[str]) -> tuple[Path, SweepPlan | None]:
+def _find_shown(
+    file: Path | None, out: Path | None, changes: Sequence[str]
+) -> tuple[Path, SweepPlan | None]:
     """Find the folder to report on, and its sweep; None if only the folder is given."""
     from fingertip.sweep.plan import SweepPlan
 
     if file is not None:
         plan = SweepPlan.load(file, changes)
         return out or _default_folder(plan), plan
+
     if out is None:
         raise SweepError(Issue("--show", "needs a sweep; give its file, or its folder with --out."))
     if changes:
-        raise SweepError(Issue("--set", "changes a sweep file, but none is given; give the file together with --show."))
+        raise SweepError(
+            Issue(
+                "--set",
+                "changes a sweep file, but none is given; give the file together with --show.",
+            )
+        )
+
     return out, None
 
 
@@ -123,38 +150,58 @@ def _open_database(console: Console, folder: Path, plan: SweepPlan, resume: bool
         return SweepDatabase.resume(folder, plan)
     if resume:
         console.progress(f"{folder} holds no sweep to continue: starting a new one there")
+
     return SweepDatabase.create(folder, plan)
 
 
 def _run(console: Console, database: SweepDatabase, engine: Engine) -> int:
     from fingertip.sweep.run import compute_rows
 
-    plan, folder = database.plan, database.folder
-    interrupted, start_s = None, time.perf_counter()
+    plan = database.plan
+    folder = database.folder
+    interrupted = None
+    start_s = time.perf_counter()
+
     try:
         state = compute_rows(
-            plan, database, engine, lambda s: console.progress(ShareText(format_state(s), s.done / plan.size))
+            plan,
+            database,
+            engine,
+            lambda s: console.progress(ShareText(format_state(s), s.done / plan.size)),
         )
     except interruption.INTERRUPTIONS as error:
         interrupted = interruption.exit_code(error)
         interruption.forget_signal()
+
     counts = database.count_by_status()
     rows = sum(counts.values())
-    data = {"folder": folder.as_posix(), "points": plan.size, "rows": rows, **counts}
+    data = {
+        "folder": folder.as_posix(),
+        "points": plan.size,
+        "rows": rows,
+        **counts,
+    }
+
     if interrupted:
-        console.progress(f"interrupted with {rows} of {plan.size} points in {folder}; continue with --resume")
+        console.progress(
+            f"interrupted with {rows} of {plan.size} points in {folder}; continue with --resume"
+        )
         console.result(data, "")
         return interrupted
+
     statuses = ", ".join(f"{count} {status}" for status, count in counts.items() if count)
     elapsed_s = time.perf_counter() - start_s
     speed = f"{state.written} now in {elapsed_s:.1f} s by {engine.workers} {engine.description}"
     lines = [
         f"{rows} of {plan.size} points in {folder}: {statuses}",
-        f"{speed}, {state.written / elapsed_s:.3g} points/s" if state.written else "every point already had its row",
+        f"{speed}, {state.written / elapsed_s:.3g} points/s"
+        if state.written
+        else "every point already had its row",
         f"next: fingertip sweep --show --out {shlex.quote(folder.as_posix())}",
     ]
     data = {"name": plan.file.name, **data, "computed_now": state.written}
     console.result(data, "\n".join(lines))
+
     return CHECK_FAILED if counts["failed"] + counts["timeout"] or rows < plan.size else 0
 
 
@@ -165,6 +212,7 @@ def _show_report(console: Console, folder: Path, plan: SweepPlan | None, csv: Pa
     with SweepDatabase.open(folder) as database:
         data = write_report(database, folder, console.progress, plan)
         _export(database, csv)
+
     console.result(data, data.pop("text"))
 
 

@@ -1,4 +1,6 @@
-"""Files of designs: tables are read and merged before anything is validated, and written as TOML or a JSON schema."""
+"""Files of designs: tables are read and merged before anything is
+validated, and written as TOML or a JSON schema.
+"""
 
 from __future__ import annotations
 
@@ -43,71 +45,110 @@ class LoadedTables:
 
 
 Changes = Iterable[str] | Mapping[str, Any]
-"""Changes of parameters: texts such as "skin.width_mm=18", or {"skin.width_mm": 18}, or nested tables."""
+"""Changes of parameters: texts such as "skin.width_mm=18", or
+{"skin.width_mm": 18}, or nested tables.
+"""
 
 
 def list_changes(changes: Changes) -> Sequence[str]:
     """List changes as texts. Raises DesignError if they are one."""
     if isinstance(changes, str):
         raise DesignError(Issue("changes", f"{changes!r} is a single text; use --set {changes}."))
+
     if isinstance(changes, Mapping):
         import tomlkit  # noqa: PLC0415
 
-        texts, values = list[str](), dict[str, Any]()
+        texts = list[str]()
+        values = dict[str, Any]()
+
         for name, value in flatten(changes):
-            if (known := values.setdefault(name, value)) is not value:
-                message = f"is given twice, as {quote_value(known)} and as {quote_value(value)}; give it once."
+            known = values.setdefault(name, value)
+            if known is not value:
+                message = (
+                    f"is given twice, as {quote_value(known)} and as {quote_value(value)}; "
+                    "give it once."
+                )
                 raise DesignError(Issue(f"changes {name}", message))
+
             plain = value.tolist() if hasattr(value, "tolist") else value  # of numpy
             try:
                 texts.append(f"{name}={tomlkit.item(plain).as_string()}")
             except ValueError:
-                message = f"{quote_value(value)} is no value; give a number, a text, True, False or a list."
+                message = (
+                    f"{quote_value(value)} is no value; give a number, a text, True, False "
+                    "or a list."
+                )
                 raise DesignError(Issue(f"changes {name}", message)) from None
+
         return texts
+
     texts = list(changes)
-    if wrong := [each for each in texts if not isinstance(each, str)]:
-        raise ArgumentError(Issue("changes", f"holds {quote_value(wrong[0])}; give texts such as skin.width_mm=18."))
+    wrong = [each for each in texts if not isinstance(each, str)]
+    if wrong:
+        raise ArgumentError(
+            Issue("changes", f"holds {quote_value(wrong[0])}; give texts such as skin.width_mm=18.")
+        )
+
     return texts
 
 
 def load_tables(
-    files: Iterable[str | Path], changes: Changes, kind: FileKind = DESIGN, below: Path | None = None
+    files: Iterable[str | Path],
+    changes: Changes,
+    kind: FileKind = DESIGN,
+    below: Path | None = None,
 ) -> LoadedTables:
-    """Merge TOML files, then changes of the form `table.key=value`; later values win. Raises DesignError.
+    """Merge TOML files, then changes of the form `table.key=value`; later values win.
 
-    What design files leave out follows the nearest proven finger (see `design.proportions`). Files that another file
-    names are read `below` its folder (see `read_input`).
+    Raises DesignError.
+
+    What design files leave out follows the nearest proven finger (see `design.proportions`). Files
+    that another file names are read `below` its folder (see `read_input`).
     """
     before: dict[str, Any] = {}
     parsed: list[dict[str, Any]] = []
     issues: list[Issue] = []
     marked = dict[str, None]()
+
     for file in files:
         with gather(issues):
-            tables = read_file(path := find_file(file, kind), kind, below)
+            path = find_file(file, kind)
+            tables = read_file(path, kind, below)
             resolve_names(tables, path.parent)
             merge(before, tables)
             marked |= dict.fromkeys(_find_marked(path))
+
     for change in list_changes(changes):
         with gather(issues):
             parsed.append(parse_change(change))
+
     raise_issues(DesignError, issues)
     if before and kind is DESIGN:
         before = fill_in(before)
+
     tables = copy.deepcopy(before)
     for nested in parsed:
         merge(tables, nested)
+
     for each in (before, tables):
-        if isinstance(sensor := each.get("sensor"), dict) and isinstance(model := sensor.get("model"), str):
+        sensor = each.get("sensor")
+        if isinstance(sensor, dict) and isinstance(model := sensor.get("model"), str):
             sensor["model"] = spell_sensor(model)
+
     changed = tuple(name for nested in parsed for name, _ in flatten(nested))
-    return LoadedTables(tables, before, changed, tuple(name for name in marked if name not in changed))
+    return LoadedTables(
+        tables, before, changed, tuple(name for name in marked if name not in changed)
+    )
 
 
-_MARKS = {"hand": ("guessed: measure it. ", "measurement"), "strength": ("lowered to what the bone holds. ", "derived")}
+_MARKS = {
+    "hand": ("guessed: measure it. ", "measurement"),
+    "strength": ("lowered to what the bone holds. ", "derived"),
+}
 """Table -> beginning of the comment and kind of those of its parameters that are provisional."""
-_MARKED = re.compile(rf"^(?:\[([\w.]+)\]|([\w.]+) *=.*# (?:{'|'.join(mark for mark, _ in _MARKS.values())}))", re.M)
+_MARKED = re.compile(
+    rf"^(?:\[([\w.]+)\]|([\w.]+) *=.*# (?:{'|'.join(mark for mark, _ in _MARKS.values())}))", re.M
+)
 
 
 def _find_marked(path: Path) -> Iterator[str]:
@@ -124,26 +165,33 @@ def resolve_names(tables: Mapping[str, Any], folder: Path) -> None:
     bone = tables.get("bone")
     if isinstance(bone, dict) and isinstance(name := bone.get("adapter_file"), str) and name:
         if not is_safe_name(name):
-            message = f"{quote_value(name)} is no name of a file beside the design file; put it there."
+            message = (
+                f"{quote_value(name)} is no name of a file beside the design file; put it there."
+            )
             raise DesignError(Issue("bone.adapter_file", message))
+
         bone["adapter_file"] = str(folder / name)
 
 
 def parse_change(change: str) -> dict[str, Any]:
     """Parse "skin.width_mm=18" as ``{"skin": {"width_mm": 18}}``.
 
-    A value that is not TOML is taken as text, and words in square brackets as a list of texts, because a shell takes
-    their quotes away.
+    A value that is not TOML is taken as text, and words in square brackets as a list of texts,
+    because a shell takes their quotes away.
     """
     key, equals, text = change.partition("=")
     steps = [step.strip() for step in key.split(".")]
     field = f"--set {shorten(change, MAX_VALUE_LENGTH)}"
+
     if not equals or not all(steps):
-        raise DesignError(Issue(field, "is not of the form table.key=value, such as skin.width_mm=18."))
+        raise DesignError(
+            Issue(field, "is not of the form table.key=value, such as skin.width_mm=18.")
+        )
     if len(steps) > MAX_DEPTH:
         raise DesignError(Issue(field, "names tables in too many tables; write table.key=value."))
     if re.search(r",\s*[a-z_]+\.[a-z0-9_.]+\s*=", text):
         raise DesignError(Issue(field, "holds several changes; give --set once for each of them."))
+
     try:
         value: Any = parse_toml(f"v = {text}")["v"]
     except UnusableTomlError as error:
@@ -152,8 +200,10 @@ def parse_change(change: str) -> dict[str, Any]:
         value = text.strip()
         if re.fullmatch(r"\[\s*\w+(\s*,\s*\w+)*\s*\]", value):
             value = [word.strip() for word in value[1:-1].split(",")]
+
     for step in reversed(steps):
         value = {step: value}
+
     return dict(value)
 
 
@@ -175,7 +225,9 @@ def flatten(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 _MAX_COLUMN_WIDTH = 60
-"""Maximum width of a column of the parameter table. A longer entry shifts the rest of its own row only."""
+"""Maximum width of a column of the parameter table.
+A longer entry shifts the rest of its own row only.
+"""
 
 
 @dataclass(frozen=True)
@@ -193,16 +245,32 @@ class Parameter:
 
 def list_parameters(provisional: Collection[str] = ()) -> Iterator[Parameter]:
     for path, field in PARAMETERS.items():
-        bounds, meaning = format_bounds(field), field.description or ""
-        mark, kind = _MARKS[path.partition(".")[0]] if path in provisional else ("", find_kind(path))
-        yield Parameter(path, field.default, find_unit(field), bounds, kind, mark + meaning)
+        bounds = format_bounds(field)
+        meaning = field.description or ""
+        mark, kind = (
+            _MARKS[path.partition(".")[0]] if path in provisional else ("", find_kind(path))
+        )
+        yield Parameter(
+            path=path,
+            default=field.default,
+            unit=find_unit(field),
+            bounds=bounds,
+            kind=kind,
+            description=mark + meaning,
+        )
 
 
 def format_parameter_table(rows: Iterable[Sequence[str]], *more: str) -> str:
     """Format rows of name, value, unit, bounds, `more` and description as a table with a header."""
     rows = [("parameter", "value", "unit", "bounds", *more, "description"), *rows]
-    widths = [max(len(cell) for cell in column if len(cell) <= _MAX_COLUMN_WIDTH) for column in zip(*rows, strict=True)]
-    cells = ((f"{cell:{'>' if i == 1 else ''}{widths[i]}}" for i, cell in enumerate(row)) for row in rows)
+    widths = [
+        max(len(cell) for cell in column if len(cell) <= _MAX_COLUMN_WIDTH)
+        for column in zip(*rows, strict=True)
+    ]
+    cells = (
+        (f"{cell:{'>' if i == 1 else ''}{widths[i]}}" for i, cell in enumerate(row)) for row in rows
+    )
+
     return "\n".join("  ".join(row).rstrip() for row in cells)
 
 
@@ -210,41 +278,59 @@ def format_value(value: Any) -> str:
     """Format a value as it is written in a TOML file, text without its quotes."""
     if isinstance(value, bool | list | tuple):
         return json.dumps(value)
+
     return str(value)
 
 
 def to_toml(design: Tables, heading: str = "") -> str:
-    """Write a whole design as TOML that reads back as equal, with descriptions and bounds as comments."""
+    """Write a whole design as TOML that reads back as equal,
+    with descriptions and bounds as comments.
+    """
     import tomlkit  # noqa: PLC0415
 
     design = design.with_bare_names()
-    described = {parameter.path: parameter for parameter in list_parameters(getattr(design, "provisional", ()))}
+    described = {
+        parameter.path: parameter
+        for parameter in list_parameters(getattr(design, "provisional", ()))
+    }
     document = tomlkit.document()
     for line in heading.splitlines():
         document.add(tomlkit.comment(line) if line else tomlkit.nl())
+
     for move in getattr(design, "moves", ()):
-        document.add(tomlkit.comment(f"Fitted: {move.name} was {format_value(move.before)}; {move.reason}"))
+        document.add(
+            tomlkit.comment(f"Fitted: {move.name} was {format_value(move.before)}; {move.reason}")
+        )
+
     for name in Tables.model_fields:
         value = getattr(design, name)
         if not isinstance(value, ParameterTable):
             document.add(name, value)
             continue
+
         table = tomlkit.table()
         for line in (type(value).__doc__ or "").splitlines():
             table.add(tomlkit.comment(line))
+
         for key in type(value).model_fields:
             parameter = described[f"{name}.{key}"]
             item = tomlkit.item(getattr(value, key))
-            item.comment(parameter.description + (f" [{parameter.bounds}]" if parameter.bounds else ""))
+            item.comment(
+                parameter.description + (f" [{parameter.bounds}]" if parameter.bounds else "")
+            )
             table.add(key, item)
+
         document.add(tomlkit.nl())
         document.add(name, table)
+
     return tomlkit.dumps(document)
 
 
 def format_bounds(field: FieldInfo) -> str:
-    if choices := list_choices(field):
+    choices = list_choices(field)
+    if choices:
         return " | ".join(choices)
+
     bounds = find_bounds(field)
     limits = ((">=", bounds.minimum), (">", bounds.above), ("<=", bounds.maximum))
     return ", ".join(f"{sign} {limit:g}" for sign, limit in limits if limit is not None)

@@ -1,4 +1,6 @@
-"""Sizes of a hand's joint: their files, where calipers go for each, and guesses for those that nobody measured."""
+"""Sizes of a hand's joint: their files, where calipers go for each,
+and guesses for those that nobody measured.
+"""
 
 from __future__ import annotations
 
@@ -26,53 +28,90 @@ def list_hands() -> dict[str, Path]:
 
 def find_hand(given: str | Path) -> Path:
     """Find the file of a hand by path or by the name of a bundled one. Raises TomlFileError."""
-    hands, path = list_hands(), Path(given)
+    hands = list_hands()
+    path = Path(given)
     is_bare_name = path.name == str(given) and not path.suffix
-    if is_bare_name and path.name in hands and not path.is_file():  # a folder of this name does not come first
+
+    if (
+        is_bare_name and path.name in hands and not path.is_file()
+    ):  # a folder of this name does not come first
         path = hands[path.name]
     elif is_bare_name and not path.exists():
         remedy = suggest_name(path.name, list(hands))
-        raise TomlFileError(Issue(path.name, f"is neither a file nor the name of a bundled hand; {remedy}"))
+        raise TomlFileError(
+            Issue(path.name, f"is neither a file nor the name of a bundled hand; {remedy}")
+        )
+
     example = f"the bundled hand {next(iter(hands))}"
     if path.is_dir():
-        raise TomlFileError(Issue(str(given), f"is a folder; give the path of a hand file, such as {example}."))
-    if others := [name for name in read_toml(path) if name != "hand"]:
-        message = f"holds {others[0]} besides [hand]; a hand file has the table [hand] alone, as {example} has."
+        raise TomlFileError(
+            Issue(str(given), f"is a folder; give the path of a hand file, such as {example}.")
+        )
+
+    others = [name for name in read_toml(path) if name != "hand"]
+    if others:
+        message = (
+            f"holds {others[0]} besides [hand]; a hand file has the table [hand] alone, as "
+            f"{example} has."
+        )
         raise TomlFileError(Issue(str(given), message))
+
     return path
 
 
 def complete_hand(given: Mapping[str, Any], base: Hand) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """Complete the table [hand], of which a part was measured, and name the parameters that are guesses.
+    """Complete the table [hand], of which a part was measured, and name the parameters that are
+    guesses.
 
-    Clearance radius and axis height are in the proportion of the `base`, and all else is as there. A tendon lies no
-    nearer to the palm, and passes palmar of a fork, which is smaller by two tendons; there is none without room for it.
+    Clearance radius and axis height are in the proportion of the `base`, and all else is as there.
+    A tendon lies no nearer to the palm, and passes palmar of a fork, which is smaller by two
+    tendons; there is none without room for it.
 
     Raises DesignError if values are not valid, or if a size is missing that the others do not tell.
     """
-    hand, values = parse_tables(Tables, {"hand": dict(given)}).hand, dict(given)
-    if missing := [name for name in _STATED if name not in given]:
+    hand = parse_tables(Tables, {"hand": dict(given)}).hand
+    values = dict(given)
+    missing = [name for name in _STATED if name not in given]
+
+    if missing:
         remedy = "`fingertip new --help` tells where to put the calipers"
         raise DesignError(Issue("hand", f"lacks {join_words(missing)}; {remedy}."))
 
     def guess(name: str, value: float) -> float:
         return float(values.setdefault(name, round(value, 2)))
 
-    line_mm = guess("tendon_diameter_mm", base.tendon_diameter_mm) if given.get("tendon_distance_mm") != 0 else 0.0
+    line_mm = (
+        guess("tendon_diameter_mm", base.tendon_diameter_mm)
+        if given.get("tendon_distance_mm") != 0
+        else 0.0
+    )
     palmar_mm = 2 * line_mm if hand.knuckle == "fork" else 0.0
-    share, to_palm_mm = base.clearance_radius_mm / base.axis_height_mm, base.axis_height_mm - base.tendon_distance_mm
+    share = base.clearance_radius_mm / base.axis_height_mm
+    to_palm_mm = base.axis_height_mm - base.tendon_distance_mm
     by_radius_mm = given.get("clearance_radius_mm", 0.0) / share + palmar_mm
     by_tendon_mm = given.get("tendon_distance_mm", 0.0) + to_palm_mm
     height_mm = guess("axis_height_mm", max(base.axis_height_mm, by_radius_mm, by_tendon_mm))
     min_mm = hand.pin_diameter_mm / 2 + _AROUND_PIN_MM
     radius_mm = guess("clearance_radius_mm", max(share * (height_mm - palmar_mm), min_mm))
-    distance_mm = max(min(base.tendon_distance_mm, height_mm - to_palm_mm), radius_mm + line_mm if palmar_mm else 0.0)
+    distance_mm = max(
+        min(base.tendon_distance_mm, height_mm - to_palm_mm),
+        radius_mm + line_mm if palmar_mm else 0.0,
+    )
     guess("tendon_distance_mm", distance_mm if distance_mm < height_mm else 0.0)
     guess("travel_deg", base.travel_deg)
+
     return values, tuple(f"hand.{name}" for name in SIZES if name in values.keys() - given.keys())
 
 
 def describe_guesses(provisional: Iterable[str]) -> str:
     """Say which sizes of the hand are guesses; nothing if there are none."""
-    names = [name + " (0: no tendon)" * ("tendon_dist" in name) for name in provisional if name.startswith("hand.")]
-    return f"guessed sizes of the hand: {join_words(names)}; measure them before you print" if names else ""
+    names = [
+        name + " (0: no tendon)" * ("tendon_dist" in name)
+        for name in provisional
+        if name.startswith("hand.")
+    ]
+    return (
+        f"guessed sizes of the hand: {join_words(names)}; measure them before you print"
+        if names
+        else ""
+    )

@@ -1,4 +1,6 @@
-"""A design: all parameters of one fingertip, its board and its detector, validated as a whole and frozen."""
+"""A design: all parameters of one fingertip, its board and its
+detector, validated as a whole and frozen.
+"""
 
 from __future__ import annotations
 
@@ -32,13 +34,13 @@ MAX_SHOWN = 4
 
 
 class Design(DesignTables):
-    """One fingertip. Its construction checks every bound and every rule, and reports all issues at once.
+    """One fingertip.
 
-    Raises
-    ------
-    DesignError
-        With one message for each unknown name, each parameter out of bounds and each field that a broken rule blames.
-        `fingertip.design.remedies` states what the remedies in the messages promise.
+    Its construction checks every bound and every rule, and reports all issues at once.
+
+    Raises ------ DesignError With one message for each unknown name, each parameter out of bounds
+    and each field that a broken rule blames. `fingertip.design.remedies` states what the remedies
+    in the messages promise.
     """
 
     def __init__(self, /, **tables: Any) -> None:
@@ -49,13 +51,11 @@ class Design(DesignTables):
     def load(cls, *files: str | Path, changes: Changes = (), fit: bool = False) -> Self:
         """Read a design: the defaults, then each file, then changes; later values win.
 
-        A change is a text such as "skin.width_mm=18"; a mapping such as {"skin.width_mm": 18} holds several, each once.
-        With `fit`, what follows moves as in `Design.fit`.
+        A change is a text such as "skin.width_mm=18"; a mapping such as {"skin.width_mm": 18} holds
+        several, each once. With `fit`, what follows moves as in `Design.fit`.
 
-        Raises
-        ------
-        DesignError
-            If a file cannot be read, is not valid TOML or is of another kind, or if the design is refused.
+        Raises ------ DesignError If a file cannot be read, is not valid TOML or is of another kind,
+        or if the design is refused.
         """
         loaded = load_tables(files, changes)
         make = cls.fit_tables if fit else cls.from_tables
@@ -63,17 +63,23 @@ class Design(DesignTables):
 
     @classmethod
     def from_tables(
-        cls, tables: Mapping[str, Any], before: Mapping[str, Any] | None = None, changed: Sequence[str] = (),
+        cls,
+        tables: Mapping[str, Any],
+        before: Mapping[str, Any] | None = None,
+        changed: Sequence[str] = (),
         provisional: Sequence[str] = (),
-    ) -> Self:  # fmt: skip
-        """Make a design of tables that were changed. If it is refused, the cause is sought among the changes.
+    ) -> Self:
+        """Make a design of tables that were changed.
 
-        `before` holds the contents without the changes, the defaults if None, and `changed` names such as
-        "skin.width_mm". Raises DesignError.
+        If it is refused, the cause is sought among the changes.
+
+        `before` holds the contents without the changes, the defaults if None, and `changed` names
+        such as "skin.width_mm". Raises DesignError.
         """
         design = cls.__new__(cls)
         design._validate(tables, before, changed)
         design.__dict__["provisional"] = tuple(name for name in provisional if name not in changed)
+
         return design
 
     @checked
@@ -88,16 +94,21 @@ class Design(DesignTables):
         DesignError
             If a change is not valid, or the design with all of them is refused.
         """
-        loaded, tables = load_tables((), changes), self.model_dump()
+        loaded = load_tables((), changes)
+        tables = self.model_dump()
         merge(tables, loaded.tables)
+
         return self.from_tables(tables, self.model_dump(), loaded.changed, self.provisional)
 
     @checked
-    def fit(self, changes: Changes = (), progress: Callable[[str], None] = lambda message: None) -> Self:
-        """Change the design, and move what follows until every rule passes and the bone holds its loads.
+    def fit(
+        self, changes: Changes = (), progress: Callable[[str], None] = lambda message: None
+    ) -> Self:
+        """Change the design, and move what follows until every rule passes and the bone holds its
+        loads.
 
-        What is changed stays, measurements too. A design that passes with the changes stays as it is. `moves` of the
-        result lists what moved:
+        What is changed stays, measurements too. A design that passes with the changes stays as it
+        is. `moves` of the result lists what moved:
 
         >>> thinner = Design.load("adult_finger").fit({"skin.thickness_palmar_mm": 2.7})
         >>> thinner.skin.thickness_palmar_mm, len(thinner.moves) > 0
@@ -115,9 +126,17 @@ class Design(DesignTables):
         DesignError
             If no such design is found. It names what has to change.
         """
-        loaded, tables = load_tables((), changes), self.model_dump()
+        loaded = load_tables((), changes)
+        tables = self.model_dump()
         merge(tables, loaded.tables)
-        return self.fit_tables(tables, self.model_dump(), loaded.changed, progress, self.provisional)
+
+        return self.fit_tables(
+            tables,
+            before=self.model_dump(),
+            changed=loaded.changed,
+            progress=progress,
+            provisional=self.provisional,
+        )
 
     @classmethod
     def fit_tables(
@@ -128,15 +147,24 @@ class Design(DesignTables):
         progress: Callable[[str], None] = lambda message: None,
         provisional: Sequence[str] = (),
     ) -> Self:
-        """Make a design of tables as `from_tables` does, and move what follows from the changes. Raises DesignError."""
-        # Strength is computed by what builds on a design, which therefore finds the function by its name.
+        """Make a design of tables as `from_tables` does, and move what follows from the changes.
+
+        Raises DesignError.
+        """
+        # Strength is computed by what builds on a design, which therefore finds the function by its
+        # name.
         fit_finger = import_module("fingertip.cad.verification.fitting").fit_finger
         try:
             begun = DesignTables(**tables)
         except ValidationError as error:
             raise DesignError(explain_invalid(tables, error, changed)) from None
+
         fit = fit_finger(
-            begun, changed, read_valid(before), lambda share: progress(ShareText("fitting", share)), provisional
+            begun,
+            changed,
+            read_valid(before),
+            lambda share: progress(ShareText("fitting", share)),
+            provisional,
         )
         design = cls.from_tables(fit.tables.model_dump(), before, changed, provisional)
         design.__dict__["moves"] = fit.moves
@@ -144,23 +172,30 @@ class Design(DesignTables):
 
     @cached_property
     def moves(self) -> tuple[Move, ...]:
-        """Moves of `fit`, each with `name`, `before`, `after` and `reason`; nothing in another design."""
+        """Moves of `fit`, each with `name`, `before`, `after`
+        and `reason`; nothing in another design.
+        """
         return ()
 
     @cached_property
     def provisional(self) -> tuple[str, ...]:
-        """Guessed sizes of the hand, and loads that `fingertip new` lowered: parameters that the file marks so."""
+        """Guessed sizes of the hand, and loads that `fingertip new`
+        lowered: parameters that the file marks so.
+        """
         return ()
 
     @classmethod
     def without_remedies(cls, /, **tables: Any) -> Design:
-        """Make a design as the constructor does, but refuse it faster: the messages contain no remedies.
+        """Make a design as the constructor does, but refuse it faster: the messages contain no
+        remedies.
 
         A sweep refuses thousands of designs, and needs to know only why. Raises DesignError.
         """
         valid = parse_tables(DesignTables, tables)
         raise_issues(DesignError, describe_violations(valid))
-        return cls.model_construct(None, **{name: getattr(valid, name) for name in cls.model_fields})
+        return cls.model_construct(
+            None, **{name: getattr(valid, name) for name in cls.model_fields}
+        )
 
     def changes(self) -> dict[str, Any]:
         """Return the parameters that differ from the default design, by dotted name."""
@@ -178,10 +213,13 @@ class Design(DesignTables):
         """Table of the parameters that differ from the default design, for Jupyter."""
         changed = self.changes()
         rows = [
-            (p.path, changed[p.path], p.default, p.unit, p.description) for p in list_parameters() if p.path in changed
+            (p.path, changed[p.path], p.default, p.unit, p.description)
+            for p in list_parameters()
+            if p.path in changed
         ]
         count = f"{len(rows) or 'no'} parameter{' differs' if len(rows) == 1 else 's differ'}"
         caption = f"Design {self.name}: {count} from the default design"
+
         return html_table(caption, ("parameter", "value", "default", "unit", "meaning"), rows)
 
     def plot(self, width_px: int = 1600) -> Picture:
@@ -195,7 +233,8 @@ class Design(DesignTables):
         return plot("fingertip.pictures.picture:draw", self, width_px)
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return every parameter with value, default, unit, bounds, kind and description as a data frame.
+        """Return every parameter with value, default, unit, bounds, kind and description as a data
+        frame.
 
         Raises
         ------
@@ -206,16 +245,26 @@ class Design(DesignTables):
         columns = {
             "name": [p.path for p in listed],
             "value": [self.value(p.path) for p in listed],
-            **{key: [getattr(p, key) for p in listed] for key in ("default", "unit", "bounds", "kind", "description")},
+            **{
+                key: [getattr(p, key) for p in listed]
+                for key in ("default", "unit", "bounds", "kind", "description")
+            },
         }
         return to_dataframe(columns, "Design.to_dataframe")
 
     def _validate(
-        self, tables: Mapping[str, Any], before: Mapping[str, Any] | None = None, changed: Sequence[str] = ()
+        self,
+        tables: Mapping[str, Any],
+        before: Mapping[str, Any] | None = None,
+        changed: Sequence[str] = (),
     ) -> None:
         try:
             super().__init__(**tables)
         except ValidationError as error:
             raise DesignError(explain_invalid(tables, error, changed)) from None
-        if broken := list(find_violations(RULES, self)):
-            raise DesignError(find_remedies(self, broken, read_valid(before), changed, fit=list_moved))
+
+        broken = list(find_violations(RULES, self))
+        if broken:
+            raise DesignError(
+                find_remedies(self, broken, read_valid(before), changed, fit=list_moved)
+            )

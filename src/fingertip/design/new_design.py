@@ -1,4 +1,6 @@
-"""New design: a bundled one with what is given, fitted to it, as a file of wishes and measurements."""
+"""New design: a bundled one with what is given, fitted to it, as a file of wishes and
+measurements.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,14 @@ from fingertip.design.parameters.declaration import parse_tables, suggest_name
 from fingertip.foundation.errors import DesignError, Issue, gather, raise_issues
 from fingertip.foundation.tables import read_toml
 
-PRESETS = ("adult_finger", "adult_thumb", "youth_finger", "youth_thumb", "child_finger", "child_thumb")
+PRESETS = (
+    "adult_finger",
+    "adult_thumb",
+    "youth_finger",
+    "youth_thumb",
+    "child_finger",
+    "child_thumb",
+)
 """Bundled designs of anatomical size, each with a clevis."""
 _SENSORS = (*SENSORS, "custom")
 _PLACE = "sensor.distance_from_tip_mm"
@@ -70,59 +79,116 @@ def write_new_design(
     A preset has a joint, and so has a design for a hand. Raises DesignError or TomlFileError.
     """
     refuse_words(name, sensor, preset)
-    return fit_start(start_design(name, sensor, preset, hand, changes), progress)
+    return fit_start(
+        start_design(
+            name,
+            sensor=sensor,
+            preset=preset,
+            hand=hand,
+            changes=changes,
+        ),
+        progress,
+    )
 
 
 def refuse_words(name: str, sensor: str | None, preset: str | None) -> None:
-    """Refuse a name that no design may have, and an unknown sensor or preset. Raises DesignError."""
+    """Refuse a name that no design may have, and an unknown sensor or preset.
+
+    Raises DesignError.
+    """
     issues: list[Issue] = []
     with gather(issues):
         parse_tables(DesignTables, {"name": name})
+
     for field, word, known in (("sensor", sensor, _SENSORS), ("preset", preset, PRESETS)):
         if word is not None and word not in known:
             reason = explain_sensor(word) if field == "sensor" else ""
-            found = f"is not in the catalogue; {reason}." if reason else f"is not known; {suggest_name(word, known)}"
+            found = (
+                f"is not in the catalogue; {reason}."
+                if reason
+                else f"is not known; {suggest_name(word, known)}"
+            )
             issues.append(Issue(field, f"{word!r} {found}"))
+
     raise_issues(DesignError, issues)
 
 
 def start_design(
-    name: str, sensor: str | None, preset: str | None, hand: str | Path | None, changes: Sequence[str]
+    name: str,
+    sensor: str | None,
+    preset: str | None,
+    hand: str | Path | None,
+    changes: Sequence[str],
 ) -> Start:
-    """Begin with the preset, or with the bundled design of the sensor if neither preset nor hand is given."""
-    fitted = SENSORS.get(sensor or "fsr400", SENSORS["fsr400"])  # a custom sensor begins as an FSR 400
+    """Begin with the preset, or with the bundled design of the
+    sensor if neither preset nor hand is given.
+    """
+    fitted = SENSORS.get(
+        sensor or "fsr400", SENSORS["fsr400"]
+    )  # a custom sensor begins as an FSR 400
     jointed = preset is not None or hand is not None
     base = (preset or "adult_finger") if jointed else fitted.bundled_design
     own = [f"sensor.model={sensor}"] if sensor else []
     own += [change for change in fitted.changes if not jointed or change.startswith("skin.bump_")]
     before = parse_tables(DesignTables, load_tables([base], own).tables)
-    tables, changed = before.model_dump() | {"name": name}, load_tables((), changes)
+    tables = before.model_dump() | {"name": name}
+    changed = load_tables((), changes)
     guessed: tuple[str, ...] = ()
+
     if hand is not None:
-        merge(measured := read_toml(find_hand(hand)).get("hand", {}), changed.tables.get("hand", {}))
+        measured = read_toml(find_hand(hand)).get("hand", {})
+        merge(measured, changed.tables.get("hand", {}))
         values, guessed = complete_hand(measured, before.hand)
         tables["hand"] |= values
+
     merge(tables, changed.tables)
     begun = parse_tables(DesignTables, tables)
     longer_mm = begun.skin.length_mm - before.skin.length_mm
-    if longer_mm > 0.0 and _PLACE not in changed.changed:  # or the collar would touch a plate before the pad
-        begun = begun.with_values({_PLACE: round(before.sensor.distance_from_tip_mm + longer_mm, 2)})
-    return Start(begun, base, before, changed.changed, guessed)
+
+    if (
+        longer_mm > 0.0 and _PLACE not in changed.changed
+    ):  # or the collar would touch a plate before the pad
+        begun = begun.with_values(
+            {_PLACE: round(before.sensor.distance_from_tip_mm + longer_mm, 2)}
+        )
+
+    return Start(
+        tables=begun,
+        base=base,
+        before=before,
+        given=changed.changed,
+        guessed=guessed,
+    )
 
 
 def fit_start(start: Start, progress: Callable[[str], None]) -> NewDesign:
-    """Fit what follows from what is given. Loads that are not given become those that the bone holds.
+    """Fit what follows from what is given.
+
+    Loads that are not given become those that the bone holds.
 
     Raises DesignError.
     """
-    tables, given = start.tables, start.given
+    tables = start.tables
+    given = start.given
     if tables == start.before.with_values({"name": tables.name}):
         return NewDesign(Design(**tables.model_dump()), start.base, (), start.guessed)
+
     provisional = (*start.guessed, *LEAST_LOADS)
-    design = Design.fit_tables(tables.model_dump(), start.before.model_dump(), given, progress, provisional)
+    design = Design.fit_tables(
+        tables.model_dump(),
+        before=start.before.model_dump(),
+        changed=given,
+        progress=progress,
+        provisional=provisional,
+    )
     moves = {move.name: move for move in design.moves}
-    was, place = start.before.value(_PLACE), design.value(_PLACE)
+    was = start.before.value(_PLACE)
+    place = design.value(_PLACE)
+
     if _PLACE not in given and place != was:
         reason = moves[_PLACE].reason if _PLACE in moves else "skin.length_mm is longer"
         moves[_PLACE] = Move(_PLACE, was, place, reason)
-    return NewDesign(design, start.base, tuple(moves[name] for name in sorted(moves)), start.guessed)
+
+    return NewDesign(
+        design, start.base, tuple(moves[name] for name in sorted(moves)), start.guessed
+    )

@@ -1,18 +1,23 @@
-"""Remedies for a design that breaks rules: values that pass, found by algebra or by search, and always verified.
+"""Remedies for a design that breaks rules: values that pass, found by algebra or by search, and
+always verified.
 
 What is promised
 ----------------
 - A message ends in a remedy: a bound of its field ("at least 3.2 mm"), values of other fields ("set
-  mold.wall_mm=6.3"), or the fit ("add --fit"). Consequences follow without one; the last tells what fixes them all.
-- The remedies of one refusal, all applied together at the values they print, give a design that passes every rule.
-- What was changed comes first. Where one changed number resolves everything, it alone is the remedy, with the nearest
-  value that passes; else each blamed field gets its own bound. The last resort is to return what was changed towards
-  its values before the change, as far as necessary.
-- "add --fit" stands where a fit was tried and passes with all that was changed. It names what the fit moves.
-- An alternative ("or hand.tendon_distance_mm=0") resolves by itself what is wrong with the printed parts, or with the
-  electronics: the rules of the ones read nothing of the others.
+  mold.wall_mm=6.3"), or the fit ("add --fit"). Consequences follow without one; the last tells what
+  fixes them all.
+- The remedies of one refusal, all applied together at the values they print, give a design that
+  passes every rule.
+- What was changed comes first. Where one changed number resolves everything, it alone is the
+  remedy, with the nearest value that passes; else each blamed field gets its own bound. The last
+  resort is to return what was changed towards its values before the change, as far as necessary.
+- "add --fit" stands where a fit was tried and passes with all that was changed. It names what the
+  fit moves.
+- An alternative ("or hand.tendon_distance_mm=0") resolves by itself what is wrong with the printed
+  parts, or with the electronics: the rules of the ones read nothing of the others.
 
-Rules that read a parameter which is not valid by itself are not checked. They may find more once it is valid.
+Rules that read a parameter which is not valid by itself are not checked. They may find more once it
+is valid.
 """
 
 from __future__ import annotations
@@ -34,11 +39,15 @@ _MAX_ROUNDS = 3
 """Maximum number of times that fields which are blamed move to their bounds."""
 Values = dict[str, Any]
 FitFunction = Callable[[DesignTables, Collection[str]], Sequence[str] | None]
-"""Fits a design, with the named parameters as they are, and names what moved; None if it finds none that passes."""
+"""Fits a design, with the named parameters as they are, and names
+what moved; None if it finds none that passes.
+"""
 SettleFunction = Callable[[Values], Values | None]
 """Adds to values of a remedy what a fit needs to follow them; None if none follows."""
 Ends = tuple[float | None, float | None]
-"""Ends of an interval of values that pass; None where it has no end within the field's own bounds."""
+"""Ends of an interval of values that pass; None where it has no end within the field's
+own bounds.
+"""
 
 
 @dataclass(frozen=True)
@@ -57,13 +66,16 @@ class Refusal:
         found: dict[str, list[BrokenRule]] = {}
         for broken in self.broken:
             found.setdefault(broken.rule.field, []).append(broken)
+
         return found
 
     def reads(self, name: str) -> frozenset[str]:
         return frozenset().union(*(broken.own_reads for broken in self.blamed[name]))
 
     def may_move(self, name: str) -> bool:
-        """Tell whether a remedy may name a parameter: what was measured is not the cause of another change."""
+        """Tell whether a remedy may name a parameter: what was
+        measured is not the cause of another change.
+        """
         return not self.changed or name in self.changed or find_kind(name) != "measurement"
 
     def resolves(self, values: Mapping[str, Any]) -> bool:
@@ -80,95 +92,139 @@ def resolve(refusal: Refusal, fits: bool = False) -> Values:
         or _move_to_bounds(refusal)
         or _return_choice(refusal)
         or (
-            {} if fits else _move_one(refusal, () if refusal.changed else PARAMETERS) or _return_towards_before(refusal)
+            {}
+            if fits
+            else _move_one(refusal, () if refusal.changed else PARAMETERS)
+            or _return_towards_before(refusal)
         )
     )
 
 
 def _move_one(refusal: Refusal, names: Iterable[str]) -> Values:
-    """Move one number that all broken rules read to the nearest value that passes; blamed ones are tried first."""
+    """Move one number that all broken rules read to the nearest value
+    that passes; blamed ones are tried first.
+    """
     common = frozenset.intersection(*(broken.own_reads for broken in refusal.broken))
     for name in sorted(filter(is_number, names), key=lambda name: name not in refusal.blamed):
         if name in common:
             value = find_passing_value(refusal.search, refusal.tables, name, refusal.broken)
             if value is not None:
                 return {name: value}
+
     return {}
 
 
 def _move_to_bounds(refusal: Refusal) -> Values:
-    """Move each blamed field to the bound of its rules, then what rules blame that are checked once these pass."""
-    tables, broken, values = refusal.tables, list(refusal.broken), Values()
+    """Move each blamed field to the bound of its rules, then what
+    rules blame that are checked once these pass.
+    """
+    tables = refusal.tables
+    broken = list(refusal.broken)
+    values = Values()
+
     for _ in range(_MAX_ROUNDS):
         for name in sorted({one.rule.field for one in broken}):
             ends = list_ends(tables, name, find_intervals(name, broken))
             if not ends or not refusal.may_move(name):
                 return {}
+
             values[name] = ends[0]
+
         tables = refusal.tables.with_values(values)
-        if not (broken := list(find_violations(refusal.search.rules, tables, refusal.search.invalid))):
+        broken = list(find_violations(refusal.search.rules, tables, refusal.search.invalid))
+        if not broken:
             return values
+
     return {}
 
 
 def _return_choice(refusal: Refusal) -> Values:
     """Return one changed choice to its value before: choices have no nearest value."""
-    returned = ({name: refusal.before.value(name)} for name in refusal.changed if not is_number(name))
+    returned = (
+        {name: refusal.before.value(name)} for name in refusal.changed if not is_number(name)
+    )
     return next(filter(refusal.resolves, returned), {})
 
 
 def _return_towards_before(refusal: Refusal) -> Values:
-    """Return parameters towards their values before; the defaults pass all rules, so this succeeds always."""
+    """Return parameters towards their values before; the defaults
+    pass all rules, so this succeeds always.
+    """
     before = refusal.before if refusal.search.passes(refusal.before) else DesignTables()
-    tables, values = before, Values()
+    tables = before
+    values = Values()
     differing = [name for name in PARAMETERS if refusal.tables.value(name) != before.value(name)]
-    # Restore what the design has, one parameter after another, as far as that passes. What was changed comes last.
+
+    # Restore what the design has, one parameter after another, as far as that passes. What was
+    # changed comes last.
     for name in sorted(differing, key=lambda name: name in refusal.changed):
         present = refusal.tables.value(name)
         if not refusal.search.passes(tables.with_values({name: present})):
             values[name] = before.value(name)
             if is_number(name):
                 values[name] = refusal.search.refine(tables, name, present, values[name])
+
             present = values[name]
+
         tables = tables.with_values({name: present})
+
     for name in list(values):
         fewer = {other: value for other, value in values.items() if other != name}
         if fewer and refusal.resolves(fewer):
             values = fewer
+
     return values
 
 
 def settle(refusal: Refusal, values: Values, settled: SettleFunction) -> Values:
-    """Take a choice that a rule names, or the values, if a fit follows; else return what was changed as it was before.
+    """Take a choice that a rule names, or the values, if a fit follows; else return what was
+    changed as it was before.
 
     A choice costs a fit each.
     """
     alternatives = (pair for one in refusal.broken for pair in one.violation.alternatives.items())
     for tried in (*({name: value} for name, value in alternatives if not is_number(name)), values):
-        if found := settled(tried):
+        found = settled(tried)
+        if found:
             return found
+
     present = ((name, refusal.before.value(name)) for name in refusal.changed)
     return {name: value for name, value in present if value != refusal.tables.value(name)}
 
 
-def find_passing_value(search: Search, tables: DesignTables, name: str, broken: Iterable[BrokenRule]) -> Any:
-    """Find the passing value nearest to the present one, exact bounds of rules first; None if there is none."""
-    intervals = [ends for one in broken if one.rule.field == name for ends in find_intervals(name, [one])]
+def find_passing_value(
+    search: Search, tables: DesignTables, name: str, broken: Iterable[BrokenRule]
+) -> Any:
+    """Find the passing value nearest to the present one, exact
+    bounds of rules first; None if there is none.
+    """
+    intervals = [
+        ends for one in broken if one.rule.field == name for ends in find_intervals(name, [one])
+    ]
     for end in list_ends(tables, name, intervals):
         if search.passes(tables.with_values({name: end})):
             return end
+
     return search.nearest(tables, name)
 
 
 def find_intervals(name: str, broken: Iterable[BrokenRule]) -> list[Ends]:
-    """Compute the values of a field that pass all rules which blame it, rounded inwards as a message prints them."""
+    """Compute the values of a field that pass all rules which blame
+    it, rounded inwards as a message prints them.
+    """
     passing: list[Interval] = [(-math.inf, math.inf)]
     for one in broken:
         if one.rule.field == name:
             pairs = itertools.product(passing, one.violation.passing)
-            passing = [(max(low, own_low), min(high, own_high)) for (low, high), (own_low, own_high) in pairs]
+            passing = [
+                (max(low, own_low), min(high, own_high))
+                for (low, high), (own_low, own_high) in pairs
+            ]
+
     rounded = [
-        (_round_end(name, low, up=True), _round_end(name, high, up=False)) for low, high in passing if low <= high
+        (_round_end(name, low, up=True), _round_end(name, high, up=False))
+        for low, high in passing
+        if low <= high
     ]
     return [(low, high) for low, high in rounded if low is None or high is None or low <= high]
 
@@ -183,5 +239,6 @@ def _round_end(name: str, end: float, up: bool) -> float | None:
     """Round an end of an interval inwards; None if it lies outside the field's own bounds."""
     if not math.isfinite(end):
         return None
+
     rounded = round_inwards(name, end, up)
     return rounded if find_bounds(PARAMETERS[name]).contain(rounded) else None

@@ -1,8 +1,10 @@
-"""All rules of a design, and the search for values of a parameter with which they pass: the nearest one, and bands.
+"""All rules of a design, and the search for values of a parameter with which they pass: the nearest
+one, and bands.
 
-A rule checks parameters that are each within their own bounds. Which parameters it reads is noted, not declared: if one
-of them is not valid by itself, the rule is skipped, so that one mistake gives one message and all other rules are still
-checked. A band holds the values of a parameter with which a design passes every rule while its other parameters stay.
+A rule checks parameters that are each within their own bounds. Which parameters it reads is noted,
+not declared: if one of them is not valid by itself, the rule is skipped, so that one mistake gives
+one message and all other rules are still checked. A band holds the values of a parameter with which
+a design passes every rule while its other parameters stay.
 """
 
 from __future__ import annotations
@@ -23,14 +25,26 @@ from fingertip.foundation.errors import join_words
 from fingertip.foundation.numerics import bisect
 
 PART_RULES = (
-    *skin.RULES, *bone.WALL_RULES, *interfaces.LENGTH_RULES, *clevis_rules.LENGTH_RULES, *bone.RULES, *rigid.RULES,
-    *flange.RULES, *clevis_rules.RULES, *adapter.RULES, *bone.MOLD_RULES,
-)  # fmt: skip
+    *skin.RULES,
+    *bone.WALL_RULES,
+    *interfaces.LENGTH_RULES,
+    *clevis_rules.LENGTH_RULES,
+    *bone.RULES,
+    *rigid.RULES,
+    *flange.RULES,
+    *clevis_rules.RULES,
+    *adapter.RULES,
+    *bone.MOLD_RULES,
+)
 """Rules of the printed parts and the skin. They read no electronic table."""
 ELECTRONIC_RULES = (
-    *board.CHANNEL_RULES, *board.RULES, *amplifiers.SUPPLY_RULES, *amplifiers.RULES, *board.SIGNAL_RULES,
+    *board.CHANNEL_RULES,
+    *board.RULES,
+    *amplifiers.SUPPLY_RULES,
+    *amplifiers.RULES,
+    *board.SIGNAL_RULES,
     *skin.FORCE_CURVE_RULES,
-)  # fmt: skip
+)
 """Rules of the board and of slip detection. They read only the electronic tables."""
 RULES = (*PART_RULES, *ELECTRONIC_RULES)
 
@@ -62,25 +76,37 @@ class Search:
     """Design whose values are tried too."""
 
     def passes(self, tables: DesignTables) -> bool:
-        return next(find_violations((*self.suspects, *self.rules), tables, self.invalid), None) is None
+        return (
+            next(find_violations((*self.suspects, *self.rules), tables, self.invalid), None) is None
+        )
 
     def nearest(self, tables: DesignTables, name: str) -> Any:
-        """Find the value of a numeric parameter that passes and is nearest to its present one; None if there is none.
+        """Find the value of a numeric parameter that passes and is nearest to its present one; None
+        if there is none.
 
-        The value is the nearest one on a grid between the parameter's bounds, which bisection then refines. A range of
-        passing values that is narrower than the grid may be missed.
+        The value is the nearest one on a grid between the parameter's bounds, which bisection then
+        refines. A range of passing values that is narrower than the grid may be missed.
         """
         if not is_number(name) or name in self.invalid:
             return None
+
         present = tables.value(name)
         failing = {False: present, True: present}  # below and above the present value
         for value in self.list_grid(name, present):
             if self.passes(tables.with_values({name: value})):
                 return self.refine(tables, name, failing[value > present], value)
+
             failing[value > present] = value
+
         return None
 
-    def refine(self, tables: DesignTables, name: str, failing: float, passing: float) -> Any:
+    def refine(
+        self,
+        tables: DesignTables,
+        name: str,
+        failing: float,
+        passing: float,
+    ) -> Any:
         """Move a passing value of a parameter towards a failing one by bisection, and round it."""
 
         def passes(value: float) -> bool:
@@ -88,21 +114,31 @@ class Search:
 
         def between(share: float) -> float:
             if min(failing, passing) > 0.0 and max(failing, passing) > 4.0 * min(failing, passing):
-                return as_typed(name, math.exp((1.0 - share) * math.log(failing) + share * math.log(passing)))
+                return as_typed(
+                    name, math.exp((1.0 - share) * math.log(failing) + share * math.log(passing))
+                )
+
             return as_typed(name, failing + share * (passing - failing))
 
-        below, share = bisect(lambda share: not passes(between(share)), 0.0, 1.0, halvings=_HALVINGS)
-        best, last_failing = passing if share == 1.0 else between(share), between(below)
-        # A bound is often a short number, which then lies between the last failing and the last passing value.
+        below, share = bisect(
+            lambda share: not passes(between(share)), 0.0, 1.0, halvings=_HALVINGS
+        )
+        best = passing if share == 1.0 else between(share)
+        last_failing = between(below)
+
+        # A bound is often a short number, which then lies between the last failing and the last
+        # passing value.
         for digits in _SHORT_DIGITS:
             short = as_typed(name, round_digits(best, digits, up=best < failing))
             is_between = min(last_failing, best) <= short <= max(last_failing, best)
             if is_between and find_bounds(PARAMETERS[name]).contain(short) and passes(short):
                 return short
+
         for digits in _DIGITS:
             rounded = as_typed(name, round_digits(best, digits, up=best > failing))
             if find_bounds(PARAMETERS[name]).contain(rounded) and passes(rounded):
                 return rounded
+
         return best
 
     def list_grid(self, name: str, present: float) -> Sequence[float]:
@@ -112,14 +148,22 @@ class Search:
         low = bounds.minimum if bounds.minimum is not None else (bounds.above or 0.0) + 1e-6 * high
         is_wide = low > 0.0 and high / low > 300.0
         shares = [i / _GRID_INTERVALS for i in range(_GRID_INTERVALS)]
-        values = [low * (high / low) ** share if is_wide else low + (high - low) * share for share in shares]
+        values = [
+            low * (high / low) ** share if is_wide else low + (high - low) * share
+            for share in shares
+        ]
         values += [high, PARAMETERS[name].default]
         if self.before is not None:
             values.append(self.before.value(name))
+
         inside = {as_typed(name, value) for value in values if bounds.contain(value)} - {present}
 
         def distance(value: float) -> float:
-            return abs(math.log(value / present)) if is_wide and present > 0.0 else abs(value - present)
+            return (
+                abs(math.log(value / present))
+                if is_wide and present > 0.0
+                else abs(value - present)
+            )
 
         return sorted(inside, key=lambda value: (distance(value), value))
 
@@ -133,11 +177,14 @@ def as_typed(name: str, value: float) -> float:
 
 
 def round_inwards(name: str, value: float, up: bool) -> float:
-    """Round a bound of a parameter inwards: to four digits in the electronic tables, else to two decimals."""
+    """Round a bound of a parameter inwards: to four digits in the
+    electronic tables, else to two decimals.
+    """
     if PARAMETERS[name].annotation is int:
         return math.ceil(value - 1e-9) if up else math.floor(value + 1e-9)
     if _is_electronic(name):
         return round_digits(value, 4, up)
+
     return (math.ceil(value * 100 - 1e-9) if up else math.floor(value * 100 + 1e-9)) / 100
 
 
@@ -146,6 +193,7 @@ def round_digits(value: float, digits: int, up: bool) -> float:
         return value
     if abs(value) < SMALLEST:  # has no more digits to round
         return 0.0 if up == (value < 0.0) else math.copysign(SMALLEST, value)
+
     step = 10.0 ** (math.floor(math.log10(abs(value))) - digits + 1)
     # A value that has so few digits already must not lose one to the division's last bit.
     count = round(value / step, 6)
@@ -156,6 +204,7 @@ def format_value(name: str, value: Any) -> str:
     """Write a value so that it is the same number when it is typed in."""
     if not isinstance(value, float):
         return str(value)
+
     text = f"{value:.4g}" if _is_electronic(name) else f"{value:g}"
     return text if float(text) == value else repr(value)
 
@@ -166,7 +215,9 @@ def join_assignments(values: Mapping[str, Any]) -> str:
 
 
 def cheapest_first(rules: Iterable[Rule]) -> tuple[Rule, ...]:
-    """Order rules so that those which measure the silicone, and have many prerequisites, come last."""
+    """Order rules so that those which measure the silicone, and have many prerequisites,
+    come last.
+    """
     return tuple(sorted(rules, key=lambda rule: len(rule.prerequisites)))
 
 
@@ -175,21 +226,28 @@ def _is_electronic(name: str) -> bool:
 
 
 def find_bands(
-    tables: DesignTables, name: str, tried: Collection[float] = (), still_wanted: Callable[[], None] = lambda: None
+    tables: DesignTables,
+    name: str,
+    tried: Collection[float] = (),
+    still_wanted: Callable[[], None] = lambda: None,
 ) -> tuple[Band, ...]:
     """Find the bands of a number, in ascending order; none if no value passes.
 
-    A band that is narrower than the grid of a search may be missed, unless it holds the present value or another one
-    that is `tried`. `still_wanted` is called before each value, and may raise.
+    A band that is narrower than the grid of a search may be missed, unless it holds the present
+    value or another one that is `tried`. `still_wanted` is called before each value, and may raise.
     """
     # Rules that do not read the parameter are checked once, for all of its values.
     checker = RuleChecker(tables, frozenset({name}))
     readers = [rule for rule in RULES if not checker.passes(rule)]
     if checker.violations:
         return ()
-    present, search = tables.value(name), Search(cheapest_first(readers), ())
+
+    present = tables.value(name)
+    search = Search(cheapest_first(readers), ())
     values = sorted({*search.list_grid(name, present), present, *tried})
-    bands, low = list[Band](), None
+    bands = list[Band]()
+    low = None
+
     for i, value in enumerate(values):
         still_wanted()
         passes = search.passes(tables.with_values({name: value}))
@@ -198,6 +256,7 @@ def find_bands(
         elif not passes and low is not None:
             bands.append((low, search.refine(tables, name, value, values[i - 1])))
             low = None
+
     return tuple(bands) if low is None else (*bands, (low, values[-1]))
 
 

@@ -1,4 +1,5 @@
-"""Detection of slip in recordings: a file, an array or a stream comes in, and slip goes out, with warnings.
+"""Detection of slip in recordings: a file, an array or a stream comes in, and slip goes out, with
+warnings.
 
 The detector of a design is adapted to the sampling rate and to the noise of the recording.
 

@@ -1,4 +1,6 @@
-"""Detection on a stream of CSV lines: each line gives one sample and one decision, and no samples are stored."""
+"""Detection on a stream of CSV lines: each line gives one sample and
+one decision, and no samples are stored.
+"""
 
 from __future__ import annotations
 
@@ -74,53 +76,82 @@ def detect_stream(
 ) -> StreamDetection:
     """Detect slip in CSV lines while they arrive. The samples are read as transitions are taken.
 
-    The header is read at once. If neither design nor `rate_hz` state a rate, it follows from the first samples' times.
+    The header is read at once. If neither design nor `rate_hz` state a rate, it follows from the
+    first samples' times.
 
-    Parameters
-    ----------
-    lines
-        CSV lines, as in a file: texts or bytes, or what has a method `readline`, such as a `serial.Serial`. The
-        detector `analog` takes the column `envelope_v` and, if there is none, the output of the design's board,
-        simulated for the voltage.
-    channels
-        Columns of several voltages, by name or number. Each is judged alone, without the board's columns.
-    design, detector, rate_hz, scale, time_scale, columns, floors, progress
-        As for `detect_file`, but the voltage may not be the column of a force.
+    Parameters ---------- lines CSV lines, as in a file: texts or bytes, or what has a method
+    `readline`, such as a `serial.Serial`. The detector `analog` takes the column `envelope_v` and,
+    if there is none, the output of the design's board, simulated for the voltage. channels Columns
+    of several voltages, by name or number. Each is judged alone, without the board's columns.
+    design, detector, rate_hz, scale, time_scale, columns, floors, progress As for `detect_file`,
+    but the voltage may not be the column of a force.
 
-    Raises
-    ------
-    TraceError
-        If the lines have no header or an option does not apply; while transitions are taken, at the first wrong line.
-    DesignError
-        If `rate_hz` is out of bounds, or too low for the design's filters.
+    Raises ------ TraceError If the lines have no header or an option does not apply; while
+    transitions are taken, at the first wrong line. DesignError If `rate_hz` is out of bounds, or
+    too low for the design's filters.
     """
-    report, given = progress or (lambda message: None), design or Design()
+    report = progress or (lambda message: None)
+    given = design or Design()
     design = given
     kind = registry.check_detector(design, detector)
     adaptation = Adaptation(detector, report=report)
     if rate_hz is not None:
         design = adaptation.to_rate(design, rate_hz)
+
     voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
-    selected = [replace(voltage, names={**voltage.names, "voltage_v": name}) for name in channels] or [voltage]
+    selected = [
+        replace(voltage, names={**voltage.names, "voltage_v": name}) for name in channels
+    ] or [voltage]
     if not all(each.in_volts for each in selected):
         problem = "names a force, whose thresholds require --calibrate and the whole recording"
         raise TraceError(Issue("--column", f"{problem}; save the lines in a file."))
-    envelope = replace(voltage, names={**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")})
+
+    envelope = replace(
+        voltage, names={**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")}
+    )
     header, rows = open_stream(lines, selected[0], *([envelope] if kind.takes_envelope else []))
     if rate_hz is None and "sample_rate_hz" not in design.detector.model_fields_set:
         first = list(itertools.islice(rows, _FIRST))
         rows = itertools.chain(first, rows)
-        if found_hz := _find_rate(header, first, voltage, design.detector.sample_rate_hz):
+        found_hz = _find_rate(header, first, voltage, design.detector.sample_rate_hz)
+        if found_hz:
             design = adaptation.to_rate(design, found_hz)
+
     second = None if channels else registry.find_second_column(design, detector)
-    found = [_Channel.open(header, design, detector, each, second, report, bool(channels)) for each in selected]
+    found = [
+        _Channel.open(
+            header,
+            design=design,
+            detector=detector,
+            voltage=each,
+            second=second,
+            report=report,
+            is_named=bool(channels),
+        )
+        for each in selected
+    ]
     for channel, each in zip(found, selected, strict=True):
         if floors is not None:
             found_hz = design.detector.sample_rate_hz
-            stored = read_floors(floors, given, detector, each, found_hz, len(channel.places) > 1)
+            stored = read_floors(
+                floors,
+                design=given,
+                detector=detector,
+                columns=each,
+                rate_hz=found_hz,
+                with_filtered=len(channel.places) > 1,
+            )
             assert isinstance(channel.detector, FastDetector)  # another one was refused
             channel.detector.stored_floors = stored
-    transitions = _follow(header, rows, found, design.detector, selected[0], report)
+
+    transitions = _follow(
+        header,
+        rows=rows,
+        channels=found,
+        parameters=design.detector,
+        columns=selected[0],
+        report=report,
+    )
     signals = registry.find_signals(design, detector, len(found[0].places) > 1)
     return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)), signals)
 
@@ -143,18 +174,41 @@ class _Channel:
 
     @classmethod
     def open(
-        cls, header: Header, design: Design, detector: str, voltage: ColumnMap, second: str | None,
-        report: Callable[[str], None], is_named: bool,
-    ) -> _Channel:  # fmt: skip
-        """Create the detector and select its columns; `analog` takes the board's output if the lines contain it."""
-        voltage, place = voltage.with_simulated_names(header.names), header.find_place
-        name, envelope = voltage.name_in_file("voltage_v"), voltage.name_in_file("envelope_v")
-        takes_envelope, shown = registry.find_detector_type(detector).takes_envelope, name if is_named else ""
+        cls,
+        header: Header,
+        design: Design,
+        detector: str,
+        voltage: ColumnMap,
+        second: str | None,
+        report: Callable[[str], None],
+        is_named: bool,
+    ) -> _Channel:
+        """Create the detector and select its columns; `analog` takes
+        the board's output if the lines contain it.
+        """
+        voltage = voltage.with_simulated_names(header.names)
+        place = header.find_place
+        name = voltage.name_in_file("voltage_v")
+        envelope = voltage.name_in_file("envelope_v")
+        takes_envelope = registry.find_detector_type(detector).takes_envelope
+        shown = name if is_named else ""
+
         if takes_envelope and envelope in header.names and not is_named:
-            return cls(shown, [place(envelope)], registry.make_detector(detector, design), None, None)
+            return cls(
+                name=shown,
+                places=[place(envelope)],
+                detector=registry.make_detector(detector, design),
+                watch=None,
+                scale=None,
+            )
+
         has_second = second is not None and voltage.name_in_file(second) in header.names
-        places = [place(name), *([place(voltage.name_in_file(second))] if second and has_second else [])]
+        places = [
+            place(name),
+            *([place(voltage.name_in_file(second))] if second and has_second else []),
+        ]
         instance: registry.Detector
+
         if takes_envelope:
             from fingertip.sim.signal.converter import SimulatedBoardDetector  # noqa: PLC0415
 
@@ -162,49 +216,84 @@ class _Channel:
             instance = SimulatedBoardDetector(design)
         else:
             instance = registry.make_detector(detector, design)
+
         watch = StreamWatch(design, detector, instance, not has_second)
-        return cls(shown, places, instance, watch, find_force_scale(design))
+        return cls(
+            name=shown,
+            places=places,
+            detector=instance,
+            watch=watch,
+            scale=find_force_scale(design),
+        )
 
     def step(self, values: Sequence[float], time_s: float, share: float) -> Transition | None:
-        """Process one sample. `share` is that of a new voltage in the mean of which the force follows."""
-        self.mean_v = values[0] if math.isnan(self.mean_v) else self.mean_v + share * (values[0] - self.mean_v)
+        """Process one sample.
+
+        `share` is that of a new voltage in the mean of which the force follows.
+        """
+        self.mean_v = (
+            values[0]
+            if math.isnan(self.mean_v)
+            else self.mean_v + share * (values[0] - self.mean_v)
+        )
         if self.detector.step(*values) == self.is_on:
             return None
+
         self.is_on = not self.is_on
-        return Transition(self.is_on, time_s, self.scale.read(self.mean_v) if self.scale else None, self.name)
+        return Transition(
+            self.is_on, time_s, self.scale.read(self.mean_v) if self.scale else None, self.name
+        )
 
     def warn(self, found: Sequence[str], report: Callable[[str], None]) -> None:
         for warning in found:
             report(f"warning: {self.name}{': ' if self.name else ''}{warning}")
 
 
-def _find_rate(header: Header, rows: Sequence[tuple[int, str]], columns: ColumnMap, known_hz: float) -> float | None:
-    """Find the rate from the times of the first lines [Hz]; None if it is the known one, or if there are none."""
+def _find_rate(
+    header: Header, rows: Sequence[tuple[int, str]], columns: ColumnMap, known_hz: float
+) -> float | None:
+    """Find the rate from the times of the first lines [Hz]; None if
+    it is the known one, or if there are none.
+    """
     times = _place_times(header, columns)
     if not times or len(rows) < 2:
         return None
+
     try:
         first_s, last_s = (
-            _read_time(times, split_cells(line, header.delimiter), number, line) for number, line in (rows[0], rows[-1])
+            _read_time(times, split_cells(line, header.delimiter), number, line)
+            for number, line in (rows[0], rows[-1])
         )
     except (IndexError, TraceError):
         return None  # the line is refused in its turn
-    spread, duration_s = sampling.STEP_TOLERANCE / len(rows), last_s - first_s
+
+    spread = sampling.STEP_TOLERANCE / len(rows)
+    duration_s = last_s - first_s
     rate_hz = (len(rows) - 1) / duration_s if duration_s > 0.0 else 0.0
-    if sampling.rate_bounds_message(rate_hz) or abs(rate_hz / known_hz - 1) <= sampling.RATE_TOLERANCE + spread:
+
+    if (
+        sampling.rate_bounds_message(rate_hz)
+        or abs(rate_hz / known_hz - 1) <= sampling.RATE_TOLERANCE + spread
+    ):
         return None
+
     return sampling.round_rate(rate_hz, spread)
 
 
 def open_stream(
     lines: Iterable[str | bytes], columns: ColumnMap, *alternatives: ColumnMap, name: str = NAME
 ) -> tuple[Header, NumberedLines]:
-    """Read the header and the line of units; return it and all lines below that are not empty. Raises TraceError."""
+    """Read the header and the line of units; return it and all lines below that are not empty.
+
+    Raises TraceError.
+    """
     remaining = bare_lines(bounded_lines(lines, name))
     header = find_header(name, remaining, columns, *alternatives)
     rows = ((n, line) for n, line in enumerate(remaining, start=header.line + 1) if line.strip())
-    if (first := next(rows, None)) is None or header.is_unit_line(first[1]):
+    first = next(rows, None)
+    if first is None or header.is_unit_line(first[1]):
         return header, rows
+
     return header, itertools.chain([first], rows)
 
 
@@ -216,85 +305,141 @@ def _follow(
     columns: ColumnMap,
     report: Callable[[str], None],
 ) -> Iterator[Transition]:
-    """Process one sample per line and yield each transition as soon as it occurs. Raises TraceError."""
+    """Process one sample per line and yield each transition as soon as it occurs.
+
+    Raises TraceError.
+    """
     times = _place_times(header, columns)
-    clock, width, sample, step_s = _SampleClock(parameters), 0, -1, 1 / parameters.sample_rate_hz
+    clock = _SampleClock(parameters)
+    width = 0
+    sample = -1
+    step_s = 1 / parameters.sample_rate_hz
     share = 1 / max(1.0, MEAN_S * parameters.sample_rate_hz)
     taken = {place for place, _ in times}.union(*(channel.places for channel in channels))
+
     for number, line in rows:
         if header.is_repeated(line) or line.startswith("#"):
             continue  # a controller repeats it each second, with its version
+
         sample += 1
         cells = split_cells(line, header.delimiter)
         width = width or header.count_cells(len(cells), taken)
+
         if len(cells) != width:
-            message = f"has {len(cells)} cells, but the header has {len(header.names)}; give one per column."
+            message = (
+                f"has {len(cells)} cells, but the header has {len(header.names)}; give one "
+                "per column."
+            )
             raise _line_error(number, f"{message} {_quote(line)}")
-        samples = [[_parse_number(cells[place], number, line) * columns.scale for place in channel.places]
-                   for channel in channels]  # fmt: skip
+
+        samples = [
+            [_parse_number(cells[place], number, line) * columns.scale for place in channel.places]
+            for channel in channels
+        ]
         for channel, (volts, *_) in zip(channels, samples, strict=True):
             channel.is_whole = channel.is_whole and volts % 1 == 0
             channel.warn(channel.watch.add(volts) if channel.watch else (), report)
             if not parameters.adc_low_v <= volts <= parameters.adc_range_v:
-                raise _line_error(number, sampling.range_message(volts, "", channel.is_whole, parameters))
+                raise _line_error(
+                    number, sampling.range_message(volts, "", channel.is_whole, parameters)
+                )
+
         time_s = _read_time(times, cells, number, line) if times else sample * step_s
         if times:
             clock.check(time_s, number)
+
         for channel, values in zip(channels, samples, strict=True):
-            if transition := channel.step(values, time_s, share):
+            transition = channel.step(values, time_s, share)
+            if transition:
                 yield transition
+
     for channel in channels:
         channel.warn(channel.watch.end() if channel.watch else (), report)
+
     if sample < 0:
-        raise TraceError(Issue(NAME, "has no samples below its header; write at least one line of samples."))
+        raise TraceError(
+            Issue(NAME, "has no samples below its header; write at least one line of samples.")
+        )
     if sample + 1 < parameters.window_samples:
-        raise TraceError(Issue(NAME, sampling.length_message(sample + 1, parameters.window_samples)))
+        raise TraceError(
+            Issue(NAME, sampling.length_message(sample + 1, parameters.window_samples))
+        )
 
 
 def _place_times(header: Header, columns: ColumnMap) -> list[tuple[int, float]]:
-    """Find the places of the times, and seconds per unit of each; none where the lines hold no times."""
-    units_s = {columns.name_in_file("time_s"): columns.time_scale, columns.names.get(NANOSEC, ""): 1e-9}
-    return [(header.names.index(name), unit_s) for name, unit_s in units_s.items() if name in header.names]
+    """Find the places of the times, and seconds per unit of
+    each; none where the lines hold no times.
+    """
+    units_s = {
+        columns.name_in_file("time_s"): columns.time_scale,
+        columns.names.get(NANOSEC, ""): 1e-9,
+    }
+    return [
+        (header.names.index(name), unit_s)
+        for name, unit_s in units_s.items()
+        if name in header.names
+    ]
 
 
-def _read_time(times: Sequence[tuple[int, float]], cells: Sequence[str], number: int, line: str) -> float:
+def _read_time(
+    times: Sequence[tuple[int, float]], cells: Sequence[str], number: int, line: str
+) -> float:
     return sum(unit_s * _parse_number(cells[place], number, line) for place, unit_s in times)
 
 
 class _SampleClock:
-    """Checks the times of samples against the sampling rate: each step, and the mean rate once a window is full."""
+    """Checks the times of samples against the sampling rate: each
+    step, and the mean rate once a window is full.
+    """
 
     def __init__(self, parameters: DetectorParameters) -> None:
-        self._parameters, self._steps = parameters, 0
+        self._parameters = parameters
+        self._steps = 0
         self._start_s = self._previous_s = math.nan
 
     def check(self, time_s: float, line: int) -> None:
-        rate_hz, window = self._parameters.sample_rate_hz, self._parameters.window_samples
-        step_s, self._previous_s = time_s - self._previous_s, time_s
+        rate_hz = self._parameters.sample_rate_hz
+        window = self._parameters.window_samples
+        step_s = time_s - self._previous_s
+        self._previous_s = time_s
+
         if math.isnan(step_s):
             self._start_s = time_s
             return
+
         if abs(step_s * rate_hz - 1) > sampling.STEP_TOLERANCE:
             remedy = "use --rate-hz, or record without gaps"
             if step_s == 0.0:
                 remedy = f"ignore rounded times with --rate-hz {rate_hz:g} --column time_s=none"
             elif self._steps:
-                remedy = f"if few samples are missing, ignore the times with --rate-hz {rate_hz:g} --column time_s=none"
+                remedy = (
+                    "if few samples are missing, ignore the times with --rate-hz "
+                    f"{rate_hz:g} --column time_s=none"
+                )
             elif step_s > 0.0 and sampling.guess_time_unit(1 / step_s):
                 raise _line_error(line, sampling.rate_bounds_message(1 / step_s) or "")
+
             raise _line_error(
                 line,
-                f"{time_s:.9g} s is {step_s:.4g} s after the previous sample, but the detector requires steps of "
+                f"{time_s:.9g} s is {step_s:.4g} s after the previous sample, but the detector "
+                "requires steps of "
                 f"{1 / rate_hz:.4g} s ({rate_hz:g} Hz); {remedy}.",
             )
+
         self._steps += 1
         if self._steps % window == 0:
             mean_hz = self._steps / (time_s - self._start_s)
-            # A single time stamp may be off by STEP_TOLERANCE, which affects the mean of few steps most.
-            if abs(mean_hz / rate_hz - 1) > sampling.RATE_TOLERANCE + sampling.STEP_TOLERANCE / self._steps:
+            # A single time stamp may be off by STEP_TOLERANCE, which affects the mean of few steps
+            # most.
+            if (
+                abs(mean_hz / rate_hz - 1)
+                > sampling.RATE_TOLERANCE + sampling.STEP_TOLERANCE / self._steps
+            ):
                 raise _line_error(line, sampling.rate_message(mean_hz, self._parameters))
+
             if self._steps >= _RATE_WINDOWS * window:
-                self._start_s, self._steps = time_s, 0
+                self._start_s = time_s
+                self._steps = 0
 
 
 def _parse_number(cell: str, number: int, line: str) -> float:
@@ -303,9 +448,14 @@ def _parse_number(cell: str, number: int, line: str) -> float:
         message = f"{cell.strip()!r} is not a number; write it with a decimal point."
         if not cell.strip():
             message = "has an empty cell; give one number per column."
+
         raise _line_error(number, f"{message} {_quote(line)}")
+
     if not math.isfinite(value):
-        raise _line_error(number, f"{value} is not a finite number; detection cannot continue across it.")
+        raise _line_error(
+            number, f"{value} is not a finite number; detection cannot continue across it."
+        )
+
     return value
 
 

@@ -1,8 +1,9 @@
-"""Detection on recordings, in files and in arrays of a program, from reading to warnings about the result.
+"""Detection on recordings, in files and in arrays of a program, from reading to warnings about the
+result.
 
-`fingertip detect` prints what these functions return. They adapt the design to the recording's sampling rate, derive
-thresholds from a quiet part, and simulate the analog board for the detector `analog` where a recording contains only
-the voltage ahead of the board.
+`fingertip detect` prints what these functions return. They adapt the design to the recording's
+sampling rate, derive thresholds from a quiet part, and simulate the analog board for the detector
+`analog` where a recording contains only the voltage ahead of the board.
 """
 
 from __future__ import annotations
@@ -43,21 +44,14 @@ def detect(
 ) -> Detection:
     """Detect slip in a trace, or in an array of voltages.
 
-    Parameters
-    ----------
-    recording
-        A trace, or what numpy makes an array of: voltages, which take `rate_hz`, or rows of time and voltage; or a
-        series of pandas whose index holds the times. Without `envelope_v`, the detector `analog` takes the output of
-        the design's board, simulated for the voltage.
-    design
-        Source of filters, window, threshold and board; by default the default design. It is adapted to the rate of the
-        recording if it does not state one itself.
-    detector
-        Name of a detector: `digital`, `analog`, `fft` or `fast`.
-    noise_v
-        White RMS noise of the signal; by default the design's [V].
-    rate_hz
-        Sampling rate to which any design is adapted [Hz]. Times of the recording must agree with it.
+    Parameters ---------- recording A trace, or what numpy makes an array of: voltages, which take
+    `rate_hz`, or rows of time and voltage; or a series of pandas whose index holds the times.
+    Without `envelope_v`, the detector `analog` takes the output of the design's board, simulated
+    for the voltage. design Source of filters, window, threshold and board; by default the default
+    design. It is adapted to the rate of the recording if it does not state one itself. detector
+    Name of a detector: `digital`, `analog`, `fft` or `fast`. noise_v White RMS noise of the signal;
+    by default the design's [V]. rate_hz Sampling rate to which any design is adapted [Hz]. Times of
+    the recording must agree with it.
 
     Raises
     ------
@@ -69,17 +63,33 @@ def detect(
     design = design or Design()
     kind = registry.check_detector(design, detector)
     adaptation = Adaptation(detector, noise_is_measured=noise_v is not None)
-    trace, *others = (channels := _read_channels(recording, rate_hz)).values()
+    channels = _read_channels(recording, rate_hz)
+    trace, *others = channels.values()
+
     if others:
         problem = f"holds {len(channels)} channels, {shorten(join_words(channels), 200)}"
-        raise TraceError(Issue("recording", f"{problem}; call detect_channels with the same arguments, or give one."))
+        raise TraceError(
+            Issue(
+                "recording",
+                f"{problem}; call detect_channels with the same arguments, or give one.",
+            )
+        )
+
     raw = RawTrace("trace", trace, in_volts=noise_v is None, is_array=True)
     if rate_hz is not None:
         design = adaptation.to_rate(design, rate_hz)
     elif "sample_rate_hz" not in design.detector.model_fields_set:
         design = adaptation.to_recording(design, raw)
+
     if kind.takes_envelope and trace.envelope_v is None:
-        trace = simulate_board(raw.validate(design.detector), design, ColumnMap(), "trace", lambda message: None)
+        trace = simulate_board(
+            raw.validate(design.detector),
+            design=design,
+            columns=ColumnMap(),
+            name="trace",
+            progress=lambda message: None,
+        )
+
     return detect_in_trace(trace, design, detector, noise_v)
 
 
@@ -93,33 +103,68 @@ def detect_channels(
 ) -> dict[str, Detection]:
     """Detect slip in each channel of an array of one row per sample, or of a data frame.
 
-    The first column, or a frame's index, holds the times where it rises as these do, or where there is no `rate_hz`.
-    The other parameters, and the exceptions, are those of `detect`. Channels are named as a frame's columns, or by the
-    number of their column from 0.
+    The first column, or a frame's index, holds the times where it rises as these do, or where there
+    is no `rate_hz`. The other parameters, and the exceptions, are those of `detect`. Channels are
+    named as a frame's columns, or by the number of their column from 0.
     """
     channels = _read_channels(recording, rate_hz)
-    return {name: detect(trace, design, detector, noise_v, rate_hz=rate_hz) for name, trace in channels.items()}
+    return {
+        name: detect(trace, design, detector, noise_v, rate_hz=rate_hz)
+        for name, trace in channels.items()
+    }
 
 
 def _read_channels(recording: Any, rate_hz: float | None) -> dict[str, Trace]:
-    """Read the channels of a recording by name: the columns beside one that holds the times. Raises TraceError."""
+    """Read the channels of a recording by name: the columns beside one that holds the times.
+
+    Raises TraceError.
+    """
     if isinstance(recording, Trace):
         return {"voltage_v": recording}
-    array, names = as_numbers("recording", recording), [*map(str, getattr(recording, "columns", ()))]
+
+    array = as_numbers("recording", recording)
+    names = [*map(str, getattr(recording, "columns", ()))]
     array = array[:, None] if array.ndim == 1 else array
-    index: Any = getattr(getattr(recording, "index", None), "values", None)  # of a series or a frame of pandas
-    if rate_hz is None and isinstance(index, np.ndarray) and index.dtype.kind in "fmM" and len(index):
+    index: Any = getattr(
+        getattr(recording, "index", None), "values", None
+    )  # of a series or a frame of pandas
+
+    if (
+        rate_hz is None
+        and isinstance(index, np.ndarray)
+        and index.dtype.kind in "fmM"
+        and len(index)
+    ):
         times = index if index.dtype.kind == "f" else (index - index[0]) / np.timedelta64(1, "s")
-        array, names = np.column_stack([times, array]), ["", *(names or ["voltage_v"])]
-    has_times = array.ndim == 2 and array.shape[1] > 1 and (array.shape[1] == 2 or rises_as_time(array[:, 0]))
+        array = np.column_stack([times, array])
+        names = ["", *(names or ["voltage_v"])]
+
+    has_times = (
+        array.ndim == 2
+        and array.shape[1] > 1
+        and (array.shape[1] == 2 or rises_as_time(array[:, 0]))
+    )
     if array.ndim != 2 or not array.shape[1] or (rate_hz is None and not has_times):
-        shape = f"has shape {np.shape(recording)} and {'no rate' if rate_hz is None else f'rate_hz={rate_hz:g}'}"
-        raise TraceError(Issue("recording", f"{shape}; give voltages (n,) with rate_hz, or time and voltage (n, 2)."))
+        shape = (
+            f"has shape {np.shape(recording)} and "
+            f"{'no rate' if rate_hz is None else f'rate_hz={rate_hz:g}'}"
+        )
+        raise TraceError(
+            Issue(
+                "recording",
+                f"{shape}; give voltages (n,) with rate_hz, or time and voltage (n, 2).",
+            )
+        )
+
     if rate_hz is not None:
         check_rate(rate_hz)
+
     time_s = array[:, 0] if has_times or rate_hz is None else np.arange(len(array)) / rate_hz
     places = range(int(has_times), array.shape[1])
-    return {(names or [*map(str, range(array.shape[1]))])[i]: Trace(time_s.copy(), array[:, i].copy()) for i in places}
+    return {
+        (names or [*map(str, range(array.shape[1]))])[i]: Trace(time_s.copy(), array[:, i].copy())
+        for i in places
+    }
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,9 +173,13 @@ class FileDetection:
     trace: Trace
     """Validated trace, with the board's output if that was simulated."""
     design: Design
-    """Design used: at the recording's sampling rate, and for `analog` with the threshold from the quiet part."""
+    """Design used: at the recording's sampling rate, and for
+    `analog` with the threshold from the quiet part.
+    """
     noise: NoiseLevel | None
-    """Noise level of the quantity that the threshold applies to; None for the detectors `fft` and `fast`."""
+    """Noise level of the quantity that the threshold applies to;
+    None for the detectors `fft` and `fast`.
+    """
     warnings: tuple[str, ...]
     """Reasons to doubt the result."""
 
@@ -151,34 +200,19 @@ def detect_file(
 ) -> FileDetection:
     """Detect slip in a recorded file: CSV, NumPy, MATLAB, Parquet, WAV, TDMS or LVM.
 
-    Parameters
-    ----------
-    path
-        The file. The detector `analog` takes its column `envelope_v` and, if there is none, the output of the design's
-        board, simulated for the voltage.
-    design
-        Source of filters, window, threshold and board, by default the default design; of the sampling rate if it
-        states one, else it is adapted to that of the file.
-    detector
-        Name of a detector: `digital`, `analog`, `fft` or `fast`.
-    rate_hz
-        Sampling rate to which the design is adapted [Hz]. Times in the file must agree with it.
-    calibrate_s
-        Start and end of an interval during which nothing happens, after the first sample [s]. Thresholds then follow
-        from the noise there.
-    floors
-        Recording of a rest, read as this one: `fast` starts with its floors, so that a start in a slip is decided.
-    scale
-        Volts per unit of the file's voltage.
-    time_scale
-        Seconds per unit of the file's times, such as 1e-3.
-    columns
-        Name in the file for each column of a trace, such as ``{"voltage_v": "AI0"}``. The voltage may be the column of
-        a force; its thresholds require `calibrate_s`.
-    origin
-        What is known of the recording beside its columns; by default what the manifest beside the file says.
-    progress
-        Called with each step of the progress.
+    Parameters ---------- path The file. The detector `analog` takes its column `envelope_v` and, if
+    there is none, the output of the design's board, simulated for the voltage. design Source of
+    filters, window, threshold and board, by default the default design; of the sampling rate if it
+    states one, else it is adapted to that of the file. detector Name of a detector: `digital`,
+    `analog`, `fft` or `fast`. rate_hz Sampling rate to which the design is adapted [Hz]. Times in
+    the file must agree with it. calibrate_s Start and end of an interval during which nothing
+    happens, after the first sample [s]. Thresholds then follow from the noise there. floors
+    Recording of a rest, read as this one: `fast` starts with its floors, so that a start in a slip
+    is decided. scale Volts per unit of the file's voltage. time_scale Seconds per unit of the
+    file's times, such as 1e-3. columns Name in the file for each column of a trace, such as
+    ``{"voltage_v": "AI0"}``. The voltage may be the column of a force; its thresholds require
+    `calibrate_s`. origin What is known of the recording beside its columns; by default what the
+    manifest beside the file says. progress Called with each step of the progress.
 
     Raises
     ------
@@ -189,29 +223,66 @@ def detect_file(
     MissingLibraryError
         If the file needs a package that is not installed.
     """
-    path, report, given = Path(path), progress or (lambda message: None), design or Design()
+    path = Path(path)
+    report = progress or (lambda message: None)
+    given = design or Design()
     design = given
     kind = registry.check_detector(design, detector)
+
     if floors is not None and calibrate_s is not None:
-        left = "--calibrate" if ColumnMap(columns or {}).in_volts else "--floors, which are of a voltage,"
+        left = (
+            "--calibrate"
+            if ColumnMap(columns or {}).in_volts
+            else "--floors, which are of a voltage,"
+        )
         raise TraceError(Issue("--floors", f"are not used beside --calibrate; leave {left} out."))
+
     adaptation = Adaptation(detector, calibrate_s is not None, report)
     if rate_hz is not None:
         design = adaptation.to_rate(design, rate_hz)
+
     column_map = ColumnMap(columns or {}, rate_hz, scale, time_scale)
     if not column_map.in_volts and calibrate_s is None and not kind.takes_envelope:
-        message = "is missing: the design's thresholds are in volts, but this column is a force; give the interval "
+        message = (
+            "is missing: the design's thresholds are in volts, but this column is a force; "
+            "give the interval "
+        )
         raise TraceError(Issue("--calibrate", message + "during which nothing happens."))
+
     raw = read_raw_trace(path, column_map)
     if rate_hz is None and "sample_rate_hz" not in design.detector.model_fields_set:
         design = adaptation.to_recording(design, raw)
+
     trace = replace(raw.validate(design.detector), origin=origin or read_origin(path))
-    quiet = None if calibrate_s is None else QuietPart.select(trace, calibrate_s, column_map.in_volts, path.name)
-    recording = _Recording(path.name, trace, design, detector, column_map, quiet)
-    doubts, level, noise_v, stored = [*raw.notes, *_doubt_signals(recording)], None, None, None
+    quiet = (
+        None
+        if calibrate_s is None
+        else QuietPart.select(trace, calibrate_s, column_map.in_volts, path.name)
+    )
+    recording = _Recording(
+        name=path.name,
+        trace=trace,
+        design=design,
+        detector=detector,
+        columns=column_map,
+        quiet=quiet,
+    )
+    doubts = [*raw.notes, *_doubt_signals(recording)]
+    level = None
+    noise_v = None
+    stored = None
+
     if floors is not None:
         adapted_hz = design.detector.sample_rate_hz
-        stored = read_floors(floors, given, detector, column_map, adapted_hz, trace.filtered_v is not None)
+        stored = read_floors(
+            floors,
+            design=given,
+            detector=detector,
+            columns=column_map,
+            rate_hz=adapted_hz,
+            with_filtered=trace.filtered_v is not None,
+        )
+
     if kind.takes_envelope:
         doubts += warnings.envelope_warnings(trace, design)
         recording, level = _add_board(recording, report)
@@ -219,18 +290,41 @@ def detect_file(
         noise_v = _measure_noise(recording, quiet)
         if column_map.in_volts:
             found = detect_in_trace(trace, design, detector)
-            doubts += warnings.calibration_warnings(noise_v, found, quiet.samples, design, quiet.describe())
-    detection = detect_in_trace(recording.trace, recording.design, detector, noise_v, stored)
-    if column_map.in_volts and column_map.name_in_file("voltage_v") != column_map.name_in_file("envelope_v"):
+            doubts += warnings.calibration_warnings(
+                noise_v,
+                before=found,
+                quiet=quiet.samples,
+                design=design,
+                part=quiet.describe(),
+            )
+
+    detection = detect_in_trace(
+        recording.trace,
+        design=recording.design,
+        detector=detector,
+        noise_v=noise_v,
+        floors=stored,
+    )
+    if column_map.in_volts and column_map.name_in_file("voltage_v") != column_map.name_in_file(
+        "envelope_v"
+    ):
         detection = replace(detection, scale=find_force_scale(recording.design))
     elif not column_map.in_volts and not kind.takes_envelope:
         unit = f"thousandths of {column_map.name_in_file('voltage_v')}"
         detection = replace(detection, threshold=replace(detection.threshold, unit=unit))
+
     if quiet:
         quiet.refuse_slip(detection)
+
     level = level or detection.noise
     doubts += _doubt_result(recording, detection, noise_v, level)
-    return FileDetection(detection, recording.trace, recording.design, level, tuple(doubts))
+    return FileDetection(
+        detection=detection,
+        trace=recording.trace,
+        design=recording.design,
+        noise=level,
+        warnings=tuple(doubts),
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,19 +340,34 @@ class _Recording:
 
 
 def _doubt_signals(recording: _Recording) -> Iterator[str]:
-    """Find what is wrong with the signals or does not suit the design; of a force nothing is known."""
-    trace, design, volts = recording.trace, recording.design, recording.trace.voltage_v
+    """Find what is wrong with the signals or does not suit the design; of a force nothing
+    is known.
+    """
+    design = recording.design
+    volts = recording.trace.voltage_v
+    trace = recording.trace
     if not recording.columns.in_volts:
         return
+
     yield from warnings.hum_warnings(volts, design.detector.sample_rate_hz)
     yield from warnings.preload_warnings(volts, design)
-    if np.ptp(volts) == 0.0 and volts[0] < design.detector.adc_range_v - 1.5 * design.detector.adc_step_v:
+    if (
+        np.ptp(volts) == 0.0
+        and volts[0] < design.detector.adc_range_v - 1.5 * design.detector.adc_step_v
+    ):
         yield f"the voltage is constant at {volts[0]:g} V; is a sensor connected?"
     else:
-        yield from list(warnings.flat_warnings(volts, design)) or warnings.polarity_warnings(volts, design)
+        yield from list(warnings.flat_warnings(volts, design)) or warnings.polarity_warnings(
+            volts, design
+        )
+
     yield from warnings.settings_warnings(design, recording.detector)
-    # A filtered signal has finer steps. Thresholds follow from the recording itself after a calibration.
-    if registry.find_second_column(design, recording.detector) is not None and trace.filtered_v is not None:
+    # A filtered signal has finer steps. Thresholds follow from the recording itself after a
+    # calibration.
+    if (
+        registry.find_second_column(design, recording.detector) is not None
+        and trace.filtered_v is not None
+    ):
         yield from warnings.filtered_warnings(trace, design)
     elif recording.quiet is None:
         yield from warnings.step_warnings(volts, design, recording.detector)
@@ -269,41 +378,85 @@ FLOORS_S = 0.5
 
 
 def read_floors(
-    path: str | Path, design: Design, detector: str, columns: ColumnMap, rate_hz: float, with_filtered: bool
+    path: str | Path,
+    design: Design,
+    detector: str,
+    columns: ColumnMap,
+    rate_hz: float,
+    with_filtered: bool,
 ) -> Floors:
-    """Read the floors of a rest that is recorded as the signal that follows it. Raises TraceError."""
+    """Read the floors of a rest that is recorded as the signal that follows it.
+
+    Raises TraceError.
+    """
     rest = detect_file(
-        path, design, detector, rate_hz=columns.rate_hz, scale=columns.scale, time_scale=columns.time_scale,
+        path,
+        design,
+        detector,
+        rate_hz=columns.rate_hz,
+        scale=columns.scale,
+        time_scale=columns.time_scale,
         columns=columns.names,
-    )  # fmt: skip
-    has_filtered, found_hz = rest.trace.filtered_v is not None, rest.design.detector.sample_rate_hz
-    found, lasts_s = rest.detection, rest.trace.time_s[-1] - rest.trace.time_s[0]
+    )
+    has_filtered = rest.trace.filtered_v is not None
+    found_hz = rest.design.detector.sample_rate_hz
+    found = rest.detection
+    lasts_s = rest.trace.time_s[-1] - rest.trace.time_s[0]
+
     if found.floors is None:
-        message = f"are not learned by {found.detector}; add --detector fast, or leave --floors out."
-    elif lasts_s < FLOORS_S:
-        message = f"the rest lasts {lasts_s:.3g} s, and fast learns for {FLOORS_S:g} s; record a longer one."
-    elif found.incipient:
-        message = f"the rest may hold slip at {found.incipient[0].onset_s:.4f} s; record it while nothing moves."
-    elif (noise_v := found.learned_noise_v or 0.0) and any(warnings.noise_warnings(noise_v, design, None)):
         message = (
-            f"the rest vibrates by {1000 * noise_v:.2g} mV, over {MAX_NOISE_RATIO:g} times the stated noise; "
-            f"record it while nothing moves; if nothing did, state the noise with --set detector.noise_v={noise_v:.2g}."
+            f"are not learned by {found.detector}; add --detector fast, or leave --floors out."
+        )
+    elif lasts_s < FLOORS_S:
+        message = (
+            f"the rest lasts {lasts_s:.3g} s, and fast learns for {FLOORS_S:g} s; record a "
+            "longer one."
+        )
+    elif found.incipient:
+        message = (
+            f"the rest may hold slip at {found.incipient[0].onset_s:.4f} s; record it while "
+            "nothing moves."
+        )
+    elif (noise_v := found.learned_noise_v or 0.0) and any(
+        warnings.noise_warnings(noise_v, design, None)
+    ):
+        message = (
+            f"the rest vibrates by {1000 * noise_v:.2g} mV, over {MAX_NOISE_RATIO:g} times the "
+            "stated noise; "
+            "record it while nothing moves; if nothing did, state the noise with --set "
+            f"detector.noise_v={noise_v:.2g}."
         )
     elif (has_filtered, found_hz) != (with_filtered, rate_hz):
-        message = f"the rest has {found_hz:g} Hz, or other columns than what follows it; record both in the same way."
+        message = (
+            f"the rest has {found_hz:g} Hz, or other columns than what follows it; record "
+            "both in the same way."
+        )
     else:
         return found.floors
+
     raise TraceError(Issue("--floors", message))
 
 
 def _add_board(recording: _Recording, report: Progress) -> tuple[_Recording, NoiseLevel]:
-    """Add the output of the design's board where it was not recorded, and the threshold from its noise."""
+    """Add the output of the design's board where it was not
+    recorded, and the threshold from its noise.
+    """
     from fingertip.sim.signal.converter import simulate_quiescent_level, simulate_replay_level  # noqa: PLC0415
 
-    trace, design, quiet = recording.trace, recording.design, recording.quiet
+    trace = recording.trace
+    design = recording.design
+    quiet = recording.quiet
     is_replayed = trace.envelope_v is None
+
     if is_replayed:
-        trace = simulate_board(trace, design, recording.columns, recording.name, report)
+        trace = simulate_board(
+            trace,
+            design=design,
+            columns=recording.columns,
+            name=recording.name,
+            progress=report,
+        )
+
     if quiet is None:
         level = simulate_replay_level(design) if is_replayed else simulate_quiescent_level(design)
     else:
@@ -311,14 +464,19 @@ def _add_board(recording: _Recording, report: Progress) -> tuple[_Recording, Noi
         level = measure_noise_level(trace.envelope_v[quiet.samples], design, recording.name)
         calibrated = design.with_values({"detector.threshold_v": level.rounded_threshold_v})
         design = Design(**calibrated.model_dump())
+
     return replace(recording, trace=trace, design=design), level
 
 
 def _measure_noise(recording: _Recording, quiet: QuietPart) -> float:
-    """Measure the white noise for which the detector has the threshold that the quiet part needs [V]."""
-    design, quiet_v = recording.design, recording.trace.voltage_v[quiet.samples]
+    """Measure the white noise for which the detector has the
+    threshold that the quiet part needs [V].
+    """
+    design = recording.design
+    quiet_v = recording.trace.voltage_v[quiet.samples]
     noise_v = equivalent_noise_v(recording.detector, design, quiet_v, recording.name)
     min_v = registry.find_detector_type(recording.detector).implementation.min_noise_v(design)
+
     return max(noise_v, min_v) if recording.columns.in_volts else noise_v
 
 
@@ -326,40 +484,68 @@ def _doubt_result(
     recording: _Recording, detection: Detection, noise_v: float | None, level: NoiseLevel | None
 ) -> Iterator[str]:
     """Find reasons to doubt the noise, the threshold and the quiet part."""
-    trace, design, quiet = recording.trace, recording.design, recording.quiet
+    trace = recording.trace
+    design = recording.design
+    quiet = recording.quiet
+
     if recording.columns.in_volts:
         # Noise jumps, too.
         noisy = list(warnings.noise_warnings(detection.learned_noise_v, design, noise_v))
-        if not any(warnings.flat_warnings(trace.voltage_v, design)):  # a clipped signal jumps, and is named as such
-            if (undecided := detection.undecided) and undecided.end_s < trace.time_s[-1]:
+        if not any(
+            warnings.flat_warnings(trace.voltage_v, design)
+        ):  # a clipped signal jumps, and is named as such
+            undecided = detection.undecided
+            if undecided and undecided.end_s < trace.time_s[-1]:
                 yield from warnings.begin_warnings(undecided.end_s)
+
             yield from noisy or warnings.glitch_warnings(detection.output, trace)
+
     if level:
-        may_be_lower = quiet is not None or not registry.find_detector_type(recording.detector).takes_envelope
+        may_be_lower = (
+            quiet is not None or not registry.find_detector_type(recording.detector).takes_envelope
+        )
         yield from warnings.threshold_warnings(detection.threshold_v, level, may_be_lower)
+
     if quiet and (disturbance := quiet.describe_disturbance(design, trace)):
         yield disturbance
 
 
 def find_force_scale(design: Design) -> ForceScale | None:
-    """Find the forces that a design's tactile voltages mean; None for a sensor whose curve is not known."""
+    """Find the forces that a design's tactile voltages mean; None
+    for a sensor whose curve is not known.
+    """
     from fingertip.sim.runs.grip import ForceCurve  # noqa: PLC0415
 
     if design.force_curve.find_doubt(design.sensor.model):
         return None
+
     curve = ForceCurve.from_design(design)
     return ForceScale.of(design, curve.volts, curve.forces_n)
 
 
-def simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str, progress: Progress) -> Trace:
-    """Add the simulated output of the design's board to a trace; a force passes the design's bridge first."""
+def simulate_board(
+    trace: Trace,
+    design: Design,
+    columns: ColumnMap,
+    name: str,
+    progress: Progress,
+) -> Trace:
+    """Add the simulated output of the design's board to a trace; a
+    force passes the design's bridge first.
+    """
     from fingertip.sim.signal.converter import SimulatedBoardDetector, compute_bridge_v  # noqa: PLC0415
 
-    voltage_v, circuits = trace.voltage_v, "the design's board"
+    voltage_v = trace.voltage_v
+    circuits = "the design's board"
+
     if not columns.in_volts:
-        voltage_v, circuits = compute_bridge_v(design, voltage_v), "the design's bridge and board"
+        voltage_v = compute_bridge_v(design, voltage_v)
+        circuits = "the design's bridge and board"
         progress(design.force_curve.describe(design.sensor.model))
-    missing, voltage = columns.name_in_file("envelope_v"), columns.name_in_file("voltage_v")
+
+    missing = columns.name_in_file("envelope_v")
+    voltage = columns.name_in_file("voltage_v")
     progress(f"{name} has no column {missing}: simulating {circuits} for the column {voltage}")
     envelope_v = SimulatedBoardDetector(design).simulate_envelope_v(voltage_v)
+
     return replace(trace, voltage_v=voltage_v, envelope_v=envelope_v)

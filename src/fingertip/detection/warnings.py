@@ -18,106 +18,163 @@ from fingertip.slip.scored_detection import BEGIN_RATIO, BEGIN_S, MAX_NOISE_RATI
 from fingertip.slip.traces.trace import Trace
 
 _MAX_RESIDUAL = 0.05
-"""Largest deviation of a difference between voltages from a whole number of steps, in steps: rounding of the file."""
+"""Largest deviation of a difference between voltages from a whole
+number of steps, in steps: rounding of the file.
+"""
 _MAX_STEPS = 1000
-"""Number of steps between two neighbouring voltages above which rounding hides whether it is whole."""
+"""Number of steps between two neighbouring voltages above which rounding hides whether it
+is whole.
+"""
 _RECENT = 4000
 """Samples of a stream that are examined together."""
 
 
 def find_step_v(volts: Array) -> float | None:
-    """Find the step of which all differences between voltages are multiples [V]; None if there is none."""
+    """Find the step of which all differences between voltages are
+    multiples [V]; None if there is none.
+    """
     levels = np.unique(volts)
     if len(levels) < 2:
         return None
+
     gaps = np.diff(levels)
     smallest = gaps.min()
     near = gaps[gaps < _MAX_STEPS * smallest] / smallest
     if np.abs(near - np.round(near)).max() > _MAX_RESIDUAL * np.round(near).max():
         return None
+
     return float((levels[-1] - levels[0]) / np.round(gaps / smallest).sum())
 
 
 def step_warnings(volts: Array, design: Design, detector: str) -> Iterator[str]:
-    """Warn of steps in the voltages [V] of a recording that hide the noise that the thresholds assume."""
-    settings, step = design.detector, find_step_v(volts)
+    """Warn of steps in the voltages [V] of a recording that hide
+    the noise that the thresholds assume.
+    """
+    settings = design.detector
+    step = find_step_v(volts)
     assumed = settings.adc_step_v
     if step is None or step <= max(COARSE_RATIO * settings.noise_v, (1 + _MAX_RESIDUAL) * assumed):
         return
-    effect, remedy = "single steps can be reported as slip", ", or use --detector fast, which learns the steps"
+
+    effect = "single steps can be reported as slip"
+    remedy = ", or use --detector fast, which learns the steps"
     if detector == "fast":
-        effect, remedy = "weak slip is missed", ""
+        effect = "weak slip is missed"
+        remedy = ""
+
     yield (
-        f"the voltages come in steps of {1000 * step:.3g} mV, which hide the noise of {1000 * settings.noise_v:.3g} mV "
+        f"the voltages come in steps of {1000 * step:.3g} mV, which hide the noise of "
+        f"{1000 * settings.noise_v:.3g} mV "
         f"that the thresholds assume: {effect}. Record with more bits or a smaller range{remedy}."
     )
 
 
-# Warnings of a signal at a limit: the end of the converter, or one below it, as by the supply of an amplifier.
+# Warnings of a signal at a limit: the end of the converter, or one below it, as by the supply of an
+# amplifier.
 
-_LEAST_RUN, _LEAST_FLAT, _DEVIATIONS = 4, 10, 6.0
-"""Least equal samples in a row, all samples in such rows, and standard deviations over chance, that are a limit."""
+_LEAST_RUN = 4
+_LEAST_FLAT = 10
+_DEVIATIONS = 6.0
+"""Least equal samples in a row, all samples in such rows, and
+standard deviations over chance, that are a limit.
+"""
 _BLOCK = 100
-"""Samples in a part of which the share of repeated samples is taken; the quietest part tells what steps explain."""
+"""Samples in a part of which the share of repeated samples is taken;
+the quietest part tells what steps explain.
+"""
 
 
 def flat_warnings(volts: Array, design: Design, detector: str = "") -> Iterator[str]:
-    """Warn of voltages [V] at the converter's end, and of runs of the largest or smallest that noise does not explain.
+    """Warn of voltages [V] at the converter's end, and of runs of the largest or smallest that
+    noise does not explain.
 
     A divider rests at 0 V.
     """
     settings = design.detector
-    high, limits = settings.adc_range_v - 1.5 * settings.adc_step_v, {"largest": volts.max(initial=-np.inf)}
+    high = settings.adc_range_v - 1.5 * settings.adc_step_v
+    limits = {"largest": volts.max(initial=-np.inf)}
     low = settings.adc_low_v + settings.adc_step_v / 2 if design.board.has_filter else -np.inf
     if design.board.has_filter:
         limits["smallest"] = volts.min(initial=np.inf)
-    if clipped := int(np.sum((volts >= high) | (volts <= low))):
+
+    clipped = int(np.sum((volts >= high) | (volts <= low)))
+    if clipped:
         yield (
-            f"{f'all {clipped}' if clipped == len(volts) else f'{clipped} of {len(volts)}'} samples are at the limits "
-            f"of the ADC range, {settings.adc_range_text}: slip is not visible there. Attenuate the signal before the "
+            f"{f'all {clipped}' if clipped == len(volts) else f'{clipped} of {len(volts)}'} "
+            "samples are at the limits "
+            f"of the ADC range, {settings.adc_range_text}: slip is not visible there. Attenuate "
+            "the signal before the "
             "ADC, or record with a wider range (detector.adc_range_v)."
         )
+
     for noun, limit in limits.items():
         count = _count_flat(volts, limit) if low < limit < high else 0
         if count >= _LEAST_FLAT:
             yield (
-                f"{count} of {len(volts)} samples ({100 * count / len(volts):.2g} %) are flat at {limit:.4g} V, the "
-                f"{noun} voltage: an amplifier, or the sensor itself, is at its limit, and slip is not visible there. "
+                f"{count} of {len(volts)} samples ({100 * count / len(volts):.2g} %) are flat at "
+                f"{limit:.4g} V, the "
+                f"{noun} voltage: an amplifier, or the sensor itself, is at its limit, and slip "
+                "is not visible there. "
                 "Lower the gain or the force, or move the rest of the signal."
             )
 
 
 def _count_flat(volts: Array, limit: float) -> int:
-    """Count the samples in runs of one voltage [V] that are longer than steps and noise of the rest explain."""
+    """Count the samples in runs of one voltage [V] that are longer
+    than steps and noise of the rest explain.
+    """
     is_flat = volts == limit
-    edges, rest = np.flatnonzero(np.diff(is_flat.astype(np.int8), prepend=0, append=0)), volts[~is_flat]
+    edges = np.flatnonzero(np.diff(is_flat.astype(np.int8), prepend=0, append=0))
+    rest = volts[~is_flat]
     blocks = (np.diff(rest) == 0.0)[: (len(rest) - 1) // _BLOCK * _BLOCK].reshape(-1, _BLOCK)
     repeats = min(0.999, float(blocks.mean(axis=1).max(initial=1.0 / _BLOCK)) + 1 / len(volts))
     runs = np.sort(edges[1::2] - edges[::2])[::-1]
     chance = len(runs) * repeats ** (runs - 1.0)  # how many runs of a length or more are expected
-    is_long = (np.arange(1, len(runs) + 1) - chance > _DEVIATIONS * np.sqrt(chance)) & (runs >= _LEAST_RUN)
-    return int(runs[: np.flatnonzero(is_long)[-1] + 1].sum()) if is_long.any() and len(blocks) else 0
+    is_long = (np.arange(1, len(runs) + 1) - chance > _DEVIATIONS * np.sqrt(chance)) & (
+        runs >= _LEAST_RUN
+    )
+
+    return (
+        int(runs[: np.flatnonzero(is_long)[-1] + 1].sum()) if is_long.any() and len(blocks) else 0
+    )
 
 
 class StreamWatch:
-    """Voltages of a stream, examined in pieces for what a recording's are: each is warned of once."""
+    """Voltages of a stream, examined in pieces for what a recording's are: each is
+    warned of once.
+    """
 
-    def __init__(self, design: Design, detector: str, instance: Detector, with_steps: bool) -> None:
-        self._design, self._detector, self._instance = design, detector, instance
+    def __init__(
+        self,
+        design: Design,
+        detector: str,
+        instance: Detector,
+        with_steps: bool,
+    ) -> None:
+        self._design = design
+        self._detector = detector
+        self._instance = instance
         self._recent: list[float] = []
-        self._count, self._first_v = 0, 0.0
+        self._count = 0
+        self._first_v = 0.0
         self._checks: list[Callable[..., Iterator[str]]] = [
-            flat_warnings, preload_warnings, *([step_warnings] if with_steps else []),
-            lambda *_: noise_warnings(getattr(instance, "noise_v", None), design, None), self._doubt_begin,
-        ]  # fmt: skip
+            flat_warnings,
+            preload_warnings,
+            *([step_warnings] if with_steps else []),
+            lambda *_: noise_warnings(getattr(instance, "noise_v", None), design, None),
+            self._doubt_begin,
+        ]
 
     def end(self) -> list[str]:
         """List the warnings of the last samples, at the end of the stream maybe the only ones."""
-        volts, found = np.array(self._recent), list[str]()
+        volts = np.array(self._recent)
+        found = list[str]()
+
         for check in [*self._checks]:
             found += (warnings := [*check(volts, self._design, self._detector)][:1])
             if warnings or check is preload_warnings:  # later there may be a load all the time
                 self._checks.remove(check)
+
         return found
 
     def _doubt_begin(self, *_: object) -> Iterator[str]:
@@ -127,26 +184,35 @@ class StreamWatch:
     def add(self, volts: float) -> Sequence[str]:
         self._recent.append(volts)
         self._count += 1
-        if self._count == round(BEGIN_S * self._design.detector.sample_rate_hz) and len({*self._recent}) > 2:
+        if (
+            self._count == round(BEGIN_S * self._design.detector.sample_rate_hz)
+            and len({*self._recent}) > 2
+        ):
             self._first_v = getattr(self._instance, "threshold_v", 0.0)
         if len(self._recent) < _RECENT:
             return ()
+
         found = self.end()
         del self._recent[: _RECENT // 2]
         return found
 
 
-# Warnings of recorded outputs of a board that cannot be: a broken wire, two wires exchanged, or the wrong ground.
+# Warnings of recorded outputs of a board that cannot be: a broken wire, two wires exchanged, or the
+# wrong ground.
 
 MAX_REST_V = 0.3
 """Largest deviation of the rest of a filtered signal from the signal ground [V]."""
 
 
 def filtered_warnings(trace: Trace, design: Design) -> Iterator[str]:
-    """Warn of a filtered signal that stands still, or that does not rest at the board's signal ground."""
+    """Warn of a filtered signal that stands still, or that does
+    not rest at the board's signal ground.
+    """
     if trace.filtered_v is None or not len(trace.filtered_v):
         return
-    rest_v, ground_v = float(np.median(trace.filtered_v)), _find_ground_v(design)
+
+    rest_v = float(np.median(trace.filtered_v))
+    ground_v = _find_ground_v(design)
     if float(np.ptp(trace.filtered_v)) == 0.0:
         yield (
             f"filtered_v stands still at {rest_v:.3g} V: is the board's pin S connected? "
@@ -154,21 +220,27 @@ def filtered_warnings(trace: Trace, design: Design) -> Iterator[str]:
         )
     elif min(abs(rest_v), abs(rest_v - ground_v)) > MAX_REST_V:
         yield (
-            f"filtered_v rests at {rest_v:.3g} V, and neither at the signal ground of {ground_v:.3g} V nor at 0 V: are "
+            f"filtered_v rests at {rest_v:.3g} V, and neither at the signal ground of "
+            f"{ground_v:.3g} V nor at 0 V: are "
             "T and S exchanged?"
         )
 
 
 def envelope_warnings(trace: Trace, design: Design) -> Iterator[str]:
-    """Warn of an envelope that was recorded above ground, on a board whose envelope is that above the signal ground."""
+    """Warn of an envelope that was recorded above ground, on a board
+    whose envelope is that above the signal ground.
+    """
     ground_v = _find_ground_v(design)
     if trace.envelope_v is None or not len(trace.envelope_v) or not ground_v:
         return
+
     rest_v = float(np.median(trace.envelope_v))
     if abs(rest_v - ground_v) <= MAX_REST_V:
         yield (
-            f"envelope_v rests at {rest_v:.3g} V, near the signal ground of {ground_v:.3g} V, and slip is ON all the "
-            "time: was E recorded against ground? The envelope is E minus M: subtract the samples of M."
+            f"envelope_v rests at {rest_v:.3g} V, near the signal ground of {ground_v:.3g} V, and "
+            "slip is ON all the "
+            "time: was E recorded against ground? The envelope is E minus M: subtract the samples "
+            "of M."
         )
 
 
@@ -176,7 +248,8 @@ def _find_ground_v(design: Design) -> float:
     return signal_ground_ratio(design.board) * design.board.supply_v
 
 
-# Warnings of what the detectors were not made for: hum, a reversed sensor, and more noise than `fast` was fitted to.
+# Warnings of what the detectors were not made for: hum, a reversed sensor, and more noise than
+# `fast` was fitted to.
 
 MAX_HUM_V = 1e-3
 """Largest RMS hum in the signals of the fit [V]."""
@@ -184,45 +257,65 @@ _MAINS_HZ = (50, 60)
 _PIECE_S = 0.5
 """Length of a piece of which the hum is taken [s]: whole periods of either mains."""
 _PEAK_RATIO = 4.0
-"""Ratio of a tone to the spectrum around it from which it is hum, and no part of a broad vibration."""
+"""Ratio of a tone to the spectrum around it from which it is hum, and no part of a broad
+vibration.
+"""
 _HIGH_N = 20.0
 _REST_S = 0.2
-_PRESSED_SHARE, _MOVED_SHARE = 0.8, 0.1
-"""Shares of the voltage's way from no force to `_HIGH_N`: where a reversed signal begins, and how far it moves."""
+_PRESSED_SHARE = 0.8
+_MOVED_SHARE = 0.1
+"""Shares of the voltage's way from no force to `_HIGH_N`: where a
+reversed signal begins, and how far it moves.
+"""
 
 
 def hum_warnings(volts: Array, rate_hz: float) -> Iterator[str]:
-    """Warn of mains hum in most of a recording that is stronger than any in the signals of the fit."""
+    """Warn of mains hum in most of a recording that is stronger than any in the signals
+    of the fit.
+    """
     size = round(_PIECE_S * rate_hz)
     pieces = volts[: len(volts) // size * size].reshape(-1, size)
     if len(pieces) < 2:
         return
+
     window = np.hanning(size + 1)[:-1]
-    rms_v = np.abs(np.fft.rfft((pieces - pieces.mean(axis=1, keepdims=True)) * window)) * math.sqrt(2) / window.sum()
+    rms_v = (
+        np.abs(np.fft.rfft((pieces - pieces.mean(axis=1, keepdims=True)) * window))
+        * math.sqrt(2)
+        / window.sum()
+    )
     spectrum_v = np.median(rms_v, axis=0)  # a slip passes, hum stays
+
     for hertz in _MAINS_HZ:
         place = round(hertz * size / rate_hz)
         around_v = float(np.median(spectrum_v[[place - 4, place - 3, place + 3, place + 4]]))
         if spectrum_v[place] > max(MAX_HUM_V, _PEAK_RATIO * around_v):
             yield (
-                f"hum of {1000 * spectrum_v[place]:.2g} mV RMS at {hertz} Hz, more than the {1000 * MAX_HUM_V:g} mV "
-                "that the detectors were tried in: slip is found late or not at all, or hum taken for it. Shield the "
+                f"hum of {1000 * spectrum_v[place]:.2g} mV RMS at {hertz} Hz, more than the "
+                f"{1000 * MAX_HUM_V:g} mV "
+                "that the detectors were tried in: slip is found late or not at all, or hum taken "
+                "for it. Shield the "
                 "sensor's cable, or power the board from a battery."
             )
 
 
 def polarity_warnings(volts: Array, design: Design) -> Iterator[str]:
-    """Warn of a voltage that begins where the sensor would be pressed hard, and then goes towards no force."""
+    """Warn of a voltage that begins where the sensor would be
+    pressed hard, and then goes towards no force.
+    """
     from fingertip.sim.signal.converter import compute_bridge_v  # noqa: PLC0415
 
     rest_v, pressed_v = compute_bridge_v(design, np.array([0.0, _HIGH_N])).tolist()
     means = _average(volts, design)
     shares = (means - rest_v) / (pressed_v - rest_v)
+
     if len(shares) and shares[0] > _PRESSED_SHARE and shares.min() < shares[0] - _MOVED_SHARE:
         yield (
-            f"the voltage begins at {means[0]:.3g} V, as under {_HIGH_N:g} N, and goes towards the {rest_v:.3g} V of a "
+            f"the voltage begins at {means[0]:.3g} V, as under {_HIGH_N:g} N, and goes towards "
+            f"the {rest_v:.3g} V of a "
             "sensor without force: is the signal reversed? On this board it "
-            f"{'rises' if pressed_v > rest_v else 'falls'} with the force; give the design of the board that was used."
+            f"{'rises' if pressed_v > rest_v else 'falls'} with the force; give the design of the "
+            "board that was used."
         )
 
 
@@ -230,8 +323,12 @@ def preload_warnings(volts: Array, design: Design, detector: str = "") -> Iterat
     """Warn of a voltage that comes near that of an untouched finger, and not to it."""
     from fingertip.board.analysis.board_values import find_tactile_response  # noqa: PLC0415
 
-    response, means = find_tactile_response(design), _average(volts, design)
-    if len(means) and (preload := response.describe_preload(means.min() if response.rises else means.max())):
+    response = find_tactile_response(design)
+    means = _average(volts, design)
+
+    if len(means) and (
+        preload := response.describe_preload(means.min() if response.rises else means.max())
+    ):
         yield preload
 
 
@@ -242,29 +339,48 @@ def _average(volts: Array, design: Design) -> Array:
     return means
 
 
-def noise_warnings(learned_v: float | None, design: Design, measured_v: float | None) -> Iterator[str]:
-    """Warn of more noise than the detector `fast` was fitted to, over that of the design or of a quiet part [V]."""
+def noise_warnings(
+    learned_v: float | None, design: Design, measured_v: float | None
+) -> Iterator[str]:
+    """Warn of more noise than the detector `fast` was fitted to, over
+    that of the design or of a quiet part [V].
+    """
     stated_v = _stated_noise_v(design, measured_v)
     if learned_v is not None and learned_v > MAX_NOISE_RATIO * stated_v:
         yield (
-            f"fast has learned a noise of {1000 * learned_v:.2g} mV, {learned_v / stated_v:.0f} times the stated one "
-            f"of {1000 * stated_v:.2g} mV: if something slides all the time, no slip is found. {_BEGIN} "
+            f"fast has learned a noise of {1000 * learned_v:.2g} mV, {learned_v / stated_v:.0f} "
+            "times the stated one "
+            f"of {1000 * stated_v:.2g} mV: if something slides all the time, no slip is found. "
+            f"{_BEGIN} "
             f"Else shield the cable: above {MAX_NOISE_RATIO:g} times, weak slip is missed."
         )
 
 
-def calibration_warnings(noise_v: float, before: Detection, quiet: slice, design: Design, part: str) -> Iterator[str]:
-    """Warn of a quiet part in which something may move, as its noise [V] and the detection before calibration tell."""
-    stated_v, on = _stated_noise_v(design), before.output.on[quiet]
+def calibration_warnings(
+    noise_v: float,
+    before: Detection,
+    quiet: slice,
+    design: Design,
+    part: str,
+) -> Iterator[str]:
+    """Warn of a quiet part in which something may move, as its noise
+    [V] and the detection before calibration tell.
+    """
+    stated_v = _stated_noise_v(design)
+    on = before.output.on[quiet]
+
     if noise_v > MAX_NOISE_RATIO * stated_v:
         yield (
-            f"{part} has a noise of {1000 * noise_v:.2g} mV, {noise_v / stated_v:.0f} times the stated one of "
-            f"{1000 * stated_v:.2g} mV, and no slip weaker than that is found: if anything slides or vibrates there, "
+            f"{part} has a noise of {1000 * noise_v:.2g} mV, {noise_v / stated_v:.0f} times the "
+            "stated one of "
+            f"{1000 * stated_v:.2g} mV, and no slip weaker than that is found: if anything slides "
+            "or vibrates there, "
             "choose another part; if all of the recording is like that, shield the cable."
         )
     elif on.any():
         yield (
-            f"before the calibration {before.detector} is ON at {before.trace.time_s[quiet][on][0]:.4f} s, within "
+            f"before the calibration {before.detector} is ON at "
+            f"{before.trace.time_s[quiet][on][0]:.4f} s, within "
             f"{part}: if that is slip, it is taken for noise now; choose another part."
         )
 
@@ -275,19 +391,26 @@ def _stated_noise_v(design: Design, measured_v: float | None = None) -> float:
 
 
 def glitch_warnings(output: DetectorOutput, trace: Trace) -> Iterator[str]:
-    """Warn of samples that the detector `fast` took for glitches. It reports each from the next sample on."""
+    """Warn of samples that the detector `fast` took for glitches.
+
+    It reports each from the next sample on.
+    """
     if not isinstance(output, FastOutput):
         return
+
     found = np.flatnonzero(np.diff(output.is_replaced.astype(np.int8), prepend=0) > 0) - 1
     found = np.maximum(found, 0)
     found = found[~output.incipient[found]]  # strong slip may look like it
     if not len(found):
         return
+
     times = join_words([f"{time_s:.4f}" for time_s in trace.time_s[found[:3]].tolist()])
     more = f" and {len(found) - 3} more times" if len(found) > 3 else ""
     yield (
-        f"the signal jumps and is back in the next sample at {times} s{more}: fast takes such samples for glitches, "
-        "and uses the ones before them in their place. Look for a loose contact, or for bytes that were lost."
+        f"the signal jumps and is back in the next sample at {times} s{more}: fast takes such "
+        "samples for glitches, "
+        "and uses the ones before them in their place. Look for a loose contact, or for bytes "
+        "that were lost."
     )
 
 
@@ -295,10 +418,13 @@ _BEGIN = "Begin while nothing moves, or give a rest of the same finger and board
 
 
 def begin_warnings(end_s: float | None) -> Iterator[str]:
-    """Warn of a signal that begins in vibration, as in the middle of a slip, and rests from a time on [s]."""
+    """Warn of a signal that begins in vibration, as in the middle
+    of a slip, and rests from a time on [s].
+    """
     if end_s is not None:
         yield (
-            f"the signal begins in more vibration than it rests in: before {end_s:.1f} s it cannot be told whether "
+            f"the signal begins in more vibration than it rests in: before {end_s:.1f} s it "
+            "cannot be told whether "
             f"something slips. {_BEGIN}"
         )
 
@@ -306,59 +432,87 @@ def begin_warnings(end_s: float | None) -> Iterator[str]:
 # Warnings of thresholds and settings that are permitted but degrade a detector.
 
 HIGH_RATIO = 3.0
-"""Ratio of the threshold to the noise-derived threshold above which a warning recommends a lower one."""
+"""Ratio of the threshold to the noise-derived threshold above
+which a warning recommends a lower one.
+"""
 CLEAR_DEVIATIONS = 4.0
-"""Standard deviations above the mean noise level below which noise crosses a threshold within minutes."""
+"""Standard deviations above the mean noise level below which
+noise crosses a threshold within minutes.
+"""
 
 
-def threshold_warnings(threshold_v: float, level: NoiseLevel, may_be_lower: bool = True) -> Iterator[str]:
+def threshold_warnings(
+    threshold_v: float, level: NoiseLevel, may_be_lower: bool = True
+) -> Iterator[str]:
     """Warn of a threshold that lies within the noise, or far above it."""
     if threshold_v < level.mean_v + CLEAR_DEVIATIONS * level.deviation_v:
         yield (
-            f"detector.threshold_v of {threshold_v:g} V is within the noise, which crosses it repeatedly (mean level "
-            f"{level.mean_v:.3g} V, standard deviation {level.deviation_v:.2g} V); the noise-derived threshold is "
+            f"detector.threshold_v of {threshold_v:g} V is within the noise, which crosses it "
+            "repeatedly (mean level "
+            f"{level.mean_v:.3g} V, standard deviation {level.deviation_v:.2g} V); the "
+            "noise-derived threshold is "
             f"{level.threshold_v:.3g} V."
         )
     elif may_be_lower and threshold_v > HIGH_RATIO * level.threshold_v:
         yield (
-            f"detector.threshold_v of {threshold_v:g} V is {threshold_v / level.rounded_threshold_v:.0f} times the "
-            f"noise-derived threshold: --set detector.threshold_v={level.rounded_threshold_v:g} detects weaker slip."
+            f"detector.threshold_v of {threshold_v:g} V is "
+            f"{threshold_v / level.rounded_threshold_v:.0f} times the "
+            f"noise-derived threshold: --set detector.threshold_v={level.rounded_threshold_v:g} "
+            "detects weaker slip."
         )
 
 
 MIN_CUTOFF_HZ = 45.0
-"""Cutoff below which detectors report contacts as slip [Hz] (article, III.A: they lie below 30 Hz)."""
+"""Cutoff below which detectors report contacts as slip [Hz] (article, III.A: they lie
+below 30 Hz).
+"""
 MIN_WINDOW_S = 0.02
 """Window length below which contacts are reported as slip [s] (article, figure 5)."""
 TOO_LONG_S = 0.1
-"""Window length from which on a detector is slower than a person [s] (article, figure 5); above 1 s it is refused."""
+"""Window length from which on a detector is slower than a person [s]
+(article, figure 5); above 1 s it is refused.
+"""
 COARSE_RATIO = 2.0
 """Ratio of the ADC's step to the noise above which the step hides the noise."""
 
 
 def settings_warnings(design: Design, detector: str = DEFAULT) -> Iterator[str]:
-    """Warn of settings of the filter, the ADC or the window that are permitted but degrade a detector."""
-    d, cutoff = design.detector, design.board.cutoff_hz
+    """Warn of settings of the filter, the ADC or the window that
+    are permitted but degrade a detector.
+    """
+    d = design.detector
+    cutoff = design.board.cutoff_hz
+
     if cutoff < MIN_CUTOFF_HZ:
         yield (
-            f"board.cutoff_hz of {cutoff:g} Hz passes contacts and changes of grip, which are then reported as slip; "
+            f"board.cutoff_hz of {cutoff:g} Hz passes contacts and changes of grip, which are "
+            "then reported as slip; "
             f"choose at least {MIN_CUTOFF_HZ:g} Hz (article: 67 Hz)."
         )
+
     step = d.adc_step_v
     if step > COARSE_RATIO * d.noise_v > 0.0:
         yield (
-            f"detector.adc_bits of {d.adc_bits} over {d.adc_range_text} gives steps of {1000 * step:.3g} mV, which "
-            f"hide the noise of {1000 * d.noise_v:.3g} mV: weak slip is not detected, and single steps resemble slip. "
+            f"detector.adc_bits of {d.adc_bits} over {d.adc_range_text} gives steps of "
+            f"{1000 * step:.3g} mV, which "
+            f"hide the noise of {1000 * d.noise_v:.3g} mV: weak slip is not detected, and single "
+            "steps resemble slip. "
             "Choose more bits or a smaller detector.adc_range_v."
         )
+
     window_s = d.window_samples / d.sample_rate_hz
-    if find_detector_type(detector).has_design_threshold and not MIN_WINDOW_S <= window_s < TOO_LONG_S:
+    if (
+        find_detector_type(detector).has_design_threshold
+        and not MIN_WINDOW_S <= window_s < TOO_LONG_S
+    ):
         effect = (
             f"below {1000 * MIN_WINDOW_S:g} ms contacts are reported as slip"
             if window_s < MIN_WINDOW_S
-            else f"from {1000 * TOO_LONG_S:g} ms on slip is reported, and its end too, later than a person responds"
+            else f"from {1000 * TOO_LONG_S:g} ms on slip is reported, and its end too, later than "
+            "a person responds"
         )
         yield (
-            f"detector.window_samples of {d.window_samples} at {d.sample_rate_hz:g} Hz is {1000 * window_s:.3g} ms; "
+            f"detector.window_samples of {d.window_samples} at {d.sample_rate_hz:g} Hz is "
+            f"{1000 * window_s:.3g} ms; "
             f"{effect}. Choose {round(0.03 * d.sample_rate_hz)} samples for 30 ms."
         )

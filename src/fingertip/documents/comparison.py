@@ -1,4 +1,7 @@
-"""Comparison of two versions of a finger, from what `make` and `build` reported of them. It computes no figure."""
+"""Comparison of two versions of a finger, from what `make` and `build` reported of them.
+
+It computes no figure.
+"""
 
 from __future__ import annotations
 
@@ -91,8 +94,16 @@ class Comparison:
         """Say in one line how much changed."""
         changed = sum(not figure.is_none for figure in self.figures)
         checks = len(self.gained) + len(self.lost) + len(self.mended) + len(self.broken)
-        counts = {"parameter": len(self.parameters), "figure": changed, "part": len(self.parts), "check": checks}
-        listed = [f"{count} {noun}{'' if count == 1 else 's'}" for noun, count in counts.items() if count]
+        counts = {
+            "parameter": len(self.parameters),
+            "figure": changed,
+            "part": len(self.parts),
+            "check": checks,
+        }
+        listed = [
+            f"{count} {noun}{'' if count == 1 else 's'}" for noun, count in counts.items() if count
+        ]
+
         return f"{join_words(listed)} changed" if listed else "nothing changed"
 
 
@@ -102,6 +113,7 @@ def compare_versions(old: Version, new: Version) -> Comparison:
     before = _read_checks(old.report, formats)
     after = _read_checks(new.report, formats)
     both = before.keys() & after.keys()
+
     return Comparison(
         before=old.label,
         after=new.label,
@@ -116,47 +128,69 @@ def compare_versions(old: Version, new: Version) -> Comparison:
 
 
 def render_comparison(comparison: Comparison, picture: str = "") -> str:
-    """Render a comparison as Markdown; `picture` is the name of the file that shows both, beside it."""
+    """Render a comparison as Markdown; `picture` is the name of
+    the file that shows both, beside it.
+    """
     return render_page("comparison.md", comparison=comparison, picture=picture)
 
 
 def _compare_parameters(old: Design, new: Design) -> Iterator[Change]:
-    """Compare the values of all parameters; of an adapter's file, a hash of its content stands for it."""
+    """Compare the values of all parameters; of an adapter's
+    file, a hash of its content stands for it.
+    """
     before = dict(flatten(old.identity()))
     after = dict(flatten(new.identity()))
+
     for name, value in after.items():
         if before.get(name) != value:
             unit = find_unit(PARAMETERS[name])
-            yield Change(name, _format_parameter(before.get(name), unit), _format_parameter(value, unit))
+            yield Change(
+                name, _format_parameter(before.get(name), unit), _format_parameter(value, unit)
+            )
 
 
 def _format_parameter(value: Any, unit: str) -> str:
     if isinstance(value, str) and _HASH.fullmatch(value):
         return f"content {value[:8]}"
+
     text = f"{value:.6g}" if isinstance(value, float) else format_value(value)
     return f"{text} {unit}".rstrip()
 
 
 def _compare_parts(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[Change]:
-    """Compare the volumes of the parts, and name a part whose mesh is another one of the same volume.
+    """Compare the volumes of the parts, and name a part whose mesh is another one of the same
+    volume.
 
-    Volumes of meshes of different tolerances differ without any change of the part: they are not compared.
+    Volumes of meshes of different tolerances differ without any change of the part: they are not
+    compared.
     """
     is_comparable = _find(old, "tolerance_mm", kind=float) == _find(new, "tolerance_mm", kind=float)
     before = _find(old, "parts", kind=dict) or {}
     after = _find(new, "parts", kind=dict) or {}
+
     for name in dict.fromkeys([*before, *after]):
-        volumes = [_format(_find(parts, name, "volume_mm3", kind=float), "mm3") for parts in (before, after)]
+        volumes = [
+            _format(_find(parts, name, "volume_mm3", kind=float), "mm3")
+            for parts in (before, after)
+        ]
         meshes = [_find(parts, name, "sha256", "stl", kind=str) for parts in (before, after)]
-        if volumes[0] == volumes[1] and is_comparable and None not in meshes and meshes[0] != meshes[1]:
+        if (
+            volumes[0] == volumes[1]
+            and is_comparable
+            and None not in meshes
+            and meshes[0] != meshes[1]
+        ):
             volumes[1] += ", another shape"
+
         is_on_both_sides = name in before and name in after
         if volumes[0] != volumes[1] and (is_comparable or not is_on_both_sides):
             yield Change(name, *volumes)
 
 
 def _read_checks(report: Mapping[str, Any], formats: Collection[str]) -> dict[str, bool]:
-    """Read whether each check of a report passed, by its name; those of other formats are left out."""
+    """Read whether each check of a report passed, by its name; those of other formats are
+    left out.
+    """
     left_out = [f".{name}." for name in _FORMATS if name not in formats]
     checks = _find(report, "checks", kind=list) or []
     return {
@@ -179,7 +213,8 @@ def _list_formats(report: Mapping[str, Any]) -> set[str]:
     return set.intersection(*of_parts) if of_parts else set()
 
 
-# --- figures of a report ----------------------------------------------------------------------------------------------
+# --- figures of a report
+# ----------------------------------------------------------------------------------------------
 
 
 def _find(data: Any, *keys: str, kind: type) -> Any:
@@ -187,15 +222,24 @@ def _find(data: Any, *keys: str, kind: type) -> Any:
     for key in keys:
         if not isinstance(data, Mapping) or key not in data:
             return None
+
         data = data[key]
-    if kind is float and isinstance(data, int) and not isinstance(data, bool) and abs(data) < _LARGEST:
+
+    if (
+        kind is float
+        and isinstance(data, int)
+        and not isinstance(data, bool)
+        and abs(data) < _LARGEST
+    ):
         return float(data)
+
     return data if isinstance(data, kind) else None
 
 
 def _format(value: float | None, unit: str, scale: float = 1.0) -> str:
     if value is None or not math.isfinite(value):
         return _NOTHING
+
     rounded = float(f"{scale * value:.4g}")
     return f"{rounded:g} {unit}".rstrip()
 
@@ -207,7 +251,11 @@ def _read_figure(unit: str, *keys: str) -> Callable[[Version], str]:
 
 def _read_pad(version: Version, key: str, unit: str, scale: float = 1.0) -> str:
     tilts = _find(version.report, "pad", "tilts", kind=list) or []
-    values = [_find(tilt, key, kind=float) for tilt in tilts if _find(tilt, "tilt_deg", kind=float) == _TILT_DEG]
+    values = [
+        _find(tilt, key, kind=float)
+        for tilt in tilts
+        if _find(tilt, "tilt_deg", kind=float) == _TILT_DEG
+    ]
     return _format(next(iter(values), None), unit, scale)
 
 
@@ -223,8 +271,10 @@ def _read_price(version: Version) -> str:
     things = _find(version.report, "casting", "things", kind=list)
     if not things:
         return _NOTHING
+
     priced = [
-        _Priced(_find(thing, "price_usd", kind=str) or "0", _find(thing, "reason", kind=str) or "") for thing in things
+        _Priced(_find(thing, "price_usd", kind=str) or "0", _find(thing, "reason", kind=str) or "")
+        for thing in things
     ]
     least, most, _ = add_prices(priced)
     return f"{least} to {most} US dollars"
@@ -234,6 +284,7 @@ def _read_delay(version: Version) -> str:
     delays_s = _find(version.detection, "delays_s", kind=list)
     if not delays_s:
         return _NOTHING if delays_s is None else "not detected"
+
     return _format(_find({"delay": delays_s[0]}, "delay", kind=float), "ms", 1e3)
 
 

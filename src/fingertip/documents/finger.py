@@ -1,7 +1,8 @@
-"""Documents of one finger: casting sheet with its steps, first screen of its page, and where its figures come from.
+"""Documents of one finger: casting sheet with its steps, first screen of its page, and where its
+figures come from.
 
-The templates hold no figure. Every figure is that of the casting sheet, of the report, or of the function that the
-board's README asks.
+The templates hold no figure. Every figure is that of the casting sheet, of the report, or of the
+function that the board's README asks.
 """
 
 from __future__ import annotations
@@ -34,9 +35,11 @@ def list_steps(sheet: CastingSheet) -> list[Step]:
     known = {thing.key: thing for thing in sheet.things}
     _, *pages = render("casting_steps.md", **vars(sheet)).split("## ")
     steps = []
+
     for name, _, text in (page.partition("\n") for page in pages):
         uses = dict.fromkeys(known[key].key for _, key in _REFERENCE.findall(text))
         steps.append(Step(name, " ".join(_REFERENCE.sub(r"\1", text).split()), tuple(uses)))
+
     return steps
 
 
@@ -44,17 +47,33 @@ def render_sheet(sheet: CastingSheet, pictures: Sequence[str] = ()) -> str:
     steps = list_steps(sheet)
     number = {step.picture: index for index, step in enumerate(steps, 1)}
     usd = add_prices(sheet.things)
-    return render_page("casting.md", **vars(sheet), steps=steps, number=number, usd=usd, pictures=pictures)
+    return render_page(
+        "casting.md",
+        **vars(sheet),
+        steps=steps,
+        number=number,
+        usd=usd,
+        pictures=pictures,
+    )
 
 
 def draw_hand_sizes(design: Design | None = None) -> bytes:
-    """Draw where to put the calipers at the joint of a hand, a cell for each size, as SVG; with a design its values."""
+    """Draw where to put the calipers at the joint of a hand, a cell for
+    each size, as SVG; with a design its values.
+    """
     names = {f"hand.{name}": size for name, size in SIZES.items()}
     cells = [
-        (size["letter"], f"{name} = {design.value(name):g}" if design else name, textwrap.wrap(size["place"], 42))
+        (
+            size["letter"],
+            f"{name} = {design.value(name):g}" if design else name,
+            textwrap.wrap(size["place"], 42),
+        )
         for name, size in (*[*names.items()][:1], *names.items())  # of a tongue, and of a fork
     ]
-    guessed = [size["letter"] for name, size in names.items() if design and name in design.provisional]
+    guessed = [
+        size["letter"] for name, size in names.items() if design and name in design.provisional
+    ]
+
     return render("hand_sizes.svg", cells=cells, guessed=guessed).encode()
 
 
@@ -90,4 +109,6 @@ def render_start(screen: FirstScreen) -> str:
 
 def render_basis_table(design: Design) -> str:
     """Render where each kind of figure of a page comes from, as a table."""
-    return render_page("basis.md", design=design, curve=design.force_curve, model=design.sensor.model)
+    return render_page(
+        "basis.md", design=design, curve=design.force_curve, model=design.sensor.model
+    )

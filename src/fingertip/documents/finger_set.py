@@ -1,6 +1,7 @@
 """Plan and sheets of a set of fingers: every mold is filled once, all on one day.
 
-Mixtures are as few as the pot life allows. Every other figure is that of the forms' own sheets, multiplied or added up.
+Mixtures are as few as the pot life allows. Every other figure is that of the forms' own sheets,
+multiplied or added up.
 """
 
 from __future__ import annotations
@@ -25,8 +26,11 @@ from fingertip.documents.template import fill
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.files import format_csv
 
-STIR_MIN, MOLD_MIN = 4.0, 6.0
-"""Time to stir a mixture, and to coat one mold, fill it and lower its core [min]. Assumptions: nobody has made one."""
+STIR_MIN = 4.0
+MOLD_MIN = 6.0
+"""Time to stir a mixture, and to coat one mold, fill it and lower its core [min].
+Assumptions: nobody has made one.
+"""
 _LONG_LIVED = "smooth_sil_940"
 _SPLIT = ("mix", "open")
 """Steps of a casting sheet that begin the second and the third day of a set."""
@@ -146,23 +150,35 @@ def set_sheets(fingers: FingerSet, sheets: Sequence[FormSheets], has_board: bool
     places = zip(describe_sockets(), list_pins(ADC_TACTILE), list_pins(ADC_FILTERED), strict=True)
     place_of = dict(zip(NAMES, places, strict=True)) if has_board else {}
     rows = []
+
     for finger, form in fingers.fingers:
-        name, skin, casting = form.design.name, form.design.skin, castings[form.design.name]
-        acceptance, place = f"sensor of {finger}" if finger in fingers.calibrated else name, place_of.get(finger, _NONE)
+        skin = form.design.skin
+        casting = castings[form.design.name]
+        name = form.design.name
+        acceptance = f"sensor of {finger}" if finger in fingers.calibrated else name
+        place = place_of.get(finger, _NONE)
         size_mm = skin.width_mm, skin.length_mm
-        rows.append(FingerRow(finger, name, casting.plate, casting.print_h, acceptance, *size_mm, *place))
+        rows.append(
+            FingerRow(finger, name, casting.plate, casting.print_h, acceptance, *size_mm, *place)
+        )
+
     plan = plan_set([(each.form, each.casting) for each in sheets])
     silicone_g: dict[str, float] = {}
     for cup in plan.cups:
         silicone_g[cup.silicone] = round(silicone_g.get(cup.silicone, 0.0) + cup.total_g, 1)
-    own = {f"sensor of {finger}": sheet for each in sheets for finger, sheet in each.calibrated.items()}
+
+    own = {
+        f"sensor of {finger}": sheet for each in sheets for finger, sheet in each.calibrated.items()
+    }
     printed_g = sum(each.form.count * each.casting.printed_g for each in sheets)
     return SetSheets(
         name=fingers.name,
         side=fingers.side,
         board=SharedBoard(BOARD_FOLDER, BOARD_DESIGN) if has_board else None,
         fingers=tuple(rows),
-        forms=tuple(FormVerdict(each.form.design.name, each.form.fingers, each.verdict) for each in sheets),
+        forms=tuple(
+            FormVerdict(each.form.design.name, each.form.fingers, each.verdict) for each in sheets
+        ),
         plan=plan,
         things=tuple(_merge_things(sheets, plan.cups, has_board)),
         acceptance={each.form.design.name: each.acceptance for each in sheets} | own,
@@ -171,36 +187,53 @@ def set_sheets(fingers: FingerSet, sheets: Sequence[FormSheets], has_board: bool
 
 
 def plan_set(castings: Sequence[tuple[Form, CastingSheet]]) -> SetPlan:
-    """Plan printing and castings: one plate and one mold for each finger, all molds filled on one day."""
-    cups = plan_cups([
-        (form.design.silicone.material, finger, casting.batch.in_cup_g)
-        for form, casting in castings
-        for finger in form.fingers
-    ])  # fmt: skip
+    """Plan printing and castings: one plate and one mold for
+    each finger, all molds filled on one day.
+    """
+    cups = plan_cups(
+        [
+            (form.design.silicone.material, finger, casting.batch.in_cup_g)
+            for form, casting in castings
+            for finger in form.fingers
+        ]
+    )
     print_h = sum(form.count * casting.print_h for form, casting in castings)
     cure_h = max(casting.batch.cure_h for _, casting in castings)
     cast_day = 1 + math.ceil(print_h / 24.0)
     pictures = [step.picture for step in list_steps(castings[0][1])]
     starts = [0, *(pictures.index(name) for name in _SPLIT), len(pictures)]
     steps = tuple(f"{start + 1} to {end}" for start, end in pairwise(starts))
+
     return SetPlan(
-        round(print_h, 1), cast_day, cast_day + math.ceil(cure_h / 24.0), MOLD_MIN, cure_h, steps, tuple(cups)
+        print_h=round(print_h, 1),
+        cast_day=cast_day,
+        days=cast_day + math.ceil(cure_h / 24.0),
+        mold_min=MOLD_MIN,
+        cure_h=cure_h,
+        steps=steps,
+        cups=tuple(cups),
     )
 
 
 def plan_cups(molds: Iterable[tuple[Silicone, str, float]]) -> Iterator[Cup]:
-    """Plan the mixtures of a set for molds, each with its finger and the mass [g] that is poured into it.
+    """Plan the mixtures of a set for molds, each with its finger and the mass [g] that is poured
+    into it.
 
     None fills many more molds than another of its silicone.
     """
     silicones: dict[Silicone, list[tuple[str, float]]] = {}
     for silicone, finger, poured_g in molds:
         silicones.setdefault(silicone, []).append((finger, poured_g))
+
     for silicone, waiting in silicones.items():
         count = math.ceil(len(waiting) / _count_molds(silicone))
-        for start, end in pairwise(round(len(waiting) * number / count) for number in range(count + 1)):
+        for start, end in pairwise(
+            round(len(waiting) * number / count) for number in range(count + 1)
+        ):
             taken = waiting[start:end]
-            batch = mix(silicone, sum(poured_g / silicone.density_g_cm3.high for _, poured_g in taken))
+            batch = mix(
+                silicone, sum(poured_g / silicone.density_g_cm3.high for _, poured_g in taken)
+            )
             pours = (Pour(*mold, STIR_MIN + MOLD_MIN * i) for i, mold in enumerate(taken, 1))
             masses = dict(zip(batch.components, (batch.a_g, batch.b_g), strict=True))
             yield Cup(silicone.label, masses, tuple(pours), batch.pot_life_min)
@@ -212,8 +245,10 @@ def find_short_pot_lives(designs: Iterable[Design]) -> Iterator[Issue]:
         silicone = design.silicone.material
         if _count_molds(silicone) < 1:
             message = (
-                f"{silicone.name} thickens after {silicone.planned_pot_life_min:g} min, and to fill the mold of "
-                f"{design.name} takes {STIR_MIN + MOLD_MIN:g} min; it passes with --set silicone.product={_LONG_LIVED}."
+                f"{silicone.name} thickens after {silicone.planned_pot_life_min:g} min, and to "
+                "fill the mold of "
+                f"{design.name} takes {STIR_MIN + MOLD_MIN:g} min; it passes with --set "
+                f"silicone.product={_LONG_LIVED}."
             )
             yield Issue("silicone.product", message)
 
@@ -222,24 +257,36 @@ def _count_molds(silicone: Silicone) -> int:
     return max(0, math.floor((silicone.planned_pot_life_min - STIR_MIN) / MOLD_MIN))
 
 
-def _merge_things(sheets: Sequence[FormSheets], cups: Sequence[Cup], has_board: bool) -> Iterator[SharedThing]:
+def _merge_things(
+    sheets: Sequence[FormSheets], cups: Sequence[Cup], has_board: bool
+) -> Iterator[SharedThing]:
     """Add up what to buy: what each finger takes, what each mixture takes, and tools once."""
     rows: dict[tuple[str, str], list[tuple[Form, Thing]]] = {}
     for each in sheets:
         for thing in each.casting.things:
             rows.setdefault((thing.key, thing.label), []).append((each.form, thing))
+
     for key in dict.fromkeys(key for key, _ in rows):  # sizes of one thing stand together
         for found in (found for (other, _), found in rows.items() if other == key):
             form, thing = found[0]
             number, unit = _read_amount(thing.amount)
             if key == "silicone":
-                number = sum(cup.total_g for cup in cups if cup.silicone == form.design.silicone.material.label)
+                number = sum(
+                    cup.total_g
+                    for cup in cups
+                    if cup.silicone == form.design.silicone.material.label
+                )
             elif thing.each == "mixture":
                 number *= len(cups)
             elif thing.each or (key == "board" and not has_board):
                 number = sum(_read_amount(own.amount)[0] * form.count for form, own in found)
+
             amount = f"{number:.4g}{unit}" if number else thing.amount
-            fingers = () if len(found) == len(sheets) else tuple(name for form, _ in found for name in form.fingers)
+            fingers = (
+                ()
+                if len(found) == len(sheets)
+                else tuple(name for form, _ in found for name in form.fingers)
+            )
             yield SharedThing(**{**vars(thing), "amount": amount}, fingers=fingers)
 
 
@@ -257,6 +304,7 @@ def render_sheet(name: str, sheets: SetSheets) -> str:
 def write_parts_csv(things: Iterable[SharedThing]) -> bytes:
     """Write the list to buy as CSV, as shops and spreadsheets read it."""
     rows = (
-        (each.amount, each.label, " ".join(each.fingers), each.price_usd, each.where, each.reason) for each in things
+        (each.amount, each.label, " ".join(each.fingers), each.price_usd, each.where, each.reason)
+        for each in things
     )
     return format_csv(("amount", "label", "fingers", "price_usd", "where", "reason"), rows)

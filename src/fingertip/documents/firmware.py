@@ -39,31 +39,51 @@ class Pin:
 
 
 def render_readme(design: Design, fingers: Fingers) -> str:
-    shared = {"design": design, "fingers": fingers, "packaging": packaging, "capacity": capacity}
+    shared = {
+        "design": design,
+        "fingers": fingers,
+        "packaging": packaging,
+        "capacity": capacity,
+    }
     shared["forces"] = _describe_forces(design, fingers)
     streamed = (*fingers.designs, design)[0]
     shared["is_bundled"] = is_bundled = streamed.name in list_bundled_files(DESIGN)
     shared["file"] = streamed.name if is_bundled else f"{streamed.name}.toml"
     if not design.board.has_filter:
         return render_page("board/divider_firmware.md", WIDTH, **shared)
-    converter, circuit = design.detector, board_circuit(select_components(design), design.board.channels)
+
+    converter = design.detector
+    circuit = board_circuit(select_components(design), design.board.channels)
     rails = {GND: "ground", POWER_IN: f"{design.board.supply_v:g} V"}
     pins = circuit.list_wires(circuit.component(HOST_CONNECTOR))
     signals = name_signals(circuit, design.board.supply_v)
+
     return render_page(
         "firmware.md",
         WIDTH,
         **shared,
         reads_filtered=FilteredSignal.from_design(design) is not None,
         power_up_s=POWER_UP_S,
-        open_code=round((find_tactile_response(design).open_v - converter.adc_low_v) / converter.adc_step_v),
-        rest_code=round(signal_ground_ratio(design.board) * design.board.supply_v / converter.adc_step_v),
+        open_code=round(
+            (find_tactile_response(design).open_v - converter.adc_low_v) / converter.adc_step_v
+        ),
+        rest_code=round(
+            signal_ground_ratio(design.board) * design.board.supply_v / converter.adc_step_v
+        ),
         boards=capacity.list_controllers(design),
         most_fingers=len(NAMES),
-        peak_fingers=math.ceil(fingers.count / max(1, round(TICK_S * design.detector.sample_rate_hz))),
+        peak_fingers=math.ceil(
+            fingers.count / max(1, round(TICK_S * design.detector.sample_rate_hz))
+        ),
         connector=HOST_CONNECTOR,
         pins=[
-            Pin(number, signals[net].print, signals[net].far_end, _find_input(net, fingers), rails.get(net, ""))
+            Pin(
+                number=number,
+                print=signals[net].print,
+                signal=signals[net].far_end,
+                input=_find_input(net, fingers),
+                rail=rails.get(net, ""),
+            )
             for number, net in pins
         ],
         wiring_notes=list(list_notes(circuit, design.board.supply_v)),
@@ -73,10 +93,15 @@ def render_readme(design: Design, fingers: Fingers) -> str:
 
 
 def _describe_forces(design: Design, fingers: Fingers) -> dict[str, list[str]]:
-    """Describe how far the forces of the fingers can be trusted; fingers of which the same is true stand together."""
+    """Describe how far the forces of the fingers can be trusted;
+    fingers of which the same is true stand together.
+    """
     names: dict[str, list[str]] = {}
-    for name, finger in zip(fingers.names, fingers.designs or (design,) * fingers.count, strict=True):
+    for name, finger in zip(
+        fingers.names, fingers.designs or (design,) * fingers.count, strict=True
+    ):
         names.setdefault(finger.force_curve.describe(finger.sensor.model), []).append(name)
+
     return names
 
 
@@ -85,4 +110,9 @@ def _find_input(net: str, fingers: Fingers) -> str | None:
     places = list_places(fingers.names)
     if own not in SKETCH_PINS or (channel and channel not in places):
         return None
-    return fingers.inputs[places.index(channel)][list(SKETCH_PINS).index(own)] if channel else SKETCH_PINS[own]
+
+    return (
+        fingers.inputs[places.index(channel)][list(SKETCH_PINS).index(own)]
+        if channel
+        else SKETCH_PINS[own]
+    )

@@ -17,7 +17,9 @@ from fingertip.robot.model import TOLERANCE_MM, FingerModel
 
 @dataclass(frozen=True)
 class ModelFigures:
-    """Figures of a model, as --json and its README state them: processors differ in digits far beyond."""
+    """Figures of a model, as --json and its README state them:
+    processors differ in digits far beyond.
+    """
 
     design: str
     format: str
@@ -54,42 +56,94 @@ class ModelFigures:
 
 
 def describe_model(finger: FingerModel, file_format: str) -> ModelFigures:
-    inertia, contact = finger.inertia, finger.contact
-    pieces, low_n, high_n = len(finger.pieces), FORCES_N[0], FORCES_N[-1]
-    surface = "1 convex piece, its surface" if pieces == 1 else f"{pieces} convex pieces, their surface"
+    inertia = finger.inertia
+    contact = finger.contact
+    pieces = len(finger.pieces)
+    low_n = FORCES_N[0]
+    high_n = FORCES_N[-1]
+    surface = (
+        "1 convex piece, its surface" if pieces == 1 else f"{pieces} convex pieces, their surface"
+    )
     errors = f"Collision: {surface} within {finger.piece_error_mm:.2f} mm of the skin's outline."
+
     if file_format == "mjcf":
         errors += (
-            f" Contact: force within {100 * contact.error:.1f} percent of that of the layer model of the pad over its "
+            f" Contact: force within {100 * contact.error:.1f} percent of that of the layer model "
+            "of the pad over its "
             f"depth, from {low_n:g} to {high_n:g} N."
         )
+
     stub = finger.stub
     stub_mass_kg = 1e-6 * stub.density_g_cm3 * stub.mesh.volume() if stub else 0.0
     exact = ModelFigures(
-        finger.name, file_format, finger.turns, errors, inertia.mass_kg, inertia.centre_m, inertia.moments_kg_m2,
-        {part.name: (part.density_g_cm3, 1e-3 * part.density_g_cm3 * part.mesh.volume()) for part in finger.bodies},
-        finger.tip_m, finger.sensor_m, finger.offset_m, finger.travel_deg, finger.stop_moment_n_m, pieces,
-        finger.piece_error_mm, contact.error, contact.solimp, contact.solref(contact.inverse_mass_per_kg),
-        contact.inverse_mass_per_kg, contact.friction, contact.torsion_m, contact.pad_stiffness_n_per_m,
-        contact.depths_mm, contact.forces_n, len(finger.taxels.points_mm),
-        -1e-3 * float(finger.bodies[0].mesh.vertices[:, 2].min()) - finger.offset_m[2], bool(finger.strands),
-        stub_mass_kg,
-    )  # fmt: skip
+        design=finger.name,
+        format=file_format,
+        turns=finger.turns,
+        errors=errors,
+        mass_kg=inertia.mass_kg,
+        centre_m=inertia.centre_m,
+        moments_kg_m2=inertia.moments_kg_m2,
+        parts={
+            part.name: (part.density_g_cm3, 1e-3 * part.density_g_cm3 * part.mesh.volume())
+            for part in finger.bodies
+        },
+        tip_m=finger.tip_m,
+        sensor_m=finger.sensor_m,
+        offset_m=finger.offset_m,
+        travel_deg=finger.travel_deg,
+        stop_moment_n_m=finger.stop_moment_n_m,
+        collision_pieces=pieces,
+        collision_error_mm=finger.piece_error_mm,
+        contact_error=contact.error,
+        solimp=contact.solimp,
+        solref=contact.solref(contact.inverse_mass_per_kg),
+        inverse_mass_per_kg=contact.inverse_mass_per_kg,
+        friction=contact.friction,
+        torsion_m=contact.torsion_m,
+        stiffness_n_per_m=contact.pad_stiffness_n_per_m,
+        depths_mm=contact.depths_mm,
+        forces_n=contact.forces_n,
+        taxels=len(finger.taxels.points_mm),
+        below_interface_m=-1e-3 * float(finger.bodies[0].mesh.vertices[:, 2].min())
+        - finger.offset_m[2],
+        has_tendon=bool(finger.strands),
+        stub_mass_kg=stub_mass_kg,
+    )
     return ModelFigures(**{name: _round(value) for name, value in vars(exact).items()})
 
 
 def render_robot_readme(figures: ModelFigures, fingers: Sequence[str]) -> str:
-    """Render the README of a finger's model, or of the fingers of one form in the model of a set."""
+    """Render the README of a finger's model, or of the fingers of one form in the model
+    of a set.
+    """
     return render_page(
-        "robot.md", WIDTH, **vars(figures), fingers=fingers, file=ROBOT_FILES[figures.format], pad_n=FORCES_N,
-        tolerance_mm=TOLERANCE_MM, reference_n=REFERENCE_N, timestep_s=TIMESTEP_S, spacing_mm=SPACING_MM,
-        facet_mm=FACET_MM, speed_rad_s=MAX_SPEED_RAD_S, frame_mass_kg=FRAME.mass_kg,
-    )  # fmt: skip
+        "robot.md",
+        WIDTH,
+        **vars(figures),
+        fingers=fingers,
+        file=ROBOT_FILES[figures.format],
+        pad_n=FORCES_N,
+        tolerance_mm=TOLERANCE_MM,
+        reference_n=REFERENCE_N,
+        timestep_s=TIMESTEP_S,
+        spacing_mm=SPACING_MM,
+        facet_mm=FACET_MM,
+        speed_rad_s=MAX_SPEED_RAD_S,
+        frame_mass_kg=FRAME.mass_kg,
+    )
 
 
 def render_set_readme(fingers: FingerSet, file: str, places_m: Mapping[str, float]) -> str:
     rows = [(name, form.design.name, places_m[name]) for name, form in fingers.fingers]
-    return render_page("set_robot.md", WIDTH, name=fingers.name, side=fingers.side, file=file, rows=rows, readme=README)
+    return render_page(
+        "set_robot.md",
+        WIDTH,
+        name=fingers.name,
+        side=fingers.side,
+        file=file,
+        rows=rows,
+        readme=README,
+    )
 
 
 def _round(value: Any) -> Any:
@@ -97,4 +151,5 @@ def _round(value: Any) -> Any:
         return {key: _round(inner) for key, inner in value.items()}
     if isinstance(value, tuple):
         return tuple(map(_round, value))
+
     return float(f"{value + 0.0:.6g}") if isinstance(value, float) else value

@@ -1,7 +1,8 @@
-"""Documents as Markdown templates (Jinja2): the text stands in a template, and a function beside it collects the data.
+"""Documents as Markdown templates (Jinja2): the text stands in a template, and a function beside it
+collects the data.
 
-A name without a value is an error, and a float is written without the zeros at its end. The lines of a template may
-break anywhere within a sentence: `lay_out_page` makes the lines of the page.
+A name without a value is an error, and a float is written without the zeros at its end. The lines
+of a template may break anywhere within a sentence: `lay_out_page` makes the lines of the page.
 """
 
 from __future__ import annotations
@@ -53,7 +54,9 @@ def _environment() -> Environment:
     from jinja2 import Environment, FileSystemBytecodeCache, PackageLoader, StrictUndefined  # noqa: PLC0415
 
     class Cache(FileSystemBytecodeCache):
-        """Compiled templates beside this module's own bytecode: compiling takes a twentieth of `make`."""
+        """Compiled templates beside this module's own bytecode:
+        compiling takes a twentieth of `make`.
+        """
 
         def get_source_checksum(self, source: str) -> str:
             return super().get_source_checksum(source + own)
@@ -62,7 +65,8 @@ def _environment() -> Environment:
             with contextlib.suppress(OSError):  # no room, or no right to write
                 super().dump_bytecode(bucket)
 
-    own, folder = Path(__file__).read_text(encoding="utf-8"), Path(__file__).parent / "__pycache__"
+    own = Path(__file__).read_text(encoding="utf-8")
+    folder = Path(__file__).parent / "__pycache__"
     environment = Environment(
         bytecode_cache=None if sys.dont_write_bytecode else Cache(str(folder)),
         optimized=False,  # no filter is called while a template is compiled: its code may change
@@ -83,9 +87,12 @@ def _environment() -> Environment:
         "fixed": _fixed,
         "digits": lambda value, digits: f"{value:.{digits}g}",
         # In thousandths of the unit.
-        "milli": lambda value, decimals=None: f"{1e3 * value:g}" if decimals is None else _fixed(1e3 * value, decimals),
+        "milli": lambda value, decimals=None: (
+            f"{1e3 * value:g}" if decimals is None else _fixed(1e3 * value, decimals)
+        ),
         "ohm": format_ohm,
     }
+
     return environment
 
 
@@ -96,16 +103,23 @@ def _fixed(value: float, decimals: int) -> str:
 
 def format_ohm(value: float) -> str:
     """Format a resistance with three digits: 6800 -> "6.8 kohm"."""
-    size, prefix = next(unit for unit in ((1e6, "M"), (1e3, "k"), (1.0, "")) if value >= unit[0] or not unit[1])
+    size, prefix = next(
+        unit for unit in ((1e6, "M"), (1e3, "k"), (1.0, "")) if value >= unit[0] or not unit[1]
+    )
     return f"{value / size:.3g} {prefix}ohm"
 
 
 def lay_out_page(text: str, width: int | None = None) -> str:
-    """Make one line of each paragraph, item of a list and row of a table, and one empty line between blocks.
+    """Make one line of each paragraph, item of a list and row of a table, and one empty line
+    between blocks.
 
-    With a width, paragraphs and items are wrapped. The further lines of a row are indented in the template.
+    With a width, paragraphs and items are wrapped. The further lines of a row are indented in the
+    template.
     """
-    lines, is_fenced, is_open = [""], False, False
+    lines = [""]
+    is_fenced = False
+    is_open = False
+
     for line in text.splitlines():
         is_fence = line.startswith(_FENCE)
         continues_row = lines[-1].startswith("|") and line.startswith("  ")
@@ -121,12 +135,15 @@ def lay_out_page(text: str, width: int | None = None) -> str:
         else:
             lines.append(line.rstrip())
             is_open = not line.startswith(("#", "|"))
+
     return "\n".join(_wrap(lines, width) if width else lines).strip("\n") + "\n"
 
 
 def _wrap(lines: Sequence[str], width: int) -> list[str]:
     """Wrap paragraphs and items of lists; tables, headings and code stay as they are."""
-    wrapped, is_fenced = list[str](), False
+    wrapped = list[str]()
+    is_fenced = False
+
     for line in lines:
         is_fenced ^= line.startswith(_FENCE)
         if is_fenced or not line or line.startswith(("|", "#", _FENCE)):
@@ -135,4 +152,5 @@ def _wrap(lines: Sequence[str], width: int) -> list[str]:
             mark = _ITEM.match(line)
             indent = " " * mark.end() if mark else ""
             wrapped += textwrap.wrap(line, width, subsequent_indent=indent, break_on_hyphens=False)
+
     return wrapped

@@ -34,14 +34,21 @@ OTHER_PINS = "A threshold on the envelope needs E and M."
 SKETCH_PINS = {ADC_TACTILE: "A0", ADC_FILTERED: "A1"}
 """Inputs of a controller at which the sketches of `fingertip firmware` read the board."""
 
-_RED, _BLACK, _BLUE, _GREEN, _YELLOW = "#b03a2e", "#1c1f22", "#1f4e79", "#2e7d5b", "#b7950b"
-_TOP, _GAP = 53.0, 26.0
+_RED = "#b03a2e"
+_BLACK = "#1c1f22"
+_BLUE = "#1f4e79"
+_GREEN = "#2e7d5b"
+_YELLOW = "#b7950b"
+_TOP = 53.0
+_GAP = 26.0
 """Upper edge of the board, and gap between connectors."""
 
 
 @dataclass(frozen=True)
 class Signal:
-    """Net at a connector: what the board prints beside it, what it is for the other side, and colour of its wire."""
+    """Net at a connector: what the board prints beside it, what it is
+    for the other side, and colour of its wire.
+    """
 
     print: str
     far_end: str
@@ -67,13 +74,18 @@ def name_signals(circuit: Circuit, supply_v: float) -> dict[str, Signal]:
         VMID_OUT: Signal("M", "analog in: signal ground", _GREEN),
         SLIP_OUT: Signal("SLIP", "digital in: slip, active low", _GREEN),
     }
+
     for net in circuit.nets:
         channel, own = split_net(net.name)
         if channel and own in signals:
-            letter, what = signals[own].print, signals[own].far_end.partition(":")[0]
+            letter = signals[own].print
+            what = signals[own].far_end.partition(":")[0]
             signals[net.name] = Signal(
-                f"{letter}{channel}", f"{what}: {letter} of {NAMES[channel - 1]}", signals[own].colour
+                f"{letter}{channel}",
+                f"{what}: {letter} of {NAMES[channel - 1]}",
+                signals[own].colour,
             )
+
     return signals
 
 
@@ -97,25 +109,42 @@ def wiring_diagram(circuit: Circuit, supply_v: float, name: str) -> bytes:
     columns = _list_columns(circuit, supply_v)
     heights = [sum(one.height + _GAP for one in column) - _GAP for column in columns]
     connectors = []
+
     for column, height in zip(columns, heights, strict=True):
         top = _TOP + 34.0 + _GAP + (max(heights) - height) / 2
         for one in column:
             connectors.append(replace(one, top=top))
             top += one.height + _GAP
-    height, notes = max(heights) + 2 * _GAP + 34.0, list(list_notes(circuit, supply_v))
+
+    height = max(heights) + 2 * _GAP + 34.0
+    notes = list(list_notes(circuit, supply_v))
     return render(
-        "wiring.svg", name=name, top=_TOP, board_height=height, connectors=connectors, notes=notes,
-        height=_TOP + height + _GAP + 19.0 * len(notes) + 20.0, escape=escape,
-    ).encode()  # fmt: skip
+        "wiring.svg",
+        name=name,
+        top=_TOP,
+        board_height=height,
+        connectors=connectors,
+        notes=notes,
+        height=_TOP + height + _GAP + 19.0 * len(notes) + 20.0,
+        escape=escape,
+    ).encode()
 
 
 def _list_columns(circuit: Circuit, supply_v: float) -> tuple[list[_Connector], list[_Connector]]:
     """List the connectors at the left and at the right edge, from the top."""
     sensors = [part for part in circuit.components if part.value == "FSR" and part.is_fitted]
-    nets, signals = {split_net(net.name)[1] for net in circuit.nets}, name_signals(circuit, supply_v)
-    devices = ["sensor"] if len(sensors) == 1 else [f"sensor: {finger}" for finger in NAMES[: len(sensors)]]
+    nets = {split_net(net.name)[1] for net in circuit.nets}
+    signals = name_signals(circuit, supply_v)
+    devices = (
+        ["sensor"]
+        if len(sensors) == 1
+        else [f"sensor: {finger}" for finger in NAMES[: len(sensors)]]
+    )
     of_sensor = {GND: Signal("ground", "either wire", _BLACK)}
-    left = [_connect(circuit, part.reference, of_sensor, each) for part, each in zip(sensors, devices, strict=True)]
+    left = [
+        _connect(circuit, part.reference, of_sensor, each)
+        for part, each in zip(sensors, devices, strict=True)
+    ]
     host = "controller" if ADC_FILTERED in nets else "ADC or controller"
     present = {component.reference for component in circuit.components}
     right = [
@@ -125,18 +154,26 @@ def _list_columns(circuit: Circuit, supply_v: float) -> tuple[list[_Connector], 
     ]
     if SUPPLY_CONNECTOR in present:
         left.append(_connect(circuit, SUPPLY_CONNECTOR, signals, "supply"))
+
     return (left if len(sensors) == 1 else left[::-1]), right
 
 
 def _connect(
-    circuit: Circuit, reference: str, signals: dict[str, Signal], device: str, is_left: bool = True
+    circuit: Circuit,
+    reference: str,
+    signals: dict[str, Signal],
+    device: str,
+    is_left: bool = True,
 ) -> _Connector:
     connector = circuit.component(reference)
     nets = dict(circuit.list_wires(connector))
     pins = [pin.number for pin in connector.symbol.pins if pin.number.isdigit()]
     if connector.footprint in LOCKING_CONNECTORS and not is_left:
         pins.reverse()  # a plug is turned by half a turn at the other edge
-    wired = ((number, signals.get(nets[number], _SENSOR) if number in nets else None) for number in pins)
+
+    wired = (
+        (number, signals.get(nets[number], _SENSOR) if number in nets else None) for number in pins
+    )
     return _Connector(reference, device, is_left, tuple(wired))
 
 
@@ -144,34 +181,81 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
     """Yield what to observe when the cables are made."""
     nets = {split_net(net.name)[1] for net in circuit.nets}
     is_several = circuit.component(HOST_CONNECTOR).footprint == JST_SH_15
-    outputs = f"The outputs lie between 0 and {supply_v:g} V: the inputs of the controller must take that."
+    outputs = (
+        f"The outputs lie between 0 and {supply_v:g} V: the inputs of the controller must "
+        "take that."
+    )
+
     if ADC_FILTERED not in nets:
         yield "Pin 1 is the square one. The sensor's wires may be exchanged."
-        yield "A reversed supply destroys the board: check its polarity at the plug before you connect it."
+        yield (
+            "A reversed supply destroys the board: check its polarity at the plug before you "
+            "connect it."
+        )
         yield outputs
         yield "Keep the wires of J1 and J3 short, and twist each signal with a ground wire."
         return
+
     if is_several:
-        yield "Parts are named as on the board of one finger: J1 is J101 at finger 1 and J501 at finger 5."
-        yield "No two plugs of sensors can be exchanged: none enters a smaller socket, and in another one of its size"
-        yield "it leaves a wire at an open pin: T then stays where it is when the finger is pressed."
-        yield "The wires stand in the plugs as drawn here, when they are in their sockets and the parts face you."
-        yield "J3 is at the right edge, and finger 1 at the bottom. Twist T, S and ground of each finger."
-        yield "Of a sensor's pins the one of the higher number is ground, as is TP6, for the shield of a long cable."
-        yield "Firmware and detector fast need T and S of each finger; the README of the firmware names the inputs."
+        yield (
+            "Parts are named as on the board of one finger: J1 is J101 at finger 1 and J501 at "
+            "finger 5."
+        )
+        yield (
+            "No two plugs of sensors can be exchanged: none enters a smaller socket, and in "
+            "another one of its size"
+        )
+        yield (
+            "it leaves a wire at an open pin: T then stays where it is when the finger is pressed."
+        )
+        yield (
+            "The wires stand in the plugs as drawn here, when they are in their sockets and the "
+            "parts face you."
+        )
+        yield (
+            "J3 is at the right edge, and finger 1 at the bottom. Twist T, S and ground of each "
+            "finger."
+        )
+        yield (
+            "Of a sensor's pins the one of the higher number is ground, as is TP6, for the "
+            "shield of a long cable."
+        )
+        yield (
+            "Firmware and detector fast need T and S of each finger; the README of the firmware "
+            "names the inputs."
+        )
     else:
         yield "Pins 1 have a dot beside them: with J1 on the left, that of J3 is the lower end."
         yield "Pin 2 of J1 is ground, as is TP6, for the shield of a long cable."
         yield "J3 has the order of Qwiic and STEMMA QT: ground black, 3.3 V red, T blue, S yellow."
         yield "Take a cable with open ends: T and S go to two analog pins."
-        yield "An I2C socket feeds the board and harms nothing, but cannot read T and S, and its bus stops (C19, C25)."
-        yield "A board that prints T and S alone beside J3 (revision 4) has another order: never join it to this cable."
+        yield (
+            "An I2C socket feeds the board and harms nothing, but cannot read T and S, and its "
+            "bus stops (C19, C25)."
+        )
+        yield (
+            "A board that prints T and S alone beside J3 (revision 4) has another order: never "
+            "join it to this cable."
+        )
         yield f"{NEEDED_PINS}{f' {OTHER_PINS}' if VMID_OUT in nets else ''}".replace("`", "")
-        yield f"Sketches of fingertip firmware read T at {SKETCH_PINS[ADC_TACTILE]}, S at {SKETCH_PINS[ADC_FILTERED]}."
+        yield (
+            f"Sketches of fingertip firmware read T at {SKETCH_PINS[ADC_TACTILE]}, S at "
+            f"{SKETCH_PINS[ADC_FILTERED]}."
+        )
+
     if VMID_OUT in nets:
-        yield "E refers to M: sample M too if you use E. Record T and S as they are, against ground."
-    yield "D3, D5 and D6 take a static discharge into the cables (8 kV contact, IEC 61000-4-2; simulated)."
-    yield f"Take +{supply_v:g} V from the controller's own {supply_v:g} V pin; Q1 blocks a reversed supply."
+        yield (
+            "E refers to M: sample M too if you use E. Record T and S as they are, against ground."
+        )
+
+    yield (
+        "D3, D5 and D6 take a static discharge into the cables (8 kV contact, IEC 61000-4-2; "
+        "simulated)."
+    )
+    yield (
+        f"Take +{supply_v:g} V from the controller's own {supply_v:g} V pin; Q1 blocks a "
+        "reversed supply."
+    )
     yield outputs
     for wire, references in group_plug_wires(circuit).items():
         yield f"Wires of {join_words(references)} ({wire.series} plug): {wire.description}."

@@ -1,4 +1,5 @@
-"""Firmware: a design comes in, and the detector `fast` goes out as a C99 library, with sketches, wiring and costs.
+"""Firmware: a design comes in, and the detector `fast` goes out as a C99 library, with sketches,
+wiring and costs.
 
 `fingers` plans which inputs of which controller read which finger.
 

@@ -18,10 +18,15 @@ DEFAULT_CONTROLLER = "black_pill_f411"
 """Controller of several fingers, unless another one is named: a small board that carries five."""
 DIVIDER_CONTROLLER = "teensy40"
 """The same for fingers that are read by dividers."""
-CONVERSIONS, TASK_CONVERSIONS = 4, 8
-"""Conversions of which a sample of a divider is the mean: in an interrupt, and in the task of an ESP32-S3."""
+CONVERSIONS = 4
+TASK_CONVERSIONS = 8
+"""Conversions of which a sample of a divider is the mean: in an
+interrupt, and in the task of an ESP32-S3.
+"""
 CYCLES_PER_INSTRUCTION = 1.5
-"""Mean clock cycles of an instruction, with waits for the flash. An assumption: most take one, loads and jumps two."""
+"""Mean clock cycles of an instruction, with waits for the flash.
+An assumption: most take one, loads and jumps two.
+"""
 BUFFER_SAMPLES = 1024
 """Samples that may wait in the ring buffer of `slip_buffer.h`."""
 CODE_BYTES = 2
@@ -41,7 +46,9 @@ class Fingers:
     """Analog inputs of T and S of each finger; of a divider, its one."""
     controller: ControllerBoard | None = None
     designs: tuple[Design, ...] = ()
-    """Design of each finger with its pad and the force curve of its sensor; empty where all are that of the library."""
+    """Design of each finger with its pad and the force curve of its
+    sensor; empty where all are that of the library.
+    """
 
     @property
     def count(self) -> int:
@@ -58,7 +65,9 @@ ONE_FINGER = Fingers()
 
 @dataclass(frozen=True)
 class Load:
-    """Clock cycles between two samples, and those that the detectors of some fingers take for one."""
+    """Clock cycles between two samples, and those that the detectors of some fingers
+    take for one.
+    """
 
     available: int
     at_rest: int
@@ -66,19 +75,26 @@ class Load:
     mean: int
     """Mean while slip lasts at all fingers."""
     longest: int
-    """Most, if all fingers slip: the trees of one finger, or of several if there are more than samples of a tick."""
+    """Most, if all fingers slip: the trees of one finger, or of
+    several if there are more than samples of a tick.
+    """
 
 
 def find_load(board: ControllerBoard, sample_rate_hz: float, fingers: int = 1) -> Load:
     """Find the load of a controller at a sampling rate.
 
-    Each processor takes as many instructions as the measured one of its kind. This overestimates a Cortex-M3, which
-    has instructions that a Cortex-M0+ lacks.
+    Each processor takes as many instructions as the measured one of its kind. This overestimates a
+    Cortex-M3, which has instructions that a Cortex-M0+ lacks.
     """
     target = read_costs()["targets"]["Cortex-M4F" if board.has_floats else "Cortex-M0+"]
-    counts, short, longest = target["instructions"], target["short_instructions"], target["max_instructions"]
-    tick_samples, measured = (max(1, round(TICK_S * rate)) for rate in (sample_rate_hz, read_costs()["sample_rate_hz"]))
-    with_trees, of_five = math.ceil(fingers / tick_samples), math.ceil(5 / measured)
+    counts = target["instructions"]
+    short = target["short_instructions"]
+    longest = target["max_instructions"]
+    tick_samples, measured = (
+        max(1, round(TICK_S * rate)) for rate in (sample_rate_hz, read_costs()["sample_rate_hz"])
+    )
+    with_trees = math.ceil(fingers / tick_samples)
+    of_five = math.ceil(5 / measured)
     # Where slip begins at all fingers at once, all check their samples in the longest one of five.
     without = max(short, (target["five_fingers"]["max"] - of_five * longest) / (5 - of_five))
     worst = with_trees * longest + (fingers - with_trees) * without
@@ -88,24 +104,42 @@ def find_load(board: ControllerBoard, sample_rate_hz: float, fingers: int = 1) -
 
     available = math.floor(1e4 * board.clock_mhz / sample_rate_hz) * 100
     slip = max(counts["slip"], target["five_fingers"]["slip"] / 5)
-    slip = short + (slip - short) * measured / tick_samples  # the trees are evaluated as often at any rate
+    slip = (
+        short + (slip - short) * measured / tick_samples
+    )  # the trees are evaluated as often at any rate
     return Load(available, cycles(fingers * counts["quiet"]), cycles(fingers * slip), cycles(worst))
 
 
 def list_controllers(design: Design) -> list[ControllerBoard]:
     """List the controllers that read what the design has: a board, or a divider."""
     if not design.board.has_filter:
-        return [board for board in load_controllers() if board.timer in ("yes", "in the sketch") and not board.has_scan]
+        return [
+            board
+            for board in load_controllers()
+            if board.timer in ("yes", "in the sketch") and not board.has_scan
+        ]
+
     return [board for board in load_controllers() if board.timer in ("yes", "no")]
 
 
-def list_limits(board: ControllerBoard, sample_rate_hz: float, has_divider: bool = False) -> dict[str, int]:
-    """Return how many fingers a controller carries by each of its limits, which are named in the plural."""
+def list_limits(
+    board: ControllerBoard, sample_rate_hz: float, has_divider: bool = False
+) -> dict[str, int]:
+    """Return how many fingers a controller carries by each of its
+    limits, which are named in the plural.
+    """
     load = find_load(board, sample_rate_hz)
     has_task = board.timer == "in the sketch"
-    inputs, conversions = (1, TASK_CONVERSIONS if has_task else CONVERSIONS) if has_divider else (2, 2)
+    inputs, conversions = (
+        (1, TASK_CONVERSIONS if has_task else CONVERSIONS) if has_divider else (2, 2)
+    )
     share = 1.0 if board.has_scan or has_task else INTERRUPT_SHARE
-    by_ram = 1024 * (board.ram_kb - OTHER_RAM_KB) / (read_costs()["state_bytes"] + 2 * CODE_BYTES * BUFFER_SAMPLES)
+    by_ram = (
+        1024
+        * (board.ram_kb - OTHER_RAM_KB)
+        / (read_costs()["state_bytes"] + 2 * CODE_BYTES * BUFFER_SAMPLES)
+    )
+
     return {
         "analog inputs": len(board.inputs.split()) // inputs,
         "conversions": math.floor(share * 1e6 / (conversions * board.convert_us * sample_rate_hz)),
@@ -115,14 +149,19 @@ def list_limits(board: ControllerBoard, sample_rate_hz: float, has_divider: bool
 
 
 def find_controller(design: Design, name: str | None = None) -> ControllerBoard | None:
-    """Find a controller of `list_controllers` by a usual name, or the one of several fingers, or one's own."""
+    """Find a controller of `list_controllers` by a usual name, or
+    the one of several fingers, or one's own.
+    """
     name = name or (DEFAULT_CONTROLLER if design.board.has_filter else DIVIDER_CONTROLLER)
     return _parse_generic(name) or _find_by_name(name, list_controllers(design))
 
 
 def _find_by_name(name: str, boards: Sequence[ControllerBoard]) -> ControllerBoard | None:
     plain = plain_name(name)
-    return next((one for one in boards if plain in (plain_name(one.key), plain_name(one.name), *one.names)), None)
+    return next(
+        (one for one in boards if plain in (plain_name(one.key), plain_name(one.name), *one.names)),
+        None,
+    )
 
 
 GENERIC = "generic"
@@ -131,10 +170,12 @@ _EXAMPLE = f"{GENERIC}:240MHz,12bit,A0,A1"
 
 
 def _parse_generic(text: str) -> ControllerBoard | None:
-    """Parse a controller of one's own such as `_EXAMPLE`; None for another text, or without clock, bits and inputs.
+    """Parse a controller of one's own such as `_EXAMPLE`; None for another text, or without clock,
+    bits and inputs.
 
-    It computes floats itself with the word `floats`. The range of its converter is 3.3 V, if no other one such as 5V
-    is stated. Its memory and the time of a conversion are those of the weakest boards of the table.
+    It computes floats itself with the word `floats`. The range of its converter is 3.3 V, if no
+    other one such as 5V is stated. Its memory and the time of a conversion are those of the weakest
+    boards of the table.
     """
     start, _, rest = text.replace(" ", "").partition(":")
     words = rest.split(",")
@@ -145,11 +186,21 @@ def _parse_generic(text: str) -> ControllerBoard | None:
         return None
     if not 8 <= given.get("bit", 0) <= 24:
         return None
+
     return ControllerBoard(
-        GENERIC, "your controller", "processor of your own", given["mhz"], "floats" in words,
-        f"{given['bit']:.0f} bits, 0 to {given.get('v', 3.3):g} V", "no",
-        "where `slip_timer.h` knows no timer of it, start one of your own", " ".join(pins), 32, 50.0, has_scan=False,
-    )  # fmt: skip
+        key=GENERIC,
+        name="your controller",
+        processor="processor of your own",
+        clock_mhz=given["mhz"],
+        has_floats="floats" in words,
+        converter=f"{given['bit']:.0f} bits, 0 to {given.get('v', 3.3):g} V",
+        timer="no",
+        note="where `slip_timer.h` knows no timer of it, start one of your own",
+        inputs=" ".join(pins),
+        ram_kb=32,
+        convert_us=50.0,
+        has_scan=False,
+    )
 
 
 _SIZE = re.compile(r"(?i)([1-9]\d*\.?\d*)(mhz|bit|v)s?")
@@ -158,33 +209,48 @@ _PIN = re.compile(r"[A-Z]{0,4}_?\d{1,2}")
 
 def _explain_controller(design: Design, name: str, fingers: int) -> str:
     """Explain why a controller is refused, and name those that the design takes."""
-    board, rate_hz = _find_by_name(name, load_controllers()), design.detector.sample_rate_hz
+    board = _find_by_name(name, load_controllers())
+    rate_hz = design.detector.sample_rate_hz
+
     if board is None:
         known = join_words([one.key for one in list_controllers(design)], "or")
         return f"{quote_value(name)} is not known; give {known}, or your own such as {_EXAMPLE}."
+
     if board.timer == "too slow":
         load = find_load(board, rate_hz)
-        at_rest_ms, slip_ms = (cycles / (1e3 * board.clock_mhz) for cycles in (load.at_rest, load.mean))
+        at_rest_ms, slip_ms = (
+            cycles / (1e3 * board.clock_mhz) for cycles in (load.at_rest, load.mean)
+        )
         reason = (
-            f"{quote_value(name)} is too slow: a sample takes at least {at_rest_ms:.1f} ms at {board.clock_mhz:g} MHz "
-            f"without floats, {slip_ms:.1f} ms in slip, and the next one comes after {1e3 / rate_hz:g} ms; give"
+            f"{quote_value(name)} is too slow: a sample takes at least {at_rest_ms:.1f} ms at "
+            f"{board.clock_mhz:g} MHz "
+            f"without floats, {slip_ms:.1f} ms in slip, and the next one comes after "
+            f"{1e3 / rate_hz:g} ms; give"
         )
     elif board.timer == "in the sketch":
         reason = (
-            f"{board.name} converts {board.converter}, and a board gives up to {design.board.supply_v:g} V; give "
+            f"{board.name} converts {board.converter}, and a board gives up to "
+            f"{design.board.supply_v:g} V; give "
             "--set board.variant=divider, which it reads, or"
         )
     else:
         reason = f"{board.name} has no timer in the sketch of a divider; give"
+
     return f"{reason} --controller {_find_carrier(design, fingers)}."
 
 
 def _find_carrier(design: Design, fingers: int) -> str:
     """Find a controller that carries the fingers, or that of most designs where none does."""
-    rate_hz, has_divider = design.detector.sample_rate_hz, not design.board.has_filter
-    boards = [one.key for one in list_controllers(design) if count_fingers(one, rate_hz, has_divider) >= fingers]
+    rate_hz = design.detector.sample_rate_hz
+    has_divider = not design.board.has_filter
+    boards = [
+        one.key
+        for one in list_controllers(design)
+        if count_fingers(one, rate_hz, has_divider) >= fingers
+    ]
     if not boards:
         return "teensy40 with --set detector.sample_rate_hz=2000"
+
     return "pico_2" if "pico_2" in boards else boards[0]
 
 
@@ -193,103 +259,167 @@ def count_fingers(board: ControllerBoard, sample_rate_hz: float, has_divider: bo
 
 
 def plan_fingers(
-    design: Design, fingers: str | None = None, controller: str | None = None, inputs: str | None = None
+    design: Design,
+    fingers: str | None = None,
+    controller: str | None = None,
+    inputs: str | None = None,
 ) -> Fingers:
     """Give each finger a name and its inputs. Raises FingertipError, with all that is wrong.
 
-    `fingers` are their number, or their names, separated by commas; None for as many as the design's board has
-    channels. None as `controller` is the default one of several fingers, and any controller of one. `inputs` are its
-    analog inputs, T and S of each finger in turn, or one for each divider, separated by commas, or None for the first.
+    `fingers` are their number, or their names, separated by commas; None for as many as the
+    design's board has channels. None as `controller` is the default one of several fingers, and any
+    controller of one. `inputs` are its analog inputs, T and S of each finger in turn, or one for
+    each divider, separated by commas, or None for the first.
     """
     issues: list[Issue] = []
     channels = design.board.channels
     names = _read_names(str(channels) if fingers is None else fingers, issues)
+
     if 1 < channels < len(names):
         remedy = f"give --fingers {channels}, or --set board.channels={len(names)}"
-        issues.append(Issue("--fingers", f"{len(names)} are more than the {channels} of the design's board; {remedy}."))
+        issues.append(
+            Issue(
+                "--fingers",
+                f"{len(names)} are more than the {channels} of the design's board; {remedy}.",
+            )
+        )
     elif 1 < channels < (last := max(list_places(names), default=0)):
         problem = f"{NAMES[last - 1]} has place {last}, and the design's board {channels}"
         remedy = f"give --set board.channels={last}, or leave {NAMES[last - 1]} out"
         issues.append(Issue("--fingers", f"{problem}; {remedy}."))
-    board, signals = None, ("T", "S") if design.board.has_filter else ("T",)
+
+    signals = ("T", "S") if design.board.has_filter else ("T",)
+    board = None
     if controller is not None or inputs is not None or names != Fingers.names:
         board = find_controller(design, controller)
         if board is None:
-            issues.append(Issue("--controller", _explain_controller(design, controller or "", len(names))))
+            issues.append(
+                Issue("--controller", _explain_controller(design, controller or "", len(names)))
+            )
+
     raise_issues(FingertipError, issues)
     if board:
         issues += _find_limit_issues(design, board, len(names))
-    pins = _read_inputs(inputs, board, names, signals, issues)
+
+    pins = _read_inputs(
+        inputs,
+        board=board,
+        names=names,
+        letters=signals,
+        issues=issues,
+    )
     raise_issues(FingertipError, issues)
-    return Fingers(names, tuple(zip(*(pins[i :: len(signals)] for i in range(len(signals))), strict=True)), board)
+    return Fingers(
+        names,
+        tuple(zip(*(pins[i :: len(signals)] for i in range(len(signals))), strict=True)),
+        board,
+    )
 
 
 def list_places(names: Sequence[str]) -> list[int]:
-    """List the places of fingers on one board, from 1 on: where it prints their names, or in turn for other names."""
+    """List the places of fingers on one board, from 1 on: where it
+    prints their names, or in turn for other names.
+    """
     if all(name in NAMES for name in names):
         return [NAMES.index(name) + 1 for name in names]
+
     return list(range(1, len(names) + 1))
 
 
-def plan_set(fingers: FingerSet, controller: str | None = None, inputs: str | None = None) -> tuple[Design, Fingers]:
+def plan_set(
+    fingers: FingerSet, controller: str | None = None, inputs: str | None = None
+) -> tuple[Design, Fingers]:
     """Plan the fingers of a set; return the design of their board too. Raises FingertipError."""
     designs = fingers.designs
     first = next(iter(designs.values()))
     issues = [
-        Issue(table, f"is not the same in all fingers of the set; give {table} the same values for one controller.")
+        Issue(
+            table,
+            f"is not the same in all fingers of the set; give {table} the same values for one "
+            "controller.",
+        )
         for table in ("board", "detector")
         if any(getattr(design, table) != getattr(first, table) for design in designs.values())
     ]
     raise_issues(FingertipError, issues)
     design = fingers.board_design or first.model_copy(update={"name": fingers.name})
     planned = plan_fingers(design, ",".join(designs), controller, inputs)
+
     return design, replace(planned, designs=tuple(designs.values()))
 
 
 def _read_names(fingers: str, issues: list[Issue]) -> tuple[str, ...]:
     words = [word.strip() for word in fingers.split(",")]
-    most, problems = len(NAMES), list[str]()
+    most = len(NAMES)
+    problems = list[str]()
+
     if len(words) == 1 and re.fullmatch(r"[+-]?\d{1,9}", words[0]):
         if 1 <= int(words[0]) <= most:
             return NAMES[: int(words[0])] if int(words[0]) > 1 else Fingers.names
-        problems.append(f"{int(words[0])} is not between 1 and {most}; give at least 1 and at most {most}.")
+
+        problems.append(
+            f"{int(words[0])} is not between 1 and {most}; give at least 1 and at most {most}."
+        )
     elif len(words) > most:
-        problems.append(f"{len(words)} names are more than {most}; give --fingers {','.join(NAMES)}.")
+        problems.append(
+            f"{len(words)} names are more than {most}; give --fingers {','.join(NAMES)}."
+        )
     else:
         rule = f"a letter, then up to 15 letters, digits, - or _; give --fingers {NAMES[0]}."
-        problems += (f"{quote_value(word)} is no name: {rule}" for word in words if not _NAME.fullmatch(word))
+        problems += (
+            f"{quote_value(word)} is no name: {rule}" for word in words if not _NAME.fullmatch(word)
+        )
         if len(set(words)) < len(words):
-            problems.append(f"two fingers have one name; give --fingers {','.join(NAMES[: len(words)])}.")
+            problems.append(
+                f"two fingers have one name; give --fingers {','.join(NAMES[: len(words)])}."
+            )
+
     issues += (Issue("--fingers", problem) for problem in problems)
     return tuple(words)
 
 
 def _find_limit_issues(design: Design, board: ControllerBoard, fingers: int) -> Iterator[Issue]:
-    rate_hz, has_divider = design.detector.sample_rate_hz, not design.board.has_filter
+    rate_hz = design.detector.sample_rate_hz
+    has_divider = not design.board.has_filter
     limits = list_limits(board, rate_hz, has_divider)
-    if exceeded := [f"{limit} for {most}" for limit, most in limits.items() if fingers > most]:
-        fewer = f"--fingers {carried} or " if (carried := count_fingers(board, rate_hz, has_divider)) else ""
+    exceeded = [f"{limit} for {most}" for limit, most in limits.items() if fingers > most]
+
+    if exceeded:
+        carried = count_fingers(board, rate_hz, has_divider)
+        fewer = f"--fingers {carried} or " if carried else ""
         fit = _find_carrier(design, fingers)
         text = f"{board.name} has {join_words(exceeded)} at {rate_hz:g} Hz, not for {fingers}"
         yield Issue("--fingers", f"{text}; give {fewer}--controller {fit}.")
 
 
 def _read_inputs(
-    inputs: str | None, board: ControllerBoard | None, names: Sequence[str], letters: Sequence[str], issues: list[Issue]
+    inputs: str | None,
+    board: ControllerBoard | None,
+    names: Sequence[str],
+    letters: Sequence[str],
+    issues: list[Issue],
 ) -> list[str]:
     known = board.inputs.split() if board else []
     signals = [f"{signal} of {name}" for name in names for signal in letters]
     if inputs is None:
         return known[: len(signals)] if board else ["A0", "A1"][: len(letters)]
+
     pins = [word.strip() for word in inputs.split(",")]
     number = "two" if len(letters) == 2 else "one"
-    problems = [] if len(pins) == len(signals) else [f"{len(pins)} inputs are not {number} a finger"]
+    problems = (
+        [] if len(pins) == len(signals) else [f"{len(pins)} inputs are not {number} a finger"]
+    )
+
     for pin in sorted(set(pins)):
         owners = [signal for signal, own in zip(signals, pins, strict=False) if own == pin]
         if len(owners) > 1:
             problems.append(f"{quote_value(pin)} is the input of {join_words(owners)}")
         if pin not in known if board else not _PIN.fullmatch(pin):
-            problems.append(f"{quote_value(pin)} is no free analog input" + (f" of {board.name}" if board else ""))
+            problems.append(
+                f"{quote_value(pin)} is no free analog input"
+                + (f" of {board.name}" if board else "")
+            )
+
     usual = ",".join((known or ["A0", "A1"])[: len(signals)])
     issues += (Issue("--inputs", f"{problem}; give --inputs {usual}.") for problem in problems)
     return pins

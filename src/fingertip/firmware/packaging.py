@@ -1,4 +1,6 @@
-"""Library for controllers: its descriptions for Arduino and PlatformIO, its measured costs, and the boards it fits."""
+"""Library for controllers: its descriptions for Arduino and PlatformIO,
+its measured costs, and the boards it fits.
+"""
 
 from __future__ import annotations
 
@@ -53,8 +55,12 @@ def library_manifest(design: Design) -> bytes:
 
 
 def _describe(design: Design) -> str:
-    rate, bits = design.detector.sample_rate_hz, design.detector.adc_bits
-    return f"Made by fingertip for the design {design.name}: {rate:g} samples per second, converter of {bits} bits."
+    rate = design.detector.sample_rate_hz
+    bits = design.detector.adc_bits
+    return (
+        f"Made by fingertip for the design {design.name}: {rate:g} samples per second, "
+        f"converter of {bits} bits."
+    )
 
 
 def _semantic_version() -> str:
@@ -64,15 +70,26 @@ def _semantic_version() -> str:
 
 
 TABLE = "measured_costs.json"
-"""Name of the costs of the library on a controller, which `tools/firmware/measure.py` measures, beside this module."""
+"""Name of the costs of the library on a controller, which
+`tools/firmware/measure.py` measures, beside this module.
+"""
 _COLUMNS = (
-    "processor", "flash", "state", "stack", "constant force", "campaign", "slip that lasts", "longest step",
-)  # fmt: skip
+    "processor",
+    "flash",
+    "state",
+    "stack",
+    "constant force",
+    "campaign",
+    "slip that lasts",
+    "longest step",
+)
 
 
 @functools.cache
 def read_costs() -> dict[str, Any]:
-    data: dict[str, Any] = json.loads(resources.files(__package__).joinpath(TABLE).read_text(encoding="utf-8"))
+    data: dict[str, Any] = json.loads(
+        resources.files(__package__).joinpath(TABLE).read_text(encoding="utf-8")
+    )
     return data
 
 
@@ -80,44 +97,67 @@ def cost_table() -> str:
     """Table of the measurements, in Markdown: bytes, and instructions per sample."""
     costs = read_costs()
     rows = [_COLUMNS, ("---", *["---:"] * (len(_COLUMNS) - 1))]
+
     for name, target in costs["targets"].items():
         sizes = (target["flash_bytes"], costs["state_bytes"], target["stack_bytes"])
         means = (target["instructions"][signal] for signal in ("quiet", "campaign", "slip"))
-        rows.append((name, *(f"{size} B" for size in sizes), *map(str, means), str(target["max_instructions"])))
+        rows.append(
+            (
+                name,
+                *(f"{size} B" for size in sizes),
+                *map(str, means),
+                str(target["max_instructions"]),
+            )
+        )
+
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 
 def find_warnings(design: Design, controller: ControllerBoard | None = None) -> Iterator[str]:
     """Warn of a board or a converter that the inputs of a controller do not fit."""
     has_divider = not design.board.has_filter
-    if controller and not has_divider and not controller.converter.endswith(f" to {design.detector.adc_range_v:g} V"):
+    if (
+        controller
+        and not has_divider
+        and not controller.converter.endswith(f" to {design.detector.adc_range_v:g} V")
+    ):
         range_v = controller.converter.split()[-2]
         yield (
-            f"{controller.name} converts {controller.converter}, not {design.detector.adc_range_text}: voltages and "
+            f"{controller.name} converts {controller.converter}, not "
+            f"{design.detector.adc_range_text}: voltages and "
             f"forces would be wrong; with --set detector.adc_range_v={range_v} they are right."
         )
+
     if controller and int(bits := controller.converter.split()[0]) < design.detector.adc_bits:
         yield (
-            f"{controller.name} converts {bits} bits, not {design.detector.adc_bits}: its steps are noise that the "
+            f"{controller.name} converts {bits} bits, not {design.detector.adc_bits}: its steps "
+            "are noise that the "
             f"detector does not expect; with --set detector.adc_bits={bits} it does."
         )
-    detector, problems = design.detector, []
+
+    detector = design.detector
+    problems = []
     if has_divider:
         bears_v = max(3.6, float(controller.converter.split()[-2])) if controller else 3.6
         if design.board.supply_v > bears_v:
             yield (
-                f"the sensor's {design.board.supply_v:g} V may destroy a pin, which bears {bears_v:g} V; with "
+                f"the sensor's {design.board.supply_v:g} V may destroy a pin, which bears "
+                f"{bears_v:g} V; with "
                 f"--set board.supply_v={_CONTROLLER_SUPPLY.nominal_v:g} it does not."
             )
     elif not design.board.is_for_controller:
         problems.append(
-            f"the outputs of a board with board.variant={design.board.variant} may exceed the inputs of a "
+            f"the outputs of a board with board.variant={design.board.variant} may exceed the "
+            "inputs of a "
             f"controller of {_CONTROLLER_SUPPLY.nominal_v:g} V"
         )
+
     if detector.adc_polarity != "unipolar":
         problems.append(
-            f"detector.adc_polarity={detector.adc_polarity} is no converter of a controller, which reads from 0 V up"
+            f"detector.adc_polarity={detector.adc_polarity} is no converter of a controller, "
+            "which reads from 0 V up"
         )
+
     if problems:
         changes = " ".join(f"--set {change}" for change in controller_changes())
         yield f"{', and '.join(problems)}; with {changes} the board fits a controller."

@@ -1,4 +1,6 @@
-"""C sources of the library: the files of `c/`, with the constants of a design in place of two of their includes."""
+"""C sources of the library: the files of `c/`, with the constants of
+a design in place of two of their includes.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,8 @@ from fingertip.slip.detectors.fast_settings import REST_SHARE, STILL_S, FastSett
 from fingertip.slip.force import ForceScale
 
 _COUNTS = (
-    "limited_samples still_samples trusted_samples gap_samples fault_samples restart_ticks tick_samples slot_ticks"
+    "limited_samples still_samples trusted_samples gap_samples fault_samples restart_ticks "
+    "tick_samples slot_ticks"
 )
 """Coefficients that count samples or ticks: constants without decimals."""
 _TICKS = "LOW_TICKS STEADY_ON_TICKS AFTER_TICKS STANDING_TICKS UNHEARD_TICKS"
@@ -39,23 +42,44 @@ def real(value: float) -> str:
 
 
 def _render_constants(design: Design) -> str:
-    """Render the constants of a design as lines of C: settings and coefficients of its detector, and its converter."""
-    converter, detector, both = design.detector, _start(design, None), _start(design, 0.0)
-    c, state, rate = detector.coefficients, detector.state, detector.coefficients.sample_rate_hz
+    """Render the constants of a design as lines of C: settings and
+    coefficients of its detector, and its converter.
+    """
+    converter = design.detector
+    detector = _start(design, None)
+    both = _start(design, 0.0)
+    c = detector.coefficients
+    state = detector.state
+    rate = detector.coefficients.sample_rate_hz
     step_v = converter.adc_step_v
-    sections: dict[str, Any] = {name: value for name, value in c._asdict().items() if isinstance(value, tuple)}
+    sections: dict[str, Any] = {
+        name: value for name, value in c._asdict().items() if isinstance(value, tuple)
+    }
     limits = {**vars(fast_state), **vars(fast_decision_and_floors)}
     values: dict[str, Any] = {
         **limits,
         **{name.upper(): value for name, value in c._asdict().items()},
-        **{f"{name}_{key}".upper(): term for name, one in sections.items() for key, term in one._asdict().items()},
+        **{
+            f"{name}_{key}".upper(): term
+            for name, one in sections.items()
+            for key, term in one._asdict().items()
+        },
         "FILTERED_GAIN": both.coefficients.filtered_gain,
         "FILTERED_LIMIT": both.coefficients.filtered_limit,
         **{name.upper(): round(getattr(c, name)) for name in _COUNTS.split()},
-        "LOWEST_CODE": math.ceil((c.middle_input - c.half_range - converter.adc_low_v) / converter.adc_step_v),
-        "HIGHEST_CODE": math.floor((c.middle_input + c.half_range - converter.adc_low_v) / converter.adc_step_v),
-        "REST_CODE": (signal_ground_ratio(design.board) * design.board.supply_v - converter.adc_low_v) / step_v,
-        "REST_CODES": REST_SHARE * (filtered_range_v(design.board, converter.adc_range_v) or math.inf) / step_v,
+        "LOWEST_CODE": math.ceil(
+            (c.middle_input - c.half_range - converter.adc_low_v) / converter.adc_step_v
+        ),
+        "HIGHEST_CODE": math.floor(
+            (c.middle_input + c.half_range - converter.adc_low_v) / converter.adc_step_v
+        ),
+        "REST_CODE": (
+            signal_ground_ratio(design.board) * design.board.supply_v - converter.adc_low_v
+        )
+        / step_v,
+        "REST_CODES": REST_SHARE
+        * (filtered_range_v(design.board, converter.adc_range_v) or math.inf)
+        / step_v,
         "LEVEL_SHARE": 1 / (STILL_S * rate),
         "SETTLING_TICKS": round(state[fast_state.SETTLING]),
         "SETTLE_TICKS": -state[fast_state.FLOOR_TICKS],
@@ -78,48 +102,74 @@ def _render_constants(design: Design) -> str:
         "ADC_STEP_V": converter.adc_step_v,
         "VERSION": __version__,
     }
-    texts = {name: real(value) if isinstance(value, float) else value for name, value in values.items()}
+    texts = {
+        name: real(value) if isinstance(value, float) else value for name, value in values.items()
+    }
+
     return Template(read_template("slip_constants.h").rstrip()).substitute(texts)
 
 
 OPEN_SHARE = 0.5
-"""Share of the way from an open sensor's voltage to the end of the range that a good board may be off."""
+"""Share of the way from an open sensor's voltage to the end of
+the range that a good board may be off.
+"""
 SHORTED_SHARE = 0.02
 """Share of the range by which less than a shorted sensor's voltage counts as one."""
 
 
 def library_settings(design: Design, in_codes: bool = False) -> FastSettings:
-    """Settings of a finger's detector, with the voltages that forces give; for codes, with the rest of S too."""
-    converter, response = design.detector, find_tactile_response(design)
-    lowest, highest = converter.adc_low_v, converter.adc_range_v
+    """Settings of a finger's detector, with the voltages that forces
+    give; for codes, with the rest of S too.
+    """
+    converter = design.detector
+    response = find_tactile_response(design)
+    lowest = converter.adc_low_v
+    highest = converter.adc_range_v
     shorted_v = response.open_v - response.transfer_ohm * response.sensor_v / response.source_ohm
     shorted_v = min(max(shorted_v, lowest), highest)
     margin_v = SHORTED_SHARE * (highest - lowest)
+
     if design.board.tactile_rises:
         possible = (response.open_v - OPEN_SHARE * (response.open_v - lowest), shorted_v - margin_v)
     else:
-        possible = (shorted_v + margin_v, response.open_v + OPEN_SHARE * (highest - response.open_v))
+        possible = (
+            shorted_v + margin_v,
+            response.open_v + OPEN_SHARE * (highest - response.open_v),
+        )
+
     filtered = FilteredSignal.from_design(design, in_codes)
     return replace(FastSettings.from_design(design), possible_v=possible, filtered=filtered)
 
 
 def _start(design: Design, filtered_v: float | None) -> FastDetector:
-    """Make the detector, and give it one sample, with the filtered signal [V] or without: floors stand still in it."""
+    """Make the detector, and give it one sample, with the filtered
+    signal [V] or without: floors stand still in it.
+    """
     detector = FastDetector(library_settings(design))
     detector.step(0.0, filtered_v)
     return detector
 
 
-_WIDTH, _INDENT = 119, "    "
+_WIDTH = 119
+_INDENT = "    "
 
 
 def render_trees(model: FastModel) -> str:
-    """Render the three tables. Each tree has `NODES` + 1 entries, of which nodes leave the first one unused."""
+    """Render the three tables.
+
+    Each tree has `NODES` + 1 entries, of which nodes leave the first one unused.
+    """
     features = [f"{feature:.0f}" for feature in model.features.tolist()]
-    thresholds = [f"KEY({value!r}, 0x{float_key(value):08X})" for value in model.thresholds.tolist()]
+    thresholds = [
+        f"KEY({value!r}, 0x{float_key(value):08X})" for value in model.thresholds.tolist()
+    ]
     leaves = [f"R({value!r})" for value in model.leaves.tolist()]
     tables = (
-        ("Number of the feature that each node compares.", "uint8_t slip_features", _pad(features, "0")),
+        (
+            "Number of the feature that each node compares.",
+            "uint8_t slip_features",
+            _pad(features, "0"),
+        ),
         (
             "Value above which a node's second branch is taken, and its key as a float.",
             "slip_key slip_thresholds",
@@ -127,8 +177,16 @@ def render_trees(model: FastModel) -> str:
         ),
         ("Values of the leaves.", "slip_real slip_leaves", leaves),
     )
+
     return "\n\n".join(
-        "\n".join([f"/* {comment} */", f"static const {name}[SLIP_TREES * LEAVES] = {{", *_rows(values), "};"])
+        "\n".join(
+            [
+                f"/* {comment} */",
+                f"static const {name}[SLIP_TREES * LEAVES] = {{",
+                *_rows(values),
+                "};",
+            ]
+        )
         for comment, name, values in tables
     )
 
@@ -153,15 +211,21 @@ def _rows(values: list[str]) -> Iterator[str]:
             if len(line) + len(value) > _WIDTH:
                 yield line.rstrip()
                 line = _INDENT
+
             line += f"{value}, "
+
         yield line.rstrip()
 
 
 def _render_fingers(fingers: Fingers, has_divider: bool) -> str:
-    """Render how many fingers there are, and for several or dividers the inputs and names that the example takes."""
+    """Render how many fingers there are, and for several or dividers
+    the inputs and names that the example takes.
+    """
     lines = ["#ifndef SLIP_FINGERS", f"#define SLIP_FINGERS {fingers.count}", "#endif"]
     if fingers.is_hand or has_divider:
-        inputs = ", ".join(f"{{{', '.join(each[:1] if has_divider else each)}}}" for each in fingers.inputs)
+        inputs = ", ".join(
+            f"{{{', '.join(each[:1] if has_divider else each)}}}" for each in fingers.inputs
+        )
         prefixes = [f"{name}_" if fingers.count > 1 else "" for name in fingers.names]
         names = ", ".join(f'"{name}"' for name in (prefixes if has_divider else fingers.names))
         lines += [
@@ -170,20 +234,40 @@ def _render_fingers(fingers: Fingers, has_divider: bool) -> str:
             "#endif",
             f"#define SLIP_NAMES {{{names}}}",
         ]
-    return "\n".join(("/* Fingers that one controller reads; of several, inputs of T and S, and names. */", *lines))
+
+    return "\n".join(
+        (
+            "/* Fingers that one controller reads; of several, inputs of T and S, and names. */",
+            *lines,
+        )
+    )
 
 
 def _render_grip(settings: GripSettings) -> str:
     times = {"WINDOW": settings.growth_window_s, "SUPPRESSION": settings.suppression_s}
-    times |= {"REFRACTORY": settings.refractory_s, "WATCHDOG": settings.watchdog_s, "LONGEST_STEP": LONGEST_STEP_S}
+    times |= {
+        "REFRACTORY": settings.refractory_s,
+        "WATCHDOG": settings.watchdog_s,
+        "LONGEST_STEP": LONGEST_STEP_S,
+    }
     values = {"MIN_PRESENT_N": MIN_PRESENT_N} | {
         name.upper(): getattr(settings, name)
-        for name in ("max_growth_n_s", "max_closing_m_s", "force_ratio", "max_force_n", "max_added_m")
+        for name in (
+            "max_growth_n_s",
+            "max_closing_m_s",
+            "force_ratio",
+            "max_force_n",
+            "max_added_m",
+        )
     }
     return "\n".join(
         (
-            "/* Times [us], moments of the window, and limits of forces, closings and their speeds. */",
-            *(f"#define SLIP_GRIP_{name}_US {round(1e6 * time_s)}u" for name, time_s in times.items()),
+            "/* Times [us], moments of the window, and limits of forces, closings and their "
+            "speeds. */",
+            *(
+                f"#define SLIP_GRIP_{name}_US {round(1e6 * time_s)}u"
+                for name, time_s in times.items()
+            ),
             f"#define SLIP_GRIP_HISTORY {HISTORY}u",
             *(f"#define SLIP_GRIP_{name} {real(value)}" for name, value in values.items()),
         )
@@ -191,37 +275,56 @@ def _render_grip(settings: GripSettings) -> str:
 
 
 def _render_curves(curves: Sequence[ForceCurve], designs: Sequence[Design]) -> str:
-    """Render the distinct curves, the pads' constants beside them, which each finger has, and its interval."""
-    scales = [ForceScale.of(each, curve.volts, curve.forces_n) for each, curve in zip(designs, curves, strict=True)]
+    """Render the distinct curves, the pads' constants beside them,
+    which each finger has, and its interval.
+    """
+    scales = [
+        ForceScale.of(each, curve.volts, curve.forces_n)
+        for each, curve in zip(designs, curves, strict=True)
+    ]
     known = ", ".join(f"{{{', '.join(map(real, each.known_n))}}}" for each in scales)
     factors = ", ".join(real(each.factor) for each in scales)
     numbers = [
-        (tuple(curve.volts.tolist()), tuple(curve.forces_n.tolist()), curve.pad.hertz_m_per_n23) for curve in curves
+        (tuple(curve.volts.tolist()), tuple(curve.forces_n.tolist()), curve.pad.hertz_m_per_n23)
+        for curve in curves
     ]
     distinct = list(dict.fromkeys(numbers))
     of_finger = ", ".join(str(distinct.index(each)) for each in numbers)
     pads = ", ".join(real(pad) for _, _, pad in distinct)
     blocks = [
         f"enum {{ SLIP_CURVES = {len(distinct)}, SLIP_CURVE = {len(distinct[0][0])} }};",
-        f"/* Curve of each finger. */\nstatic const uint8_t slip_curve_of[SLIP_FINGERS] = {{{of_finger}}};",
-        f"/* Forces where it is known [N]. */\nstatic const slip_real slip_known_n[SLIP_FINGERS][2] = {{{known}}};",
-        f"/* Factor within which a force lies. */\nstatic const slip_real slip_factors[SLIP_FINGERS] = {{{factors}}};",
-        f"/* By which a falling force reads too high. */\n#define SLIP_HYSTERESIS_FACTOR {real(1 + HYSTERESIS)}",
-        f"/* Indentation of its pad under 1 N [m]. */\nstatic const slip_real slip_pads_m_per_n23[] = {{{pads}}};",
+        "/* Curve of each finger. */\nstatic const uint8_t slip_curve_of[SLIP_FINGERS] = "
+        f"{{{of_finger}}};",
+        "/* Forces where it is known [N]. */\nstatic const slip_real "
+        f"slip_known_n[SLIP_FINGERS][2] = {{{known}}};",
+        "/* Factor within which a force lies. */\nstatic const slip_real "
+        f"slip_factors[SLIP_FINGERS] = {{{factors}}};",
+        "/* By which a falling force reads too high. */\n#define SLIP_HYSTERESIS_FACTOR "
+        f"{real(1 + HYSTERESIS)}",
+        "/* Indentation of its pad under 1 N [m]. */\nstatic const slip_real "
+        f"slip_pads_m_per_n23[] = {{{pads}}};",
     ]
     tables = (
         ("Ascending tactile voltages [V].", "slip_curves_v", [volts for volts, _, _ in distinct]),
         ("Forces that they mean [N].", "slip_curves_n", [forces_n for _, forces_n, _ in distinct]),
     )
+
     for comment, name, columns in tables:
-        rows = [line for each in columns for line in ("{", *_rows([f"R({value!r})" for value in each]), "},")]
+        rows = [
+            line
+            for each in columns
+            for line in ("{", *_rows([f"R({value!r})" for value in each]), "},")
+        ]
         opening = f"static const slip_real {name}[SLIP_CURVES][SLIP_CURVE] = {{"
         blocks.append("\n".join([f"/* {comment} */", opening, *rows, "};"]))
+
     return "\n\n".join(blocks)
 
 
-HEADER, SOURCE = "slip_detector.h", "slip_detector.c"
-GRIP_HEADER, GRIP_SOURCE = "slip_grip.h", "slip_grip.c"
+HEADER = "slip_detector.h"
+SOURCE = "slip_detector.c"
+GRIP_HEADER = "slip_grip.h"
+GRIP_SOURCE = "slip_grip.c"
 LAMP = "slip_lamp.ino"
 
 
@@ -231,10 +334,13 @@ def read_template(name: str) -> str:
 
 
 def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
-    """Headers and sources of a design by name: the detector, and forces with the grip law of a hand."""
+    """Headers and sources of a design by name: the detector,
+    and forces with the grip law of a hand.
+    """
     has_divider = not design.board.has_filter
     constants = f"{_render_fingers(fingers, has_divider)}\n\n{_render_constants(design)}"
-    designs, settings = fingers.designs or (design,) * fingers.count, GripSettings()
+    designs = fingers.designs or (design,) * fingers.count
+    settings = GripSettings()
     curves = [ForceCurve.from_design(each) for each in designs]
     header = _insert(read_template(GRIP_HEADER), "slip_grip_constants.h", _render_grip(settings))
     backing = f"#define SLIP_BACKING_N_PER_M {real(curves[0].pad.backing.stiffness_n_per_m)}"
@@ -244,25 +350,41 @@ def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
         HEADER: _insert(read_template(HEADER), "slip_constants.h", constants),
         SOURCE: _insert(read_template(SOURCE), "slip_trees.h", render_trees(load_model())),
         GRIP_HEADER: _insert(header, "slip_grip_command.h", command),
-        GRIP_SOURCE: _insert(read_template(GRIP_SOURCE), "slip_grip_curve.h", _render_curves(curves, designs)),
+        GRIP_SOURCE: _insert(
+            read_template(GRIP_SOURCE), "slip_grip_curve.h", _render_curves(curves, designs)
+        ),
         **{name: read_template(name) for name in (BUFFER, HAND, TIMER)},
         **({SCAN: read_template(SCAN)} if fingers.is_hand and not has_divider else {}),
     }
+
     return {name: text.encode() for name, text in files.items()}
 
 
 def lamp_sketch(design: Design, fingers: Fingers) -> dict[str, bytes]:
-    """Sketch for dividers, whose head says what to wire and how far its forces can be trusted, and its header."""
+    """Sketch for dividers, whose head says what to wire and how far
+    its forces can be trusted, and its header.
+    """
     board = fingers.controller
-    bits, *_, range_v, _ = (board.converter if board and board.key == GENERIC else "12 bits, 0 to 3.3 V").split()
-    reliability = dict.fromkeys(one.force_curve.describe(one.sensor.model) for one in fingers.designs or (design,))
+    bits, *_, range_v, _ = (
+        board.converter if board and board.key == GENERIC else "12 bits, 0 to 3.3 V"
+    ).split()
+    reliability = dict.fromkeys(
+        one.force_curve.describe(one.sensor.model) for one in fingers.designs or (design,)
+    )
     values = {
-        "supply": f"{design.board.supply_v:g}", "resistor": f"{design.board.divider_ohm / 1000:g} kohm",
-        "forces": "\n// ".join(textwrap.wrap("; ".join(f"F{text[1:]}." for text in reliability), _WIDTH - 3)),
-        "conversions": CONVERSIONS, "task_conversions": TASK_CONVERSIONS, "bits": bits, "range_v": range_v,
-    }  # fmt: skip
+        "supply": f"{design.board.supply_v:g}",
+        "resistor": f"{design.board.divider_ohm / 1000:g} kohm",
+        "forces": "\n// ".join(
+            textwrap.wrap("; ".join(f"F{text[1:]}." for text in reliability), _WIDTH - 3)
+        ),
+        "conversions": CONVERSIONS,
+        "task_conversions": TASK_CONVERSIONS,
+        "bits": bits,
+        "range_v": range_v,
+    }
     line = "slip_line.h"
     sketch = Template(read_template(f"examples/{LAMP}")).substitute(values)
+
     return {LAMP: sketch.encode(), line: read_template(f"examples/{line}").encode()}
 
 

@@ -1,8 +1,8 @@
 """Display of results: tables in HTML, data frames, pictures, and the style of all plots.
 
-A design cannot import what draws it, which builds on it. `plot` therefore finds it by its name. Every plot begins with
-`new_figure`, which raises an error if matplotlib is not installed. Modules that draw import matplotlib only where they
-use it, so that the plots can be listed without it.
+A design cannot import what draws it, which builds on it. `plot` therefore finds it by its name.
+Every plot begins with `new_figure`, which raises an error if matplotlib is not installed. Modules
+that draw import matplotlib only where they use it, so that the plots can be listed without it.
 """
 
 from __future__ import annotations
@@ -50,7 +50,10 @@ class Picture:
         from fingertip.foundation.files import write_file  # noqa: PLC0415
 
         if Path(path).suffix.lower() != ".png":
-            raise OutputError(Issue(str(path), "would be a PNG file of another name; end it in .png."))
+            raise OutputError(
+                Issue(str(path), "would be a PNG file of another name; end it in .png.")
+            )
+
         write_file(Path(path), self.png, "picture")
         return Path(path)
 
@@ -64,9 +67,13 @@ def plot(where: str, *arguments: Any) -> Picture:
 def html_table(caption: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """Write a table in HTML with its caption; every text is escaped."""
     head = "".join(f"<th>{html.escape(name)}</th>" for name in header)
-    body = "".join("<tr>" + "".join(f"<td>{html.escape(str(cell))}</td>" for cell in row) + "</tr>" for row in rows)
+    body = "".join(
+        "<tr>" + "".join(f"<td>{html.escape(str(cell))}</td>" for cell in row) + "</tr>"
+        for row in rows
+    )
     return (
-        f"<table><caption>{html.escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+        f"<table><caption>{html.escape(caption)}</caption>"
+        f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
     )
 
 
@@ -79,19 +86,30 @@ DPI = 150
 TEXT_COLOUR = "#4a5157"
 """Colour of annotations and of reference lines."""
 GRID_COLOUR = "#e5e8eb"
-BLUE, PURPLE, RED, TEAL, ORANGE = "#0f2f57", "#6a3590", "#b03a2e", "#1e8683", "#c9801f"
-"""Colours of lines and symbols. Each is lighter than the one before, so that they differ in grey and for every kind of
-colour blindness, and stands out from white by 3:1."""
+BLUE = "#0f2f57"
+PURPLE = "#6a3590"
+RED = "#b03a2e"
+TEAL = "#1e8683"
+ORANGE = "#c9801f"
+"""Colours of lines and symbols. Each is lighter than the one before, so that they differ in grey
+and for every kind of colour blindness, and stands out from white by 3:1.
+"""
 SERIES = (BLUE, RED, TEAL, PURPLE, ORANGE)
 """Colours of curves without a meaning of their own; the first ones differ most."""
-SKY, YELLOW, BROWN, PINK = "#5fb0d3", "#e3c33c", "#7a4b26", "#d67fa8"
+SKY = "#5fb0d3"
+YELLOW = "#e3c33c"
+BROWN = "#7a4b26"
+PINK = "#d67fa8"
 AREAS = (RED, ORANGE, BLUE, YELLOW, PURPLE, SKY, BROWN, PINK)
 """Colours of areas side by side: neighbours in this order differ much in lightness."""
 SHADES = ("#9ecae1", "#4292c6", "#08519c")
 """Colours of a quantity in ascending steps."""
 TRUTH = "#8fc1b5"
 """Colour of what is true, an area: lighter than every line."""
-PALE_TEAL, PALE_RED, PALE_BLUE, PALE_GREY = "#cfe3d8", "#e2b6b1", "#a9bfd4", "#e9ebed"
+PALE_TEAL = "#cfe3d8"
+PALE_RED = "#e2b6b1"
+PALE_BLUE = "#a9bfd4"
+PALE_GREY = "#e9ebed"
 """Colours of areas and points in the background."""
 REFERENCE = "#98a1aa"
 """Colour of what others are compared with."""
@@ -101,18 +119,25 @@ def new_figure(width_in: float, height_in: float, *, automatic_layout: bool = Tr
     extras.require("plot", "matplotlib")
     if "matplotlib" not in sys.modules:
         _import_matplotlib()
+
     layout = "constrained" if automatic_layout else None
-    figure: Figure = extras.load("matplotlib.figure", "plot").Figure((width_in, height_in), DPI, layout=layout)
+    figure: Figure = extras.load("matplotlib.figure", "plot").Figure(
+        (width_in, height_in), DPI, layout=layout
+    )
     return figure
 
 
 def _import_matplotlib() -> None:
-    """Import matplotlib without settings: those of the current folder may be a stranger's, others change the bytes."""
-    # While it is imported, it warns of a home that cannot be written, which is no concern of a picture.
+    """Import matplotlib without settings: those of the current folder
+    may be a stranger's, others change the bytes.
+    """
+    # While it is imported, it warns of a home that cannot be written, which is no concern of a
+    # picture.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     with contextlib.ExitStack() as left:
         with contextlib.suppress(FileNotFoundError):  # the current folder was removed
             left.enter_context(contextlib.chdir(Path(__file__).parent))
+
         extras.load("matplotlib", "plot").rcdefaults()
 
 
@@ -124,21 +149,27 @@ def style_axes(axes: Axes, grid: Literal["x", "y", "both"] = "y") -> None:
 
 
 def to_png(figure: Figure) -> bytes:
-    """Render a figure as PNG without date and version, so that the same data gives the same bytes."""
+    """Render a figure as PNG without date and version, so that the same data gives the
+    same bytes.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
 
     out = io.BytesIO()
     _take_literally(figure)
     FigureCanvasAgg(figure).print_png(out, metadata={"Software": None})
+
     return out.getvalue()
 
 
 def _take_literally(figure: Figure) -> None:
-    """Let no $ in a text begin a formula, as in the name of a file; the ticks of logarithmic axes are formulas."""
+    """Let no $ in a text begin a formula, as in the name of a file;
+    the ticks of logarithmic axes are formulas.
+    """
     from matplotlib.axis import Tick  # noqa: PLC0415
     from matplotlib.text import Text  # noqa: PLC0415
 
     ticks = {label for tick in figure.findobj(Tick) for label in (tick.label1, tick.label2)}
+
     for text in figure.findobj(Text):
         if text not in ticks:
             text.set_parse_math(False)

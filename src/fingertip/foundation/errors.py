@@ -1,8 +1,10 @@
-"""Errors that name the field, its value, the bound it violates and a remedy, and the check of types of arguments.
+"""Errors that name the field, its value, the bound it violates and a remedy, and the check of types
+of arguments.
 
-Input may be of any length and hold any character. What a message repeats of it is shortened, and control characters are
-escaped, so that a message stays one line that a terminal prints as it is. Lines below it, such as those of a
-difference, are indented: no text of a file passes for a message of its own.
+Input may be of any length and hold any character. What a message repeats of it is shortened, and
+control characters are escaped, so that a message stays one line that a terminal prints as it is.
+Lines below it, such as those of a difference, are indented: no text of a file passes for a message
+of its own.
 """
 
 from __future__ import annotations
@@ -26,7 +28,9 @@ _MAX_MESSAGE_LENGTH = 4000
 _KEPT_END = 0.4
 """Share of a shortened text that is kept of its end, where the remedy stands."""
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
-"""Characters that move the cursor, change the colour or the direction of writing, or cannot be encoded."""
+"""Characters that move the cursor, change the colour or the
+direction of writing, or cannot be encoded.
+"""
 _LINE_BREAK = re.compile(r"\n(?!  )")
 """Line break before a line that is not indented."""
 _PASTED = re.compile(r"(=(?:'[^']*'|\S+)|\b(?:least|most|and|or) -?\d[\d.e+-]*)\.$")
@@ -38,6 +42,7 @@ def escape_control(text: str, kept: str = "") -> str:
     """Escape control characters as Python writes them, but for those in `kept`."""
     if text.isprintable():
         return text
+
     return _CONTROL.sub(lambda found: found[0] if found[0] in kept else ascii(found[0])[1:-1], text)
 
 
@@ -53,9 +58,12 @@ def join_words(words: Iterable[str], last_word: str = "and") -> str:
 
 
 def shorten(text: str, length: int) -> str:
-    """Replace the middle of a text of more than `length` characters by a note of how many there are."""
+    """Replace the middle of a text of more than `length`
+    characters by a note of how many there are.
+    """
     if len(text) <= length:
         return text
+
     end = int(_KEPT_END * length)
     return f"{text[: length - end]}...({len(text)} characters)...{text[len(text) - end :]}"
 
@@ -64,6 +72,7 @@ def quote_value(value: Any) -> str:
     """Write a value as Python does, shortened, for a message that repeats it."""
     if isinstance(value, str | bytes) and len(value) > MAX_VALUE_LENGTH:
         return f"{value[:MAX_VALUE_LENGTH]!r}... ({len(value)} characters)"
+
     return shorten(repr(value), MAX_VALUE_LENGTH)
 
 
@@ -71,15 +80,20 @@ def _cut(text: str) -> str:
     if len(text) > _MAX_WORD_LENGTH:
         text = _LONG_WORD.sub(lambda found: shorten(found[0], _MAX_WORD_LENGTH), text)
         text = shorten(text, _MAX_MESSAGE_LENGTH)
+
     return text
 
 
 @dataclass(frozen=True)
 class Issue:
-    """One problem with the input, in the words of the command line; `str` gives it in those of Python."""
+    """One problem with the input, in the words of the command
+    line; `str` gives it in those of Python.
+    """
 
     field: str
-    """Location of the problem: a parameter such as `skin.width_mm`, a file, an option or a CSV column."""
+    """Location of the problem: a parameter such as
+    `skin.width_mm`, a file, an option or a CSV column.
+    """
     message: str
     """The problem in one sentence: value, bound and remedy."""
 
@@ -97,28 +111,38 @@ class Issue:
 
 
 class FingertipError(Exception):
-    """Base class of every error that is raised on purpose. It carries all issues found, not only the first."""
+    """Base class of every error that is raised on purpose.
+
+    It carries all issues found, not only the first.
+    """
 
     def __init__(self, issues: Issue | str | Iterable[Issue]) -> None:
         if isinstance(issues, str):
             issues = Issue("", issues)
+
         self.issues: tuple[Issue, ...] = (issues,) if isinstance(issues, Issue) else tuple(issues)
         super().__init__("\n".join(str(issue) for issue in self.issues))
 
 
 def raise_issues(kind: type[FingertipError], *issues: Iterable[Issue]) -> None:
     """Raise an error of all issues, if there are any."""
-    if found := tuple(itertools.chain(*issues)):
+    found = tuple(itertools.chain(*issues))
+    if found:
         raise kind(found)
 
 
 @contextlib.contextmanager
 def gather(issues: list[Issue], prefix: str = "") -> Iterator[None]:
-    """Add the issues of an error to others, each field after a prefix, so that all are reported at once."""
+    """Add the issues of an error to others, each field after a
+    prefix, so that all are reported at once.
+    """
     try:
         yield
     except FingertipError as error:
-        issues += (Issue(f"{prefix}{issue.field}", issue.message) if prefix else issue for issue in error.issues)
+        issues += (
+            Issue(f"{prefix}{issue.field}", issue.message) if prefix else issue
+            for issue in error.issues
+        )
 
 
 class ArgumentError(FingertipError, TypeError):
@@ -165,10 +189,15 @@ class MissingLibraryError(FingertipError):
     """A library of the system, or an optional package, is needed and is not installed."""
 
 
-# Messages are written once, as they are typed on the command line. In Python, arguments of functions have the names of
-# the options but for those below.
+# Messages are written once, as they are typed on the command line. In Python, arguments of
+# functions have the names of the options but for those below.
 
-_RENAMED = {"calibrate": "calibrate_s", "column": "columns", "minutes": "negative_minutes", "set": "changes"}
+_RENAMED = {
+    "calibrate": "calibrate_s",
+    "column": "columns",
+    "minutes": "negative_minutes",
+    "set": "changes",
+}
 _UNITS = {"ms": "1e-3", "us": "1e-6", "ns": "1e-9"}
 _PAIR = r"[^\s=]+=(?:'[^']*'|\[[^]]*\]|[^\s,;]*[^\s,;.])"
 _VALUE = r"\d(?:[^\s;]*[^\s;,.])?|[A-Z]+\b|(?:ms|us|ns)\b|\w+(?:,\w+)+"
@@ -179,21 +208,39 @@ _OPTION = re.compile(
 
 
 def as_arguments(text: str) -> str:
-    """Write options as arguments, such as `--rate-hz 2000` as `rate_hz=2000`; commands in backquotes stay."""
+    """Write options as arguments, such as `--rate-hz 2000` as
+    `rate_hz=2000`; commands in backquotes stay.
+    """
     pieces = re.split(r"(`[^`]*`)", text) if "--" in text else [text]
-    return "".join(piece if piece.startswith("`") else _OPTION.sub(_argue, piece) for piece in pieces)
+    return "".join(
+        piece if piece.startswith("`") else _OPTION.sub(_argue, piece) for piece in pieces
+    )
 
 
 def _argue(found: re.Match[str]) -> str:
-    option, pairs, value = found["name"], found["pairs"], found["value"]
-    name, comma = _RENAMED.get(option, option.replace("-", "_")), "" if found["more"] is None else ","
+    option = found["name"]
+    pairs = found["pairs"]
+    value = found["value"]
+    name = _RENAMED.get(option, option.replace("-", "_"))
+    comma = "" if found["more"] is None else ","
+
     if pairs:
         entries = (pair.partition("=") for pair in pairs.split(f" --{option} "))
-        return f"{name}={{" + ", ".join(f'"{key}": {_literal(word)}' for key, _, word in entries) + f"}}{comma}"
+        return (
+            f"{name}={{"
+            + ", ".join(f'"{key}": {_literal(word)}' for key, _, word in entries)
+            + f"}}{comma}"
+        )
+
     if value is None:
         return f"{name}=True" if found.string.endswith("add ", 0, found.start()) else name
+
     begin, colon, end = value.partition(":")
-    return f"{name}=({begin}, {end}){comma}" if colon else f"{name}={_UNITS.get(value) or _literal(value)}{comma}"
+    return (
+        f"{name}=({begin}, {end}){comma}"
+        if colon
+        else f"{name}={_UNITS.get(value) or _literal(value)}{comma}"
+    )
 
 
 def _literal(word: str) -> str:
@@ -201,42 +248,58 @@ def _literal(word: str) -> str:
         return word
     if "," in word:
         return f"[{', '.join(map(_literal, word.split(',')))}]"
+
     return {"true": "True", "false": "False"}.get(word, f'"{word}"')
 
 
 _LARGEST = 10**308
 F = TypeVar("F", bound=Callable[..., Any])
 _KINDS = {
-    "NoneType": "None", "Callable": "a function", "Iterable": "a list", "Sequence": "a list", "Collection": "a list",
-    "Mapping": "a dict", "str": "a text", "Path": "a path", "int": "a whole number", "float": "a number",
-    "bool": "True or False", "Design": 'a Design, such as Design.load("fsr400")',
-    "SceneFile": 'a SceneFile, such as SceneFile.load("sliding_finger")', "Grid": "a Grid, such as Grid(16)",
+    "NoneType": "None",
+    "Callable": "a function",
+    "Iterable": "a list",
+    "Sequence": "a list",
+    "Collection": "a list",
+    "Mapping": "a dict",
+    "str": "a text",
+    "Path": "a path",
+    "int": "a whole number",
+    "float": "a number",
+    "bool": "True or False",
+    "Design": 'a Design, such as Design.load("fsr400")',
+    "SceneFile": 'a SceneFile, such as SceneFile.load("sliding_finger")',
+    "Grid": "a Grid, such as Grid(16)",
     "ManipulationFile": 'a ManipulationFile, such as ManipulationFile.load("real_manipulation")',
-}  # fmt: skip
+}
 """Name of a type -> how a message asks for a value of it."""
 
 
 def checked(function: F) -> F:
     """Refuse arguments of other types than a function, or the constructor of a class, declares.
 
-    Lists are taken for tuples, and scalars of numpy for numbers. Types that are imported for type checkers only, and
-    protocols, are not checked. Raises ArgumentError.
+    Lists are taken for tuples, and scalars of numpy for numbers. Types that are imported for type
+    checkers only, and protocols, are not checked. Raises ArgumentError.
     """
     if isinstance(function, type):
         function.__init__ = checked(function.__init__)  # type: ignore[misc]
         return function
-    signature, hints = inspect.signature(function), dict[str, Any]()
+
+    signature = inspect.signature(function)
+    hints = dict[str, Any]()
     for name, parameter in signature.parameters.items():
         with contextlib.suppress(NameError, TypeError):
             hint = eval(parameter.annotation, inspect.unwrap(function).__globals__)
             if not isinstance(hint, str):  # a type alias that numpy is not loaded for
-                hints[name] = tuple[hint, ...] if parameter.kind is parameter.VAR_POSITIONAL else hint  # type: ignore[valid-type]
+                is_variadic = parameter.kind is parameter.VAR_POSITIONAL
+                hints[name] = tuple[hint, ...] if is_variadic else hint  # type: ignore[valid-type]
 
     @functools.wraps(function)
     def call(*values: Any, **named: Any) -> Any:
         bound = signature.bind(*values, **named)
         given = bound.arguments
-        given |= {name: _fit(name, given[name], hint) for name, hint in hints.items() if name in given}
+        given |= {
+            name: _fit(name, given[name], hint) for name, hint in hints.items() if name in given
+        }
         return function(*bound.args, **bound.kwargs)
 
     return cast("F", call)
@@ -246,23 +309,34 @@ def _fit(field: str, value: Any, hint: Any) -> Any:
     """Return a value as a type hint declares it."""
     if getattr(value, "ndim", None) == 0:  # a scalar of numpy, which a refusal need not load
         value = value.tolist()
+
     kinds = get_args(hint) if isinstance(hint, UnionType) else (hint,)
     for kind in kinds:
         plain = get_origin(kind) or kind
         if plain is tuple and type(value) is list:
             value = tuple(value)
         if plain is float and isinstance(value, int) and not -_LARGEST < value < _LARGEST:
-            raise ArgumentError(Issue(field, f"is {quote_value(value)}, beyond every float; give a smaller number."))
+            raise ArgumentError(
+                Issue(field, f"is {quote_value(value)}, beyond every float; give a smaller number.")
+            )
         if plain is Any or (plain is float and isinstance(value, int)):
             return value
+
         try:
-            fits = isinstance(value, plain) and not (isinstance(value, bytes) and plain is not bytes)
+            fits = isinstance(value, plain) and not (
+                isinstance(value, bytes) and plain is not bytes
+            )
         except TypeError:  # a protocol
             return value
+
         if fits:
             if plain is Callable or type(value) not in (list, tuple) or not get_args(kind):
                 return value
-            return type(value)(_fit(f"{field}[{i}]", each, get_args(kind)[0]) for i, each in enumerate(value))
+
+            return type(value)(
+                _fit(f"{field}[{i}]", each, get_args(kind)[0]) for i, each in enumerate(value)
+            )
+
     names = [getattr(kind, "__name__", str(kind)) for kind in reversed(kinds)]
     wanted = join_words([_KINDS.get(name, f"a {name}") for name in names], "or")
     message = f"is {quote_value(value)}, of type {type(value).__name__}; give {wanted}."

@@ -1,11 +1,13 @@
-"""Single output files and temporary folders: atomic writing, rounding of the numbers written, and locks of folders.
+"""Single output files and temporary folders: atomic writing, rounding of the numbers written, and
+locks of folders.
 
-A file is written under a temporary name and renamed at the end, so that it appears complete or not at all. What one
-command writes as several files is a set (`fingertip.foundation.output_set`).
+A file is written under a temporary name and renamed at the end, so that it appears complete or not
+at all. What one command writes as several files is a set (`fingertip.foundation.output_set`).
 
-A temporary folder is removed when its `with` block ends, at an interruption too. What a process that was killed has
-left is removed by the next one that makes a folder. Each process holds a lock on its folders, which ends with it; a
-number of a process in the name would mislead where containers share the folder of temporary files.
+A temporary folder is removed when its `with` block ends, at an interruption too. What a process
+that was killed has left is removed by the next one that makes a folder. Each process holds a lock
+on its folders, which ends with it; a number of a process in the name would mislead where containers
+share the folder of temporary files.
 """
 
 from __future__ import annotations
@@ -32,7 +34,10 @@ _numbers = itertools.count()
 
 
 def encode_json(data: object) -> bytes:
-    """Write data as the text of a JSON file. Raises ValueError for numbers that JSON does not know."""
+    """Write data as the text of a JSON file.
+
+    Raises ValueError for numbers that JSON does not know.
+    """
     return (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
 
 
@@ -57,8 +62,15 @@ ZIP_DATE = 1980, 1, 1, 0, 0, 0
 
 
 def write_zip(path: Path, folder: Path) -> None:
-    """Write the files of a folder, but no links, as one ZIP archive without dates. Raises OutputError."""
-    files = [file for file in sorted(folder.rglob("*")) if file.is_file() and not file.is_symlink() and file != path]
+    """Write the files of a folder, but no links, as one ZIP archive without dates.
+
+    Raises OutputError.
+    """
+    files = [
+        file
+        for file in sorted(folder.rglob("*"))
+        if file.is_file() and not file.is_symlink() and file != path
+    ]
     with open_atomic(path, "--zip") as opened, zipfile.ZipFile(opened, "w") as archive:
         for file in files:
             name = f"{folder.resolve().name}/{file.relative_to(folder).as_posix()}"
@@ -70,22 +82,28 @@ def write_zip(path: Path, folder: Path) -> None:
 def open_atomic(path: Path, option: str = "--out") -> Iterator[BinaryIO]:
     """Open a file to write piece by piece, for data that does not fit in memory.
 
-    The file appears when the `with` block ends. After an error within the block an existing file is unchanged.
+    The file appears when the `with` block ends. After an error within the block an existing file is
+    unchanged.
 
     Raises OutputError.
     """
     if path.is_dir():
         raise OutputError(Issue(str(path), f"is a folder; give {option} the name of a file."))
+
     created = [folder for folder in (path.parent, *path.parent.parents) if not folder.exists()]
     temporary = path.with_name(f"{_PREFIX}{os.getpid()}-{next(_numbers)}")
     own = {temporary, *path.parents}
+
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         _remove_leftovers(path.parent)
         try:
             temporary.unlink(missing_ok=True)
-            with io.BufferedWriter(_RawFile(temporary, "x")) as file:  # never through a link of that name
+            with io.BufferedWriter(
+                _RawFile(temporary, "x")
+            ) as file:  # never through a link of that name
                 yield file
+
             os.replace(temporary, path)
         finally:
             temporary.unlink(missing_ok=True)
@@ -93,9 +111,18 @@ def open_atomic(path: Path, option: str = "--out") -> Iterator[BinaryIO]:
         for folder in created:
             with contextlib.suppress(OSError):
                 folder.rmdir()
-        if not isinstance(error, OSError) or error.filename is None or Path(error.filename) not in own:
+
+        if (
+            not isinstance(error, OSError)
+            or error.filename is None
+            or Path(error.filename) not in own
+        ):
             raise  # of the `with` block
-        message = f"cannot be written ({error.strerror or str(error)}); choose another file with {option}."
+
+        message = (
+            f"cannot be written ({error.strerror or str(error)}); choose another file with "
+            f"{option}."
+        )
         raise OutputError(Issue(str(path), message)) from error
 
 
@@ -115,14 +142,15 @@ def _is_running(process: int) -> bool:
         return False
     except OSError:  # it belongs to somebody else
         return True
+
     return True
 
 
 def round_for_output(value: float) -> float:
     """Round a number to six decimals before it is written to a report or table.
 
-    The last bits of a sum differ between processors; six decimals do not. Negative zero becomes zero; infinity and NaN
-    are returned as they are.
+    The last bits of a sum differ between processors; six decimals do not. Negative zero becomes
+    zero; infinity and NaN are returned as they are.
     """
     return round(float(value), 6) + 0.0
 
@@ -154,14 +182,19 @@ def _make_locked() -> tuple[Path, int | None]:
     except OSError as error:
         message = "no folder for temporary files can be written; set it to one that can be."
         raise OutputError(Issue("TMPDIR", message)) from error
+
     remove_leftovers(place)
     while True:
         try:
             path = Path(tempfile.mkdtemp(prefix=_FOLDER_PREFIX, dir=place))
         except OSError as error:
             reason = error.strerror or str(error)
-            message = f"cannot be written ({reason}); free some space there, or set TMPDIR to another folder."
+            message = (
+                f"cannot be written ({reason}); free some space there, or set TMPDIR to "
+                "another folder."
+            )
             raise OutputError(Issue(str(place), message)) from error
+
         # Another process may take the new folder for a leftover before it is locked.
         with contextlib.suppress(FileNotFoundError, BlockingIOError):
             lock = lock_folder(path)
@@ -182,6 +215,7 @@ def remove_leftovers(place: Path) -> None:
 def _remove_leftover(path: Path) -> None:
     if path.is_symlink() or not path.is_dir():
         return
+
     lock = lock_folder(path)
     if lock is not None:  # on Windows leftovers stay
         try:
@@ -191,14 +225,17 @@ def _remove_leftover(path: Path) -> None:
 
 
 def lock_folder(folder: Path, *, shared: bool = False) -> int | None:
-    """Lock a folder until the handle is closed or the process ends; None where the system has no such locks.
+    """Lock a folder until the handle is closed or the process ends; None where the system has no
+    such locks.
 
-    Raises BlockingIOError if another process holds a lock, and OSError if the folder cannot be opened.
+    Raises BlockingIOError if another process holds a lock, and OSError if the folder cannot be
+    opened.
     """
     try:
         import fcntl  # noqa: PLC0415
     except ImportError:  # Windows
         return None
+
     handle = os.open(folder, os.O_RDONLY)
     try:
         fcntl.flock(handle, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
@@ -208,6 +245,7 @@ def lock_folder(folder: Path, *, shared: bool = False) -> int | None:
     except OSError:  # a file system without locks
         os.close(handle)
         return None
+
     return handle
 
 
@@ -219,8 +257,11 @@ def _is_at(path: Path, handle: int) -> bool:
 
 
 def format_figure(value: float, digits: int = 4) -> str:
-    """Format a number with so many significant digits and no exponent; zeros fill places before the decimal point."""
+    """Format a number with so many significant digits and no exponent;
+    zeros fill places before the decimal point.
+    """
     if not value or not math.isfinite(value):
         return f"{value + 0.0:g}"  # 0 has no sign
+
     decimals = digits - 1 - math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
     return f"{round(value, decimals):.{max(decimals, 0)}f}"

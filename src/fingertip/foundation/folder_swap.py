@@ -1,12 +1,13 @@
 """Replacement of files in a folder: all of them or none, even if the process is killed.
 
-The new files are put in place in a single step: a folder with them is made beside the old one, with hard links to all
-that stays, and both folders then swap their names. Whoever is killed in between leaves the old files or the new ones.
-Where folders cannot be swapped (another file system, Windows, the current folder of this process), the files are
-renamed one after the other, and the next command that writes to the folder completes what was begun.
+The new files are put in place in a single step: a folder with them is made beside the old one, with
+hard links to all that stays, and both folders then swap their names. Whoever is killed in between
+leaves the old files or the new ones. Where folders cannot be swapped (another file system, Windows,
+the current folder of this process), the files are renamed one after the other, and the next command
+that writes to the folder completes what was begun.
 
-What a killed command seems to have left are folders, no links. A plan of renames states of each file what it was: what
-was changed or put there since stays.
+What a killed command seems to have left are folders, no links. A plan of renames states of each
+file what it was: what was changed or put there since stays.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ from fingertip.foundation.errors import InputFileError, Issue, OutputError
 from fingertip.foundation.files import lock_folder
 from fingertip.foundation.input_files import PARSED_LIMIT, is_safe_name, read_input
 
-# Content of a file that is to be written: its bytes, or the path of a finished file that is too large for memory.
+# Content of a file that is to be written: its bytes, or the path of a finished file that is too
+# large for memory.
 
 Content = bytes | Path
 
@@ -35,6 +37,7 @@ def hash_content(content: Content) -> str:
     if isinstance(content, Path):
         with content.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
+
     return hashlib.sha256(content).hexdigest()
 
 
@@ -48,14 +51,22 @@ def write_content(content: Content, path: Path) -> None:
 _COMMIT = ".fingertip-commit"
 """Folder, within the output folder, of files that are renamed one after the other."""
 _TRIAL = ".fingertip-trial"
-"""Folder, within an output folder or one above it, of a file that is written to find out whether that is possible."""
-_PLAN, _COMPLETE = "plan.json", "complete.json"
+"""Folder, within an output folder or one above it, of a file that is
+written to find out whether that is possible.
+"""
+_PLAN = "plan.json"
+_COMPLETE = "complete.json"
 """Name of the list of renames before and after all files were written."""
 _STAGING_SUFFIX = ".fingertip"
 
 
-def replace_files(folder: Path, files: Mapping[str, Content], removed: Collection[str], in_place: bool) -> None:
-    """Write some files of a folder and remove others. The caller holds the lock of the folder's parent."""
+def replace_files(
+    folder: Path, files: Mapping[str, Content], removed: Collection[str], in_place: bool
+) -> None:
+    """Write some files of a folder and remove others.
+
+    The caller holds the lock of the folder's parent.
+    """
     if in_place or not _swap_in(folder, files, removed):
         _rename_in(folder, files, removed)
 
@@ -66,53 +77,78 @@ def find_unfinished(folder: Path) -> Iterator[Path]:
 
 
 def find_output_folder(path: Path) -> Path | None:
-    """Find the output folder of a folder that a killed command may have left; None for any other folder."""
+    """Find the output folder of a folder that a killed command
+    may have left; None for any other folder.
+    """
     if path.name == _COMMIT:
         return path.parent
+
     name = path.name[1:].removesuffix(_STAGING_SUFFIX)
-    return path.with_name(name) if path.name == f".{name}{_STAGING_SUFFIX}" and is_safe_name(name) else None
+    return (
+        path.with_name(name)
+        if path.name == f".{name}{_STAGING_SUFFIX}" and is_safe_name(name)
+        else None
+    )
 
 
 def recover(folder: Path) -> None:
-    """Complete or undo what a command that was killed has left in or beside a folder. Raises OutputError."""
-    staging, commit = staging_folder(folder), folder / _COMMIT
+    """Complete or undo what a command that was killed has left in or beside a folder.
+
+    Raises OutputError.
+    """
+    staging = staging_folder(folder)
+    commit = folder / _COMMIT
+
     if is_folder(staging):
         staging.chmod(0o700)  # it may have the mode of a folder that was made read-only
-        # After a swap the subfolders may still be in the old folder. Before one there are none in it.
+        # After a swap the subfolders may still be in the old folder. Before one there are none in
+        # it.
         for path in staging.iterdir() if folder.exists() else ():
             if is_folder(path) and not path.name.startswith(_COMMIT):
                 target = folder / path.name
                 while os.path.lexists(target):
                     target = target.with_name(target.name + ".recovered")
+
                 os.rename(path, target)
+
         shutil.rmtree(staging)
+
     if is_folder(commit):
         _finish_renames(folder)
+
     for path in find_unfinished(folder):
         shutil.rmtree(path)
 
 
 def try_to_write(folder: Path, path: Path) -> None:
-    """Write a file below a folder, whose parent the caller has locked, and remove it again. Raises OSError."""
+    """Write a file below a folder, whose parent the caller has locked, and remove it again.
+
+    Raises OSError.
+    """
     made = folder / _TRIAL
     if is_folder(made):  # a command was killed here
         shutil.rmtree(made)
+
     with contextlib.ExitStack() as undo:
         for name in (*path.parent.parts, ""):
             made.mkdir()
             undo.callback(made.rmdir)
             made /= name
+
         undo.callback((made / path.name).unlink, missing_ok=True)
         (made / path.name).write_bytes(b"?")
 
 
 def read_plan(commit: Path) -> tuple[dict[str, str], dict[str, str]]:
-    """Read which files a complete plan of renames puts in place and removes; none without it. Raises OutputError.
+    """Read which files a complete plan of renames puts in place and removes; none without it.
+
+    Raises OutputError.
 
     Each name comes with what stood there when the plan was made, in the form of `_identify`.
     """
     if not os.path.lexists(commit / _COMPLETE):
         return {}, {}
+
     try:
         plan = json.loads(read_input(commit / _COMPLETE, PARSED_LIMIT, below=commit))
         return dict(plan["files"]), dict(plan["removed"])
@@ -122,15 +158,19 @@ def read_plan(commit: Path) -> tuple[dict[str, str], dict[str, str]]:
         raise OutputError(Issue(str(commit), message)) from None
 
 
-_ABSENT, _OTHER = "nothing", "no file"
+_ABSENT = "nothing"
+_OTHER = "no file"
 
 
 def _identify(path: Path) -> str:
-    """Return the hash of a regular file, that there is nothing, or what tells anything else, such as a link, apart."""
+    """Return the hash of a regular file, that there is nothing, or what
+    tells anything else, such as a link, apart.
+    """
     if not os.path.lexists(path):
         return _ABSENT
     if path.is_file() and not path.is_symlink():
         return hash_content(path)
+
     status = os.lstat(path)
     return f"{_OTHER}: {status.st_ino}, {status.st_ctime_ns}"
 
@@ -140,56 +180,73 @@ def is_folder(path: Path) -> bool:
 
 
 def staging_folder(folder: Path) -> Path:
-    """Folder beside an output folder in which a new set is made. A hidden name: it exists for a moment only."""
+    """Folder beside an output folder in which a new set is made.
+
+    A hidden name: it exists for a moment only.
+    """
     return folder.parent / f".{folder.name}{_STAGING_SUFFIX}"
 
 
 def _swap_in(folder: Path, files: Mapping[str, Content], removed: Collection[str]) -> bool:
-    """Put files in place by swapping folders; False if that is not possible here, and nothing has changed then."""
+    """Put files in place by swapping folders; False if that is not
+    possible here, and nothing has changed then.
+    """
     if _is_current(folder):
         return False
+
     staging = staging_folder(folder)
     try:
         staging.mkdir()
     except OSError:
         return False
+
     try:
         for name, data in files.items():
             write_content(data, staging / name)
+
         if not folder.exists():
             os.rename(staging, folder)
             return True
+
         shutil.copymode(folder, staging)
         subfolders = []
         for entry in os.scandir(folder):
             if entry.name in files or entry.name in removed:
                 continue
+
             if entry.is_symlink():
                 os.symlink(os.readlink(entry.path), staging / entry.name)
             elif entry.is_dir():
                 subfolders.append(entry.name)
             else:
                 _link(entry.path, staging / entry.name)
+
         if not _swap(staging, folder):
             shutil.rmtree(staging)
             return False
+
         staging.chmod(0o700)
         for name in subfolders:
             os.rename(staging / name, folder / name)
+
         shutil.rmtree(staging)
         return True
     except BaseException:
         with contextlib.suppress(OSError, OutputError):
             recover(folder)
+
         raise
 
 
 def _is_current(folder: Path) -> bool:
-    """Return whether this process, and the shell that started it, stand in a folder; they would stay in the old one."""
+    """Return whether this process, and the shell that started it, stand
+    in a folder; they would stay in the old one.
+    """
     try:
         current = Path.cwd()
     except OSError:
         return False
+
     return folder == current or folder in current.parents
 
 
@@ -199,6 +256,7 @@ def _link(source: str, target: Path) -> None:
     except OSError:  # a file system without hard links
         if not os.path.isfile(source):  # a copy of a pipe or device may never end
             raise
+
         shutil.copy2(source, target, follow_symlinks=False)
 
 
@@ -213,6 +271,7 @@ def _swap(first: Path, second: Path) -> bool:
             result = libc.renameat2(here, os.fsencode(first), here, os.fsencode(second), 2)
     except (OSError, AttributeError, TypeError):
         return False
+
     return bool(result == 0)
 
 
@@ -220,15 +279,20 @@ def _rename_in(folder: Path, files: Mapping[str, Content], removed: Collection[s
     """Put files in place one after the other, after a plan that `recover` can complete."""
     commit = folder / _COMMIT
     commit.mkdir(parents=True)
+
     try:
         for name, data in files.items():
             write_content(data, commit / f"new-{name}")
-        plan = {"files": {name: _identify(folder / name) for name in files},
-                "removed": {name: _identify(folder / name) for name in removed}}  # fmt: skip
+
+        plan = {
+            "files": {name: _identify(folder / name) for name in files},
+            "removed": {name: _identify(folder / name) for name in removed},
+        }
         (commit / _PLAN).write_text(json.dumps(plan), "utf-8")
     except BaseException:
         shutil.rmtree(commit, ignore_errors=True)
         raise
+
     os.rename(commit / _PLAN, commit / _COMPLETE)
     _finish_renames(folder)
 
@@ -237,12 +301,15 @@ def _finish_renames(folder: Path) -> None:
     """Carry out a complete plan, or the rest of it. The manifest comes last."""
     commit = folder / _COMMIT
     files, removed = read_plan(commit)
+
     for name, before in removed.items():
         if before != _ABSENT and _identify(folder / name) == before:
             (folder / name).unlink()
+
     for name, before in files.items():
         if os.path.lexists(commit / f"new-{name}") and _identify(folder / name) == before:
             os.replace(commit / f"new-{name}", folder / name)
+
     shutil.rmtree(commit)
 
 
@@ -252,18 +319,30 @@ LOCK_S = 60.0
 
 @contextlib.contextmanager
 def lock(folder: Path, *, shared: bool = False) -> Iterator[None]:
-    """Hold a lock on a folder, shared while a set in it is only read; it ends with the process, however that ends."""
-    handle, deadline = None, time.monotonic() + LOCK_S
+    """Hold a lock on a folder, shared while a set in it is only read;
+    it ends with the process, however that ends.
+    """
+    handle = None
+    deadline = time.monotonic() + LOCK_S
+
     while True:
         try:
-            with contextlib.suppress(PermissionError):  # a folder that may not be listed cannot be locked either
+            with contextlib.suppress(
+                PermissionError
+            ):  # a folder that may not be listed cannot be locked either
                 handle = lock_folder(folder, shared=shared)
+
             break
         except BlockingIOError as error:
             if time.monotonic() > deadline:
-                message = f"another command has been writing here for {LOCK_S:g} s; wait for it and try again."
+                message = (
+                    f"another command has been writing here for {LOCK_S:g} s; wait for it "
+                    "and try again."
+                )
                 raise OutputError(Issue(str(folder), message)) from error
+
             time.sleep(0.02)
+
     try:
         yield
     finally:
@@ -277,5 +356,7 @@ def output_errors(folder: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        message = f"cannot be written ({error.strerror or str(error)}); choose another folder with --out."
+        message = (
+            f"cannot be written ({error.strerror or str(error)}); choose another folder with --out."
+        )
         raise OutputError(Issue(str(folder), message)) from error

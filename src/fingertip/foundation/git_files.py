@@ -11,12 +11,19 @@ _LIMIT_S = 30.0
 
 
 def read_at_revision(revision: str, path: Path) -> bytes:
-    """Read a file of a git repository as it was at a revision, such as `main` or `HEAD~1`. Raises InputFileError."""
+    """Read a file of a git repository as it was at a revision, such as `main` or `HEAD~1`.
+
+    Raises InputFileError.
+    """
     folder = path.parent
-    commit = _run_git(folder, "rev-parse", "--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}")
+    commit = _run_git(
+        folder, "rev-parse", "--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}"
+    )
+
     if commit is None:
         message = (
-            f"is no design file, no folder, no bundled name, and no revision that git knows in {folder}; give one of "
+            "is no design file, no folder, no bundled name, and no revision that git knows in "
+            f"{folder}; give one of "
             "these."
         )
         raise InputFileError(Issue(revision, message))
@@ -25,6 +32,7 @@ def read_at_revision(revision: str, path: Path) -> bytes:
     if data is None:
         message = f"has no file {path}; commit it first, or give a revision in which it exists."
         raise InputFileError(Issue(revision, message))
+
     return data
 
 
@@ -36,4 +44,5 @@ def _run_git(folder: Path, *words: str) -> bytes | None:
     except (OSError, subprocess.TimeoutExpired) as error:
         message = f"cannot be run ({error}); install git, or compare two design files."
         raise InputFileError(Issue("git", message)) from None
+
     return done.stdout if done.returncode == 0 else None

@@ -1,11 +1,13 @@
 """Gate for files that are read: regular files of a bounded size, and safe names.
 
-Every file that a user names, or that stands in a folder that a user names, is opened here or checked here before a
-library opens it. A device, a pipe or a socket is refused without being opened for reading: it may never end. The limits
-may be raised by environment variables, for files that are large on purpose.
+Every file that a user names, or that stands in a folder that a user names, is opened here or
+checked here before a library opens it. A device, a pipe or a socket is refused without being opened
+for reading: it may never end. The limits may be raised by environment variables, for files that are
+large on purpose.
 
-A folder may come from a stranger. Whoever reads a file in it says so with `below`: no link is followed then, and every
-name on the way from that folder to the file is that of a file or folder within it.
+A folder may come from a stranger. Whoever reads a file in it says so with `below`: no link is
+followed then, and every name on the way from that folder to the file is that of a file or folder
+within it.
 """
 
 from __future__ import annotations
@@ -41,10 +43,15 @@ class Limit:
         text = os.environ.get(self.variable, "")
         if not text:
             return self.default * self.unit
+
         if not (text.isascii() and text.isdecimal() and len(text) <= 12 and int(text) > 0):
             unit = f" of {self.unit_name}" if self.unit_name else ""
-            message = f"{quote_value(text)} is no limit; set it to a whole number{unit} above 0, or unset it."
+            message = (
+                f"{quote_value(text)} is no limit; set it to a whole number{unit} above 0, "
+                "or unset it."
+            )
             raise InputFileError(Issue(self.variable, message))
+
         return int(text) * self.unit
 
 
@@ -56,25 +63,37 @@ SAMPLES_LIMIT = Limit("FINGERTIP_MAX_SAMPLES", 2**23, 1, "samples")
 OUTPUT_LIMIT = Limit("FINGERTIP_MAX_OUTPUT_MB", 256, _MEGABYTE, "MB")
 """Largest file of an output folder that is read back [bytes]."""
 PARSED_LIMIT = Limit("FINGERTIP_MAX_PARSED_MB", 16, _MEGABYTE, "MB")
-"""Largest file of an output folder that is parsed, such as a manifest [bytes]. It takes many times that in memory."""
+"""Largest file of an output folder that is parsed, such as a manifest [bytes].
+It takes many times that in memory.
+"""
 BODY_LIMIT = Limit("FINGERTIP_MAX_BODY_MB", 32, _MEGABYTE, "MB")
 """Largest STEP or STL file of a body that another program has drawn [bytes]."""
 _SEPARATORS = frozenset('/\\:*?"<>|')
-"""Characters that separate the names of a path, on one system or another, or that Windows reserves."""
+"""Characters that separate the names of a path, on one system or another, or that Windows
+reserves.
+"""
 _DEVICES = frozenset({"CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"}) | {
     f"{port}{number}" for port in ("COM", "LPT") for number in "123456789\xb9\xb2\xb3"
 }
 """Names that are devices on Windows, whatever their ending."""
 _MAX_NAME_BYTES = 240
-"""Maximum length of a name; file systems take 255 bytes, and a name may get a prefix for a moment."""
+"""Maximum length of a name; file systems take 255 bytes, and a name may get a prefix for
+a moment.
+"""
 _KINDS = {
-    stat.S_IFLNK: "a link", stat.S_IFDIR: "a folder", stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a socket",
-    stat.S_IFCHR: "a device", stat.S_IFBLK: "a device",
-}  # fmt: skip
+    stat.S_IFLNK: "a link",
+    stat.S_IFDIR: "a folder",
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+}
 
 
 def is_safe_name(name: object) -> TypeGuard[str]:
-    """Return whether a value names one file in a folder on every system, and nothing that stands there for a moment."""
+    """Return whether a value names one file in a folder on every
+    system, and nothing that stands there for a moment.
+    """
     return (
         isinstance(name, str)
         and escape_control(name) == name
@@ -87,23 +106,35 @@ def is_safe_name(name: object) -> TypeGuard[str]:
 
 
 def find_unsafe_names(names: Iterable[object]) -> list[object]:
-    """Find the names that are not safe, and those that are one file with an earlier one where case does not count."""
-    seen, found = {""}, []
+    """Find the names that are not safe, and those that are one file
+    with an earlier one where case does not count.
+    """
+    seen = {""}
+    found = []
+
     for name in names:
         folded = unicodedata.normalize("NFD", name).casefold() if is_safe_name(name) else ""
         found += [name] if folded in seen else []
         seen.add(folded)
+
     return found
 
 
 def find_link(folder: Path, path: Path) -> Path | None:
-    """Find the first link on the way from a folder, which may be one itself, to a path below it; None without any."""
+    """Find the first link on the way from a folder, which may be one
+    itself, to a path below it; None without any.
+    """
     ways = [path, *path.parents][: len(path.relative_to(folder).parts)]
     return next((way for way in reversed(ways) if way.is_symlink()), None)
 
 
-def check_regular(path: Path, limit: Limit | None = None, wanted: str = "a file", below: Path | None = None) -> int:
-    """Check that a path names a regular file within a limit, and return its size [bytes]. Raises InputFileError."""
+def check_regular(
+    path: Path, limit: Limit | None = None, wanted: str = "a file", below: Path | None = None
+) -> int:
+    """Check that a path names a regular file within a limit, and return its size [bytes].
+
+    Raises InputFileError.
+    """
     try:
         return _check_status(path, _read_status(path, below), limit, _remedy(wanted, below))
     except (OSError, ValueError) as error:
@@ -111,7 +142,9 @@ def check_regular(path: Path, limit: Limit | None = None, wanted: str = "a file"
 
 
 @contextlib.contextmanager
-def open_input(path: Path, limit: Limit, wanted: str = "a file", below: Path | None = None) -> Iterator[BufferedReader]:
+def open_input(
+    path: Path, limit: Limit, wanted: str = "a file", below: Path | None = None
+) -> Iterator[BufferedReader]:
     """Open a regular file to read; parameters and exceptions are those of `check_regular`."""
     remedy = _remedy(wanted, below)
     try:
@@ -119,23 +152,34 @@ def open_input(path: Path, limit: Limit, wanted: str = "a file", below: Path | N
         file = path.open("rb")
     except (OSError, ValueError) as error:
         raise _unreadable(path, error, remedy) from None
+
     with file:
         try:
             yield file
         except OSError as error:
             if error.filename is not None:  # it is of another file: those of reading name none
                 raise
+
             raise _unreadable(path, error, remedy) from None
 
 
 def read_input(
-    path: Path, limit: Limit, wanted: str = "a file", length: int | None = None, below: Path | None = None
+    path: Path,
+    limit: Limit,
+    wanted: str = "a file",
+    length: int | None = None,
+    below: Path | None = None,
 ) -> bytes:
-    """Read a regular file or its first `length` bytes; else as `check_regular`. Raises InputFileError."""
+    """Read a regular file or its first `length` bytes; else as `check_regular`.
+
+    Raises InputFileError.
+    """
     with open_input(path, limit, wanted, below) as file:
         data = file.read(limit.value + 1 if length is None else length)
+
     if len(data) > limit.value:  # it grows, or is one of the system's files that state no size
         raise _too_large(path, len(data), limit)
+
     return data
 
 
@@ -143,9 +187,11 @@ def _read_status(path: Path, below: Path | None) -> os.stat_result:
     """Read what a path names; below a folder that may be a stranger's, without leaving it."""
     if below is None:
         return os.stat(path)
+
     names = path.relative_to(below).parts if path.is_relative_to(below) else ()
     if not (names and all(is_safe_name(name) for name in names)):
         raise InputFileError(Issue(str(path), f"is no name of a file in {below}; rename it."))
+
     return os.lstat(find_link(below, path) or path)
 
 
@@ -157,17 +203,26 @@ def _check_status(path: Path, status: os.stat_result, limit: Limit | None, remed
     if not stat.S_ISREG(status.st_mode):
         kind = _KINDS.get(stat.S_IFMT(status.st_mode), "no regular file")
         raise InputFileError(Issue(str(path), f"is {kind}, not a regular file; {remedy}"))
+
     if limit is not None and status.st_size > limit.value:
         raise _too_large(path, status.st_size, limit)
+
     return status.st_size
 
 
 def _unreadable(path: Path, error: OSError | ValueError, remedy: str) -> InputFileError:
-    reason = "its path holds a NUL character" if isinstance(error, ValueError) else error.strerror or str(error)
+    reason = (
+        "its path holds a NUL character"
+        if isinstance(error, ValueError)
+        else error.strerror or str(error)
+    )
     return InputFileError(Issue(str(path), f"cannot be read ({reason}); {remedy}"))
 
 
 def _too_large(path: Path, size: int, limit: Limit) -> InputFileError:
     had, most = (f"{value / _MEGABYTE:.4g}" for value in (size, limit.value))
-    message = f"has {had} MB or more; at most {most} MB are read; make it smaller, or raise {limit.variable}."
+    message = (
+        f"has {had} MB or more; at most {most} MB are read; make it smaller, or raise "
+        f"{limit.variable}."
+    )
     return InputFileError(Issue(str(path), message))

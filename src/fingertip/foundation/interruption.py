@@ -1,8 +1,9 @@
-"""Signals that ask a command to end: Ctrl-C, the end of the terminal, and SIGTERM of whoever started it.
+"""Signals that ask a command to end: Ctrl-C, the end of the terminal, and SIGTERM of whoever
+started it.
 
-Each becomes an exception, so that temporary folders are removed and unfinished files undone on the way out. It is no
-`Exception`, and no `KeyboardInterrupt` either, which the command line's library would turn into the exit code of a
-failed check.
+Each becomes an exception, so that temporary folders are removed and unfinished files undone on the
+way out. It is no `Exception`, and no `KeyboardInterrupt` either, which the command line's library
+would turn into the exit code of a failed check.
 """
 
 from __future__ import annotations
@@ -13,7 +14,9 @@ import sys
 from collections.abc import Iterator
 from types import FrameType
 
-SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+SIGNALS = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+)
 
 
 class Interruption(BaseException):
@@ -25,13 +28,17 @@ class Interruption(BaseException):
 
 
 INTERRUPTIONS = (KeyboardInterrupt, Interruption)
-"""Exceptions of an interruption: where Python's own handler is in place, and within the command line."""
+"""Exceptions of an interruption: where Python's own handler is
+in place, and within the command line.
+"""
 _received: int | None = None
 _holding = False
 
 
 def raise_interruptions() -> None:
-    """Let the signals raise `Interruption` from now on; one that the starting process ignores stays ignored."""
+    """Let the signals raise `Interruption` from now on; one that
+    the starting process ignores stays ignored.
+    """
     for number in SIGNALS:
         if signal.getsignal(number) not in (signal.SIG_IGN, None):
             signal.signal(number, _raise)
@@ -51,9 +58,12 @@ def forget_signal() -> None:
 
 
 def find_signal(error: BaseException) -> int | None:
-    """Return the signal that is the cause of an exception, or None; imports turn it into other exceptions."""
+    """Return the signal that is the cause of an exception, or
+    None; imports turn it into other exceptions.
+    """
     if isinstance(error, Interruption):
         return error.number
+
     return int(signal.SIGINT) if isinstance(error, KeyboardInterrupt) else _received
 
 
@@ -64,18 +74,23 @@ def exit_code(error: BaseException) -> int:
 def report(error: BaseException) -> int:
     """Report an interruption on stderr in one line, and return the exit code."""
     number = exit_code(error) - 128
-    # Sets of files are swapped in whole, so an interrupted command leaves the former set or the new one.
+    # Sets of files are swapped in whole, so an interrupted command leaves the former set or the new
+    # one.
     by = "" if number == signal.SIGINT else f" by {signal.Signals(number).name}"
     with contextlib.suppress(OSError):
         print(f"interrupted{by}; no file is half-written", file=sys.stderr)
+
     return exit_code(error)
 
 
 @contextlib.contextmanager
 def hold_interruptions() -> Iterator[None]:
-    """Hold back the exceptions until the block ends: a mask of signals would not bind the threads of libraries."""
+    """Hold back the exceptions until the block ends: a mask of
+    signals would not bind the threads of libraries.
+    """
     global _holding
     _holding = True
+
     try:
         yield
     finally:

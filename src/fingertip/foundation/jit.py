@@ -1,16 +1,21 @@
 """Loops over samples that run in plain Python or, where that is faster overall, compiled by numba.
 
-Compiled code is some hundred times faster per sample, but a process that uses it first imports numba and loads the
-loop. Which form runs depends on whether numba is installed, and on how much work is asked for.
+Compiled code is some hundred times faster per sample, but a process that uses it first imports
+numba and loads the loop. Which form runs depends on whether numba is installed, and on how much
+work is asked for.
 
-1. A call whose work in plain Python would take less than `CALL_S` runs plain: converting its arguments costs more.
-2. Within a `compiled()` block every other call runs compiled. Campaigns, sweeps and benchmarks use such a block.
-3. Elsewhere each loop runs plain until the time that its calls in this process would take in plain Python reaches
-   `LOAD_S`, and compiled from then on: with a loop in the cache, at most twice as long as the better form.
+1. A call whose work in plain Python would take less than `CALL_S` runs plain: converting its
+   arguments costs more.
+2. Within a `compiled()` block every other call runs compiled. Campaigns, sweeps and benchmarks use
+   such a block.
+3. Elsewhere each loop runs plain until the time that its calls in this process would take in plain
+   Python reaches `LOAD_S`, and compiled from then on: with a loop in the cache, at most twice as
+   long as the better form.
 
-The time in plain Python is a constant per sample times the number of samples, so that the same calls always take the
-same decisions. Both forms execute the same operations in the same order, and neither contracts a product and a sum into
-one rounding: their results have the same bits. Compiled loops are cached beside the source, or in the user's folder.
+The time in plain Python is a constant per sample times the number of samples, so that the same
+calls always take the same decisions. Both forms execute the same operations in the same order, and
+neither contracts a product and a sum into one rounding: their results have the same bits. Compiled
+loops are cached beside the source, or in the user's folder.
 """
 
 from __future__ import annotations
@@ -37,7 +42,9 @@ LOAD_S = 0.5
 """Time to import numba and load one cached loop [s]: 0.16 s and 0.32 s of CPU time, measured by
 ``benchmarks/slip_speed.py``. Every further loop loads in 0.01 s."""
 CALL_S = 5e-6
-"""Time that the conversion of lists to arrays and back adds to a compiled call [s], measured for the detectors."""
+"""Time that the conversion of lists to arrays and back adds to a
+compiled call [s], measured for the detectors.
+"""
 
 _FLOAT64 = np.dtype(np.float64)
 _always_compile = False
@@ -47,7 +54,8 @@ _always_compile = False
 def available() -> bool:
     """Return whether numba is installed, without importing it, and may be used.
 
-    From the current folder it would read its settings, such as the place of its cache, whose files can run any code.
+    From the current folder it would read its settings, such as the place of its cache, whose files
+    can run any code.
     """
     return extras.is_installed("numba") and not os.path.lexists(".numba_config.yaml")
 
@@ -56,7 +64,9 @@ def available() -> bool:
 def compiled() -> Iterator[None]:
     """Run every loop compiled within this block, where numba is installed."""
     global _always_compile
-    before, _always_compile = _always_compile, available()
+    before = _always_compile
+    _always_compile = available()
+
     try:
         yield
     finally:
@@ -64,21 +74,28 @@ def compiled() -> Iterator[None]:
 
 
 def as_samples(voltage_v: Iterable[float]) -> list[float] | Array:
-    """Convert samples to a sequence that loops accept: an array stays an array, anything else becomes a list."""
+    """Convert samples to a sequence that loops accept: an array
+    stays an array, anything else becomes a list.
+    """
     return voltage_v if isinstance(voltage_v, np.ndarray) else list(voltage_v)
 
 
 class CompiledLoop:
     """A loop over samples in both forms: plain Python and compiled.
 
-    The loop is a function of numbers, tuples of numbers, and sequences of floats. It returns nothing and writes its
-    results into its last arguments, which are declared mutable. Plain Python is fastest on lists and compiled code on
-    arrays, so a call converts sequences either way and copies the results back.
+    The loop is a function of numbers, tuples of numbers, and sequences of floats. It returns
+    nothing and writes its results into its last arguments, which are declared mutable. Plain Python
+    is fastest on lists and compiled code on arrays, so a call converts sequences either way and
+    copies the results back.
     """
 
-    def __init__(self, function: Function, *helpers: Function, samples: str, plain_us: float) -> None:
+    def __init__(
+        self, function: Function, *helpers: Function, samples: str, plain_us: float
+    ) -> None:
         self.plain = function
-        self.outputs = sum("Mutable" in str(declared) for declared in function.__annotations__.values())
+        self.outputs = sum(
+            "Mutable" in str(declared) for declared in function.__annotations__.values()
+        )
         self._helpers = helpers
         self._samples = function.__code__.co_varnames.index(samples)
         self._plain_s = 1e-6 * plain_us
@@ -87,16 +104,20 @@ class CompiledLoop:
 
     @property
     def break_even(self) -> int:
-        """Number of samples in one process from which compiled code is faster overall, loading included."""
+        """Number of samples in one process from which compiled
+        code is faster overall, loading included.
+        """
         return round(LOAD_S / self._plain_s)
 
     def __call__(self, *arguments: Any) -> None:
         """Run the loop over one chunk, in the form that the module's policy selects."""
         work_s = self._plain_s * len(arguments[self._samples])
         self._asked_s += work_s
+
         if work_s >= CALL_S and (_always_compile or (self._asked_s >= LOAD_S and available())):
             self._run_compiled(arguments)
             return
+
         lists = [a.tolist() if isinstance(a, np.ndarray) else a for a in arguments]
         self.plain(*lists)
         for argument, values in list(zip(arguments, lists, strict=True))[-self.outputs :]:
@@ -110,24 +131,31 @@ class CompiledLoop:
             self._run_first(arrays)
         else:
             self._compiled(*arrays)
+
         for argument, values in zip(arguments[first_output:], arrays[first_output:], strict=True):
             if argument is not values:
                 argument[:] = values.tolist()
 
     def _run_first(self, arrays: list[Any]) -> None:
-        """Load the loop, and run it; if its cache is damaged or the disk full, it is compiled for this process."""
+        """Load the loop, and run it; if its cache is damaged or the
+        disk full, it is compiled for this process.
+        """
         try:
             loop = _compile(self.plain, *self._helpers, cache=True)
             # numba notices changes in the function's own file; a helper may stand in another one.
-            self._forget_cache(loop, max((_find_change_s(helper) for helper in self._helpers), default=0.0))
+            self._forget_cache(
+                loop, max((_find_change_s(helper) for helper in self._helpers), default=0.0)
+            )
         except RuntimeError:  # no folder can be written
             loop = _compile(self.plain)
+
         try:
             loop(*arrays)
         except Exception:  # what a damaged file raises depends on the damage
             self._forget_cache(loop, math.inf)  # the next process writes it anew
             loop = _compile(self.plain)
             loop(*arrays)
+
         self._compiled = loop
 
     def _forget_cache(self, loop: Any, before_s: float) -> None:
@@ -139,7 +167,9 @@ class CompiledLoop:
 
 
 def _find_change_s(function: Function) -> float:
-    """Time at which a function's source file was last changed; 0 in a program without source files."""
+    """Time at which a function's source file was last changed; 0 in a program without
+    source files.
+    """
     try:
         return os.stat(function.__code__.co_filename).st_mtime
     except OSError:
@@ -147,29 +177,41 @@ def _find_change_s(function: Function) -> float:
 
 
 def _as_compiled(argument: Any, copy: bool) -> Any:
-    """An argument as compiled code takes it: lists as arrays, and inputs contiguous, so that one form is compiled."""
+    """An argument as compiled code takes it: lists as arrays, and
+    inputs contiguous, so that one form is compiled.
+    """
     if type(argument) is np.ndarray and argument.dtype is _FLOAT64 and argument.flags.c_contiguous:
         return argument  # nearly all of them; short chunks are fast by this
     if isinstance(argument, list):
         return np.array(argument, dtype=np.float64)
     if copy and isinstance(argument, np.ndarray):
-        return np.ascontiguousarray(argument, dtype=np.float64 if argument.dtype.kind in "iuf" else None)
+        return np.ascontiguousarray(
+            argument, dtype=np.float64 if argument.dtype.kind in "iuf" else None
+        )
+
     return argument
 
 
 def _compile(function: Function, *helpers: Function, cache: bool = False) -> Function:
-    """Compile a function, and its helpers with it; a division by 0 gives infinity or NaN, as in arrays."""
+    """Compile a function, and its helpers with it; a division by
+    0 gives infinity or NaN, as in arrays.
+    """
     for helper in helpers:
         importlib.import_module("numba.extending").register_jitable(helper)
-    result: Function = importlib.import_module("numba").njit(cache=cache, error_model="numpy")(function)
+
+    result: Function = importlib.import_module("numba").njit(cache=cache, error_model="numpy")(
+        function
+    )
     return result
 
 
 def compile_for_process(function: Function, *loops: CompiledLoop) -> Function:
-    """Return the function compiled for this process only, or the function itself where numba is not installed.
+    """Return the function compiled for this process only, or the function itself where numba is not
+    installed.
 
     It may call the plain form of loops of other files, of whose changes a cache would not know.
     """
     if not available():
         return function
+
     return _compile(function, *(part for loop in loops for part in (loop.plain, *loop._helpers)))

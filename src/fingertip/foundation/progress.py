@@ -1,7 +1,7 @@
 """Progress of long work: the share that is done and the time left, as text that carries both.
 
-Whoever does long work takes a function of a text, `ReportProgress`. A `ShareText` is such a text, so that a caller who
-knows nothing of shares prints it, and a terminal can draw a bar from it.
+Whoever does long work takes a function of a text, `ReportProgress`. A `ShareText` is such a text,
+so that a caller who knows nothing of shares prints it, and a terminal can draw a bar from it.
 """
 
 from __future__ import annotations
@@ -27,16 +27,22 @@ class ShareText(str):
     share: float
 
     def __new__(cls, label: str, share: float, elapsed_s: float = 0.0) -> ShareText:
-        """Make a message with the share that is done, and an estimate of the time left if some time has passed."""
+        """Make a message with the share that is done, and an estimate
+        of the time left if some time has passed.
+        """
         made = super().__new__(cls, describe_share(label, share, elapsed_s))
-        made.label, made.share = label, min(1.0, max(0.0, share))
+        made.label = label
+        made.share = min(1.0, max(0.0, share))
+
         return made
 
 
 class Work:
     """Long work of several stages whose relative durations are known."""
 
-    def __init__(self, name: str, stages: Mapping[str, float], progress: ReportProgress | None) -> None:
+    def __init__(
+        self, name: str, stages: Mapping[str, float], progress: ReportProgress | None
+    ) -> None:
         self._name = name
         self._stages = dict(stages)
         self._whole = sum(self._stages.values())
@@ -54,7 +60,9 @@ class Work:
         self._report(0.0, "")
 
     def within(self, stage: str) -> ReportProgress:
-        """Begin a stage, and return what its work reports to, whose labels and shares stand for those of the stage."""
+        """Begin a stage, and return what its work reports to, whose
+        labels and shares stand for those of the stage.
+        """
         self.begin(stage)
 
         def report(message: str) -> None:
@@ -66,12 +74,15 @@ class Work:
         return report
 
     def advance(self, share: float, detail: str = "") -> None:
-        """Report the share of the current stage that is done, unless the last report of the same was a moment ago."""
+        """Report the share of the current stage that is done, unless
+        the last report of the same was a moment ago.
+        """
         if detail != self._detail or time.monotonic() - self._reported >= EVERY_S:
             self._report(share, detail)
 
     def _report(self, share: float, detail: str) -> None:
-        self._reported, self._detail = time.monotonic(), detail
+        self._reported = time.monotonic()
+        self._detail = detail
         if self._progress is not None:
             label = ": ".join(text for text in (self._name, detail or self._stage) if text)
             done = (self._before + share * self._stages[self._stage]) / self._whole
@@ -83,6 +94,7 @@ def describe_share(label: str, share: float, elapsed_s: float) -> str:
     text = f"{label}: {100 * share:.0f} % done"
     if share < MIN_SHARE_FOR_ESTIMATE or not elapsed_s:
         return text
+
     return f"{text}, {format_duration(max(0.0, elapsed_s * (1 / share - 1)))} left"
 
 
@@ -91,4 +103,5 @@ def format_duration(seconds: float) -> str:
         return f"{seconds:.0f} s"
     if seconds < 100 * 60:
         return f"{seconds / 60:.0f} min"
+
     return f"{seconds / 3600:.1f} h"

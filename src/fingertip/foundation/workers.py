@@ -1,11 +1,13 @@
 """Work in other processes: one worker that answers calls, and several of them side by side.
 
-A worker is a new process, or a copy of this one. It answers pickled calls one after the other through two pipes, and
-may report its steps in between, so that a crash or a hang is attributed to what it was doing. No worker outlives the
-process that started it, and none takes anything from the current folder, which may be a stranger's.
+A worker is a new process, or a copy of this one. It answers pickled calls one after the other
+through two pipes, and may report its steps in between, so that a crash or a hang is attributed to
+what it was doing. No worker outlives the process that started it, and none takes anything from the
+current folder, which may be a stranger's.
 
-Whole calls are divided, such as the trials of a campaign, and not their loops. Each runs the same code on the same
-numbers wherever it runs, so no bit depends on the number of workers, and calls of different lengths cost no padding.
+Whole calls are divided, such as the trials of a campaign, and not their loops. Each runs the same
+code on the same numbers wherever it runs, so no bit depends on the number of workers, and calls of
+different lengths cost no padding.
 """
 
 from __future__ import annotations
@@ -49,46 +51,65 @@ _pool: Pool | None = None
 class WorkerDiedError(Exception):
     """A worker ended by itself, or was killed, before it answered."""
 
-    def __init__(self, step: Any = None, elapsed_s: float = 0.0, last_words: str = "no message") -> None:
+    def __init__(
+        self, step: Any = None, elapsed_s: float = 0.0, last_words: str = "no message"
+    ) -> None:
         super().__init__(last_words)
-        self.step, self.elapsed_s = step, elapsed_s
+        self.step = step
+        self.elapsed_s = elapsed_s
 
 
 class Worker(contextlib.AbstractContextManager["Worker"]):
     """Process that answers calls one after the other, and ends with the block."""
 
     def __init__(self, folder: Path | None = None, *, is_fork: bool = False) -> None:
-        """Start a process in the current folder or, where libraries look for settings in the current one, another.
+        """Start a process in the current folder or, where libraries look for settings in the
+        current one, another.
 
-        A fork of this process saves the time to import all modules once more. It is safe without other threads of
-        Python, and on Linux; those of numpy's BLAS stop for it.
+        A fork of this process saves the time to import all modules once more. It is safe without
+        other threads of Python, and on Linux; those of numpy's BLAS stop for it.
         """
         self.steps: list[Any] = []
         """Steps of the present call that the worker reported."""
         self._since_s = 0.0
-        """Time of the last step by the worker, which a busy machine tells of late, or of the call."""
+        """Time of the last step by the worker, which a busy machine tells of late, or of
+        the call.
+        """
         self._folder = folder
         self._process: subprocess.Popen[bytes] | None = None
+
         if is_fork:
             self.pid, self._calls, self._answers = _fork()
             return
+
         # Where this package is found by a path of the script alone, the worker finds it too.
         root = str(Path(__file__).parents[2])
         program = (
-            f"import sys; sys.path.append({root!r}); from {__name__} import serve_parent; serve_parent({os.getpid()})"
+            f"import sys; sys.path.append({root!r}); from {__name__} import serve_parent; "
+            f"serve_parent({os.getpid()})"
         )
         command = [sys.executable, "-P", "-c", program]
         places = filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))
         environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(os.path.abspath, places))}
         pipe = subprocess.PIPE
+
         with (folder / _MESSAGES if folder else Path(os.devnull)).open("wb") as messages:
             self._process = subprocess.Popen(
-                command, stdin=pipe, stdout=pipe, stderr=messages, cwd=folder, env=environment,
-                start_new_session=True,  # Ctrl-C reaches this process alone, which ends the other one
-            )  # fmt: skip
+                command,
+                stdin=pipe,
+                stdout=pipe,
+                stderr=messages,
+                cwd=folder,
+                env=environment,
+                # Ctrl-C reaches this process alone, which ends the other one
+                start_new_session=True,
+            )
+
         assert self._process.stdin
         assert self._process.stdout
-        self.pid, self._calls, self._answers = self._process.pid, self._process.stdin, self._process.stdout
+        self.pid = self._process.pid
+        self._calls = self._process.stdin
+        self._answers = self._process.stdout
 
     def __exit__(self, *_: object) -> None:
         self.close()
@@ -98,6 +119,7 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
         self.kill()
         with contextlib.suppress(BrokenPipeError):  # of a call that it has not read
             self._calls.close()
+
         self._answers.close()
 
     def kill(self) -> None:
@@ -111,8 +133,13 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
             self.pid = 0
 
     def send(self, function: Callable[..., Any], *arguments: Any) -> None:
-        """Send a call. A worker that cannot take it is found out by whoever waits for the answer."""
-        self.steps, self._since_s = [], time.monotonic()
+        """Send a call.
+
+        A worker that cannot take it is found out by whoever waits for the answer.
+        """
+        self.steps = []
+        self._since_s = time.monotonic()
+
         with contextlib.suppress(BrokenPipeError):
             self._calls.write(pickle.dumps((function, arguments)))
             self._calls.flush()
@@ -127,10 +154,12 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
                 kind, value = pickle.load(self._answers)
             except (OSError, EOFError, pickle.UnpicklingError):
                 raise self._describe_death() from None
+
             if kind == "error":
                 raise value
             if kind == "result":
                 return value
+
             step, self._since_s = value
             self.steps.append(step)
             watch(step)
@@ -138,33 +167,49 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
                 return None
 
     def receive_within(self, limit_s: float, watch: Callable[[], None] = lambda: None) -> Any:
-        """Wait for the result, and call a function all the while. Kills the worker and raises TimeoutError."""
+        """Wait for the result, and call a function all the while.
+
+        Kills the worker and raises TimeoutError.
+        """
         with ThreadPoolExecutor(1) as thread:
-            answer, end_s = thread.submit(self.receive), time.monotonic() + limit_s
+            answer = thread.submit(self.receive)
+            end_s = time.monotonic() + limit_s
             try:
                 while not answer.done() and (left_s := end_s - time.monotonic()) > 0:
                     wait([answer], min(_POLL_S, left_s))
                     watch()
+
                 if not answer.done():
                     raise TimeoutError
+
                 return answer.result()
             finally:
                 if not answer.done():
                     self.kill()
 
     def _describe_death(self) -> WorkerDiedError:
-        step, elapsed_s = self.steps[-1] if self.steps else None, time.monotonic() - self._since_s
+        step = self.steps[-1] if self.steps else None
+        elapsed_s = time.monotonic() - self._since_s
         self.kill()
-        text = (self._folder / _MESSAGES).read_text(encoding="utf-8", errors="replace") if self._folder else ""
+        text = (
+            (self._folder / _MESSAGES).read_text(encoding="utf-8", errors="replace")
+            if self._folder
+            else ""
+        )
+
         return WorkerDiedError(step, elapsed_s, *text.strip().splitlines()[-1:])
 
 
 class Pool:
-    """Workers that answer calls side by side. One that dies is replaced, and only its call is lost."""
+    """Workers that answer calls side by side.
+
+    One that dies is replaced, and only its call is lost.
+    """
 
     def __init__(self, workers: int) -> None:
         self._threads = ThreadPoolExecutor(workers)
-        self._lock, self._is_closed = threading.Lock(), False
+        self._lock = threading.Lock()
+        self._is_closed = False
         self._workers = [Worker() for _ in range(workers)]
         self._idle: queue.SimpleQueue[int] = queue.SimpleQueue()
         for place in range(workers):
@@ -180,6 +225,7 @@ class Pool:
             self._is_closed = True
             for worker in self._workers:
                 worker.kill()
+
         self._threads.shutdown(cancel_futures=True)
         for worker in self._workers:
             worker.close()
@@ -195,6 +241,7 @@ class Pool:
                 if not self._is_closed:
                     worker.close()
                     self._workers[place] = Worker()
+
             raise
         finally:
             self._idle.put(place)
@@ -202,36 +249,48 @@ class Pool:
 
 @contextlib.contextmanager
 def side_by_side(workers: int) -> Iterator[None]:
-    """Let `call_each` use so many worker processes; with one, calls run in this process. Every loop runs compiled."""
+    """Let `call_each` use so many worker processes; with one, calls run in this process.
+
+    Every loop runs compiled.
+    """
     global _pool
-    before, _pool = _pool, Pool(workers) if workers > 1 else None
+    before = _pool
+    _pool = Pool(workers) if workers > 1 else None
+
     try:
         with compiled():
             yield
     finally:
         if _pool:
             _pool.close()
+
         _pool = before
 
 
 def call_each(calls: Iterable[Callable[[], T]]) -> Iterator[T]:
-    """Call each with compiled loops, and yield the results in their order. Calls are pickled: partials of functions.
+    """Call each with compiled loops, and yield the results in their order.
+
+    Calls are pickled: partials of functions.
 
     Raises what a call raises, and FingertipError where a worker ends by itself.
     """
     if _pool is None:
         yield from map(_call_compiled, calls)
         return
+
     pool = _pool
     submitted = (pool.submit(_call_compiled, call) for call in calls)
     futures = deque(itertools.islice(submitted, _AHEAD))
+
     try:
         while futures:
             result = futures.popleft().result()
             futures.extend(itertools.islice(submitted, 1))
             yield result
     except WorkerDiedError:
-        message = "a worker process ended by itself, as it does where memory is full; choose --jobs 1."
+        message = (
+            "a worker process ended by itself, as it does where memory is full; choose --jobs 1."
+        )
         raise FingertipError(Issue("--jobs", message)) from None
     finally:
         for future in futures:
@@ -245,9 +304,11 @@ def _call_compiled(call: Callable[[], T]) -> T:
 
 @contextlib.contextmanager
 def in_background(function: Callable[..., T], *arguments: Any) -> Iterator[Callable[[], T]]:
-    """Call a function in another process, which ends with this block; what is provided waits for the result.
+    """Call a function in another process, which ends with this block; what is provided waits for
+    the result.
 
-    With one processor, or where the process fails for any reason, the function is called when the result is wanted.
+    With one processor, or where the process fails for any reason, the function is called when the
+    result is wanted.
     """
     if count_processors() == 1:
         yield lambda: function(*arguments)
@@ -256,6 +317,7 @@ def in_background(function: Callable[..., T], *arguments: Any) -> Iterator[Calla
     def receive() -> T:
         with contextlib.suppress(Exception):
             return worker.receive()  # type: ignore[no-any-return]
+
         return function(*arguments)
 
     with Worker(is_fork=sys.platform == "linux" and threading.active_count() == 1) as worker:
@@ -263,31 +325,43 @@ def in_background(function: Callable[..., T], *arguments: Any) -> Iterator[Calla
         yield receive
 
 
-def call_within_limits(limit_s: float, memory_bytes: int, function: Callable[..., T], *arguments: Any) -> T:
+def call_within_limits(
+    limit_s: float, memory_bytes: int, function: Callable[..., T], *arguments: Any
+) -> T:
     """Call a function in a process of its own, for what a library makes of a stranger's file.
 
-    Raises what the function raises, MemoryError where it reaches the limit of memory, and ValueError where the process
-    ends by itself or by the limit of time. Windows knows no limit of memory, and counts time on the clock.
+    Raises what the function raises, MemoryError where it reaches the limit of memory, and
+    ValueError where the process ends by itself or by the limit of time. Windows knows no limit of
+    memory, and counts time on the clock.
     """
     with Worker() as worker, contextlib.suppress(WorkerDiedError, TimeoutError):
         worker.send(_call_limited, limit_s, memory_bytes, function, arguments)
         return worker.receive_within(_SLOWEST * limit_s)  # type: ignore[no-any-return]
+
     raise ValueError(f"it cannot be read in {limit_s:g} s of computing")
 
 
-def _call_limited(limit_s: float, memory_bytes: int, function: Callable[..., T], arguments: tuple[Any, ...]) -> T:
+def _call_limited(
+    limit_s: float, memory_bytes: int, function: Callable[..., T], arguments: tuple[Any, ...]
+) -> T:
     if sys.platform != "win32":
         import resource  # noqa: PLC0415
 
-        for kind, limit in ((resource.RLIMIT_CPU, round(limit_s)), (resource.RLIMIT_DATA, memory_bytes)):
+        for kind, limit in (
+            (resource.RLIMIT_CPU, round(limit_s)),
+            (resource.RLIMIT_DATA, memory_bytes),
+        ):
             resource.setrlimit(kind, (limit, resource.getrlimit(kind)[1]))
+
     return function(*arguments)
 
 
 def report_step(step: Any) -> None:
     """Tell the process that waits for this worker what it does now; elsewhere nobody listens."""
     if _answers:
-        _answers.write(pickle.dumps(("step", (step, time.monotonic()))))  # a clock of the whole machine
+        _answers.write(
+            pickle.dumps(("step", (step, time.monotonic())))
+        )  # a clock of the whole machine
         _answers.flush()
 
 
@@ -296,24 +370,34 @@ def count_processors() -> int:
 
 
 def find_workers(jobs: int | None) -> int:
-    """Return the number of processes that is asked for, one for each processor by default. Raises FingertipError."""
+    """Return the number of processes that is asked for, one for each processor by default.
+
+    Raises FingertipError.
+    """
     if jobs is not None and not 1 <= jobs <= MAX_JOBS:
-        raise FingertipError(Issue("--jobs", f"{jobs} is out of range; choose 1 to {MAX_JOBS}, or leave it out."))
+        raise FingertipError(
+            Issue("--jobs", f"{jobs} is out of range; choose 1 to {MAX_JOBS}, or leave it out.")
+        )
+
     return count_processors() if jobs is None else jobs
 
 
 def end_with(parent: int) -> None:
-    """Let Linux kill this process when the one that started it ends; elsewhere it ends when its job is done."""
+    """Let Linux kill this process when the one that started it
+    ends; elsewhere it ends when its job is done.
+    """
     if sys.platform == "linux":
         with contextlib.suppress(OSError, AttributeError):
             ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
+
         if os.getppid() != parent:  # it has ended before
             os._exit(0)
 
 
 def serve_parent(parent: int) -> None:
     """Answer the calls of the process with this number on stdin, as the program of a new worker."""
-    calls, answers = os.dup(0), os.dup(1)
+    calls = os.dup(0)
+    answers = os.dup(1)
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     os.dup2(2, 1)  # libraries print there
     _serve(parent, calls, answers)
@@ -322,23 +406,31 @@ def serve_parent(parent: int) -> None:
 
 def _fork() -> tuple[int, IO[bytes], IO[bytes]]:
     """Copy this process; returns its number, and where it is called and answers."""
-    (calls, calling), (answering, answers), parent = os.pipe(), os.pipe(), os.getpid()
+    (calls, calling) = os.pipe()
+    (answering, answers) = os.pipe()
+    parent = os.getpid()
+
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # which counts the threads of BLAS too
         pid = os.fork()
+
     if pid:
         os.close(calls)
         os.close(answers)
         return pid, os.fdopen(calling, "wb"), os.fdopen(answering, "rb")
+
     try:
         os.setsid()
         null = os.open(os.devnull, os.O_RDWR)
         for stream in range(3):
             os.dup2(null, stream)
-        # Whatever else is open belongs to the other process, which closes pipes to say that it is done.
+
+        # Whatever else is open belongs to the other process, which closes pipes to say that it is
+        # done.
         bounds = (2, *sorted((calls, answers)), os.sysconf("SC_OPEN_MAX"))
         for low, high in itertools.pairwise(bounds):
             os.closerange(low + 1, high)
+
         _serve(parent, calls, answers)
     finally:
         os._exit(0)
@@ -349,7 +441,9 @@ def _serve(parent: int, calls: int, answers: int) -> None:
     global _answers, _pool
     end_with(parent)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _pool, _answers = None, os.fdopen(answers, "wb")
+    _pool = None
+    _answers = os.fdopen(answers, "wb")
+
     with os.fdopen(calls, "rb") as pipe, contextlib.suppress(EOFError):
         while True:
             function, arguments = pickle.load(pipe)  # imports what the function needs
@@ -357,5 +451,6 @@ def _serve(parent: int, calls: int, answers: int) -> None:
                 answer = "result", function(*arguments)
             except Exception as error:
                 answer = "error", error.with_traceback(None)
+
             _answers.write(pickle.dumps(answer))
             _answers.flush()

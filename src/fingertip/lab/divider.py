@@ -1,6 +1,8 @@
-"""A design's divider beside the board that could take its place: detector `fast` on the same trials and seeds.
+"""A design's divider beside the board that could take its place: detector `fast` on the same trials
+and seeds.
 
-The divider is tried with twice the noise too: nobody has measured that of a controller at a reader's desk.
+The divider is tried with twice the noise too: nobody has measured that of a controller at a
+reader's desk.
 """
 
 from __future__ import annotations
@@ -16,9 +18,12 @@ from fingertip.lab.campaign.plan import CampaignPlan
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, run_campaign
 from fingertip.lab.report.results import format_ms, to_number
 
-DIVIDER, NOISY, BOARD = "divider", "divider, twice the noise", "board"
+DIVIDER = "divider"
+NOISY = "divider, twice the noise"
+BOARD = "board"
 LEFT_OUT = (
-    "Left out, because they study the filter board or detectors that need it: all other tables and figures of a "
+    "Left out, because they study the filter board or detectors that need it: all other tables "
+    "and figures of a "
     f"validation. For these {BOARD_REMEDY}."
 )
 
@@ -44,7 +49,8 @@ class BoardComparison:
 
     def as_text(self) -> str:
         lines = [
-            f"{name:25} {len(row.delays_s)} of {row.slips} slips found, median {_ms(row, 0.5)}, 90 % {_ms(row, 0.9)}, "
+            f"{name:25} {len(row.delays_s)} of {row.slips} slips found, median {_ms(row, 0.5)}, "
+            f"90 % {_ms(row, 0.9)}, "
             f"{row.limited_alarms} false alarms in {row.limited_minutes:.1f} min"
             for name, row in self.rows.items()
         ]
@@ -55,21 +61,29 @@ class BoardComparison:
         verdict = f"the divider {'suffices' if passed else 'does not suffice'}"
         if self.reason:
             return f"{verdict}; {self.reason}"
-        divider, board = self.rows[DIVIDER], self.rows[BOARD]
+
+        divider = self.rows[DIVIDER]
+        board = self.rows[BOARD]
         return (
-            f"{verdict}; a board would find {len(board.delays_s)} slips in place of {len(divider.delays_s)}, with a "
-            f"median delay of {_ms(board, 0.5)} in place of {_ms(divider, 0.5)}, and 90 % within {_ms(board, 0.9)} in "
+            f"{verdict}; a board would find {len(board.delays_s)} slips in place of "
+            f"{len(divider.delays_s)}, with a "
+            f"median delay of {_ms(board, 0.5)} in place of {_ms(divider, 0.5)}, and 90 % within "
+            f"{_ms(board, 0.9)} in "
             f"place of {_ms(divider, 0.9)}."
         )
 
 
 def with_variant(design: Design, variant: str) -> Design:
-    """Copy of the design with another board on its own supply; its band limit is moved above the vibrations."""
+    """Copy of the design with another board on its own supply; its
+    band limit is moved above the vibrations.
+    """
     tables = design.model_dump()
     if design.board.variant != variant:
         minimum = BAND_CUTOFFS * design.board.cutoff_hz
-        supply_v, limit_hz = SUPPLIES[variant].nominal_v, max(design.board.band_limit_hz, minimum)
+        supply_v = SUPPLIES[variant].nominal_v
+        limit_hz = max(design.board.band_limit_hz, minimum)
         tables["board"] |= {"variant": variant, "supply_v": supply_v, "band_limit_hz": limit_hz}
+
     return Design(**tables)
 
 
@@ -77,15 +91,24 @@ def compare_with_board(design: Design, result: CampaignResult, detector: str) ->
     """Run the campaign of a divider on a board too, and its trials with more noise."""
 
     def run(changed: Design, plan: CampaignPlan) -> DetectorResult:
-        return run_campaign(changed, plan, (detector,), (1.0,), result.first_seed).at_nominal_threshold(detector)
+        return run_campaign(
+            changed,
+            plan=plan,
+            detectors=(detector,),
+            scales=(1.0,),
+            first_seed=result.first_seed,
+        ).at_nominal_threshold(detector)
 
-    rows, reason = {DIVIDER: result.at_nominal_threshold(detector)}, ""
+    rows = {DIVIDER: result.at_nominal_threshold(detector)}
+    reason = ""
     noisy = design.with_values({"detector.noise_v": min(1.0, 2 * design.detector.noise_v)})
     rows[NOISY] = run(Design(**noisy.model_dump()), CampaignPlan(result.plan.trials, 0.5))
+
     try:
         rows[BOARD] = run(with_variant(design, "precision"), result.plan)
     except DesignError as error:
         reason = f"no board is compared, because the design's filter is refused: {error.issues[0]}"
+
     return BoardComparison(rows, reason)
 
 

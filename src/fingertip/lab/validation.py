@@ -13,32 +13,60 @@ from fingertip.foundation.files import encode_json
 from fingertip.foundation.progress import Work
 from fingertip.foundation.validation import Comparison
 from fingertip.foundation.workers import find_workers, side_by_side
-from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, ClosedLoopTrial, run_closed_loop, summarise
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, check_first_seed
+from fingertip.lab.campaign.closed_loop import (
+    ClosedLoopSummary,
+    ClosedLoopTrial,
+    run_closed_loop,
+    summarise,
+)
+from fingertip.lab.campaign.plan import (
+    HELD_OUT_FROM,
+    REPORTED_SEPARATELY,
+    CampaignPlan,
+    check_first_seed,
+)
 from fingertip.lab.campaign.run import SCALES, CampaignResult, run_campaign, surface
 from fingertip.lab.divider import BoardComparison, compare_with_board
 from fingertip.lab.report import plots, results
 from fingertip.lab.report.results import format_ms, to_number
 from fingertip.slip.detectors.registry import DETECTORS, check_detector
 
-SHOWN_TRIALS, SHOWN_MINUTES = 120, 40.0
-"""Trials and minutes from which a validation shows its requirements: the article's trials, and 0 alarms in 40 min
-exclude 0.1 a minute with 95 %."""
-FILES = "validation.txt", "validation.json", "omissions.md", "delays.png", "surfaces.png", "comparison.png"
-# Requirements of one detector. Those with a reference are the article's for its trials, others this project's.
+SHOWN_TRIALS = 120
+SHOWN_MINUTES = 40.0
+"""Trials and minutes from which a validation shows its requirements: the article's trials, and 0
+alarms in 40 min exclude 0.1 a minute with 95 %.
+"""
+FILES = (
+    "validation.txt",
+    "validation.json",
+    "omissions.md",
+    "delays.png",
+    "surfaces.png",
+    "comparison.png",
+)
+# Requirements of one detector. Those with a reference are the article's for its trials, others this
+# project's.
 MIN_FOUND = 0.995
 """Smallest fraction of slips found (article, IV.A: all of 120)."""
-MAX_MEAN_S, MAX_P90_S = 0.060, 0.100
-"""Largest mean delay on every surface (article, IV.A), and 90th percentile of the delay (article, III.A: a signal is
-useful below 100 ms) [s]."""
+MAX_MEAN_S = 0.060
+MAX_P90_S = 0.100
+"""Largest mean delay on every surface (article, IV.A), and 90th percentile of the delay (article,
+III.A: a signal is useful below 100 ms) [s].
+"""
 MAX_ALARMS_PER_MINUTE = 0.1
 """Largest rate of false alarms from contacts, releases, load changes and drift [1/min]."""
 MAX_CLIP_SHARE = 0.01
-"""Largest mean share of a slide in which the board clips: the article's board shows vibration of up to 29.6 mV."""
+"""Largest mean share of a slide in which the board clips: the
+article's board shows vibration of up to 29.6 mV.
+"""
 MIN_HELD = 11 / 12
-"""Smallest fraction of manipulations in which the object is held (article, IV.A: 10 of 12; one more here)."""
+"""Smallest fraction of manipulations in which the object is held
+(article, IV.A: 10 of 12; one more here).
+"""
 MAX_REACTION_S = 0.2
-"""Upper bound of the time from slip until a finger moves, in all manipulations [s] (article, IV.A)."""
+"""Upper bound of the time from slip until a finger moves, in all manipulations [s]
+(article, IV.A).
+"""
 
 
 @dataclass(frozen=True)
@@ -52,31 +80,83 @@ class Requirement(Comparison):
 
 def check_detection(result: CampaignResult, detector: str) -> Iterator[Requirement]:
     nominal = result.at_nominal_threshold(detector)
-    found, least = nominal.found_share, MIN_FOUND
+    found = nominal.found_share
+    least = MIN_FOUND
     text = f"{100 * found:.1f} % of {nominal.slips} slips found; at least {100 * least:g} %"
-    yield Requirement("found", found, least, "", "at least", text)
+    yield Requirement(
+        name="found",
+        value=found,
+        limit=least,
+        unit="",
+        relation="at least",
+        message=text,
+    )
     means = {name: mean for name, (mean, _, _) in nominal.group_delays(surface).items()}
     worst = max(means, key=lambda name: means[name])
-    mean_s, limit_s = means[worst], MAX_MEAN_S
-    text = f"mean delay on the worst surface ({worst}) is {_ms(mean_s)}; at most {1000 * limit_s:g} ms"
-    yield Requirement("mean delay", mean_s, limit_s, "s", "at most", text)
-    p90_s, limit_s = nominal.delay_s(0.9), MAX_P90_S
+    mean_s = means[worst]
+    limit_s = MAX_MEAN_S
+    text = (
+        f"mean delay on the worst surface ({worst}) is {_ms(mean_s)}; at most {1000 * limit_s:g} ms"
+    )
+    yield Requirement(
+        name="mean delay",
+        value=mean_s,
+        limit=limit_s,
+        unit="s",
+        relation="at most",
+        message=text,
+    )
+    p90_s = nominal.delay_s(0.9)
+    limit_s = MAX_P90_S
     text = f"90th percentile of the delay is {_ms(p90_s)}; at most {1000 * limit_s:g} ms"
-    yield Requirement("p90 delay", p90_s, limit_s, "s", "at most", text)
-    rate, most = nominal.alarms_per_minute, MAX_ALARMS_PER_MINUTE
-    text = f"{rate:.2f} false alarms per minute, without {', '.join(REPORTED_SEPARATELY)}; at most {most:g}"
-    yield Requirement("alarms", rate, most, "1/min", "at most", text)
-    if math.isfinite(share := nominal.clip_share):
-        text = f"the board clips in {100 * share:.2f} % of the slides; at most {100 * MAX_CLIP_SHARE:g} %"
-        yield Requirement("range", share, MAX_CLIP_SHARE, "", "at most", text)
+    yield Requirement(
+        name="p90 delay",
+        value=p90_s,
+        limit=limit_s,
+        unit="s",
+        relation="at most",
+        message=text,
+    )
+    rate = nominal.alarms_per_minute
+    most = MAX_ALARMS_PER_MINUTE
+    text = (
+        f"{rate:.2f} false alarms per minute, without {', '.join(REPORTED_SEPARATELY)}; at "
+        f"most {most:g}"
+    )
+    yield Requirement(
+        name="alarms",
+        value=rate,
+        limit=most,
+        unit="1/min",
+        relation="at most",
+        message=text,
+    )
+    share = nominal.clip_share
+
+    if math.isfinite(share):
+        text = (
+            f"the board clips in {100 * share:.2f} % of the slides; at most "
+            f"{100 * MAX_CLIP_SHARE:g} %"
+        )
+        yield Requirement(
+            name="range",
+            value=share,
+            limit=MAX_CLIP_SHARE,
+            unit="",
+            relation="at most",
+            message=text,
+        )
 
 
 SOONER = 0.75
-"""Share of the 90th percentile of another detector's delay from which one is sooner: beyond the error of 120 trials."""
+"""Share of the 90th percentile of another detector's delay from which
+one is sooner: beyond the error of 120 trials.
+"""
 
 
 def find_better(result: CampaignResult, detector: str) -> str | None:
-    """Find the detector that misses fewer requirements than another one or, with as few, is sooner by a quarter.
+    """Find the detector that misses fewer requirements than another one or, with as few, is sooner
+    by a quarter.
 
     `incipient` does not count: it is the early point of `fast`.
     """
@@ -85,21 +165,45 @@ def find_better(result: CampaignResult, detector: str) -> str | None:
         missed = sum(not requirement.passed for requirement in check_detection(result, name))
         return missed, result.at_nominal_threshold(name).delay_s(0.9)
 
-    first = min((name for name in result.detectors if name != "incipient"), key=rank, default=detector)
+    first = min(
+        (name for name in result.detectors if name != "incipient"), key=rank, default=detector
+    )
     missed, p90_s = rank(detector)
     return first if rank(first) < (missed, SOONER * p90_s) else None
 
 
 def check_closed_loop(summary: ClosedLoopSummary) -> Iterator[Requirement]:
-    held, least = summary.held / summary.count, MIN_HELD
+    held = summary.held / summary.count
+    least = MIN_HELD
     text = f"{summary.held} of {summary.count} objects held; at least {100 * least:.3g} %"
-    yield Requirement("held", held, least, "", "at least", text)
+    yield Requirement(
+        name="held",
+        value=held,
+        limit=least,
+        unit="",
+        relation="at least",
+        message=text,
+    )
     slowest_s = math.inf if summary.unanswered else max(summary.reactions_s, default=0.0)
     limit_s = MAX_REACTION_S
     text = f"slowest reaction of the hand is {_ms(slowest_s)}; less than {1000 * limit_s:g} ms"
-    yield Requirement("reaction", slowest_s, limit_s, "s", "below", text)
+    yield Requirement(
+        name="reaction",
+        value=slowest_s,
+        limit=limit_s,
+        unit="s",
+        relation="below",
+        message=text,
+    )
     text = f"{summary.false_grips} grip increases without slip; at most 0"
-    yield Requirement("false grips", summary.false_grips, 0, "", "at most", text)
+    yield Requirement(
+        name="false grips",
+        value=summary.false_grips,
+        limit=0,
+        unit="",
+        relation="at most",
+        message=text,
+    )
 
 
 _ms = partial(format_ms, otherwise="infinite")
@@ -121,7 +225,11 @@ class Validation:
         return all(requirement.passed for requirement in self.requirements)
 
     def as_data(self) -> dict[str, Any]:
-        details = self.board.as_data() if self.board else results.as_data(self.campaign, summarise(self.closed_loop))
+        details = (
+            self.board.as_data()
+            if self.board
+            else results.as_data(self.campaign, summarise(self.closed_loop))
+        )
         return {
             "detector": self.detector,
             "better": find_better(self.campaign, self.detector),
@@ -131,35 +239,63 @@ class Validation:
         }
 
     def as_text(self) -> str:
-        return self.board.as_text() if self.board else results.as_text(self.campaign, summarise(self.closed_loop))
+        return (
+            self.board.as_text()
+            if self.board
+            else results.as_text(self.campaign, summarise(self.closed_loop))
+        )
 
     def as_verdict(self) -> str:
         """Return whether the requirements are met, and each of them with its value, as text."""
         missed = sum(not requirement.passed for requirement in self.requirements)
         count = len(self.requirements)
-        verdict = f"{missed} of {count} requirements are MISSED" if missed else f"all {count} requirements are met"
+        verdict = (
+            f"{missed} of {count} requirements are MISSED"
+            if missed
+            else f"all {count} requirements are met"
+        )
         plan = self.campaign.plan
+
         if not missed and (plan.trials < SHOWN_TRIALS or plan.negative_minutes < SHOWN_MINUTES):
             enough = f"{SHOWN_TRIALS} trials and {SHOWN_MINUTES:g} min do"
-            verdict += f", but {plan.trials} trials and {plan.negative_minutes:g} min are too few to show it: {enough}"
+            verdict += (
+                f", but {plan.trials} trials and {plan.negative_minutes:g} min are too few "
+                f"to show it: {enough}"
+            )
+
         lines = [f"{self.design.name}, detector {self.detector}: {verdict}"]
-        lines += [f"  {'met   ' if one.passed else 'MISSED'}  {one.message}" for one in self.requirements]
-        if better := find_better(self.campaign, self.detector):
+        lines += [
+            f"  {'met   ' if one.passed else 'MISSED'}  {one.message}" for one in self.requirements
+        ]
+        better = find_better(self.campaign, self.detector)
+
+        if better:
             rule = "it misses fewer requirements or, with as few, is sooner by a quarter"
-            lines.append(f"  note    {better} ranks before {self.detector} here: {rule}; --detector {better} shows it")
+            lines.append(
+                f"  note    {better} ranks before {self.detector} here: {rule}; --detector "
+                f"{better} shows it"
+            )
+
         if self.board:
             lines.append(self.board.tell(self.passed))
+
         return "\n".join(lines)
 
     def files(self, with_plots: bool = True) -> dict[str, bytes]:
-        """Return file name -> content: results, plots, page of omissions. Raises MissingLibraryError."""
+        """Return file name -> content: results, plots, page of omissions.
+
+        Raises MissingLibraryError.
+        """
         found = {
             "validation.txt": f"{self.as_verdict()}\n\n{self.as_text()}\n".encode(),
             "validation.json": encode_json(self.as_data()),
         }
         if self.board:
             return found
-        missed = [requirement.message for requirement in self.requirements if not requirement.passed]
+
+        missed = [
+            requirement.message for requirement in self.requirements if not requirement.passed
+        ]
         page = results.as_markdown(self.campaign, missed, self.closed_loop)
         if with_plots:
             found |= {
@@ -167,14 +303,18 @@ class Validation:
                 "surfaces.png": plots.plot_surfaces(self.campaign, self.detector),
                 "comparison.png": plots.plot_comparison(self.campaign),
             }
+
         return found | {"omissions.md": page.encode()}
 
 
 def estimate_stages_s(plan: CampaignPlan, has_filter: bool) -> dict[str, float]:
-    """Estimate the duration of each stage [s] for its share of the progress; measured on one core."""
+    """Estimate the duration of each stage [s] for its share of the progress; measured on
+    one core.
+    """
     cases = plan.trials + 15 * plan.negative_minutes  # a scene takes some four seconds
     if not has_filter:
         return {"trials": 0.04 * cases, "closed loop": 4.0, "boards": 0.08 * cases}
+
     return {"trials": 0.2 * cases, "closed loop": 17.0}
 
 
@@ -186,27 +326,53 @@ def validate(
     first_seed: int = HELD_OUT_FROM,
     jobs: int | None = 1,
 ) -> Validation:
-    """Test a design's detectors on simulated slips and on scenes without slip; None: judge the design's own.
+    """Test a design's detectors on simulated slips and on scenes without slip; None: judge the
+    design's own.
 
-    Trials run in `jobs` processes, one for each processor if None; no bit depends on that. Raises FingertipError.
+    Trials run in `jobs` processes, one for each processor if None; no bit depends on that. Raises
+    FingertipError.
     """
     detector = detector or design.detector.kind
     check_detector(design, detector)
     check_first_seed(first_seed)
-    plan, has_filter = plan or CampaignPlan(), design.board.has_filter
+    plan = plan or CampaignPlan()
+    has_filter = design.board.has_filter
     work = Work("validate", estimate_stages_s(plan, has_filter), progress)
     compared = tuple(dict.fromkeys((*DETECTORS, detector))) if has_filter else (detector,)
-    in_loop = tuple(dict.fromkeys(("analog", "incipient", "fast", detector))) if has_filter else (detector,)
+    in_loop = (
+        tuple(dict.fromkeys(("analog", "incipient", "fast", detector)))
+        if has_filter
+        else (detector,)
+    )
+
     with side_by_side(find_workers(jobs)):
         work.begin("trials")
         scales = SCALES if has_filter else (1.0,)
-        result = run_campaign(design, plan, compared, scales, first_seed, work.advance)
+        result = run_campaign(
+            design,
+            plan=plan,
+            detectors=compared,
+            scales=scales,
+            first_seed=first_seed,
+            advance=work.advance,
+        )
         work.begin("closed loop")
         manipulations = run_closed_loop(design, in_loop, 3 if plan.trials >= 12 else 1)
-        required = next(summary for summary in summarise(manipulations) if summary.detector == detector)
+        required = next(
+            summary for summary in summarise(manipulations) if summary.detector == detector
+        )
         requirements = (*check_detection(result, detector), *check_closed_loop(required))
         board = None
+
         if not has_filter:
             work.begin("boards")
             board = compare_with_board(design, result, detector)
-    return Validation(design, detector, result, tuple(manipulations), requirements, board)
+
+    return Validation(
+        design=design,
+        detector=detector,
+        campaign=result,
+        closed_loop=tuple(manipulations),
+        requirements=requirements,
+        board=board,
+    )

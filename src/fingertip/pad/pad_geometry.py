@@ -1,4 +1,5 @@
-"""Form of the pad: heights of skin and bone over the parting plane, and what the silicone is made of.
+"""Form of the pad: heights of skin and bone over the parting plane, and what the silicone is made
+of.
 
 Heights count from the plane y = 0 and are positive towards the palm.
 """
@@ -16,15 +17,21 @@ from fingertip.design.geometry.conic import ConicBody
 from fingertip.foundation.numerics import Array
 
 POISSON = 0.49
-"""Poisson's ratio of silicone. Between 0.49 and 0.4999 the share of the sensor changes by 0.001 at the centre and 0.01
-beside it: a tenth of a degree of tilt does more."""
+"""Poisson's ratio of silicone. Between 0.49 and 0.4999 the share of the sensor changes by 0.001 at
+the centre and 0.01 beside it: a tenth of a degree of tilt does more.
+"""
 INNER_FRICTION = 0.3
-"""Friction of a skin on the bone that it lies on, as of powdered silicone on a print. An assumption."""
+"""Friction of a skin on the bone that it lies on, as of powdered silicone on a print.
+An assumption.
+"""
 
 
 @dataclass(frozen=True)
 class PadForm:
-    """Shapes of skin and bone, the place of the sensor, and the modulus. Forms with equal values are equal."""
+    """Shapes of skin and bone, the place of the sensor, and the modulus.
+
+    Forms with equal values are equal.
+    """
 
     outer: ConicBody
     bone: ConicBody
@@ -48,7 +55,9 @@ class PadForm:
     bonded: bool = True
     """False: the skin was made apart and lies on the bone."""
     gap_mm: float = 0.0
-    """Distance of the inside of a skin that was made apart from the bone, where no bump is; 0: it lies on."""
+    """Distance of the inside of a skin that was made apart from
+    the bone, where no bump is; 0: it lies on.
+    """
     bump_radius_mm: float = 0.0
     bump_height_mm: float = 0.0
     """Bump inside that skin over the sensor; above the gap it presses on the sensor at rest."""
@@ -57,33 +66,54 @@ class PadForm:
 
     @classmethod
     def of_design(cls, design: Design, *, is_loose: bool = False) -> PadForm:
-        """Take the form from a design: with the tightest fit of a skin that was made apart, or with the loosest.
+        """Take the form from a design: with the tightest fit of a skin that was made apart, or with
+        the loosest.
 
-        Each surface of core and bone may be off by its error. A tight skin stretches and lies on, so that its bump is
-        proud by its whole height; a loose one stands off by both errors, less what it is made smaller by.
+        Each surface of core and bone may be off by its error. A tight skin stretches and lies on,
+        so that its bump is proud by its whole height; a loose one stands off by both errors, less
+        what it is made smaller by.
         """
-        dims, modulus, bump = design.dimensions, design.silicone.material.modulus_mpa, design.skin.bump_height_mm
-        gap = max(0.0, 2.0 * design.printer.surface_error_mm - design.mold.core_inset_mm) if is_loose else 0.0
+        dims = design.dimensions
+        modulus = design.silicone.material.modulus_mpa
+        bump = design.skin.bump_height_mm
+        gap = (
+            max(0.0, 2.0 * design.printer.surface_error_mm - design.mold.core_inset_mm)
+            if is_loose
+            else 0.0
+        )
         apart = not design.skin.bonded
+
         return cls(
-            dims.outer, dims.bone_outline, dims.flat_depth, dims.platform_depth,
-            dims.platform_radius if design.bone.platform_mm else 0.0, dims.neck_half_width, dims.ramp, dims.sensor_z,
-            dims.sensor.active_diameter_mm / 2, design.force_curve.turn_on_n,
-            (-design.bone.collar_length_mm, dims.collar.section.palmar), math.sqrt(modulus.low * modulus.high),
-            bonded=not apart, gap_mm=gap if apart else 0.0,
+            outer=dims.outer,
+            bone=dims.bone_outline,
+            flat_mm=dims.flat_depth,
+            platform_mm=dims.platform_depth,
+            platform_radius_mm=dims.platform_radius if design.bone.platform_mm else 0.0,
+            neck_half_width_mm=dims.neck_half_width,
+            ramp=dims.ramp,
+            sensor_z_mm=dims.sensor_z,
+            active_radius_mm=dims.sensor.active_diameter_mm / 2,
+            turn_on_n=design.force_curve.turn_on_n,
+            collar=(-design.bone.collar_length_mm, dims.collar.section.palmar),
+            young_mpa=math.sqrt(modulus.low * modulus.high),
+            bonded=not apart,
+            gap_mm=gap if apart else 0.0,
             bump_radius_mm=design.skin.bump_radius_mm if apart and bump else 0.0,
             bump_height_mm=bump if apart and bump else 0.0,
-        )  # fmt: skip
+        )
 
     @property
     def held_part(self) -> float:
-        """Hold of the inside of the skin along the bone, from 0 without friction to 1 where it is bonded."""
+        """Hold of the inside of the skin along the bone, from 0
+        without friction to 1 where it is bonded.
+        """
         return 1.0 if self.bonded else math.tanh(self.friction)
 
     @property
     def base_slope(self) -> float:
         """Slope of the pad's straight part at the base, towards the parting plane [mm per mm]."""
-        span, height = self.outer.spans[0], self.outer.section.palmar
+        span = self.outer.spans[0]
+        height = self.outer.section.palmar
         return height * (span.palmar[0] - span.palmar[2]) / (span.z[2] - span.z[0])
 
     @property
@@ -92,23 +122,34 @@ class PadForm:
         return float(self.skin_mm(np.zeros(1), np.array([self.sensor_z_mm]))[0]) - self.platform_mm
 
     def skin_mm(self, x: Array, z: Array) -> Array:
-        """Return the height of the skin [mm]; -inf where there is none. Units: `x` [mm], `z` [mm]."""
+        """Return the height of the skin [mm]; -inf where there is none.
+
+        Units: `x` [mm], `z` [mm].
+        """
         return _height(self.outer, x, z)
 
     def inner_gap_mm(self, x: Array, z: Array) -> Array:
-        """Return how far the inside of the skin stands off the bone; negative where it overlaps, at the bump [mm]."""
+        """Return how far the inside of the skin stands off the bone;
+        negative where it overlaps, at the bump [mm].
+        """
         on_bump = np.hypot(x, z - self.sensor_z_mm) <= self.bump_radius_mm * (1.0 + 1e-9)
         return np.asarray(np.where(on_bump, self.gap_mm - self.bump_height_mm, self.gap_mm))
 
     def bone_mm(self, x: Array, z: Array) -> Array:
-        """Return the height of the bone's surface under the skin [mm]; -inf beside it. Units: `x` [mm], `z` [mm]."""
+        """Return the height of the bone's surface under the skin [mm]; -inf beside it.
+
+        Units: `x` [mm], `z` [mm].
+        """
         cut = np.full(np.broadcast_shapes(np.shape(x), np.shape(z)), self.flat_mm)
         if self.platform_radius_mm:
             low, high = self.ramp
-            rising = self.flat_mm + (self.platform_mm - self.flat_mm) * np.clip((z - low) / (high - low), 0.0, 1.0)
+            rising = self.flat_mm + (self.platform_mm - self.flat_mm) * np.clip(
+                (z - low) / (high - low), 0.0, 1.0
+            )
             on_neck = (np.abs(x) <= self.neck_half_width_mm) & (z <= self.sensor_z_mm)
             on_disc = np.hypot(x, z - self.sensor_z_mm) <= self.platform_radius_mm
             cut = np.where(on_disc, self.platform_mm, np.where(on_neck, rising, cut))
+
         return np.asarray(np.minimum(_height(self.bone, x, z), cut))
 
 
@@ -125,4 +166,5 @@ def _height(body: ConicBody, x: Array, z: Array) -> Array:
     y = np.where(inside, np.abs(x) / np.where(scale > 0.0, section.half_width * scale, 1.0), 0.0)
     b = 2.0 * y + 4.0 * w * w * (1.0 - y)
     arc = 1.0 - 2.0 * y * y / (b + np.sqrt(np.maximum(b * b - 4.0 * y * y, 0.0)))
+
     return np.asarray(np.where(inside, palmar * section.palmar * arc, -math.inf))

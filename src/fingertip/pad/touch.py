@@ -1,7 +1,9 @@
-"""Pose of the finger on a rigid object, the object at its first touch, and poses in which it would miss the skin.
+"""Pose of the finger on a rigid object, the object at its first touch, and poses in which it would
+miss the skin.
 
-An object approaches along the normal of a plate in the same pose. At no tilt that plate is parallel to the straight
-part of the pad at its base, not to the finger's axis. Positive tilt presses with the tip, positive roll with x < 0.
+An object approaches along the normal of a plate in the same pose. At no tilt that plate is parallel
+to the straight part of the pad at its base, not to the finger's axis. Positive tilt presses with
+the tip, positive roll with x < 0.
 """
 
 from __future__ import annotations
@@ -34,8 +36,8 @@ _BONE_MM = np.arange(-60.0, 60.0, 0.5)
 class Pose:
     """Tilt about x (tip down is positive) and roll about z, and what the pad lies on.
 
-    At no tilt and no roll a plate is parallel to the pad's straight part at the base. A cylinder or an edge lies across
-    the finger.
+    At no tilt and no roll a plate is parallel to the pad's straight part at the base. A cylinder or
+    an edge lies across the finger.
     """
 
     tilt_deg: float = 0.0
@@ -44,7 +46,9 @@ class Pose:
     radius_mm: float = 0.0
     """Radius of a cylinder or a sphere."""
     place_mm: float = 0.0
-    """Distance from the sensor's centre, distal, at which a cylinder, an edge or a sphere stands."""
+    """Distance from the sensor's centre, distal, at which a cylinder, an edge or a
+    sphere stands.
+    """
     across_mm: float = 0.0
     """Distance from the middle plane at which a sphere stands."""
 
@@ -65,28 +69,51 @@ class Touch:
 
     @classmethod
     def of_pose(cls, form: PadForm, pose: Pose, surface: Array) -> tuple[Touch, Array]:
-        """Bring an object to points of the surface, and return it with the point that it touches first.
+        """Bring an object to points of the surface, and return it with the point that it touches
+        first.
 
         Raises TraceError where it meets bone or collar before, or the skin beside the pad.
         """
         if not (abs(pose.tilt_deg) <= MAX_ANGLE_DEG and abs(pose.roll_deg) <= MAX_ANGLE_DEG):
             angles = f"{pose.tilt_deg:g} and a roll of {pose.roll_deg:g} degrees"
-            raise _refuse("tilt_deg", f"{angles}: neither may exceed +-{MAX_ANGLE_DEG:g}; turn the finger less.")
-        radius, is_plate = EDGE_RADIUS_MM if pose.object == "edge" else pose.radius_mm, pose.object == "plate"
+            raise _refuse(
+                "tilt_deg",
+                f"{angles}: neither may exceed +-{MAX_ANGLE_DEG:g}; turn the finger less.",
+            )
+
+        radius = EDGE_RADIUS_MM if pose.object == "edge" else pose.radius_mm
+        is_plate = pose.object == "plate"
         if not (is_plate or 0.0 < radius < math.inf):
-            raise _refuse("radius_mm", f"{radius:g} mm is no radius of a {pose.object}; use one above 0.")
-        slopes = math.tan(math.radians(pose.roll_deg)), -math.tan(math.radians(pose.tilt_deg)) - form.base_slope
+            raise _refuse(
+                "radius_mm", f"{radius:g} mm is no radius of a {pose.object}; use one above 0."
+            )
+
+        slopes = (
+            math.tan(math.radians(pose.roll_deg)),
+            -math.tan(math.radians(pose.tilt_deg)) - form.base_slope,
+        )
         touch = cls(pose, radius, slopes, form.sensor_z_mm)
         clear = touch._rise(surface)[0] - surface[:, PALM]
-        point, height = surface[np.argmin(clear)], -float(clear.min())
+        point = surface[np.argmin(clear)]
+        height = -float(clear.min())
+
         if not (is_plate or np.linalg.norm(touch._off_axis(point[None])) <= _ROUND * radius):
-            where = f"the {pose.object} meets x = {point[X]:.1f}, z = {point[Z]:.1f} mm, beside the pad"
+            where = (
+                f"the {pose.object} meets x = {point[X]:.1f}, z = {point[Z]:.1f} mm, beside the pad"
+            )
             raise _refuse("place_mm", f"at {pose.place_mm:g} {where}; choose one nearer to 0.")
+
         rigid = _rigid_points(form)
-        travel = float((height + touch._rise(rigid)[0] - rigid[:, PALM]).min()) / math.hypot(1.0, *slopes)
+        travel = float((height + touch._rise(rigid)[0] - rigid[:, PALM]).min()) / math.hypot(
+            1.0, *slopes
+        )
         if travel <= 0.0:
-            before = f"at {pose.tilt_deg:g} degrees the {pose.object} meets bone or collar {-travel:.2g} mm before skin"
+            before = (
+                f"at {pose.tilt_deg:g} degrees the {pose.object} meets bone or collar "
+                f"{-travel:.2g} mm before skin"
+            )
             raise _refuse("tilt_deg", f"{before}; choose one nearer to 0.")
+
         return replace(touch, height_mm=height, rigid_mm=travel), point
 
     @property
@@ -99,16 +126,21 @@ class Touch:
         return np.asarray(self.height_mm + self._rise(points)[0] - points[:, PALM])
 
     def gaps(self, points: Array) -> tuple[Array, Array, Array]:
-        """Return gaps over points, unit vectors into the object, and what 1 mm of travel closes of them."""
+        """Return gaps over points, unit vectors into the object,
+        and what 1 mm of travel closes of them.
+        """
         rise, slopes = self._rise(points)
         into = np.column_stack([-slopes, np.ones(len(points))])
         into /= np.linalg.norm(into, axis=1)[:, None]
         gap = (self.height_mm + rise - points[:, PALM]) * into[:, PALM]
+
         return gap, into, into[:, PALM] * math.hypot(1.0, *self.slopes)
 
     def _off_axis(self, points: Array) -> Array:
         """Offsets along x and z from the axis or the centre of a round object."""
-        off = points[:, [X, Z]] - np.array([self.pose.across_mm, self.sensor_z_mm + self.pose.place_mm])
+        off = points[:, [X, Z]] - np.array(
+            [self.pose.across_mm, self.sensor_z_mm + self.pose.place_mm]
+        )
         return np.asarray(off if self.pose.object == "sphere" else off * (0.0, 1.0))
 
     def _rise(self, points: Array) -> tuple[Array, Array]:
@@ -116,12 +148,16 @@ class Touch:
         plane = (points[:, [X, Z]] - np.array([0.0, self.sensor_z_mm])) @ self.slopes
         if self.pose.object == "plate":
             return plane, np.broadcast_to(self.slopes, (len(points), 2))
+
         off = self._off_axis(points)
         distance = np.linalg.norm(off, axis=1)
         inner = np.minimum(distance, _ROUND * self.radius_mm)
         deep = np.sqrt(self.radius_mm**2 - inner**2)
         rise = self.radius_mm - deep + (distance - inner) * inner / deep
-        return plane + rise, self.slopes + off * (inner / deep / np.maximum(distance, 1e-12))[:, None]
+
+        return plane + rise, self.slopes + off * (inner / deep / np.maximum(distance, 1e-12))[
+            :, None
+        ]
 
 
 def _refuse(name: str, message: str) -> TraceError:
@@ -133,4 +169,9 @@ def _rigid_points(form: PadForm) -> Array:
     """Points of the bone's palmar side, also proximal of the skin, and of the collar's ridge."""
     x, z = (axis.ravel() for axis in np.meshgrid(_BONE_MM, _BONE_MM))
     bone = np.column_stack([x, z, form.bone_mm(x, z)])
-    return np.concatenate([bone[np.isfinite(bone[:, PALM])], [(0.0, z, form.collar[1]) for z in (form.collar[0], 0.0)]])
+    return np.concatenate(
+        [
+            bone[np.isfinite(bone[:, PALM])],
+            [(0.0, z, form.collar[1]) for z in (form.collar[0], 0.0)],
+        ]
+    )

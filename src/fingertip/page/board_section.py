@@ -1,4 +1,6 @@
-"""Board of a page: layout, what to buy, schematic, gate, notes, bring-up, and the response of its filter."""
+"""Board of a page: layout, what to buy, schematic, gate, notes,
+bring-up, and the response of its filter.
+"""
 
 from __future__ import annotations
 
@@ -21,50 +23,111 @@ from fingertip.board.kicad.sexpr import read_expression
 from fingertip.catalogues import output_files as outputs
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.page.html import Markup, element, embed, figure, fold, join, list_links, note, quantity, scrolling, table
+from fingertip.page.html import (
+    Markup,
+    element,
+    embed,
+    figure,
+    fold,
+    join,
+    list_links,
+    note,
+    quantity,
+    scrolling,
+    table,
+)
 from fingertip.page.layout_svg import render_back, render_copper, render_placement
 from fingertip.page.markdown_sheets import render_markdown, split_sections
 from fingertip.page.schematic_svg import render_schematic
 from fingertip.page.sources import COMMANDS, Sources
 from fingertip.page.svg import Axis, Frame, figure_svg, legend, line
 
-_COLUMNS = ("Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "LCSC", PRICE, "Note")
-_FILES = (outputs.README, outputs.BOM, outputs.BRING_UP, outputs.WIRING, outputs.ASSEMBLY_DRAWING, outputs.PROJECT)
-_BOM_CAPTION = "bill of materials; board/bom.csv names the source of each number; prices are estimates of November 2026"
-_NOTES = ("Before you apply power", "Channels", "Connectors", "Test points", "Before you order", "Order form")
+_COLUMNS = (
+    "Quantity",
+    "References",
+    "Value",
+    "Footprint",
+    "Rating",
+    "Manufacturer",
+    "MPN",
+    "LCSC",
+    PRICE,
+    "Note",
+)
+_FILES = (
+    outputs.README,
+    outputs.BOM,
+    outputs.BRING_UP,
+    outputs.WIRING,
+    outputs.ASSEMBLY_DRAWING,
+    outputs.PROJECT,
+)
+_BOM_CAPTION = (
+    "bill of materials; board/bom.csv names the source of each number; prices are "
+    "estimates of November 2026"
+)
+_NOTES = (
+    "Before you apply power",
+    "Channels",
+    "Connectors",
+    "Test points",
+    "Before you order",
+    "Order form",
+)
 """Sections of the board's README that a page shows."""
 _CHANNEL = "Channel of one finger, here of the first."
 _PLACEMENT = (
-    "Placement, seen from the front. Point at a contact to read its pin; a table below names the pins of connectors."
+    "Placement, seen from the front. Point at a contact to read its pin; a table below "
+    "names the pins of connectors."
 )
 _COPPER = (
-    "Copper, seen through the board from the front: front layer in orange, back layer in blue, pale where it is poured."
+    "Copper, seen through the board from the front: front layer in orange, back layer in "
+    "blue, pale where it is poured."
 )
 _BACK = (
-    "Back, seen from the back: the printed list of values. Frames show where the parts are, all of them on the front."
+    "Back, seen from the back: the printed list of values. Frames show where the parts are, "
+    "all of them on the front."
 )
 
 
 def render_board(sources: Sources) -> Markup:
     if outputs.BOARD_FOLDER in sources.remarks:
         return note(sources.remarks[outputs.BOARD_FOLDER])
-    read = outputs.LAYOUT, outputs.SCHEMATIC, outputs.CHANNEL_SHEET, outputs.BOM, outputs.VALUES, outputs.README
+
+    read = (
+        outputs.LAYOUT,
+        outputs.SCHEMATIC,
+        outputs.CHANNEL_SHEET,
+        outputs.BOM,
+        outputs.VALUES,
+        outputs.README,
+    )
     layout, schematic, channel, bom, values, readme, bring_up = (
         sources.text(f"{outputs.BOARD_FOLDER}/{name}") for name in (*read, outputs.BRING_UP)
     )
-    links, sections = sources.links, split_sections(readme or "")
-    named = [path for path in (f"{outputs.BOARD_FOLDER}/{name}" for name in _FILES) if path in links]
-    parts = [element("p", "Files of the board:"), list_links(named, links, "files")] if named else []
+    links = sources.links
+    sections = split_sections(readme or "")
+    named = [
+        path for path in (f"{outputs.BOARD_FOLDER}/{name}" for name in _FILES) if path in links
+    ]
+    parts = (
+        [element("p", "Files of the board:"), list_links(named, links, "files")] if named else []
+    )
     if sources.design.board.variant == "divider":
         return join((_draw_wiring(sources), *parts[1:]))
+
     folded = list[tuple[str, Markup]]()
     buy = fold("What to buy for the board", render_bom(bom), state="roomy") if bom else Markup("")
     if layout:
         board = read_expression(layout)
-        placement = figure(render_placement(board, "Placement of the components"), _PLACEMENT, "placement")
+        placement = figure(
+            render_placement(board, "Placement of the components"), _PLACEMENT, "placement"
+        )
         # Both are seen at once.
         parts.append(
-            element("div", element("div", placement), element("div", buy), class_="parts") if buy else placement
+            element("div", element("div", placement), element("div", buy), class_="parts")
+            if buy
+            else placement
         )
         folded += [
             ("Back", figure(render_back(board, "Back of the board"), _BACK, "back")),
@@ -72,21 +135,44 @@ def render_board(sources: Sources) -> Markup:
         ]
     else:
         parts.append(buy)
-    sheets = ((schematic, "Schematic of the board", ""), (channel, "Schematic of a channel", _CHANNEL))
+
+    sheets = (
+        (schematic, "Schematic of the board", ""),
+        (channel, "Schematic of a channel", _CHANNEL),
+    )
     for sheet, title, caption in sheets:
         if sheet:
-            folded.append((title, figure(render_schematic(read_expression(sheet), title), caption, title, "wide")))
+            folded.append(
+                (
+                    title,
+                    figure(render_schematic(read_expression(sheet), title), caption, title, "wide"),
+                )
+            )
+
     if values:
         parts.append(_render_gate(json.loads(values).get("gate", [])))
-    folded += [(heading, render_markdown(sections[heading], links)) for heading in _NOTES if heading in sections]
+
+    folded += [
+        (heading, render_markdown(sections[heading], links))
+        for heading in _NOTES
+        if heading in sections
+    ]
     if bring_up:
-        folded.append(("Bring-up with a multimeter", render_markdown(bring_up.partition("\n")[2], links)))
-    if wiring := _draw_wiring(sources):
+        folded.append(
+            ("Bring-up with a multimeter", render_markdown(bring_up.partition("\n")[2], links))
+        )
+
+    wiring = _draw_wiring(sources)
+    if wiring:
         folded.append(("How to connect it", wiring))
+
     parts += [fold(title, content) for title, content in folded]
     if not bring_up:
         made = element("code", COMMANDS[outputs.BOARD_FOLDER])
-        parts.append(note("There is no bring-up sheet: in the folder of this page, ", made, " makes it."))
+        parts.append(
+            note("There is no bring-up sheet: in the folder of this page, ", made, " makes it.")
+        )
+
     return join(parts)
 
 
@@ -94,16 +180,19 @@ def _draw_wiring(sources: Sources) -> Markup:
     wiring = sources.files.get(f"{outputs.BOARD_FOLDER}/{outputs.WIRING}")
     if wiring is None:
         return Markup("")
+
     board = "resistor" if sources.design.board.variant == "divider" else "board"
-    drawn = element("img", src=embed(wiring, "image/svg+xml"), alt=f"Wiring of sensor, {board} and controller")
+    drawn = element(
+        "img", src=embed(wiring, "image/svg+xml"), alt=f"Wiring of sensor, {board} and controller"
+    )
     return figure(drawn, "", "wiring", "paper")
 
 
 def render_bom(text: str) -> Markup:
     """Render `bom.csv` as a table whose lines name their parts.
 
-    `board.js` adds a check box for what is placed and a button that highlights the parts of a line on the pictures of
-    the board. Without scripts it is a plain table.
+    `board.js` adds a check box for what is placed and a button that highlights the parts of a line
+    on the pictures of the board. Without scripts it is a plain table.
     """
     rows = []
     for row in csv.DictReader(io.StringIO(text)):
@@ -112,17 +201,31 @@ def render_bom(text: str) -> Markup:
         lcsc = f"LCSC {found['LCSC']}" if found["LCSC"] else ""
         more = ", ".join(filter(None, (found["Footprint"], lcsc, found["Note"])))
         cells = (
-            ("quantity", found["Quantity"]), ("references", found["References"]),
+            ("quantity", found["Quantity"]),
+            ("references", found["References"]),
             ("value", join((found["Value"], element("small", found["Rating"])))),
-            ("part", join((name, element("small", more)))), ("USD each", found[PRICE]),
-        )  # fmt: skip
-        written = (element("td", cell, data_label=label, class_=label.split()[0]) for label, cell in cells)
-        rows.append(element("tr", *written, data_parts=found["References"], data_value=found["Value"]))
-    head = (element("th", label, scope="col") for label in ("quantity", "references", "value", "part", "USD each"))
+            ("part", join((name, element("small", more)))),
+            ("USD each", found[PRICE]),
+        )
+        written = (
+            element("td", cell, data_label=label, class_=label.split()[0]) for label, cell in cells
+        )
+        rows.append(
+            element("tr", *written, data_parts=found["References"], data_value=found["Value"])
+        )
+
+    head = (
+        element("th", label, scope="col")
+        for label in ("quantity", "references", "value", "part", "USD each")
+    )
     whole = element(
-        "table", element("caption", _BOM_CAPTION), element("thead", element("tr", *head)), element("tbody", *rows),
-        class_="cards", id="bom",
-    )  # fmt: skip
+        "table",
+        element("caption", _BOM_CAPTION),
+        element("thead", element("tr", *head)),
+        element("tbody", *rows),
+        class_="cards",
+        id="bom",
+    )
     # The script shows the line of controls; without it there is nothing to control.
     controls = element("div", class_="row", id="bom-controls", hidden=True)
     return join((controls, scrolling(whole, _BOM_CAPTION)))
@@ -131,14 +234,20 @@ def render_bom(text: str) -> Markup:
 def _render_gate(gate: list[Mapping[str, Any]]) -> Markup:
     if not gate:
         return Markup("")
+
     passed = sum(entry["passed"] for entry in gate)
     rows = []
     for entry in gate:
         verdict, kind = ("✓", "passed") if entry["passed"] else (f"✗ {entry['remedy']}", "failed")
         value = quantity(entry["value"], entry["unit"])
         limit = quantity(entry["limit"], entry["unit"], entry["bound"])
-        rows.append((entry["name"], entry["subject"], value, limit, element("span", verdict, class_=kind)))
-    body = table(("requirement", "of", "value", "must be", "met"), rows, "what makes the board work")
+        rows.append(
+            (entry["name"], entry["subject"], value, limit, element("span", verdict, class_=kind))
+        )
+
+    body = table(
+        ("requirement", "of", "value", "must be", "met"), rows, "what makes the board work"
+    )
     state = "open" if passed < len(gate) else ""
     return fold(f"Requirements of the board: {passed} of {len(gate)} met", body, state=state)
 
@@ -146,8 +255,11 @@ def _render_gate(gate: list[Mapping[str, Any]]) -> Markup:
 BOARDS = 1000
 """Number of boards that the band is drawn from."""
 _SEED = 1
-_LOW_HZ, _HIGH_HZ, _PER_DECADE = 10.0, 1e5, 40
-_WIDTH, _HEIGHT = 760.0, 380.0
+_LOW_HZ = 10.0
+_HIGH_HZ = 1e5
+_PER_DECADE = 40
+_WIDTH = 760.0
+_HEIGHT = 380.0
 
 
 def draw_response(design: Design) -> Markup:
@@ -158,36 +270,59 @@ def draw_response(design: Design) -> Markup:
     limits = tolerance.component_tolerances(circuit)
     spread = tolerance.monte_carlo(board, limits, BOARDS, _SEED)
     drawn_values = board.deviate(tolerance.draw_deviations(board, limits, BOARDS, _SEED))
-    exact, drawn = (board.model.transfer(values).power_gain() for values in (board.values, drawn_values))
+    exact, drawn = (
+        board.model.transfer(values).power_gain() for values in (board.values, drawn_values)
+    )
     steps = round(_PER_DECADE * math.log10(_HIGH_HZ / _LOW_HZ))
     f_hz = [_LOW_HZ * 10.0 ** (i / _PER_DECADE) for i in range(steps + 1)]
     gains_db = []  # nominal, and the ends of the interval with 95 % of the boards
+
     for hz in f_hz:
-        powers = (exact(math.tau * hz), *np.quantile(np.asarray(drawn(math.tau * hz)), tolerance.BAND_QUANTILES))
+        powers = (
+            exact(math.tau * hz),
+            *np.quantile(np.asarray(drawn(math.tau * hz)), tolerance.BAND_QUANTILES),
+        )
         gains_db.append([10.0 * math.log10(float(power)) for power in powers])
+
     nominal, low, high = zip(*gains_db, strict=True)
     bottom = 10.0 * math.floor(min(low) / 10.0)
     top = 10.0 * math.ceil((max(high) + 3.0) / 10.0)
     frame = Frame(
-        Axis(_LOW_HZ, _HIGH_HZ, "frequency [Hz]", True), Axis(bottom, top, "gain [dB]"), 58.0, 46.0,
-        _WIDTH - 80.0, _HEIGHT - 100.0,
-    )  # fmt: skip
-    cutoff, gain = spread["cutoff_hz"], spread["passband_gain"]
+        x=Axis(_LOW_HZ, _HIGH_HZ, "frequency [Hz]", True),
+        y=Axis(bottom, top, "gain [dB]"),
+        left=58.0,
+        top=46.0,
+        width=_WIDTH - 80.0,
+        height=_HEIGHT - 100.0,
+    )
+    cutoff = spread["cutoff_hz"]
+    gain = spread["passband_gain"]
     cutoff_line = frame.point(cutoff.nominal, bottom), frame.point(cutoff.nominal, top)
     svg = figure_svg(
-        _WIDTH, _HEIGHT, f"Gain of the filter over frequency, with the band of {BOARDS} boards",
+        _WIDTH,
+        _HEIGHT,
+        f"Gain of the filter over frequency, with the band of {BOARDS} boards",
         frame.axes(),
         frame.band([*zip(f_hz, high, strict=True)], [*zip(f_hz, low, strict=True)], "var(--band)"),
         frame.line(zip(f_hz, nominal, strict=True), "var(--series-1)", 2),
         line(*cutoff_line, "var(--series-2)", 1.5, "4 3"),
-        legend(210.0, 22.0, (
-            ("var(--series-1)", "", "nominal values"), ("var(--band)", "band", "95 % of boards"),
-            ("var(--series-2)", "4 3", "-3 dB"),
-        )),
-    )  # fmt: skip
-    caption = (
-        f"Computed, not measured. Nominal -3 dB frequency {cutoff.nominal:.1f} Hz, passband gain {gain.nominal:.1f}. "
-        f"Of {BOARDS} boards with components anywhere within the tolerances that are bought, 95 % have "
-        f"{cutoff.low_95:.1f} to {cutoff.high_95:.1f} Hz and a gain of {gain.low_95:.1f} to {gain.high_95:.1f}."
+        legend(
+            210.0,
+            22.0,
+            (
+                ("var(--series-1)", "", "nominal values"),
+                ("var(--band)", "band", "95 % of boards"),
+                ("var(--series-2)", "4 3", "-3 dB"),
+            ),
+        ),
     )
+    caption = (
+        f"Computed, not measured. Nominal -3 dB frequency {cutoff.nominal:.1f} Hz, passband gain "
+        f"{gain.nominal:.1f}. "
+        f"Of {BOARDS} boards with components anywhere within the tolerances that are bought, 95 % "
+        "have "
+        f"{cutoff.low_95:.1f} to {cutoff.high_95:.1f} Hz and a gain of {gain.low_95:.1f} to "
+        f"{gain.high_95:.1f}."
+    )
+
     return figure(svg, caption, "response of the filter", "wide")

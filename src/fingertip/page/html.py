@@ -1,4 +1,6 @@
-"""HTML elements and documents from Python calls: whatever is not marked as HTML already is escaped."""
+"""HTML elements and documents from Python calls: whatever is not marked as HTML already
+is escaped.
+"""
 
 from __future__ import annotations
 
@@ -25,43 +27,68 @@ def element(name: str, /, *children: str, **attributes: str | float | bool | Non
         if value is not None and value is not False:
             pairs += f" {key.rstrip('_').replace('_', '-')}"
             pairs += "" if value is True else f'="{escape(str(value))}"'
+
     if name in _VOID:
         return Markup(f"<{name}{pairs}>")
+
     return Markup(f"<{name}{pairs}>{join(children)}</{name}>")
 
 
 def code(name: str) -> Markup:
     """Build a name of parameters, checks or files, which may break after a dot or an underscore."""
-    return Markup("<wbr>".join(escape(piece, quote=False) for piece in re.split(r"(?<=[._])", name)))
+    return Markup(
+        "<wbr>".join(escape(piece, quote=False) for piece in re.split(r"(?<=[._])", name))
+    )
 
 
 def join(children: Iterable[str]) -> Markup:
     """Join pieces of content; text that is not markup is escaped."""
-    return Markup("".join(child if isinstance(child, Markup) else escape(child, quote=False) for child in children))
+    return Markup(
+        "".join(
+            child if isinstance(child, Markup) else escape(child, quote=False) for child in children
+        )
+    )
 
 
 def figure(picture: Markup, caption: str, label: str = "", class_: str = "") -> Markup:
-    """Build a picture with its caption. It is as wide as the page at most; `page.js` adds a button that enlarges it."""
+    """Build a picture with its caption.
+
+    It is as wide as the page at most; `page.js` adds a button that enlarges it.
+    """
     below = [element("figcaption", caption)] if caption else []
     return element("figure", picture, *below, class_=class_ or None, aria_label=label or None)
 
 
 def table(
-    head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "", class_: str = "", **attributes: str
+    head: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    caption: str = "",
+    class_: str = "",
+    **attributes: str,
 ) -> Markup:
-    """Build a table. Where there is no room for its columns, each row stands as a card, its cells with their names."""
+    """Build a table.
+
+    Where there is no room for its columns, each row stands as a card, its cells with their names.
+    """
     title = [element("caption", caption)] if caption else []
     header = element("thead", element("tr", *(element("th", cell, scope="col") for cell in head)))
     names = [_strip(cell) for cell in head]
     body = element(
         "tbody",
         *(
-            element("tr", *(element("td", cell, data_label=name) for name, cell in zip(names, row, strict=True)))
+            element(
+                "tr",
+                *(
+                    element("td", cell, data_label=name)
+                    for name, cell in zip(names, row, strict=True)
+                ),
+            )
             for row in rows
         ),
     )
     kinds = " ".join(kind for kind in ("cards" if len(head) > 2 else "", class_) if kind)
     inner = element("table", *title, header, body, class_=kinds or None, **attributes)
+
     return scrolling(inner, _strip(caption) or ", ".join(names))
 
 
@@ -71,14 +98,25 @@ def _strip(text: str) -> str:
 
 
 def fold(title: str, *content: str, name: str = "", state: str = "", level: int = 3) -> Markup:
-    """Build a section that is folded up; it is "open", or "roomy": open at first where the screen is not a phone's."""
+    """Build a section that is folded up; it is "open", or "roomy": open
+    at first where the screen is not a phone's.
+    """
     heading = element("summary", element(f"h{level}", title, id=name or None))
-    return element("details", heading, *content, open=bool(state), class_="roomy" if state == "roomy" else None)
+    return element(
+        "details", heading, *content, open=bool(state), class_="roomy" if state == "roomy" else None
+    )
 
 
 def scrolling(inner: Markup, label: str) -> Markup:
     """Build what scrolls by itself where its content is wider than the page."""
-    return element("div", inner, class_="scroll", role="group", tabindex="0", aria_label=label)
+    return element(
+        "div",
+        inner,
+        class_="scroll",
+        role="group",
+        tabindex="0",
+        aria_label=label,
+    )
 
 
 def button(*children: str, **attributes: str | bool | None) -> Markup:
@@ -92,13 +130,19 @@ def list_links(paths: Iterable[str], links: Mapping[str, str], class_: str | Non
     return element("ul", *items, class_=class_)
 
 
-_NOT_EXPLAINED = re.compile(r"</?(a|abbr|button|caption|code|dfn|h\d|label|option|script|select|span|summary|svg|th)\b")
-"""Elements in whose text no word is explained: they have a purpose of their own under the pointer, or are titles."""
+_NOT_EXPLAINED = re.compile(
+    r"</?(a|abbr|button|caption|code|dfn|h\d|label|option|script|select|span|summary|svg|th)\b"
+)
+"""Elements in whose text no word is explained: they have a purpose of
+their own under the pointer, or are titles.
+"""
 
 
 def explain(content: Markup, meanings: Mapping[str, str]) -> Markup:
     """Give the first mention of each word its meaning, which shows under the pointer."""
-    waiting, inside, pieces = dict(meanings), 0, list[str]()
+    waiting = dict(meanings)
+    inside = 0
+    pieces = list[str]()
 
     def mark(found: re.Match[str]) -> str:
         meaning = waiting.pop(found[0], None)
@@ -108,7 +152,9 @@ def explain(content: Markup, meanings: Mapping[str, str]) -> Markup:
     for piece in re.split(r"(<[^>]*>)", content):
         if _NOT_EXPLAINED.match(piece):
             inside += -1 if piece[1] == "/" else 1
+
         pieces.append(piece if inside or piece.startswith("<") else word.sub(mark, piece))
+
     return Markup("".join(pieces))
 
 
@@ -122,7 +168,12 @@ def embed(data: bytes, media_type: str) -> str:
     return f"data:{media_type};base64,{base64.b64encode(data).decode('ascii')}"
 
 
-_SIGNS = {"": "", "at most": "≤ ", "at least": "≥ ", "exactly": "= "}
+_SIGNS = {
+    "": "",
+    "at most": "≤ ",
+    "at least": "≥ ",
+    "exactly": "= ",
+}
 
 
 def quantity(value: float, unit: str, bound: str = "") -> Markup:
@@ -131,16 +182,22 @@ def quantity(value: float, unit: str, bound: str = "") -> Markup:
 
 
 def render_document(
-    title: str, body: Iterable[Markup], style: str, scripts: Sequence[str], connect: str = "", **attributes: str
+    title: str,
+    body: Iterable[Markup],
+    style: str,
+    scripts: Sequence[str],
+    connect: str = "",
+    **attributes: str,
 ) -> bytes:
     """Render a document with its style and scripts in it.
 
-    The content security policy at its top allows nothing else: the browser itself refuses every script but those whose
-    hashes it states, and every request that is not named.
+    The content security policy at its top allows nothing else: the browser itself refuses every
+    script but those whose hashes it states, and every request that is not named.
     """
     asked = f" connect-src {connect};" if connect else ""
     policy = (
-        f"default-src 'none'; script-src {' '.join(map(_hash, scripts))}; style-src {_hash(style)}; "
+        f"default-src 'none'; script-src {' '.join(map(_hash, scripts))}; style-src "
+        f"{_hash(style)}; "
         f"img-src data: blob:;{asked} base-uri 'none'; form-action 'none'"
     )
     head = element(
@@ -153,6 +210,7 @@ def render_document(
     )
     whole = element("body", *body, *(element("script", Markup(script)) for script in scripts))
     page = element("html", head, whole, lang="en", **attributes)
+
     return f"<!DOCTYPE html>\n{page}\n".encode()
 
 

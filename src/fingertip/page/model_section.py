@@ -1,7 +1,8 @@
-"""3D view of a page: canvas, controls, and the meshes of parts and bought items with where they go when taken apart.
+"""3D view of a page: canvas, controls, and the meshes of parts and bought items with where they go
+when taken apart.
 
-The meshes of parts are those of the STL files, vertex by vertex: coordinates stay binary32 numbers, triangles stay as
-they are, and nothing is decimated. `assets/viewer.js` brings the view to life.
+The meshes of parts are those of the STL files, vertex by vertex: coordinates stay binary32 numbers,
+triangles stay as they are, and nothing is decimated. `assets/viewer.js` brings the view to life.
 """
 
 from __future__ import annotations
@@ -57,21 +58,45 @@ def list_items(design: Design, files: Mapping[str, bytes]) -> tuple[Item, ...]:
     parts = {name: part for name, part in parts_by_name(design).items() if not part.is_tool}
     meshes = {name: stl.from_bytes(files[f"{name}.stl"]) for name in parts}
     scales = {name: print_scale(design, part) for name, part in parts.items()}
+
     return place_items(design, meshes, scales, MeshEvaluator(_TOLERANCE_MM).mesh)
 
 
 def place_items(
-    design: Design, meshes: Mapping[str, Mesh], scales: Mapping[str, float], make_mesh: Callable[[Solid], Mesh]
+    design: Design,
+    meshes: Mapping[str, Mesh],
+    scales: Mapping[str, float],
+    make_mesh: Callable[[Solid], Mesh],
 ) -> tuple[Item, ...]:
     offsets = _find_offsets({name: np.ptp(mesh.vertices, axis=0) for name, mesh in meshes.items()})
     items = [
-        Item(name, label_item(name), mesh, scales[name], PARTS[name].colour, False, *offsets.get(name, _STAY))
+        Item(
+            name,
+            label_item(name),
+            mesh,
+            scales[name],
+            PARTS[name].colour,
+            False,
+            *offsets.get(name, _STAY),
+        )
         for name, mesh in meshes.items()
     ]
     for bought in hardware(design, tuple(meshes)):
         opened, apart = offsets.get(re.sub(r"_\d+$", "", bought.name), _STAY)
         mesh = make_mesh(bought.solid)
-        items.append(Item(bought.name, label_item(bought.name), mesh, 1.0, bought.colour, True, opened, apart))
+        items.append(
+            Item(
+                name=bought.name,
+                label=label_item(bought.name),
+                mesh=mesh,
+                scale=1.0,
+                colour=bought.colour,
+                is_bought=True,
+                opened=opened,
+                apart=apart,
+            )
+        )
+
     return tuple(items)
 
 
@@ -93,7 +118,8 @@ _STAY: tuple[Offset, Offset] = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 def _find_offsets(sizes: Mapping[str, Array]) -> dict[str, tuple[Offset, Offset]]:
     """Find the offsets of each kind of item [mm]: y points dorsally, z to the tip.
 
-    Opening moves the halves of the mold. Taking apart then pulls the skin off the bone towards the tip.
+    Opening moves the halves of the mold. Taking apart then pulls the skin off the bone towards the
+    tip.
     """
     lengths_mm = sizes["bone"][1], sizes["skin"][2], sizes["bone"][2]
     up, pull, beyond = (round(float(length) + _GAP_MM, 3) for length in lengths_mm)
@@ -109,7 +135,9 @@ def _find_offsets(sizes: Mapping[str, Array]) -> dict[str, tuple[Offset, Offset]
 
 
 def scene_data(items: tuple[Item, ...]) -> list[dict[str, Any]]:
-    """Describe the items as plain data, with coordinates and indices as little-endian numbers in base64."""
+    """Describe the items as plain data, with coordinates and
+    indices as little-endian numbers in base64.
+    """
     return [
         {
             "name": item.name,
@@ -136,46 +164,78 @@ def _encode(numbers: Any, kind: str) -> str:
 
 
 _PRESETS = (
-    ("finger", "Finger"), ("closed", "Mold closed"), ("opened", "Mold open"), ("apart", "All apart"),
-)  # fmt: skip
-_VIEWS = (("slanted", "slanted"), ("dorsal", "back"), ("palmar", "palm"), ("side", "side"), ("tip", "tip"))
+    ("finger", "Finger"),
+    ("closed", "Mold closed"),
+    ("opened", "Mold open"),
+    ("apart", "All apart"),
+)
+_VIEWS = (
+    ("slanted", "slanted"),
+    ("dorsal", "back"),
+    ("palmar", "palm"),
+    ("side", "side"),
+    ("tip", "tip"),
+)
 _AXES = (("x", "lengthwise"), ("y", "in the parting plane"), ("z", "across"))
 _HELP = (
-    "3D view of the parts. Arrow keys turn it, plus and minus zoom, 0 brings it back. The buttons below show the same "
+    "3D view of the parts. Arrow keys turn it, plus and minus zoom, 0 brings it back. The buttons "
+    "below show the same "
     "parts closed, open and apart."
 )
 _EXPORTED = (
-    "The parts are the meshes of the STL files, with every triangle; sensor, bolts and nuts are plain bodies without "
+    "The parts are the meshes of the STL files, with every triangle; sensor, bolts and nuts are "
+    "plain bodies without "
     "threads."
 )
 
 _USE = (
-    "Drag to turn, wheel or two fingers to zoom, right button or two fingers to shift. On a touch screen, tap the view "
+    "Drag to turn, wheel or two fingers to zoom, right button or two fingers to shift. On a touch "
+    "screen, tap the view "
     "first: until then a swipe up or down scrolls the page."
 )
 
 
-def render_model(items: Sequence[Item], origin: str = _EXPORTED, *, preset: str = "finger") -> Markup:
-    """Render the 3D view, which shows a state of the mold or the finger first. Only exported parts can be saved."""
+def render_model(
+    items: Sequence[Item], origin: str = _EXPORTED, *, preset: str = "finger"
+) -> Markup:
+    """Render the 3D view, which shows a state of the mold or the finger first.
+
+    Only exported parts can be saved.
+    """
     is_exported = origin == _EXPORTED
     rows = _rows(items, preset, saves_files=is_exported)
     return element(
         "div",
         element(
-            "div", element("canvas", id="canvas", tabindex="0", role="application", aria_label=_HELP),
-            element("p", "", id="view-status", class_="status", role="status"), rows[0],
+            "div",
+            element(
+                "canvas",
+                id="canvas",
+                tabindex="0",
+                role="application",
+                aria_label=_HELP,
+            ),
+            element("p", "", id="view-status", class_="status", role="status"),
+            rows[0],
         ),
         element(
-            "details", element("summary", "Parts, sections, directions and saving"), *rows[1:],
-            element("p", f"{_USE} {origin}", class_="status"), class_="controls roomy", open=is_exported,
+            "details",
+            element("summary", "Parts, sections, directions and saving"),
+            *rows[1:],
+            element("p", f"{_USE} {origin}", class_="status"),
+            class_="controls roomy",
+            open=is_exported,
         ),
         id="view",
-    )  # fmt: skip
+    )
 
 
 def render_no_view() -> Markup:
     """Render what stands in place of the 3D view where a browser has none."""
-    text = "This browser shows no 3D view (WebGL). The pictures of the casting steps show the same parts."
+    text = (
+        "This browser shows no 3D view (WebGL). The pictures of the casting steps show the "
+        "same parts."
+    )
     return element("p", text, id="no-view", class_="note", hidden=True)
 
 
@@ -188,51 +248,106 @@ def scene_json(items: Sequence[Item]) -> Markup:
 def render_boxes(items: Sequence[Item]) -> Markup:
     """Render a box for each kind of item, which shows or hides it."""
     labels = list(dict.fromkeys(item.label for item in items))
-    return join(_box(i, label, next(item for item in items if item.label == label)) for i, label in enumerate(labels))
+    return join(
+        _box(i, label, next(item for item in items if item.label == label))
+        for i, label in enumerate(labels)
+    )
 
 
 def _rows(items: Sequence[Item], preset: str, *, saves_files: bool) -> list[Markup]:
     presets = [
-        button(label, data_preset=name, aria_pressed="true" if name == preset else "false") for name, label in _PRESETS
+        button(label, data_preset=name, aria_pressed="true" if name == preset else "false")
+        for name, label in _PRESETS
     ]
-    views = [button(label, data_from=name, aria_label=f"seen from: {label}") for name, label in _VIEWS]
-    stl = [button(f"{item.name}.stl", data_stl=item.name) for item in items if saves_files and not item.is_bought]
+    views = [
+        button(label, data_from=name, aria_label=f"seen from: {label}") for name, label in _VIEWS
+    ]
+    stl = [
+        button(f"{item.name}.stl", data_stl=item.name)
+        for item in items
+        if saves_files and not item.is_bought
+    ]
     return [
         element("div", *presets, class_="row controls", role="group", aria_label="what is shown"),
         element(
-            "div", element("label", "take apart", for_="apart"),
-            element("input", type="range", id="apart", min=0, max=100, value=0),
-            element("output", "", id="apart-value", for_="apart"), class_="row",
-        ),
-        element(
-            "div", element("label", element("input", type="checkbox", id="cut"), " section"),
+            "div",
+            element("label", "take apart", for_="apart"),
             element(
-                "select", *(element("option", label, value=axis) for axis, label in _AXES), id="cut-axis",
-                aria_label="direction of the section", disabled=True,
+                "input",
+                type="range",
+                id="apart",
+                min=0,
+                max=100,
+                value=0,
             ),
-            element(
-                "input", type="range", id="cut-place", min=0, max=100, step="0.5", value=50, disabled=True,
-                aria_label="place of the section",
-            ),
-            element("output", "", id="cut-value", for_="cut-place"), class_="row",
-        ),
-        element("fieldset", element("legend", "show"), element("div", render_boxes(items), class_="row", id="boxes")),
-        element("div", element("span", "seen from"), *views, class_="row", role="group", aria_label="direction"),
-        element(
-            "div", element("label", element("input", type="checkbox", id="clear"), " see through skin and mold"),
+            element("output", "", id="apart-value", for_="apart"),
             class_="row",
         ),
         element(
-            "div", element("span", "save"), button("picture", id="save-picture"), *stl, class_="row", role="group",
+            "div",
+            element("label", element("input", type="checkbox", id="cut"), " section"),
+            element(
+                "select",
+                *(element("option", label, value=axis) for axis, label in _AXES),
+                id="cut-axis",
+                aria_label="direction of the section",
+                disabled=True,
+            ),
+            element(
+                "input",
+                type="range",
+                id="cut-place",
+                min=0,
+                max=100,
+                step="0.5",
+                value=50,
+                disabled=True,
+                aria_label="place of the section",
+            ),
+            element("output", "", id="cut-value", for_="cut-place"),
+            class_="row",
+        ),
+        element(
+            "fieldset",
+            element("legend", "show"),
+            element("div", render_boxes(items), class_="row", id="boxes"),
+        ),
+        element(
+            "div",
+            element("span", "seen from"),
+            *views,
+            class_="row",
+            role="group",
+            aria_label="direction",
+        ),
+        element(
+            "div",
+            element(
+                "label", element("input", type="checkbox", id="clear"), " see through skin and mold"
+            ),
+            class_="row",
+        ),
+        element(
+            "div",
+            element("span", "save"),
+            button("picture", id="save-picture"),
+            *stl,
+            class_="row",
+            role="group",
             aria_label="save",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _box(number: int, label: str, item: Item) -> Markup:
     red, green, blue = (round(255 * part) for part in item.colour)
     swatch = element(
-        "svg", element("rect", width=10, height=10, fill=f"rgb({red},{green},{blue})"), class_="swatch",
-        viewBox="0 0 10 10", aria_hidden="true",
-    )  # fmt: skip
-    return element("label", element("input", type="checkbox", id=f"show-{number}", checked=True), swatch, label)
+        "svg",
+        element("rect", width=10, height=10, fill=f"rgb({red},{green},{blue})"),
+        class_="swatch",
+        viewBox="0 0 10 10",
+        aria_hidden="true",
+    )
+    return element(
+        "label", element("input", type="checkbox", id=f"show-{number}", checked=True), swatch, label
+    )

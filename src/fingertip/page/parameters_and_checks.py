@@ -1,4 +1,5 @@
-"""Parameters and checks of a design: what each parameter shapes, and what was measured on the parts.
+"""Parameters and checks of a design: what each parameter shapes, and what was measured on the
+parts.
 
 Each check links to the parameters that set it.
 """
@@ -29,27 +30,47 @@ _EFFECTS = {
 
 
 def render_parameters(design: Design) -> Markup:
-    """Render all parameters by their tables. The name of one that shapes parts is a button that highlights them."""
-    moved, tables = shapes_of_parameters(design), group_parameters()
+    """Render all parameters by their tables.
+
+    The name of one that shapes parts is a button that highlights them.
+    """
+    moved = shapes_of_parameters(design)
+    tables = group_parameters()
     parts = [
         element(
             "p",
-            "Press the name of a parameter to see in the 3D view what it shapes: every part whose shape reads it; the "
+            "Press the name of a parameter to see in the 3D view what it shapes: every part whose "
+            "shape reads it; the "
             "browser's way back leads here again. "
-            "Change one in the design file, or with ", element("code", "--set TABLE.KEY=VALUE"), ".",
+            "Change one in the design file, or with ",
+            element("code", "--set TABLE.KEY=VALUE"),
+            ".",
         )
-    ]  # fmt: skip
+    ]
+
     for name, parameters in tables.items():
         changed = sum(design.value(p.path) != p.default for p in parameters)
         note = f", {changed} changed" if changed else ""
-        title = f"{name or 'design'}: {len(parameters)} parameter{'s' if len(parameters) > 1 else ''}{note}"
+        title = (
+            f"{name or 'design'}: {len(parameters)} "
+            f"parameter{'s' if len(parameters) > 1 else ''}{note}"
+        )
         rows = [_render_row(design, parameter, moved) for parameter in parameters]
-        body = table(("parameter", "value", "bounds"), rows, f"parameters of [{name}]" if name else "name")
+        body = table(
+            ("parameter", "value", "bounds"), rows, f"parameters of [{name}]" if name else "name"
+        )
+
         if name == "hand" and design.dimensions.joint:
             picture = embed(draw_hand_sizes(design), "image/svg+xml")
-            drawn = element("img", src=picture, alt="Where to put the calipers for each size of the hand's joint")
+            drawn = element(
+                "img",
+                src=picture,
+                alt="Where to put the calipers for each size of the hand's joint",
+            )
             body = join((element("figure", drawn, class_="paper"), body))
+
         parts.append(fold(title, body))
+
     return join(parts)
 
 
@@ -58,29 +79,53 @@ def group_parameters() -> dict[str, list[Parameter]]:
     tables: dict[str, list[Parameter]] = {}
     for parameter in list_parameters():
         tables.setdefault(parameter.path.rpartition(".")[0], []).append(parameter)
+
     return tables
 
 
-def _render_row(design: Design, parameter: Parameter, moved: Mapping[str, tuple[str, ...]]) -> tuple[str, str, str]:
+def _render_row(
+    design: Design, parameter: Parameter, moved: Mapping[str, tuple[str, ...]]
+) -> tuple[str, str, str]:
     path, value = parameter.path, design.value(parameter.path)
     items = moved.get(path, ())
     if items:
-        name = button(code(path), class_="code", data_moves=" ".join(items), aria_pressed="false", id=f"p-{path}")
+        name = button(
+            code(path),
+            class_="code",
+            data_moves=" ".join(items),
+            aria_pressed="false",
+            id=f"p-{path}",
+        )
     else:
         name = element("span", code(path), class_="code", id=f"p-{path}", tabindex="-1")
+
     shown = element("span", f"{format_value(value)} {parameter.unit}".rstrip(), class_="num")
     if value != parameter.default:
-        shown = join((shown, element("br"), element("small", f"default {format_value(parameter.default)}")))
-    return join((name, element("div", parameter.description), _describe_effect(path, items))), shown, parameter.bounds
+        shown = join(
+            (shown, element("br"), element("small", f"default {format_value(parameter.default)}"))
+        )
+
+    return (
+        join((name, element("div", parameter.description), _describe_effect(path, items))),
+        shown,
+        parameter.bounds,
+    )
 
 
 def _describe_effect(path: str, items: tuple[str, ...]) -> Markup:
     """Say what a parameter decides, with a link to the section of the page that shows it."""
     if items:
-        return element("small", "Shapes ", ", ".join(dict.fromkeys(label_item(item) for item in items)), ".")
-    if effect := _EFFECTS.get(path.partition(".")[0]):
+        return element(
+            "small", "Shapes ", ", ".join(dict.fromkeys(label_item(item) for item in items)), "."
+        )
+
+    effect = _EFFECTS.get(path.partition(".")[0])
+    if effect:
         return element("small", "Decides ", element("a", effect[0], href=f"#{effect[1]}"), ".")
-    return element("small", "Shapes no part of this design: a limit, or a choice that it does not use.")
+
+    return element(
+        "small", "Shapes no part of this design: a limit, or a choice that it does not use."
+    )
 
 
 @dataclass(frozen=True)
@@ -101,15 +146,22 @@ class ReportedCheck:
 
 _CLOSEST = 8
 """Number of checks that are listed as the closest to their limits."""
-EVERY_FILE = "Every file was read back and measured. A check that fails names the parameters to change."
+EVERY_FILE = (
+    "Every file was read back and measured. A check that fails names the parameters to change."
+)
 """Sentences on the checks of a build."""
 
 
-def tell_verdict(checks: Sequence[ReportedCheck], passed: str = "of the parts passed") -> tuple[str, str]:
-    """Tell in a line whether the parts passed their checks, and its kind; `passed` ends the sentence if they did."""
+def tell_verdict(
+    checks: Sequence[ReportedCheck], passed: str = "of the parts passed"
+) -> tuple[str, str]:
+    """Tell in a line whether the parts passed their checks, and its
+    kind; `passed` ends the sentence if they did.
+    """
     failed = sum(not check.passed for check in checks)
     if failed:
         return f"✗ {failed} of {len(checks)} checks failed: do not print these parts", "failed"
+
     return f"✓ All {len(checks)} checks {passed}", "passed"
 
 
@@ -119,31 +171,49 @@ def render_verdict(checks: Sequence[ReportedCheck], passed: str = "of the parts 
 
 
 def render_checks(checks: Sequence[ReportedCheck], basis: str = EVERY_FILE) -> Markup:
-    """Render all checks: failed ones first, then the closest to their limits, then all by their subject."""
+    """Render all checks: failed ones first, then the closest to
+    their limits, then all by their subject.
+    """
     failed = [check for check in checks if not check.passed]
     parts = [element("p", basis)]
     if failed:
         parts += [element("h3", "Failed"), _tabulate(failed, "failed checks")]
-    if closest := _find_closest(checks):
-        parts.append(fold("The checks closest to their limits", _tabulate(closest, "checks closest to their limits")))
+
+    closest = _find_closest(checks)
+    if closest:
+        parts.append(
+            fold(
+                "The checks closest to their limits",
+                _tabulate(closest, "checks closest to their limits"),
+            )
+        )
+
     groups: dict[str, list[ReportedCheck]] = {}
     for check in checks:
         groups.setdefault(check.name.split(".")[0], []).append(check)
+
     for subject, group in groups.items():
         passed = sum(check.passed for check in group)
         summary = f"{subject.replace('_', ' ')}: {passed} of {len(group)} passed"
         parts.append(fold(summary, _tabulate(group, f"checks of {subject}")))
+
     return join(parts)
 
 
 def _find_closest(checks: Sequence[ReportedCheck]) -> list[ReportedCheck]:
-    """Find the passed checks with the least margin, relative to their limits. Counts and exact values have none."""
+    """Find the passed checks with the least margin, relative to their limits.
+
+    Counts and exact values have none.
+    """
     margins = [
         (abs(check.value - check.limit) / abs(check.limit), check)
         for check in checks
-        if check.passed and check.relation != "exactly" and check.limit and check.value != check.limit
+        if check.passed
+        and check.relation != "exactly"
+        and check.limit
+        and check.value != check.limit
         and list_causes(check.name)
-    ]  # fmt: skip
+    ]
     return [check for _, check in sorted(margins, key=lambda pair: pair[0])[:_CLOSEST]]
 
 
@@ -153,9 +223,12 @@ def _tabulate(checks: Sequence[ReportedCheck], caption: str) -> Markup:
         passed = element("span", "✓", class_="passed", title="passed")
         if not check.passed:
             passed = element("span", "✗ FAILED", class_="failed")
+
         name = element("span", code(check.name), class_="code")
-        value, limit = quantity(check.value, check.unit), quantity(check.limit, check.unit, check.relation)
+        value = quantity(check.value, check.unit)
+        limit = quantity(check.limit, check.unit, check.relation)
         rows.append((name, value, limit, passed, link_parameters(list_causes(check.name))))
+
     return table(("check", "value", "must be", "passed", "set by"), rows, caption)
 
 

@@ -1,4 +1,5 @@
-"""Page of a design, or of a set, as one HTML file: every style, script, mesh and picture is within it.
+"""Page of a design, or of a set, as one HTML file: every style, script, mesh and picture is within
+it.
 
 Without a script the panels of its tabs stand one below the other; `page.js` makes tabs of them.
 """
@@ -31,15 +32,34 @@ from fingertip.page.html import (
     render_document,
     table,
 )
-from fingertip.page.markdown_sheets import TICKED_THINGS, render_facts, render_markdown, split_sections
-from fingertip.page.model_section import list_items, measure_finger, render_model, render_no_view, scene_json
+from fingertip.page.markdown_sheets import (
+    TICKED_THINGS,
+    render_facts,
+    render_markdown,
+    split_sections,
+)
+from fingertip.page.model_section import (
+    list_items,
+    measure_finger,
+    render_model,
+    render_no_view,
+    scene_json,
+)
 from fingertip.page.pad_section import render_pad
-from fingertip.page.parameters_and_checks import render_checks, render_parameters, render_verdict, tell_verdict
+from fingertip.page.parameters_and_checks import (
+    render_checks,
+    render_parameters,
+    render_verdict,
+    tell_verdict,
+)
 from fingertip.page.sources import Sources
 from fingertip.page.trial_section import render_trial
 from fingertip.pictures.casting_scenes import draw_finger
 
-_MAIL = "Its links lead to files beside it: mail the folder, which fingertip make packs into one file with --zip."
+_MAIL = (
+    "Its links lead to files beside it: mail the folder, which fingertip make packs into one "
+    "file with --zip."
+)
 _WORDS = Path(__file__).parent / "assets" / "words.csv"
 _BEFORE = "Is this for you?"
 
@@ -48,13 +68,26 @@ Tab = tuple[str, str, tuple[Markup, ...]]
 
 
 def render_tabs(
-    name: str, title: str, tabs: Sequence[Tab], scripts: Iterable[str] = (), banner: str = "", end: str = ""
+    name: str,
+    title: str,
+    tabs: Sequence[Tab],
+    scripts: Iterable[str] = (),
+    banner: str = "",
+    end: str = "",
 ) -> bytes:
     """Render a page of tabs; `banner` stands above all of them, `end` below."""
     meanings = _read_meanings()
-    links = (element("li", element("a", label, href=f"#{to}", id=f"tab-{to}")) for to, label, _ in tabs)
+    links = (
+        element("li", element("a", label, href=f"#{to}", id=f"tab-{to}")) for to, label, _ in tabs
+    )
     panels = (
-        element("section", explain(join(content), meanings), id=to, class_="panel", aria_labelledby=f"tab-{to}")
+        element(
+            "section",
+            explain(join(content), meanings),
+            id=to,
+            class_="panel",
+            aria_labelledby=f"tab-{to}",
+        )
         for to, _, content in tabs
     )
     body = (
@@ -62,43 +95,67 @@ def render_tabs(
         element("header", element("h1", title), banner),
         element("nav", element("ul", *links, id="tabs"), aria_label="sections"),
         element("main", *panels, id="content"),
-        element("footer", end, element("p", f"Made by fingertip {__version__}. This page needs no network. {_MAIL}")),
+        element(
+            "footer",
+            end,
+            element("p", f"Made by fingertip {__version__}. This page needs no network. {_MAIL}"),
+        ),
     )
     every = (read_asset("page.js"), *scripts)
-    return render_document(f"{name}: fingertip", body, read_asset("page.css"), every, data_design=name)
+
+    return render_document(
+        f"{name}: fingertip", body, read_asset("page.css"), every, data_design=name
+    )
 
 
 def _read_meanings() -> dict[str, str]:
     """Read the meaning of each word; two words in a row share it, or have one each."""
     found = dict[str, str]()
     for row in read_rows(_WORDS):
-        words, meanings = row["word"].split(", "), row["meaning"].split("; ")
+        words = row["word"].split(", ")
+        meanings = row["meaning"].split("; ")
         each = meanings if len(meanings) == len(words) else [row["meaning"]] * len(words)
         found |= dict(zip(words, each, strict=True))
+
     return {word: meaning for word, meaning in found.items() if len(word) > 1}
 
 
 def render_first_screen(text: str, pictures: Markup, links: Mapping[str, str]) -> Markup:
-    """Render the first screen from its Markdown: a section is a box, or a step if its heading begins with a number."""
+    """Render the first screen from its Markdown: a section is a box, or
+    a step if its heading begins with a number.
+    """
     sections = split_sections(text)
-    lead, before = sections.pop(""), sections.pop(_BEFORE)
+    lead = sections.pop("")
+    before = sections.pop(_BEFORE)
     steps = [
         element("li", element("h3", heading), render_markdown(sections.pop(heading), links))
         for heading in [*sections]
         if heading[0].isdigit()
     ]
     about = element(
-        "div", element("div", render_markdown(lead), class_="lead"), element("h2", _BEFORE),
-        render_markdown(before, links), render_facts(sections, links), class_="about",
-    )  # fmt: skip
-    return join((
-        element("div", pictures, about, class_="hero"), element("h2", "The next three steps"),
-        element("ol", *steps, class_="next"),
-    ))  # fmt: skip
+        "div",
+        element("div", render_markdown(lead), class_="lead"),
+        element("h2", _BEFORE),
+        render_markdown(before, links),
+        render_facts(sections, links),
+        class_="about",
+    )
+
+    return join(
+        (
+            element("div", pictures, about, class_="hero"),
+            element("h2", "The next three steps"),
+            element("ol", *steps, class_="next"),
+        )
+    )
 
 
 def render_finger(picture: bytes, caption: Markup | str) -> Markup:
-    image = element("img", src=embed(picture, "image/png"), alt="The finished finger, from the back and from the palm")
+    image = element(
+        "img",
+        src=embed(picture, "image/png"),
+        alt="The finished finger, from the back and from the palm",
+    )
     return element("figure", image, element("figcaption", caption), class_="finger")
 
 
@@ -107,7 +164,9 @@ ARTICLE_DOI = "10.1109/TMRB.2021.3060032"
 
 @dataclass(frozen=True)
 class Prepared:
-    """Sections that depend on the design alone, and on no file: `make` prepares them while others work."""
+    """Sections that depend on the design alone, and on no file:
+    `make` prepares them while others work.
+    """
 
     finger: bytes
     """Picture of the finished finger."""
@@ -127,46 +186,111 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
     design, items = sources.design, list_items(sources.design, sources.files)
     prepared = prepared or prepare_page(design)
     cast = markdown_sheets.render_casting(sources)
-    report, links = sources.report, sources.links
+    report = sources.report
+    links = sources.links
     verdict, kind = tell_verdict(report.checks)
     drawing = markdown_sheets.render_drawing(sources)
-    steps, has_board = cast.count("data-tick="), design.board.variant != "divider"
-    screen = FirstScreen(design, report.casting, report.loads, measure_finger(items), links, steps, verdict)
+    steps = cast.count("data-tick=")
+    has_board = design.board.variant != "divider"
+    screen = FirstScreen(
+        design=design,
+        casting=report.casting,
+        loads=report.loads,
+        size_mm=measure_finger(items),
+        files=links,
+        steps=steps,
+        verdict=verdict,
+    )
     words = ((element("dfn", row["word"]), row["meaning"]) for row in read_rows(_WORDS))
-    picture = render_finger(prepared.finger, "The finished finger, computed: from the back, and from the palm.")
+    picture = render_finger(
+        prepared.finger, "The finished finger, computed: from the back, and from the palm."
+    )
     tabs = (
-        ("start", "Start", (
-            render_first_screen(render_start(screen), picture, links),
-            element("h2", "In three dimensions", id="model"), render_no_view(), render_model(items),
-        )),
-        ("print", "Print", (
-            _title("Print the parts"), markdown_sheets.render_printing(sources),
-            *((_title("Dimensioned drawing", "drawing"), drawing) if drawing else ()),
-        )),
+        (
+            "start",
+            "Start",
+            (
+                render_first_screen(render_start(screen), picture, links),
+                element("h2", "In three dimensions", id="model"),
+                render_no_view(),
+                render_model(items),
+            ),
+        ),
+        (
+            "print",
+            "Print",
+            (
+                _title("Print the parts"),
+                markdown_sheets.render_printing(sources),
+                *((_title("Dimensioned drawing", "drawing"), drawing) if drawing else ()),
+            ),
+        ),
         ("buy", "Buy", (_title("What to buy"), markdown_sheets.render_shopping(sources))),
         ("cast", "Cast", (_title("Cast the skin", "casting"), cast)),
-        ("board", "Board" if has_board else "Wire", (
-            _title("The board" if has_board else "The wiring"), render_board(sources),
-        )),
-        ("test", "Test", (_title("Test the sensor and the finished finger"), markdown_sheets.render_tests(sources))),
-        ("more", "More", (_title("To look up: nothing to do here"), *(
-            fold(title, content, name=name, state="roomy" if name in ("checks", "basis") else "", level=2)
-            for name, title, content in (
-                ("basis", "What is simulated and what is measured", markdown_sheets.render_basis(design)),
-                ("checks", "Checks", render_checks(report.checks)),
-                ("parameters", "Parameters", prepared.parameters),
-                ("pad", "What the sensor feels", prepared.pad or render_pad(design)),
-                ("response", "Response of the board", prepared.response),
-                ("trial", "Trial and detection", render_trial(sources)),
-                ("words", "Words", table(("word", "meaning"), words, "words")),
-            )
-            if content
-        ))),
-    )  # fmt: skip
+        (
+            "board",
+            "Board" if has_board else "Wire",
+            (
+                _title("The board" if has_board else "The wiring"),
+                render_board(sources),
+            ),
+        ),
+        (
+            "test",
+            "Test",
+            (
+                _title("Test the sensor and the finished finger"),
+                markdown_sheets.render_tests(sources),
+            ),
+        ),
+        (
+            "more",
+            "More",
+            (
+                _title("To look up: nothing to do here"),
+                *(
+                    fold(
+                        title,
+                        content,
+                        name=name,
+                        state="roomy" if name in ("checks", "basis") else "",
+                        level=2,
+                    )
+                    for name, title, content in (
+                        (
+                            "basis",
+                            "What is simulated and what is measured",
+                            markdown_sheets.render_basis(design),
+                        ),
+                        ("checks", "Checks", render_checks(report.checks)),
+                        ("parameters", "Parameters", prepared.parameters),
+                        ("pad", "What the sensor feels", prepared.pad or render_pad(design)),
+                        ("response", "Response of the board", prepared.response),
+                        ("trial", "Trial and detection", render_trial(sources)),
+                        ("words", "Words", table(("word", "meaning"), words, "words")),
+                    )
+                    if content
+                ),
+            ),
+        ),
+    )
     scripts = (read_viewer_library(), read_asset("viewer.js"), read_asset("board.js"))
-    end = join((_render_source(), element("script", scene_json(items), type="application/json", id="scene")))
+    end = join(
+        (
+            _render_source(),
+            element("script", scene_json(items), type="application/json", id="scene"),
+        )
+    )
     banner = element("a", render_verdict(report.checks), href="#checks") if kind == "failed" else ""
-    return render_tabs(design.name, f"Fingertip {design.name}", tabs, scripts, banner, end)
+
+    return render_tabs(
+        design.name,
+        title=f"Fingertip {design.name}",
+        tabs=tabs,
+        scripts=scripts,
+        banner=banner,
+        end=end,
+    )
 
 
 def _title(text: str, name: str = "") -> Markup:
@@ -175,11 +299,15 @@ def _title(text: str, name: str = "") -> Markup:
 
 def _render_source() -> Markup:
     return element(
-        "p", "After R. A. Romeo, C. Lauretti, C. Gentile, E. Guglielmelli, L. Zollo: Method for Automatic Slippage "
-        "Detection With Tactile Sensors Embedded in Prosthetic Hands. IEEE Transactions on Medical Robotics and "
-        "Bionics 3(2), 485-497, 2021. ", element("a", f"doi:{ARTICLE_DOI}", href=f"https://doi.org/{ARTICLE_DOI}"),
+        "p",
+        "After R. A. Romeo, C. Lauretti, C. Gentile, E. Guglielmelli, L. Zollo: Method for "
+        "Automatic Slippage "
+        "Detection With Tactile Sensors Embedded in Prosthetic Hands. IEEE Transactions on "
+        "Medical Robotics and "
+        "Bionics 3(2), 485-497, 2021. ",
+        element("a", f"doi:{ARTICLE_DOI}", href=f"https://doi.org/{ARTICLE_DOI}"),
         ". The 3D view uses three.js, under the MIT License that stands in this file.",
-    )  # fmt: skip
+    )
 
 
 _TICKED = {"data_ticks": "casting", "data_noun": "days and molds done"}
@@ -195,8 +323,9 @@ def render_set_page(
 ) -> bytes:
     """Render the page of a set, with links to files and with the forms whose checks failed.
 
-    `data` are those of `set_sheets`, `pictures` the PNG of each form by its folder. First screen and sheets (overview,
-    casting plan, parts list, acceptance) are Markdown. The same files give the same bytes.
+    `data` are those of `set_sheets`, `pictures` the PNG of each form by its folder. First screen
+    and sheets (overview, casting plan, parts list, acceptance) are Markdown. The same files give
+    the same bytes.
     """
     links = {path: quote(path) for path in files}
     drawn = [
@@ -207,28 +336,67 @@ def render_set_page(
         for row in data.fingers
     ]
     overview, plan, parts, acceptance = (split_sections(text) for text in texts)
-    hand, shopping, tests, castings = (each.pop("").partition("\n")[2] for each in (overview, parts, acceptance, plan))
-    shown = [path for path in links if path.startswith("board/")] or [path for path in links if "/board/" in path]
+    hand, shopping, tests, castings = (
+        each.pop("").partition("\n")[2] for each in (overview, parts, acceptance, plan)
+    )
+    shown = [path for path in links if path.startswith("board/")] or [
+        path for path in links if "/board/" in path
+    ]
     boards = list_links(shown, links, "files") if shown else Markup("")
     tabs: list[Tab] = [
-        ("start", "Start", (
-            render_first_screen(start, element("div", *drawn, class_="fingers"), links),
-            fold("Checks", render_markdown(overview["Checks"], links), state="roomy"),
-            fold("Every step in words", render_markdown(overview["What to do"], links), name="steps"),
-        )),
-        ("print", "Print", (element("h2", "Print the parts"), render_markdown(overview["To print"], links))),
-        ("buy", "Buy", (
-            element("h2", "What to buy", id="parts-list"), render_markdown(shopping, links, **TICKED_THINGS),
-        )),
-        ("cast", "Cast", (
-            element("h2", "Cast the skins", id="casting-plan"), render_markdown(castings, links, **_TICKED),
-            *(fold(title, render_markdown(text, links, **_TICKED), state="roomy") for title, text in plan.items()),
-        )),
-        ("board", "Board", (element("h2", "Fingers and their boards"), render_markdown(hand, links), boards)),
-        ("test", "Test", (
-            element("h2", "Test the fingers", id="acceptance"), render_markdown(tests, links),
-        )),
-    ]  # fmt: skip
+        (
+            "start",
+            "Start",
+            (
+                render_first_screen(start, element("div", *drawn, class_="fingers"), links),
+                fold("Checks", render_markdown(overview["Checks"], links), state="roomy"),
+                fold(
+                    "Every step in words",
+                    render_markdown(overview["What to do"], links),
+                    name="steps",
+                ),
+            ),
+        ),
+        (
+            "print",
+            "Print",
+            (element("h2", "Print the parts"), render_markdown(overview["To print"], links)),
+        ),
+        (
+            "buy",
+            "Buy",
+            (
+                element("h2", "What to buy", id="parts-list"),
+                render_markdown(shopping, links, **TICKED_THINGS),
+            ),
+        ),
+        (
+            "cast",
+            "Cast",
+            (
+                element("h2", "Cast the skins", id="casting-plan"),
+                render_markdown(castings, links, **_TICKED),
+                *(
+                    fold(title, render_markdown(text, links, **_TICKED), state="roomy")
+                    for title, text in plan.items()
+                ),
+            ),
+        ),
+        (
+            "board",
+            "Board",
+            (element("h2", "Fingers and their boards"), render_markdown(hand, links), boards),
+        ),
+        (
+            "test",
+            "Test",
+            (
+                element("h2", "Test the fingers", id="acceptance"),
+                render_markdown(tests, links),
+            ),
+        ),
+    ]
     verdict = f"✗ Checks of {', '.join(failed)} failed: do not print these parts"
     banner = element("p", verdict, class_="verdict failed") if failed else ""
+
     return render_tabs(data.name, f"Fingers of {data.name}", tabs, banner=banner)

@@ -1,6 +1,8 @@
-"""Files that a page shows: those in the folder of a design, if they are whole and made from its parameters.
+"""Files that a page shows: those in the folder of a design, if they are whole and made from its
+parameters.
 
-Parts and casting sheet must be there. Whatever else is missing or old leaves a remark with the command that makes it.
+Parts and casting sheet must be there. Whatever else is missing or old leaves a remark with the
+command that makes it.
 """
 
 from __future__ import annotations
@@ -16,7 +18,14 @@ from pydantic import TypeAdapter
 
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.casting.sheet import CastingSheet
-from fingertip.catalogues.output_files import BOARD_FOLDER, PRINT_FOLDER, REPORT, SHEET, SIGNAL_FOLDER, STEPS_FOLDER
+from fingertip.catalogues.output_files import (
+    BOARD_FOLDER,
+    PRINT_FOLDER,
+    REPORT,
+    SHEET,
+    SIGNAL_FOLDER,
+    STEPS_FOLDER,
+)
 from fingertip.design import Design
 from fingertip.documents.finger import Loads
 from fingertip.foundation.errors import Issue, OutputError, raise_issues
@@ -53,12 +62,16 @@ class Report:
     def read(cls, data: bytes) -> Report:
         """Read the report. Raises ValueError, LookupError or TypeError if it is none."""
         content = json.loads(data)
-        casting, strength = content.get("casting"), content.get("strength")
+        casting = content.get("casting")
+        strength = content.get("strength")
+
         return cls(
             tuple(map(ReportedCheck.read, content["checks"])),
             {path: tuple(found["parts"]) for path, found in content["print"].items()},
             TypeAdapter(CastingSheet).validate_python(casting) if casting else None,
-            Loads(**{name: strength["loads"][name] for name in Loads.__match_args__}) if strength else None,
+            Loads(**{name: strength["loads"][name] for name in Loads.__match_args__})
+            if strength
+            else None,
         )
 
 
@@ -71,17 +84,31 @@ class Sources:
     files: Mapping[str, bytes]
     """Path, such as "bone.stl" or "board/bom.csv" -> content."""
     remarks: Mapping[str, str]
-    """Folder of a set that is missing, old or changed -> sentence that says so and names the command."""
+    """Folder of a set that is missing, old or changed ->
+    sentence that says so and names the command.
+    """
     unread: frozenset[str] = frozenset()
     """Paths of the design's other files, which a page may link to."""
 
     @property
     def links(self) -> dict[str, str]:
-        """Address of each file by its path; within the board's folder also by its name. Pictures are held here."""
-        board = {path.partition("/")[2]: path for path in self.files if path.startswith(f"{BOARD_FOLDER}/")}
+        """Address of each file by its path; within the board's folder also by its name.
+
+        Pictures are held here.
+        """
+        board = {
+            path.partition("/")[2]: path
+            for path in self.files
+            if path.startswith(f"{BOARD_FOLDER}/")
+        }
         addresses = {name: quote(path) for name, path in board.items()}
         addresses |= {path: quote(path) for path in (*self.files, *self.unread)}
-        pictures = (path for path in self.files if path.startswith(f"{STEPS_FOLDER}/") and path.endswith(".png"))
+        pictures = (
+            path
+            for path in self.files
+            if path.startswith(f"{STEPS_FOLDER}/") and path.endswith(".png")
+        )
+
         return addresses | {path: embed(self.files[path], "image/png") for path in pictures}
 
     def text(self, name: str) -> str | None:
@@ -93,19 +120,37 @@ def read_sources(design: Design, folder: Path) -> Sources:
     """Read the files of a design from its folder. Raises OutputError."""
     wanted = hash_parameters(design.identity())
     manifest = read_manifest(folder)
+
     if manifest is None or manifest.kind != "parts":
-        raise OutputError(Issue(str(folder), f"holds no parts of {design.name!r}; {_MAKE} makes them."))
+        raise OutputError(
+            Issue(str(folder), f"holds no parts of {design.name!r}; {_MAKE} makes them.")
+        )
+
     if manifest.parameters != wanted:
-        message = f"holds parts of {manifest.design!r} that were made from other parameters; {_MAKE} makes them again."
+        message = (
+            f"holds parts of {manifest.design!r} that were made from other parameters; "
+            f"{_MAKE} makes them again."
+        )
         raise OutputError(Issue(str(folder), message))
+
     files = dict(_read_set(folder, manifest))
     required = (*(f"{part}.stl" for part in parts_by_name(design)), REPORT, SHEET)
-    changed = [name for name in required if name in files and hash_content(files[name]) != manifest.files[name]]
-    issues = [Issue(str(folder / name), f"is missing; {_MAKE} makes it.") for name in required if name not in files]
+    changed = [
+        name
+        for name in required
+        if name in files and hash_content(files[name]) != manifest.files[name]
+    ]
+    issues = [
+        Issue(str(folder / name), f"is missing; {_MAKE} makes it.")
+        for name in required
+        if name not in files
+    ]
     message = f"was changed after it was written; {_MAKE} makes it again."
     issues += [Issue(str(folder / name), message) for name in changed]
     raise_issues(OutputError, issues)
-    remarks, unread = {}, set(manifest.files)
+    remarks = {}
+    unread = set(manifest.files)
+
     for kind in (STEPS_FOLDER, BOARD_FOLDER, SIGNAL_FOLDER):
         found = _read_current_set(folder, kind, wanted)
         if isinstance(found, str):
@@ -113,11 +158,19 @@ def read_sources(design: Design, folder: Path) -> Sources:
             remarks[kind] = f"{found}; in the folder of the page, {remedy} makes them."
         else:
             files |= {f"{kind}/{name}": data for name, data in found.items()}
+
     prints = read_manifest(folder / PRINT_FOLDER, folder)
     if prints and prints.parameters == wanted:
         unread |= {f"{PRINT_FOLDER}/{name}" for name in prints.files}
+
     there = frozenset(path for path in unread - files.keys() if os.path.lexists(folder / path))
-    return Sources(design, Report.read(files[REPORT]), files, remarks, there)
+    return Sources(
+        design=design,
+        report=Report.read(files[REPORT]),
+        files=files,
+        remarks=remarks,
+        unread=there,
+    )
 
 
 def _read_current_set(top: Path, kind: str, parameters: str) -> dict[str, bytes] | str:
@@ -128,20 +181,28 @@ def _read_current_set(top: Path, kind: str, parameters: str) -> dict[str, bytes]
         return f"{name} are missing"
     if manifest.parameters != parameters:
         return f"{name} were made from other parameters"
+
     files = dict(_read_set(top / kind, manifest))
     if any(hash_content(data) != manifest.files[name] for name, data in files.items()):
         return f"{name} {_CHANGED}"
+
     return files
 
 
 def _read_set(folder: Path, manifest: Manifest) -> Iterator[tuple[str, bytes]]:
-    """Yield the files of a set that a page may show and that are there, within a limit of their sum."""
+    """Yield the files of a set that a page may show and that
+    are there, within a limit of their sum.
+    """
     left = OUTPUT_LIMIT.value
     for name in sorted(manifest.files):
         if name.endswith(_SHOWN) and os.path.lexists(folder / name):
             data = read_input(folder / name, OUTPUT_LIMIT, below=folder)
             left -= len(data)
             if left < 0:
-                message = f"holds files that are too large together to be shown; raise {OUTPUT_LIMIT.variable}."
+                message = (
+                    "holds files that are too large together to be shown; raise "
+                    f"{OUTPUT_LIMIT.variable}."
+                )
                 raise OutputError(Issue(str(folder), message))
+
             yield name, data

@@ -1,4 +1,7 @@
-"""Plots as SVG elements: axes with ticks, lines, bands and marks. Colours are the page's, so they follow its theme."""
+"""Plots as SVG elements: axes with ticks, lines, bands and marks.
+
+Colours are the page's, so they follow its theme.
+"""
 
 from __future__ import annotations
 
@@ -26,17 +29,24 @@ class Axis:
         """Return the place of a value: 0 at the low end, 1 at the high one."""
         if self.is_log:
             return math.log(value / self.low) / math.log(self.high / self.low)
+
         return (value - self.low) / (self.high - self.low)
 
     def ticks(self, wanted: int) -> list[float]:
-        """List round values within the range: powers of ten if it is logarithmic, else about as many as wanted."""
+        """List round values within the range: powers of ten if it is
+        logarithmic, else about as many as wanted.
+        """
         if self.is_log:
-            first, last = math.ceil(math.log10(self.low) - 1e-9), math.floor(math.log10(self.high) + 1e-9)
+            first = math.ceil(math.log10(self.low) - 1e-9)
+            last = math.floor(math.log10(self.high) + 1e-9)
             return [10.0**n for n in range(first, last + 1)]
+
         rough = (self.high - self.low) / wanted
         power = 10.0 ** math.floor(math.log10(rough))
         step = power * next(s for s in _TICK_STEPS if s * power >= rough * (1 - 1e-9))
-        first, last = math.ceil(self.low / step - 1e-9), math.floor(self.high / step + 1e-9)
+        first = math.ceil(self.low / step - 1e-9)
+        last = math.floor(self.high / step + 1e-9)
+
         return [round(n * step, 9) + 0.0 for n in range(first, last + 1)]
 
 
@@ -57,73 +67,147 @@ class Frame:
         return self.left + across * self.width, self.top + (1.0 - up) * self.height
 
     def axes(self, *, label_x: bool = True, wanted_y: int = 5) -> Markup:
-        right, bottom = self.left + self.width, self.top + self.height
+        right = self.left + self.width
+        bottom = self.top + self.height
         parts = []
+
         for value in self.x.ticks(8):
             px = self.point(value, self.y.low)[0]
             parts.append(line((px, self.top), (px, bottom), "var(--line)", 1))
             if label_x:
                 parts.append(text(px, bottom + 17, format_tick(value), "middle"))
+
         for value in self.y.ticks(wanted_y):
             py = self.point(self.x.low, value)[1]
             parts.append(line((self.left, py), (right, py), "var(--line)", 1))
             parts.append(text(self.left - 6, py + 4, format_tick(value), "end"))
+
         if label_x:
             parts.append(text(self.left + self.width / 2, bottom + 36, self.x.label, "middle"))
+
         parts.append(text(self.left, self.top - 8, self.y.label))
         return join(parts)
 
-    def line(self, points: Points, colour: str, width: float = 1.5, dashes: str = "") -> Markup:
+    def line(
+        self,
+        points: Points,
+        colour: str,
+        width: float = 1.5,
+        dashes: str = "",
+    ) -> Markup:
         placed = [self.point(x, y) for x, y in points]
         return element(
-            "path", d=path(placed), fill="none", stroke=colour, stroke_width=width, stroke_dasharray=dashes or None,
+            "path",
+            d=path(placed),
+            fill="none",
+            stroke=colour,
+            stroke_width=width,
+            stroke_dasharray=dashes or None,
             stroke_linejoin="round",
-        )  # fmt: skip
+        )
 
-    def band(self, upper: Sequence[tuple[float, float]], lower: Sequence[tuple[float, float]], colour: str) -> Markup:
+    def band(
+        self,
+        upper: Sequence[tuple[float, float]],
+        lower: Sequence[tuple[float, float]],
+        colour: str,
+    ) -> Markup:
         """Fill what lies between two lines."""
         placed = [self.point(x, y) for x, y in (*upper, *reversed(lower))]
-        return element("path", d=path(placed) + "Z", fill=colour, fill_opacity="0.22", stroke="none")
-
-    def span(self, start: float, end: float, colour: str, opacity: float = 0.18) -> Markup:
-        """Fill a range of x over the whole height."""
-        (x0, y0), (x1, y1) = self.point(start, self.y.high), self.point(end, self.y.low)
         return element(
-            "rect", x=number(x0), y=number(y0), width=number(x1 - x0), height=number(y1 - y0), fill=colour,
+            "path",
+            d=path(placed) + "Z",
+            fill=colour,
+            fill_opacity="0.22",
+            stroke="none",
+        )
+
+    def span(
+        self,
+        start: float,
+        end: float,
+        colour: str,
+        opacity: float = 0.18,
+    ) -> Markup:
+        """Fill a range of x over the whole height."""
+        (x0, y0) = self.point(start, self.y.high)
+        (x1, y1) = self.point(end, self.y.low)
+        return element(
+            "rect",
+            x=number(x0),
+            y=number(y0),
+            width=number(x1 - x0),
+            height=number(y1 - y0),
+            fill=colour,
             fill_opacity=opacity,
-        )  # fmt: skip
+        )
 
 
 def figure_svg(width: float, height: float, title: str, *parts: str) -> Markup:
     """Build a plot with a title for those who do not see it."""
     return element(
-        "svg", element("title", title), *parts, viewBox=f"0 0 {number(width)} {number(height)}", role="img",
-        width=number(width), height=number(height), class_="plot", font_size="12",
-    )  # fmt: skip
+        "svg",
+        element("title", title),
+        *parts,
+        viewBox=f"0 0 {number(width)} {number(height)}",
+        role="img",
+        width=number(width),
+        height=number(height),
+        class_="plot",
+        font_size="12",
+    )
 
 
 def write_svg(plot: Markup) -> bytes:
     """Write a plot as a file of its own, in the light colours of the page and on its ground."""
-    colours = dict(re.findall(r"(--[\w-]+): ([^;]+);", read_asset("page.css").partition("@media")[0]))
+    colours = dict(
+        re.findall(r"(--[\w-]+): ([^;]+);", read_asset("page.css").partition("@media")[0])
+    )
     ground = element("rect", width="100%", height="100%", fill="var(--ground)")
-    whole = plot.replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" font-family="sans-serif" ', 1)
+    whole = plot.replace(
+        "<svg ", '<svg xmlns="http://www.w3.org/2000/svg" font-family="sans-serif" ', 1
+    )
     whole = whole.replace("</title>", f"</title>{ground}", 1)
+
     return re.sub(r"var\((--[\w-]+)\)", lambda name: colours[name[1]], whole).encode()
 
 
-def text(x: float, y: float, content: str, anchor: str = "start", weight: str = "") -> Markup:
+def text(
+    x: float,
+    y: float,
+    content: str,
+    anchor: str = "start",
+    weight: str = "",
+) -> Markup:
     return element(
-        "text", content, x=number(x), y=number(y), text_anchor=None if anchor == "start" else anchor,
+        "text",
+        content,
+        x=number(x),
+        y=number(y),
+        text_anchor=None if anchor == "start" else anchor,
         font_weight=weight or None,
-    )  # fmt: skip
+    )
 
 
-def line(start: tuple[float, float], end: tuple[float, float], colour: str, width: float, dashes: str = "") -> Markup:
-    (x0, y0), (x1, y1) = start, end
+def line(
+    start: tuple[float, float],
+    end: tuple[float, float],
+    colour: str,
+    width: float,
+    dashes: str = "",
+) -> Markup:
+    (x0, y0) = start
+    (x1, y1) = end
     return element(
-        "line", x1=number(x0), y1=number(y0), x2=number(x1), y2=number(y1), stroke=colour, stroke_width=width,
+        "line",
+        x1=number(x0),
+        y1=number(y0),
+        x2=number(x1),
+        y2=number(y1),
+        stroke=colour,
+        stroke_width=width,
         stroke_dasharray=dashes or None,
-    )  # fmt: skip
+    )
 
 
 def legend(x: float, y: float, entries: Iterable[tuple[str, str, str]]) -> Markup:
@@ -132,12 +216,30 @@ def legend(x: float, y: float, entries: Iterable[tuple[str, str, str]]) -> Marku
     for colour, dashes, name in entries:
         if dashes == "band":
             parts.append(
-                element("rect", x=number(x), y=number(y - 9), width=24, height=10, fill=colour, fill_opacity="0.3")
+                element(
+                    "rect",
+                    x=number(x),
+                    y=number(y - 9),
+                    width=24,
+                    height=10,
+                    fill=colour,
+                    fill_opacity="0.3",
+                )
             )
         else:
-            parts.append(line((x, y - 4), (x + 24, y - 4), colour, 2, dashes))
+            parts.append(
+                line(
+                    (x, y - 4),
+                    end=(x + 24, y - 4),
+                    colour=colour,
+                    width=2,
+                    dashes=dashes,
+                )
+            )
+
         parts.append(text(x + 30, y, name))
         x += 30 + _CHARACTER * len(name) + 22
+
     return join(parts)
 
 

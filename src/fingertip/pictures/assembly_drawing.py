@@ -1,4 +1,5 @@
-"""Assembly drawing of a board, five times its size: each part's outline with its reference and value, and a list.
+"""Assembly drawing of a board, five times its size: each part's outline with its reference and
+value, and a list.
 
 Whoever solders looks up where a part belongs, which value it has, and which way round it goes.
 """
@@ -14,17 +15,33 @@ from fingertip.board.circuits.channels import split_name
 from fingertip.board.fabrication.bom import list_bom
 from fingertip.board.kicad.placement import Box, PlacedPart, Placement
 from fingertip.board.parts.circuit import Circuit, Component
-from fingertip.pictures.drawing.primitives import Primitive, Ring, Sheet, Style, Text, line, rectangle, text_width
+from fingertip.pictures.drawing.primitives import (
+    Primitive,
+    Ring,
+    Sheet,
+    Style,
+    Text,
+    line,
+    rectangle,
+    text_width,
+)
 
 SCALE = 5.0
-_A4_MM, _A3_MM = (297.0, 210.0), (420.0, 297.0)
+_A4_MM = (297.0, 210.0)
+_A3_MM = (420.0, 297.0)
 _LIST_WIDTH_MM = 75.0
 _MARGIN_MM = 12.0
-_TITLE_MM, _NOTE_MM, _LIST_MM = 3.5, 2.0, 2.0
-_MOST_MM, _LEAST_MM = 2.2, 1.2
+_TITLE_MM = 3.5
+_NOTE_MM = 2.0
+_LIST_MM = 2.0
+_MOST_MM = 2.2
+_LEAST_MM = 1.2
 """Largest and smallest height of the capitals on a part."""
-_PART, _PAD = Style("part", 0.2), Style("pad", 0.1)
-_BAR, _BOARD, _DOT = Style("bar", 0.9), Style("board", 0.5), Style("dot", 0.25)
+_PART = Style("part", 0.2)
+_PAD = Style("pad", 0.1)
+_BAR = Style("bar", 0.9)
+_BOARD = Style("board", 0.5)
+_DOT = Style("dot", 0.25)
 _ROW_MM = 4.6
 _GAP = 0.35
 """Gap between two lines of text, and beside them, in units of a capital's height."""
@@ -54,48 +71,76 @@ def draw_assembly(circuit: Circuit, placement: Placement, title: str) -> Sheet:
     width, height = _A4_MM if fits_a4 else _A3_MM
     board = _place((0.0, 0.0, placement.width, placement.height), height)
     note = (
-        f"Front, {SCALE:g}:1, {placement.width:g} x {placement.height:g} mm; made with fingertip {__version__}. "
-        "Print at 100 %. Bar: cathode. Dot: pin 1. Parts with neither go in either way, or in one way only."
+        f"Front, {SCALE:g}:1, {placement.width:g} x {placement.height:g} mm; made with fingertip "
+        f"{__version__}. "
+        "Print at 100 %. Bar: cathode. Dot: pin 1. Parts with neither go in either way, or in one "
+        "way only."
     )
     drawn: list[Primitive] = [
         Text(title, (board.left, height - _MARGIN_MM - _TITLE_MM), _TITLE_MM),
         Text(note, (board.left, board.top + 2.5), _NOTE_MM),
-        rectangle(board.left, board.bottom, board.right, board.top, _BOARD),
+        rectangle(
+            board.left,
+            bottom=board.bottom,
+            right=board.right,
+            top=board.top,
+            style=_BOARD,
+        ),
     ]
     for part in (part for part in circuit.components if part.is_fitted):
         drawn += _draw_part(part, placement.parts[part.reference], height)
+
     drawn += _draw_list(circuit, board.right + 5.0, board.top)
     return Sheet("assembly", width, height, tuple(drawn))
 
 
 def _place(box: Box, paper_height: float) -> _Box:
     """Place a rectangle of the board, whose y axis points down, on the sheet."""
-    left, top = _MARGIN_MM, paper_height - _MARGIN_MM - 10.0
-    return _Box(left + SCALE * box[0], top - SCALE * box[3], left + SCALE * box[2], top - SCALE * box[1])
+    left = _MARGIN_MM
+    top = paper_height - _MARGIN_MM - 10.0
+    return _Box(
+        left + SCALE * box[0], top - SCALE * box[3], left + SCALE * box[2], top - SCALE * box[1]
+    )
 
 
 def _draw_part(part: Component, placed: PlacedPart, paper_height: float) -> Iterator[Primitive]:
-    name, pads = part.reference, [(pad, _place(pad.box, paper_height)) for pad in placed.pads]
+    name = part.reference
+    pads = [(pad, _place(pad.box, paper_height)) for pad in placed.pads]
     for pad, box in pads:
-        if diameter := pad.drill or (pad.width if name.startswith("TP") else 0.0):
+        diameter = pad.drill or (pad.width if name.startswith("TP") else 0.0)
+        if diameter:
             yield Ring(box.middle, SCALE * diameter / 2.0, _PAD)
+
     if placed.body is None:
         return
+
     body = _place(placed.body, paper_height)
     if name.startswith("TP"):
         yield from _write(body, name, "")
         return
-    yield rectangle(body.left, body.bottom, body.right, body.top, _PART)
+
+    yield rectangle(
+        body.left,
+        bottom=body.bottom,
+        right=body.right,
+        top=body.top,
+        style=_PART,
+    )
     if not _is_chip(part):
         for _, box in pads:
             yield from _trim(box, body)
+
         first_pin = next(box.middle for pad, box in pads if pad.name == "1")
         if len(part.symbol.pins) == 2 and part.symbol.pins[0].name == "K":
             yield _draw_bar(body, first_pin)
         elif len(pads) > 3 or name.startswith("J"):  # what has three legs goes in one way only
             yield from _draw_dot(body, first_pin)
+
     # A connector's holes stand in its outline; the text stands to their left.
-    right = min((box.middle[0] - SCALE * pad.drill / 2.0 for pad, box in pads if pad.drill), default=body.right)
+    right = min(
+        (box.middle[0] - SCALE * pad.drill / 2.0 for pad, box in pads if pad.drill),
+        default=body.right,
+    )
     yield from _write(replace(body, right=right), name, _describe_value(part))
 
 
@@ -105,40 +150,65 @@ def _is_chip(part: Component) -> bool:
 
 
 def _describe_value(part: Component) -> str:
-    """Value, with R behind ohms: an R28 that is marked 100 has 10 ohm, and one of 100 ohm is marked 101 or 1000."""
+    """Value, with R behind ohms: an R28 that is marked 100 has 10
+    ohm, and one of 100 ohm is marked 101 or 1000.
+    """
     return f"{part.value}R" if part.symbol.name == "R" and part.value[-1].isdigit() else part.value
 
 
 def _trim(pad: _Box, body: _Box) -> Iterator[Primitive]:
     """Draw what of a pad lies beside the body, which stays free for the text."""
-    left, bottom, right, top = pad.left, pad.bottom, pad.right, pad.top
+    left = pad.left
+    bottom = pad.bottom
+    right = pad.right
+    top = pad.top
+
     if body.bottom < pad.middle[1] < body.top:  # its leg leaves the body sideways
-        left, right = (max(left, body.right), right) if right > body.right else (left, min(right, body.left))
+        left, right = (
+            (max(left, body.right), right) if right > body.right else (left, min(right, body.left))
+        )
     elif body.left < pad.middle[0] < body.right:
-        bottom, top = (max(bottom, body.top), top) if top > body.top else (bottom, min(top, body.bottom))
+        bottom, top = (
+            (max(bottom, body.top), top) if top > body.top else (bottom, min(top, body.bottom))
+        )
+
     if left < right and bottom < top:
-        yield rectangle(left, bottom, right, top, _PAD)
+        yield rectangle(
+            left,
+            bottom=bottom,
+            right=right,
+            top=top,
+            style=_PAD,
+        )
 
 
 def _draw_bar(body: _Box, cathode: tuple[float, float]) -> Primitive:
-    (x, y), (cx, cy), (wide, high) = cathode, body.middle, body.size
+    (x, y) = cathode
+    (cx, cy) = body.middle
+    (wide, high) = body.size
+
     if wide > high:
         at = body.left if x < cx else body.right
         return line((at, body.bottom), (at, body.top), _BAR)
+
     at = body.bottom if y < cy else body.top
     return line((body.left, at), (body.right, at), _BAR)
 
 
 def _draw_dot(body: _Box, pin: tuple[float, float]) -> Iterator[Primitive]:
     """Draw a dot inside the body, as near to the pin as there is room."""
-    (x, y), (wide, high) = pin, body.size
-    dx, dy = min(1.0, wide / 6.0), min(1.0, high / 6.0)
+    (x, y) = pin
+    (wide, high) = body.size
+    dx = min(1.0, wide / 6.0)
+    dy = min(1.0, high / 6.0)
     dot = min(max(x, body.left + dx), body.right - dx), min(max(y, body.bottom + dy), body.top - dy)
     yield from (Ring(dot, r, _DOT) for r in (0.15, 0.4))
 
 
 def _write(body: _Box, name: str, value: str) -> Iterator[Primitive]:
-    """Write the reference and, below or beside it, the value into a part's outline, along its longer side."""
+    """Write the reference and, below or beside it, the value into
+    a part's outline, along its longer side.
+    """
     lines = [text for text in (name, value) if text]
     wide, high = body.size
     turned = high > wide
@@ -150,34 +220,54 @@ def _write(body: _Box, name: str, value: str) -> Iterator[Primitive]:
     single = min(along / (one_line + 2 * _GAP), across / (1.0 + 2 * _GAP))
     if single > two:
         lines = [" ".join(lines)]
+
     size = min(max(two, single), _MOST_MM)
     if size < _LEAST_MM and value:  # too long for the part: the list has it
         yield from _write(body, name, "")
         return
+
     total = (len(lines) * (1.0 + _GAP) - _GAP) * size
     x, y = body.middle
     for i, text in enumerate(lines):
         down = total / 2.0 - size - i * (1.0 + _GAP) * size
         at = (x - down, y) if turned else (x, y + down)
-        yield Text(text, at, size, "middle", turned)
+        yield Text(
+            text=text,
+            at=at,
+            height=size,
+            anchor="middle",
+            turned=turned,
+        )
 
 
 def _draw_list(circuit: Circuit, left: float, top: float) -> Iterator[Primitive]:
     """List what to place: a box to tick, number of parts, value, package and references."""
     fingers = max(split_name(part.reference)[0] for part in circuit.components if part.is_fitted)
     for i, item in enumerate(list_bom(circuit)):
-        y, part, package = top - (i + 1) * _ROW_MM, item.components[0], ""
+        y = top - (i + 1) * _ROW_MM
+        part = item.components[0]
+        package = ""
+
         if _is_chip(part):
             package = item.footprint.split("_")[1]
         elif item.footprint.startswith("JST"):
             package = " ".join(item.footprint.split("_")[:2])
-        yield rectangle(left, y, left + _LIST_MM, y + _LIST_MM, _PART)
+
+        yield rectangle(
+            left,
+            bottom=y,
+            right=left + _LIST_MM,
+            top=y + _LIST_MM,
+            style=_PART,
+        )
         yield Text(f"{len(item.components)} x", (left + 4.0, y), _LIST_MM)
         yield Text(f"{_describe_value(part)} {package}".strip(), (left + 10.0, y), _LIST_MM)
         first = [name for name in item.references if split_name(name)[0] < 2]
         owned = Counter(channel for channel, _ in map(split_name, item.references) if channel)
+
         if len(owned) > 1 and len(owned) == fingers and len(set(owned.values())) == 1:
             text = " ".join(first) + "; the same at each finger"
         else:
             text = " ".join(item.references)
+
         yield Text(text, (left + 33.0, y), _LIST_MM)

@@ -1,4 +1,6 @@
-"""Outlines of two versions of a finger, one over the other at one scale: from the side and from above."""
+"""Outlines of two versions of a finger, one over the other at
+one scale: from the side and from above.
+"""
 
 from __future__ import annotations
 
@@ -31,31 +33,47 @@ _LINE_PX = 2
 
 @dataclass(frozen=True)
 class _View:
-    """One view: its title, and the outlines of each version in it, along the finger and across it [mm]."""
+    """One view: its title, and the outlines of each version in
+    it, along the finger and across it [mm].
+    """
 
     title: str
     outlines: tuple[Sequence[Array], ...]
 
 
-def draw_before_and_after(before: Design, after: Design, captions: tuple[str, str], width_px: int = 1200) -> bytes:
-    """Draw the finger of both designs as a PNG of this width [pixels]: before in red, after in blue.
+def draw_before_and_after(
+    before: Design, after: Design, captions: tuple[str, str], width_px: int = 1200
+) -> bytes:
+    """Draw the finger of both designs as a PNG of this width [pixels]: before in red, after in
+    blue.
 
-    It is cut along the middle and seen from the side, and below that cut at the parting plane and seen from above. Both
-    designs are drawn at one scale, with the base of the skin at the same place.
+    It is cut along the middle and seen from the side, and below that cut at the parting plane and
+    seen from above. Both designs are drawn at one scale, with the base of the skin at the same
+    place.
     """
     evaluator = MeshEvaluator(_TOLERANCE_MM)
     solids = [_list_solids(design) for design in (before, after)]
     views = [
-        _View("cut along the middle, seen from the side", tuple(_cut_side(evaluator, each) for each in solids)),
-        _View("cut at the parting plane, seen from above", tuple(_cut_plan(evaluator, each) for each in solids)),
+        _View(
+            "cut along the middle, seen from the side",
+            tuple(_cut_side(evaluator, each) for each in solids),
+        ),
+        _View(
+            "cut at the parting plane, seen from above",
+            tuple(_cut_plan(evaluator, each) for each in solids),
+        ),
     ]
 
-    corners = np.concatenate([outline for view in views for version in view.outlines for outline in version])
-    left, right = float(corners[:, 0].min()), float(corners[:, 0].max())
+    corners = np.concatenate(
+        [outline for view in views for version in view.outlines for outline in version]
+    )
+    left = float(corners[:, 0].min())
+    right = float(corners[:, 0].max())
     pixels_per_mm = (width_px - 2 * _MARGIN_PX) / (right - left)
 
     panels = [_draw_legend(captions, width_px)]
     panels += [_draw_view(view, left, pixels_per_mm, width_px) for view in views]
+
     return to_png(_stack(panels))
 
 
@@ -66,7 +84,9 @@ def _list_solids(design: Design) -> Mapping[str, Solid]:
 
 
 def _cut_side(evaluator: MeshEvaluator, solids: Mapping[str, Solid]) -> list[Array]:
-    return [outline for solid in solids.values() for outline in slice_solid(evaluator, solid, _PLANE_MM)]
+    return [
+        outline for solid in solids.values() for outline in slice_solid(evaluator, solid, _PLANE_MM)
+    ]
 
 
 def _cut_plan(evaluator: MeshEvaluator, solids: Mapping[str, Solid]) -> list[Array]:
@@ -74,13 +94,18 @@ def _cut_plan(evaluator: MeshEvaluator, solids: Mapping[str, Solid]) -> list[Arr
     outlines = []
     for solid in solids.values():
         section = evaluator.manifold(solid).rotate((90.0, 0.0, 0.0)).slice(_PLANE_MM)
-        outlines += [np.column_stack([-ring[:, 1], ring[:, 0]]) for ring in map(np.asarray, section.to_polygons())]
+        outlines += [
+            np.column_stack([-ring[:, 1], ring[:, 0]])
+            for ring in map(np.asarray, section.to_polygons())
+        ]
+
     return outlines
 
 
 def _draw_view(view: _View, left_mm: float, pixels_per_mm: float, width_px: int) -> Image.Image:
     across = np.concatenate([outline[:, 1] for version in view.outlines for outline in version])
-    low, high = float(across.min()), float(across.max())
+    low = float(across.min())
+    high = float(across.max())
     height_px = int((high - low) * pixels_per_mm) + 2 * _CAPTION_PX + _MARGIN_PX
 
     picture = Image.new("RGB", (width_px, height_px), "white")
@@ -106,11 +131,13 @@ def _draw_legend(captions: tuple[str, str], width_px: int) -> Image.Image:
     picture = Image.new("RGB", (width_px, 2 * _CAPTION_PX), "white")
     pen = ImageDraw.Draw(picture)
     font = ImageFont.load_default(size=_FONT_PX)
+
     for row, (caption, colour) in enumerate(zip(captions, _COLOURS, strict=True)):
         y = 18 + row * 28
         pen.line([(_MARGIN_PX, y), (_MARGIN_PX + 40, y)], fill=colour, width=2 * _LINE_PX)
         word = ("before", "after")[row]
         pen.text((_MARGIN_PX + 52, y), f"{word}: {caption}", _INK, font, anchor="lm")
+
     return picture
 
 
@@ -120,4 +147,5 @@ def _stack(panels: Sequence[Image.Image]) -> Image.Image:
     for panel in panels:
         whole.paste(panel, (0, top))
         top += panel.height
+
     return whole

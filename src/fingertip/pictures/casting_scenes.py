@@ -1,4 +1,5 @@
-"""Pictures of the casting steps and of the finished finger: the skin is cast around a core that is lowered into a cup.
+"""Pictures of the casting steps and of the finished finger: the skin is cast around a core that is
+lowered into a cup.
 
 The cup stands on its foot, tip down: distal (z) points down in all pictures of it.
 """
@@ -19,14 +20,40 @@ from fingertip.cad.shapes.finger import cavity
 from fingertip.casting.sheet import CastingSheet
 from fingertip.design import Design
 from fingertip.design.geometry.dimensions import KNOT_WIRES
-from fingertip.design.geometry.mold_layout import BELT_MM, GAP_MM, NOTCH_MM, PLATE_LEDGE_MM, PLATE_MM, STRAP_Y_MM
-from fingertip.design.geometry.solids import Box, Point3, Solid, cylinder, difference, intersection, scaled, union
+from fingertip.design.geometry.mold_layout import (
+    BELT_MM,
+    GAP_MM,
+    NOTCH_MM,
+    PLATE_LEDGE_MM,
+    PLATE_MM,
+    STRAP_Y_MM,
+)
+from fingertip.design.geometry.solids import (
+    Box,
+    Point3,
+    Solid,
+    cylinder,
+    difference,
+    intersection,
+    scaled,
+    union,
+)
 from fingertip.design.interfaces.interface import middle_y
 from fingertip.design.interfaces.rigid import Post, Socket
 from fingertip.foundation.progress import Work
 from fingertip.pictures.joint_scenes import JOINT_SCENES
 from fingertip.pictures.raster import Camera, Canvas, bounds, to_png
-from fingertip.pictures.scene import CUP_RADIUS_MM, Arrow, Bench, Label, Paint, Scene, Shown, View, draw_scene
+from fingertip.pictures.scene import (
+    CUP_RADIUS_MM,
+    Arrow,
+    Bench,
+    Label,
+    Paint,
+    Scene,
+    Shown,
+    View,
+    draw_scene,
+)
 
 _UP = (0.0, 0.0, -1.0)
 _FROM_BELOW = Camera.looking_from((0.4, -1.0, 0.12), _UP)
@@ -34,19 +61,35 @@ _FROM_BELOW = Camera.looking_from((0.4, -1.0, 0.12), _UP)
 _CUT = Camera.looking_from((-1.0, -0.35, -0.3), _UP)
 """Camera on a section of the standing cup, the half marked PAD at the left."""
 _FROM_PALM = Camera.from_angles(28, -42)
-_VARNISH, _WOOD, _BAND, _BLACK = (0.93, 0.80, 0.35), (0.80, 0.66, 0.45), (0.75, 0.35, 0.30), (0.15, 0.15, 0.17)
-_COAT_MM, _LIFT_MM, _TAB_PITCH_MM, _BAND_MM, _ROW_MM = 0.9, 20.0, 2.54, 1.0, 50.0
-"""Thickness with which a coat is drawn, height of the core above the cup, pitch of the legs, thickness of a
-rubber band, and distance of two rows of parts [mm]."""
+_VARNISH = (0.93, 0.80, 0.35)
+_WOOD = (0.80, 0.66, 0.45)
+_BAND = (0.75, 0.35, 0.30)
+_BLACK = (0.15, 0.15, 0.17)
+_COAT_MM = 0.9
+_LIFT_MM = 20.0
+_TAB_PITCH_MM = 2.54
+_BAND_MM = 1.0
+_ROW_MM = 50.0
+"""Thickness with which a coat is drawn, height of the core above the cup, pitch of the legs,
+thickness of a rubber band, and distance of two rows of parts [mm].
+"""
 
 
 def print_parts(bench: Bench, sheet: CastingSheet) -> Scene:
     """Show the printed parts, those of the mold in front, and name what the steps name of them."""
-    m, bone, middle, (_, head_y, head_z) = bench.design.mold_layout, bench.design.bone, bench.dims.sensor_z, bench.head
-    ring = bench.dims.bone_outline.section.half_width - bone.groove_depth_mm, 0.0, bone.groove_distance_mm
+    m = bench.design.mold_layout
+    bone = bench.design.bone
+    middle = bench.dims.sensor_z
+    (_, head_y, head_z) = bench.head
+    ring = (
+        bench.dims.bone_outline.section.half_width - bone.groove_depth_mm,
+        0.0,
+        bone.groove_distance_mm,
+    )
     names: dict[str, dict[str, Point3]] = {
         "mold_palmar": {
-            "cup, half\nmarked PAD": (-m.half_width, -2.0, 0.8 * m.foot_z), "hollow": (0.0, -6.0, middle),
+            "cup, half\nmarked PAD": (-m.half_width, -2.0, 0.8 * m.foot_z),
+            "hollow": (0.0, -6.0, middle),
             "notch of the rim": (-m.notch_x, 3.0 - m.palmar_height, GAP_MM + NOTCH_MM[1]),
             "foot": (-m.half_width / 2, 0.0, m.foot_z - 1.5),
         },
@@ -56,22 +99,35 @@ def print_parts(bench: Bench, sheet: CastingSheet) -> Scene:
         },
         "core": {
             "core: plate with\nthree ridges": (0.9 * m.half_width, -m.palmar_height, -PLATE_MM / 2),
-            "ridge": (m.half_width - 1.0, 0.0, 1.5), "ring groove": ring, "round dent": (0.0, head_y, head_z),
+            "ridge": (m.half_width - 1.0, 0.0, 1.5),
+            "ring groove": ring,
+            "round dent": (0.0, head_y, head_z),
         },
         "bone": {"bone": (0.0, bench.dims.bone_outline.section.dorsal, middle)},
-        "stand": {"stand": (0.0, 0.0, -30.0)}, "hand_stub": {"stub of a hand": (0.0, 0.0, -40.0)},
+        "stand": {"stand": (0.0, 0.0, -30.0)},
+        "hand_stub": {"stub of a hand": (0.0, 0.0, -40.0)},
         "pin": {"pin of the joint": (0.0, 0.0, 0.0)},
-    }  # fmt: skip
-    shown, labels, ends = list[Shown](), list[Label](), {True: 0.0, False: 30.0}
+    }
+    shown = list[Shown]()
+    labels = list[Label]()
+    ends = {True: 0.0, False: 30.0}
+
     for name, lies in print_orientations(bench.design).items():
-        part, front = bench.part(name), name in ("mold_palmar", "mold_dorsal", "core")
+        part = bench.part(name)
+        front = name in ("mold_palmar", "mold_dorsal", "core")
         pose = bed_pose(part.mesh, lies.rotate_x_deg).on_bed(part.mesh, ends[front])
-        points = pose.apply(Mesh(np.array([*names[name].values()]), np.zeros((0, 3), dtype=np.int32))).vertices
+        points = pose.apply(
+            Mesh(np.array([*names[name].values()]), np.zeros((0, 3), dtype=np.int32))
+        ).vertices
         back = np.array((0.0, 0.0 if front else _ROW_MM, 0.0))
         mesh = pose.apply(part.mesh)
         shown.append(Shown(Mesh(mesh.vertices + back, mesh.triangles), part.colour))
-        labels += [Label(text, tuple(point + back)) for text, point in zip(names[name], points, strict=True)]
+        labels += [
+            Label(text, tuple(point + back))
+            for text, point in zip(names[name], points, strict=True)
+        ]
         ends[front] += pose.size(part.mesh)[0] + FDM.gap_mm
+
     return Scene(shown, Camera.looking_from((-0.35, -1.0, 0.9), (0.0, 0.0, 1.0)), *labels)
 
 
@@ -81,12 +137,19 @@ def _cup(bench: Bench, *, cut: bool = False) -> list[Shown]:
 
 def _banded_cup(bench: Bench) -> list[Shown]:
     """Show the closed cup with its two rubber bands."""
-    m, (height, depth) = bench.design.mold_layout, BELT_MM
-    shown, x, low, high = _cup(bench), m.half_width, -m.palmar_height, m.dorsal_height
+    m = bench.design.mold_layout
+    (height, depth) = BELT_MM
+    shown = _cup(bench)
+    x = m.half_width
+    low = -m.palmar_height
+    high = m.dorsal_height
+
     for z in m.belts_z:
-        top, end = z - 0.4 * height, z + 0.4 * height
+        top = z - 0.4 * height
+        end = z + 0.4 * height
         inner = Box((depth - x, low + depth, top - 1.0), (x - depth, high - depth, end + 1.0))
         shown.append(bench.solid(difference(Box((-x, low, top), (x, high, end)), inner), _BAND))
+
     return shown
 
 
@@ -96,31 +159,54 @@ def _coated(bench: Bench) -> Solid:
 
 
 def _stick(bench: Bench, at: tuple[float, float], low: float, high: float) -> Shown:
-    return bench.solid(cylinder("z", at, low, high, 1.2), _WOOD)
+    return bench.solid(
+        cylinder(
+            "z",
+            centre=at,
+            low=low,
+            high=high,
+            radius=1.2,
+        ),
+        _WOOD,
+    )
 
 
 def try_core(bench: Bench, sheet: CastingSheet) -> Scene:
     """Show the core seated in the closed cup, and calipers over both."""
-    m, face, top = bench.design.mold_layout, -bench.design.mold_layout.palmar_height, -PLATE_MM
-    foot, x, low, high, (least, most) = m.foot_z, 4.0 - m.half_width, face + 3.5, face + 6.5, sheet.height_mm
-    beam, reading = x - 14.0, f"{least:g} to {most:g} mm"
+    m = bench.design.mold_layout
+    face = -bench.design.mold_layout.palmar_height
+    top = -PLATE_MM
+    foot = m.foot_z
+    x = 4.0 - m.half_width
+    low = face + 3.5
+    high = face + 6.5
+    (least, most) = sheet.height_mm
+    beam = x - 14.0
+    reading = f"{least:g} to {most:g} mm"
     calipers = union(
         Box((beam - 6.0, low, top - 16.0), (beam, high, foot + 10.0)),
-        Box((beam - 1.0, low, top - 5.0), (x, high, top)), Box((beam - 1.0, low, foot), (x, high, foot + 5.0)),
-    )  # fmt: skip
+        Box((beam - 1.0, low, top - 5.0), (x, high, top)),
+        Box((beam - 1.0, low, foot), (x, high, foot + 5.0)),
+    )
+
     return Scene(
-        (*_banded_cup(bench), bench.part("core"), bench.solid(calipers, Paint.STEEL)), _FROM_BELOW,
-        Label(f"calipers, from the foot\nto the top of the plate:\n{reading}", (beam - 3.0, low, top - 10.0)),
+        (*_banded_cup(bench), bench.part("core"), bench.solid(calipers, Paint.STEEL)),
+        _FROM_BELOW,
+        Label(
+            f"calipers, from the foot\nto the top of the plate:\n{reading}",
+            (beam - 3.0, low, top - 10.0),
+        ),
         Label("the same narrow gap\nall around", (-m.half_width * 0.6, face, GAP_MM / 2)),
         Label("foot", (-m.half_width * 0.5, face, foot - 0.5)),
         Label("core, by its plate", (m.half_width, face, top / 2)),
         Label("ridge in its groove,\none of three", (m.half_width, 0.0, 1.2)),
         Label("two rubber bands", (m.half_width / 2, face, m.belts_z[0])),
-    )  # fmt: skip
+    )
 
 
 def varnish(bench: Bench, sheet: CastingSheet) -> Scene:
-    m, depth = bench.design.mold_layout, bench.design.mold_layout.palmar_height - bench.design.mold.wall_mm
+    m = bench.design.mold_layout
+    depth = bench.design.mold_layout.palmar_height - bench.design.mold.wall_mm
     below = Box((-m.half_width, -2 * m.palmar_height, 0.5), (m.half_width, -0.1, 2 * m.foot_z))
     return Scene(
         (bench.part("mold_palmar"), bench.solid(intersection(_coated(bench), below), _VARNISH)),
@@ -131,165 +217,337 @@ def varnish(bench: Bench, sheet: CastingSheet) -> Scene:
 
 
 def _legs(bench: Bench, y: float) -> Solid:
-    end, half, length = bench.dims.tail_end_z, _TAB_PITCH_MM / 2, bench.design.sensor.tab_length_mm
-    return union(*(Box((x - 0.3, y, end - length), (x + 0.3, y + 0.4, end + 1.5)) for x in (-half, half)))
+    end = bench.dims.tail_end_z
+    half = _TAB_PITCH_MM / 2
+    length = bench.design.sensor.tab_length_mm
+    return union(
+        *(Box((x - 0.3, y, end - length), (x + 0.3, y + 0.4, end + 1.5)) for x in (-half, half))
+    )
 
 
 def solder(bench: Bench, sheet: CastingSheet) -> Scene:
-    dims, thickness, half, wire = bench.dims, 0.3, _TAB_PITCH_MM / 2, 0.5
-    (_, y, z), end, tail = bench.head, dims.tail_end_z, dims.sensor.tail_width_mm / 2
+    dims = bench.dims
+    thickness = 0.3
+    half = _TAB_PITCH_MM / 2
+    wire = 0.5
+    (_, y, z) = bench.head
+    end = dims.tail_end_z
+    tail = dims.sensor.tail_width_mm / 2
     legs_end = end - bench.design.sensor.tab_length_mm
-    head = cylinder("y", (z, 0.0), y, y + thickness, dims.sensor.head_diameter_mm / 2)
-    black, red = (cylinder("z", (x, y + wire), legs_end - 16.0, legs_end + 2.5, wire) for x in (-half, half))
-    lengths, heads = (" to ".join(f"{size:g}" for size in sizes) for sizes in (sheet.length_mm, sheet.head_mm))
+    head = cylinder(
+        "y",
+        centre=(z, 0.0),
+        low=y,
+        high=y + thickness,
+        radius=dims.sensor.head_diameter_mm / 2,
+    )
+    black, red = (
+        cylinder(
+            "z",
+            centre=(x, y + wire),
+            low=legs_end - 16.0,
+            high=legs_end + 2.5,
+            radius=wire,
+        )
+        for x in (-half, half)
+    )
+    lengths, heads = (
+        " to ".join(f"{size:g}" for size in sizes) for sizes in (sheet.length_mm, sheet.head_mm)
+    )
+
     return Scene(
         (
             bench.solid(union(head, Box((-tail, y, end), (tail, y + thickness, z))), Paint.SENSOR),
-            bench.solid(_legs(bench, y), Paint.STEEL), bench.solid(red, Paint.WIRE), bench.solid(black, _BLACK),
+            bench.solid(_legs(bench, y), Paint.STEEL),
+            bench.solid(red, Paint.WIRE),
+            bench.solid(black, _BLACK),
         ),
         Camera.from_angles(20, 55),
         Label(f"head:\n{heads} mm", (0.0, y, z)),
         Label(f"film, head and tail:\n{lengths} mm", (0.0, y, (z + end) / 2)),
         Label("wire, straight on", (half, y, legs_end - 12.0)),
         Label("solder here,\non the metal leg", (-half, y, legs_end + 3.0)),
-    )  # fmt: skip
+    )
 
 
 def lay_in(bench: Bench, sheet: CastingSheet) -> Scene:
-    """Show the knot of the wires over their hole, and the sensor as far from its bed as the wires let it."""
-    dims, (x, y, z), half, back = bench.dims, bench.head, _TAB_PITCH_MM / 2, bench.dims.pocket_depth
+    """Show the knot of the wires over their hole, and the sensor
+    as far from its bed as the wires let it.
+    """
+    (x, y, z) = bench.head
+    half = _TAB_PITCH_MM / 2
+    back = bench.dims.pocket_depth
+    dims = bench.dims
     radius = KNOT_WIRES * bench.design.sensor.wire_diameter_mm / 2
-    knot_y, knot_z = back - dims.flat_depth - radius, dims.channel_exit_z + radius
-    low = (0.0, knot_y - sheet.knot_mm - back, knot_z - dims.tail_end_z + bench.design.sensor.tab_length_mm)
-    red, black = (cylinder("y", (knot_z, side), knot_y - sheet.knot_mm, knot_y, 0.5) for side in (-half, half))
-    knot = union(red, cylinder("x", (knot_y, knot_z), -radius, radius, radius))
+    knot_y = back - dims.flat_depth - radius
+    knot_z = dims.channel_exit_z + radius
+    low = (
+        0.0,
+        knot_y - sheet.knot_mm - back,
+        knot_z - dims.tail_end_z + bench.design.sensor.tab_length_mm,
+    )
+    red, black = (
+        cylinder(
+            "y",
+            centre=(knot_z, side),
+            low=knot_y - sheet.knot_mm,
+            high=knot_y,
+            radius=0.5,
+        )
+        for side in (-half, half)
+    )
+    knot = union(
+        red,
+        cylinder(
+            "x",
+            centre=(knot_y, knot_z),
+            low=-radius,
+            high=radius,
+            radius=radius,
+        ),
+    )
+
     return Scene(
         (
-            bench.part("bone"), bench.sensor(low), bench.solid(_legs(bench, back), Paint.STEEL, low),
-            bench.solid(knot, Paint.WIRE), bench.solid(black, _BLACK),
-        ), _FROM_PALM,
+            bench.part("bone"),
+            bench.sensor(low),
+            bench.solid(_legs(bench, back), Paint.STEEL, low),
+            bench.solid(knot, Paint.WIRE),
+            bench.solid(black, _BLACK),
+        ),
+        _FROM_PALM,
         Label("legs apart, each\nwith either wire", (half, knot_y - sheet.knot_mm, knot_z + 2.0)),
         Label("sensor, paper peeled\noff its other side", (x, y + low[1], z + low[2])),
         Label("round bed", (x, y, z + dims.sensor.head_diameter_mm / 2)),
         Label("trough", (0.0, y + 1.0, dims.tail_end_z / 2)),
         Label("knot in both wires,\nover their hole\nto the back", (0.0, knot_y, knot_z)),
         Arrow((x, y + 0.85 * low[1], z + 0.85 * low[2]), (x, y + 0.2 * low[1], z + 0.2 * low[2])),
-    )  # fmt: skip
+    )
 
 
 def mix(bench: Bench, sheet: CastingSheet) -> Scene:
-    batch, (first, second) = sheet.batch, sheet.batch.components
+    (first, second) = sheet.batch.components
+    batch = sheet.batch
     level = 1000.0 * batch.total_g / batch.density_g_cm3 / (math.pi * CUP_RADIUS_MM**2)
-    first_level, scale = batch.a_g / batch.total_g * level, Box((-40.0, -35.0, -10.0), (40.0, 35.0, 0.0))
-    added = bench.solid(cylinder("z", (0.0, 0.0), first_level, level, CUP_RADIUS_MM - 0.5), Paint.PAPER)
+    first_level = batch.a_g / batch.total_g * level
+    scale = Box((-40.0, -35.0, -10.0), (40.0, 35.0, 0.0))
+    added = bench.solid(
+        cylinder(
+            "z",
+            centre=(0.0, 0.0),
+            low=first_level,
+            high=level,
+            radius=CUP_RADIUS_MM - 0.5,
+        ),
+        Paint.PAPER,
+    )
+
     return Scene(
-        (*bench.cup(first_level), added, bench.solid(scale, Paint.STEEL), _stick(bench, (8.0, 10.0), 2.0, 90.0)),
+        (
+            *bench.cup(first_level),
+            added,
+            bench.solid(scale, Paint.STEEL),
+            _stick(bench, (8.0, 10.0), 2.0, 90.0),
+        ),
         Camera.looking_from((0.15, -1.0, 0.22), (0.0, 0.0, 1.0)),
-        Label(f"then {batch.b_g:g} g of {second}:\n{batch.total_g:g} g in all", (CUP_RADIUS_MM - 0.5, 0.0, level)),
-        Label(f"first {batch.a_g:g} g of {first}", (-CUP_RADIUS_MM / 2, 1.0 - CUP_RADIUS_MM, first_level / 2)),
+        Label(
+            f"then {batch.b_g:g} g of {second}:\n{batch.total_g:g} g in all",
+            (CUP_RADIUS_MM - 0.5, 0.0, level),
+        ),
+        Label(
+            f"first {batch.a_g:g} g of {first}",
+            (-CUP_RADIUS_MM / 2, 1.0 - CUP_RADIUS_MM, first_level / 2),
+        ),
         Label("scale, set to zero\nwith the empty cup", (40.0, -35.0, -5.0)),
         Label("stir for three minutes", (8.0, 10.0, 60.0)),
     )
 
 
 def coat(bench: Bench, sheet: CastingSheet) -> Scene:
-    m, bone, wall = bench.design.mold_layout, bench.design.bone, bench.design.mold.wall_mm
-    lift, (_, y, z), waist = _LIFT_MM + m.foot_z, bench.head, bench.dims.bone_outline.section.half_width
-    groove = (bone.groove_depth_mm - waist, 1.0, bone.groove_distance_mm + bone.groove_width_mm / 2 - lift)
+    m = bench.design.mold_layout
+    bone = bench.design.bone
+    wall = bench.design.mold.wall_mm
+    lift = _LIFT_MM + m.foot_z
+    (_, y, z) = bench.head
+    waist = bench.dims.bone_outline.section.half_width
+    groove = (
+        bone.groove_depth_mm - waist,
+        1.0,
+        bone.groove_distance_mm + bone.groove_width_mm / 2 - lift,
+    )
+
     return Scene(
         (
-            *_cup(bench, cut=True), bench.solid(_coated(bench), Paint.SILICONE, cut=True),
-            bench.part("core", (0.0, 0.0, -lift)), _stick(bench, (0.5, 3.0), -24.0, m.foot_z - wall - 2.0),
+            *_cup(bench, cut=True),
+            bench.solid(_coated(bench), Paint.SILICONE, cut=True),
+            bench.part("core", (0.0, 0.0, -lift)),
+            _stick(bench, (0.5, 3.0), -24.0, m.foot_z - wall - 2.0),
         ),
         Camera.looking_from((-1.0, -0.5, 0.12), _UP),
         Label("thin coat on all of the\nhollow (cup drawn cut)", (0.0, wall - m.palmar_height, z)),
         Label("second stick", (0.5, 3.0, -20.0)),
         Label("round dent: coat it", (0.0, y, z - lift)),
-        Label("ring groove: coat it", groove), Label("foot", (0.0, m.dorsal_height / 2, m.foot_z)),
-    )  # fmt: skip
+        Label("ring groove: coat it", groove),
+        Label("foot", (0.0, m.dorsal_height / 2, m.foot_z)),
+    )
 
 
 def pour(bench: Bench, sheet: CastingSheet) -> Scene:
-    m, y = bench.design.mold_layout, bench.dims.outer.section.dorsal - 1.0
-    z, far = m.pour_z * bench.dims.shrinkage, 2 * m.foot_z
+    m = bench.design.mold_layout
+    y = bench.dims.outer.section.dorsal - 1.0
+    z = m.pour_z * bench.dims.shrinkage
+    far = 2 * m.foot_z
     silicone = intersection(cavity(bench.design), Box((-far, -far, z), (far, far, far)))
-    stream = bench.solid(cylinder("z", (0.5, y), -35.0, z + 0.5, 0.8), Paint.SILICONE)
+    stream = bench.solid(
+        cylinder(
+            "z",
+            centre=(0.5, y),
+            low=-35.0,
+            high=z + 0.5,
+            radius=0.8,
+        ),
+        Paint.SILICONE,
+    )
+
     return Scene(
-        (*_cup(bench, cut=True), bench.solid(silicone, Paint.SILICONE, cut=True), stream), _CUT,
+        (*_cup(bench, cut=True), bench.solid(silicone, Paint.SILICONE, cut=True), stream),
+        _CUT,
         Label("thin stream, down the\nhalf without PAD", (0.5, y, -25.0)),
         Label(f"until the scale reads\n{sheet.batch.in_cup_g:g} g more", (0.0, 0.0, z)),
         Label("half marked PAD\n(cup drawn cut)", (0.0, -m.palmar_height, m.foot_z / 2)),
-    )  # fmt: skip
+    )
 
 
 def lower(bench: Bench, sheet: CastingSheet) -> Scene:
     """Show the core seated under a third rubber band, and the silicone that comes out."""
-    m, y, side, depth = bench.design.mold_layout, STRAP_Y_MM, 0.4 * BELT_MM[0], BELT_MM[1]
-    x, top, foot, face = m.half_width + PLATE_LEDGE_MM - depth, -PLATE_MM, m.foot_z - depth, -m.palmar_height
-    outer = Box((-x - _BAND_MM, y - side, top - _BAND_MM), (x + _BAND_MM, y + side, foot + _BAND_MM))
+    m = bench.design.mold_layout
+    y = STRAP_Y_MM
+    side = 0.4 * BELT_MM[0]
+    depth = BELT_MM[1]
+    x = m.half_width + PLATE_LEDGE_MM - depth
+    top = -PLATE_MM
+    foot = m.foot_z - depth
+    face = -m.palmar_height
+    outer = Box(
+        (-x - _BAND_MM, y - side, top - _BAND_MM), (x + _BAND_MM, y + side, foot + _BAND_MM)
+    )
     band = difference(outer, Box((-x, y - 2 * side, top), (x, y + 2 * side, foot)))
-    places = [(across, out) for across in (-m.notch_x, m.notch_x) for out in (face - 0.4, m.dorsal_height + 0.4)]
-    drops = union(*(cylinder("z", place, GAP_MM, GAP_MM + 3.5, 1.1) for place in places))
+    places = [
+        (across, out)
+        for across in (-m.notch_x, m.notch_x)
+        for out in (face - 0.4, m.dorsal_height + 0.4)
+    ]
+    drops = union(
+        *(
+            cylinder(
+                "z",
+                centre=place,
+                low=GAP_MM,
+                high=GAP_MM + 3.5,
+                radius=1.1,
+            )
+            for place in places
+        )
+    )
     shown = bench.part("core"), bench.solid(drops, Paint.SILICONE), bench.solid(band, _BAND)
+
     return Scene(
-        (*_banded_cup(bench), *shown), _FROM_BELOW,
+        (*_banded_cup(bench), *shown),
+        _FROM_BELOW,
         Label("silicone comes out\nof all four notches", (m.notch_x, face, GAP_MM + 1.0)),
         Label("hold it here,\nat both ends", (x + depth, face / 2, top / 2)),
         Label("third band, around\nplate and foot", (-x / 2, y, foot + _BAND_MM)),
         Label("ridge in its groove,\nthree times", (m.half_width, 0.0, 1.2)),
         Arrow((-8.0, -4.0, top - 18.0), (-8.0, -4.0, top - 3.0)),
-    )  # fmt: skip
+    )
 
 
 def open_cup(bench: Bench, sheet: CastingSheet) -> Scene:
-    m, apart, lifted = bench.design.mold_layout, 16.0, (0.0, 0.0, -6.0)
-    low, edge, tip = -m.palmar_height - apart, m.foot_z + 3.0, m.foot_z - bench.design.mold.wall_mm
-    seam, hollow = Box((-edge, -0.15, 2.0), (edge, 0.15, edge)), cavity(bench.design)
+    m = bench.design.mold_layout
+    apart = 16.0
+    lifted = (0.0, 0.0, -6.0)
+    low = -m.palmar_height - apart
+    edge = m.foot_z + 3.0
+    tip = m.foot_z - bench.design.mold.wall_mm
+    seam = Box((-edge, -0.15, 2.0), (edge, 0.15, edge))
+    hollow = cavity(bench.design)
     fins = difference(intersection(scaled(hollow, 1.06), seam), hollow)
+
     return Scene(
         (
-            bench.part("mold_palmar", (0.0, -apart, 0.0)), bench.part("mold_dorsal", (0.0, apart / 2, 0.0)),
-            bench.part("core", lifted), bench.part("skin", lifted), bench.solid(fins, Paint.SILICONE, lifted),
+            bench.part("mold_palmar", (0.0, -apart, 0.0)),
+            bench.part("mold_dorsal", (0.0, apart / 2, 0.0)),
+            bench.part("core", lifted),
+            bench.part("skin", lifted),
+            bench.solid(fins, Paint.SILICONE, lifted),
         ),
         Camera.looking_from((1.0, -0.4, -0.25), _UP),
         Label("skin, still on the core", (0.0, -2.0, tip - 7.0)),
         Label("fin: cut it off", (m.cavity_half_width + 0.4, 0.0, tip / 2 - 6.0)),
         Label("1: half marked PAD,\nstraight off", (m.half_width, low + 5.0, m.foot_z / 2)),
         Label("slot for the knife", (m.half_width, -apart - 0.6, m.foot_z - 3.0)),
-        Label("2: lift the core\nout of the groove", (m.half_width, m.dorsal_height, -PLATE_MM / 2 - 6.0)),
+        Label(
+            "2: lift the core\nout of the groove",
+            (m.half_width, m.dorsal_height, -PLATE_MM / 2 - 6.0),
+        ),
         Arrow((0.0, low + 4.0, edge), (0.0, low - 10.0, edge)),
         Arrow((0.0, 0.0, -PLATE_MM - 8.0), (0.0, 0.0, -PLATE_MM - 18.0)),
-    )  # fmt: skip
+    )
 
 
 def pull_on(bench: Bench, sheet: CastingSheet) -> Scene:
-    dims, bone, (_, y, z) = bench.dims, bench.design.bone, bench.head
-    out, groove = bench.design.skin.length_mm * 1.15, bone.groove_distance_mm + bone.groove_width_mm / 2
-    section, fold, dorsal = dims.bone_outline.section, groove + 2.5, dims.outer.section.dorsal
+    dims = bench.dims
+    bone = bench.design.bone
+    (_, y, z) = bench.head
+    out = bench.design.skin.length_mm * 1.15
+    groove = bone.groove_distance_mm + bone.groove_width_mm / 2
+    fold = groove + 2.5
+    dorsal = dims.outer.section.dorsal
+    section = dims.bone_outline.section
     rib = 0.0, 2.0 * dorsal - section.dorsal, out + 2.0 * fold - groove
+
     return Scene(
-        (*bench.assembled_bone(), *bench.turned_up_skin(out + fold, out)), View.CUT_FROM_BELOW,
+        (*bench.assembled_bone(), *bench.turned_up_skin(out + fold, out)),
+        View.CUT_FROM_BELOW,
         Label("edge turned up\n(skin drawn cut)", (0.0, dorsal, out + fold)),
         Label("inner rib, comes to lie\nin the ring groove", rib),
         Label("bump, comes to lie\non the sensor's head", (0.0, y, out + z)),
         Label("ring groove", (bone.groove_depth_mm - section.half_width, 1.0, groove)),
-        Label("step, where the\nedge of the skin ends", (-dims.collar.section.half_width, 0.0, 0.0)),
+        Label(
+            "step, where the\nedge of the skin ends", (-dims.collar.section.half_width, 0.0, 0.0)
+        ),
         Label("keep the sensor dry", (0.0, y, z - 5.0)),
         Arrow((0.0, 15.0, out + 4.0), (0.0, 15.0, out - 12.0)),
-    )  # fmt: skip
+    )
 
 
 def connect(bench: Bench, sheet: CastingSheet) -> Scene:
     """Show the finger as it is held, pad up, with its wires, which come out of the back."""
-    dims, z, kohm = bench.dims, bench.dims.channel_exit_z, sheet.divider_kohm
-    y, far = dims.bone_outline.section.dorsal, dims.collar.section.half_width + 16.0
-    red, black = (cylinder("x", (y, z + beside), 0.0, far + 4.0 * beside, 0.6) for beside in (1.2, -1.2))
+    z = bench.dims.channel_exit_z
+    dims = bench.dims
+    kohm = sheet.divider_kohm
+    y = dims.bone_outline.section.dorsal
+    far = dims.collar.section.half_width + 16.0
+    red, black = (
+        cylinder(
+            "x",
+            centre=(y, z + beside),
+            low=0.0,
+            high=far + 4.0 * beside,
+            radius=0.6,
+        )
+        for beside in (1.2, -1.2)
+    )
     black_to = f"black wire to A0 (GP26,\npin 31), {kohm or 0:g} kohm from\nthere to GND (pin 33)"
     mount, labels = _show_mount(bench, sheet)
+
     return Scene(
         (*bench.assembled_bone(), *mount, bench.solid(red, Paint.WIRE), bench.solid(black, _BLACK)),
         Camera.from_angles(18, -55),
-        Label("red wire to 3V3 (Pico:\nADC_VREF, pin 35)" if kohm else "to the board", (far + 4.0, y, z + 1.2)),
+        Label(
+            "red wire to 3V3 (Pico:\nADC_VREF, pin 35)" if kohm else "to the board",
+            (far + 4.0, y, z + 1.2),
+        ),
         *([Label(black_to, (far - 6.0, y, z - 1.2))] if kohm else []),
         *labels,
         Label("press here, to try it", bench.head),
@@ -299,45 +557,93 @@ def connect(bench: Bench, sheet: CastingSheet) -> Scene:
 def _show_mount(bench: Bench, sheet: CastingSheet) -> tuple[list[Shown], list[Label]]:
     """Show what holds the bone: a stand, or a plain part of the hand; nothing yet of a joint."""
     design, y, bone = bench.design, middle_y(bench.dims), bench.design.bone
-    end, half = -bone.base_length_mm, bench.dims.bone_outline.section.half_width
+    end = -bone.base_length_mm
+    half = bench.dims.bone_outline.section.half_width
+
     match sheet.mount.interface:
         case "post":
-            z, holder, text = Post().cross_bolt_z(design), bench.part("stand"), "stand, on the table"
-            at, half = (0.0, y, end - bone.post_length_mm - 20.0), bone.post_width_mm / 2
+            z = Post().cross_bolt_z(design)
+            holder = bench.part("stand")
+            text = "stand, on the table"
+            at = (0.0, y, end - bone.post_length_mm - 20.0)
+            half = bone.post_width_mm / 2
         case "socket":
-            z, post = Socket().cross_bolt_z(design), (end - 25.0, end + 6.0, sheet.mount.post_mm[0] / 2)
-            holder, text = bench.solid(cylinder("z", (0.0, y), *post), Paint.PAPER), "post of your hand"
+            z = Socket().cross_bolt_z(design)
+            post = (end - 25.0, end + 6.0, sheet.mount.post_mm[0] / 2)
+            holder = bench.solid(cylinder("z", (0.0, y), *post), Paint.PAPER)
+            text = "post of your hand"
             at = (0.0, y, end - 20.0)
         case "flange":
-            half, deep, low, top = bone.flange_width_mm / 2, bone.flange_height_mm / 2, end - 8.0, end + 7.0
-            x, row = bone.flange_spacing_x_mm / 2, y - bone.flange_spacing_y_mm / 2
-            heads = union(*(cylinder("z", (side, row), low, top, 2.5) for side in (-x, x)))
+            half = bone.flange_width_mm / 2
+            deep = bone.flange_height_mm / 2
+            low = end - 8.0
+            top = end + 7.0
+            x = bone.flange_spacing_x_mm / 2
+            row = y - bone.flange_spacing_y_mm / 2
+            heads = union(
+                *(
+                    cylinder(
+                        "z",
+                        centre=(side, row),
+                        low=low,
+                        high=top,
+                        radius=2.5,
+                    )
+                    for side in (-x, x)
+                )
+            )
             plate = bench.solid(Box((-half, y - deep, low), (half, y + deep, end)), Paint.PAPER)
             labels = [Label("your hand", (0.0, y, low + 2.0)), Label("bolt", (-x, row, top))]
             return [plate, bench.solid(heads, Paint.STEEL)], labels
         case _:
             return [], []
-    bolt = bench.solid(cylinder("x", (y, z), -half - 6.0, half + 6.0, 1.5), Paint.STEEL)
+
+    bolt = bench.solid(
+        cylinder(
+            "x",
+            centre=(y, z),
+            low=-half - 6.0,
+            high=half + 6.0,
+            radius=1.5,
+        ),
+        Paint.STEEL,
+    )
     return [holder, bolt], [Label("bolt with nut", (-half - 5.0, y, z)), Label(text, at)]
 
 
 SCENES: dict[str, Callable[[Bench, CastingSheet], Scene]] = {
-    "print": print_parts, "varnish": varnish, "solder": solder, "lay_in": lay_in, "try_core": try_core, "mix": mix,
-    "coat": coat, "pour": pour, "lower": lower, "open": open_cup, "connect": connect, "pull_on": pull_on,
+    "print": print_parts,
+    "varnish": varnish,
+    "solder": solder,
+    "lay_in": lay_in,
+    "try_core": try_core,
+    "mix": mix,
+    "coat": coat,
+    "pour": pour,
+    "lower": lower,
+    "open": open_cup,
+    "connect": connect,
+    "pull_on": pull_on,
     **JOINT_SCENES,
-}  # fmt: skip
+}
 """Scenes by the names of their steps."""
 
 
 def draw_steps(
-    design: Design, sheet: CastingSheet, names: Sequence[str], progress: Callable[[str], None] = lambda message: None
+    design: Design,
+    sheet: CastingSheet,
+    names: Sequence[str],
+    progress: Callable[[str], None] = lambda message: None,
 ) -> dict[str, bytes]:
-    bench, pictures = Bench(design), dict[str, bytes]()
+    bench = Bench(design)
+    pictures = dict[str, bytes]()
     work = Work("", {"pictures of the steps": 1.0}, progress)
     work.begin("pictures of the steps")
+
     for number, name in enumerate(names, 1):
         work.advance((number - 1) / len(names))
         pictures[f"{number:02}-{name}.png"] = draw_scene(SCENES[name](bench, sheet))
+
     return pictures
 
 
@@ -350,11 +656,14 @@ def draw_finger(design: Design, width_px: int = 640) -> bytes:
     bench = Bench(design)
     shown = [*bench.assembled_bone(), bench.part("skin")]
     views = []
+
     for camera in (View.DORSAL, View.PALMAR):
         centre, size = bounds([item.mesh for item in shown], camera)
         scale = (width_px - 2 * _EDGE_PX) / float(size[0])
         canvas = Canvas(width_px, int(size[1] * scale) + 2 * _EDGE_PX, scale, camera)
         for item in shown:
             canvas.draw(item.mesh, item.colour, centre)
+
         views.append(np.dstack([canvas.image(), canvas.cover()]))
+
     return to_png(Image.fromarray(np.concatenate(views)))

@@ -1,4 +1,6 @@
-"""Scenes of a joint: the finished finger on the stub of a hand, with its pin, its tendon and its rubber band."""
+"""Scenes of a joint: the finished finger on the stub of a hand, with
+its pin, its tendon and its rubber band.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +17,12 @@ from fingertip.design.geometry.solids import Box, Prism, cylinder, difference, u
 from fingertip.pictures.raster import Camera
 from fingertip.pictures.scene import Arrow, Bench, Label, Scene, Shown
 
-_FROM_BACK, _FROM_PALM = Camera.from_angles(28, 30), Camera.from_angles(28, -35)
-_LINE, _BAND = (0.20, 0.30, 0.65), (0.75, 0.35, 0.30)
-_APART_MM, _BAND_MM = 18.0, 2.0
+_FROM_BACK = Camera.from_angles(28, 30)
+_FROM_PALM = Camera.from_angles(28, -35)
+_LINE = (0.20, 0.30, 0.65)
+_BAND = (0.75, 0.35, 0.30)
+_APART_MM = 18.0
+_BAND_MM = 2.0
 """Distance of the stub from the finger before it is pinned, and width of the band [mm]."""
 
 
@@ -33,18 +38,34 @@ def _anchor(bench: Bench) -> TendonAnchor:
 
 def _finger(bench: Bench, *, bent_deg: float = 0.0) -> list[Shown]:
     """Show the finished finger, turned about the pin towards the palm."""
-    joint, turn = _joint(bench), math.radians(bent_deg)
+    joint = _joint(bench)
+    turn = math.radians(bent_deg)
     middle = np.array((0.0, joint.axis_y, joint.axis_z))
-    rows = ((1.0, 0.0, 0.0), (0.0, math.cos(turn), -math.sin(turn)), (0.0, math.sin(turn), math.cos(turn)))
+    rows = (
+        (1.0, 0.0, 0.0),
+        (0.0, math.cos(turn), -math.sin(turn)),
+        (0.0, math.sin(turn), math.cos(turn)),
+    )
     parts = (*bench.assembled_bone(), bench.part("skin"))
+
     return [
-        Shown(Mesh((p.mesh.vertices - middle) @ np.array(rows).T + middle, p.mesh.triangles), p.colour) for p in parts
+        Shown(
+            Mesh((p.mesh.vertices - middle) @ np.array(rows).T + middle, p.mesh.triangles), p.colour
+        )
+        for p in parts
     ]
 
 
 def _pin(bench: Bench, out_mm: float = 0.0) -> Shown:
-    joint, half = _joint(bench), bench.dims.pin_length / 2
-    shaft = cylinder("x", (joint.axis_y, joint.axis_z), -half, half, joint.pin_radius)
+    joint = _joint(bench)
+    half = bench.dims.pin_length / 2
+    shaft = cylinder(
+        "x",
+        centre=(joint.axis_y, joint.axis_z),
+        low=-half,
+        high=half,
+        radius=joint.pin_radius,
+    )
     return bench.solid(shaft, PARTS["pin"].colour, (-out_mm, 0.0, 0.0))
 
 
@@ -54,67 +75,174 @@ def _end_z(bench: Bench) -> float:
 
 def _pull(bench: Bench) -> tuple[list[Shown], list[Label | Arrow]]:
     """Show the loop of the tendon behind the stub, and the pull at it."""
-    x, y, end = _anchor(bench).strand_x, _anchor(bench).y, _end_z(bench) - 8.0
-    strands = (cylinder("z", (side, y), end, end + 8.0, 0.5) for side in (-x, x))
-    knot = union(cylinder("x", (y, end), -x, x, 0.5), cylinder("x", (y, end), -1.5, 1.5, 1.5), *strands)
+    x = _anchor(bench).strand_x
+    y = _anchor(bench).y
+    end = _end_z(bench) - 8.0
+    strands = (
+        cylinder(
+            "z",
+            centre=(side, y),
+            low=end,
+            high=end + 8.0,
+            radius=0.5,
+        )
+        for side in (-x, x)
+    )
+    knot = union(
+        cylinder(
+            "x",
+            centre=(y, end),
+            low=-x,
+            high=x,
+            radius=0.5,
+        ),
+        cylinder(
+            "x",
+            centre=(y, end),
+            low=-1.5,
+            high=1.5,
+            radius=1.5,
+        ),
+        *strands,
+    )
     label = Label("knot close behind\nthe stub: pull here", (0.0, y, end))
-    return [bench.solid(knot, _LINE)], [label, Arrow((0.0, y - 3.0, end), (0.0, y - 3.0, end - 12.0))]
+
+    return [bench.solid(knot, _LINE)], [
+        label,
+        Arrow((0.0, y - 3.0, end), (0.0, y - 3.0, end - 12.0)),
+    ]
 
 
 def _tendon(bench: Bench) -> Shown:
-    """Show the tendon: across the back, down both sides, and along both palmar corners past the end of the stub."""
-    anchor, back, radius = _anchor(bench), bench.dims.bone_outline.section.dorsal, _anchor(bench).line / 2
-    across, sides = anchor.strand_x, (-anchor.strand_x, anchor.strand_x)
-    down = (cylinder("y", (anchor.z, x), anchor.y, back, radius) for x in sides)
-    along = (cylinder("z", (x, anchor.y), _end_z(bench) - 8.0, anchor.z, radius) for x in sides)
-    return bench.solid(union(cylinder("x", (back, anchor.z), -across, across, radius), *down, *along), _LINE)
+    """Show the tendon: across the back, down both sides, and along
+    both palmar corners past the end of the stub.
+    """
+    anchor = _anchor(bench)
+    back = bench.dims.bone_outline.section.dorsal
+    radius = _anchor(bench).line / 2
+    across = anchor.strand_x
+    sides = (-anchor.strand_x, anchor.strand_x)
+    down = (
+        cylinder(
+            "y",
+            centre=(anchor.z, x),
+            low=anchor.y,
+            high=back,
+            radius=radius,
+        )
+        for x in sides
+    )
+    along = (
+        cylinder(
+            "z",
+            centre=(x, anchor.y),
+            low=_end_z(bench) - 8.0,
+            high=anchor.z,
+            radius=radius,
+        )
+        for x in sides
+    )
+
+    return bench.solid(
+        union(
+            cylinder(
+                "x",
+                centre=(back, anchor.z),
+                low=-across,
+                high=across,
+                radius=radius,
+            ),
+            *down,
+            *along,
+        ),
+        _LINE,
+    )
 
 
 def _band(bench: Bench, end_z: float, end_half: float) -> Prism:
     """Build the band from the tendon over the back to a height where it is so wide."""
-    low, begin, half, side = bars(bench.design)[1].high[1], _anchor(bench).z + 1.0, 4.0, 1.0
+    low = bars(bench.design)[1].high[1]
+    begin = _anchor(bench).z + 1.0
+    half = 4.0
+    side = 1.0
     outer = (end_z, -end_half), (begin, -half), (begin, half), (end_z, end_half)
-    z, top, x, y = end_z + side, begin - side, end_half - side, half - side
-    return Prism("y", outer, low, low + _BAND_MM, (((z, x), (top, y), (top, -y), (z, -x)),))
+    z = end_z + side
+    top = begin - side
+    x = end_half - side
+    y = half - side
+
+    return Prism(
+        axis="y",
+        corners=outer,
+        low=low,
+        high=low + _BAND_MM,
+        holes=(((z, x), (top, y), (top, -y), (z, -x)),),
+    )
 
 
 def pin(bench: Bench, sheet: CastingSheet) -> Scene:
-    joint, half, back = _joint(bench), bench.dims.pin_length / 2, bench.dims.bone_outline.section.dorsal
+    joint = _joint(bench)
+    half = bench.dims.pin_length / 2
+    back = bench.dims.bone_outline.section.dorsal
     out = 2 * half + 10.0
+
     return Scene(
-        (*_finger(bench), bench.part("hand_stub", (0.0, 0.0, -_APART_MM)), _pin(bench, out)), _FROM_BACK,
+        (*_finger(bench), bench.part("hand_stub", (0.0, 0.0, -_APART_MM)), _pin(bench, out)),
+        _FROM_BACK,
         Label("pin", (-half - out, joint.axis_y, joint.axis_z)),
         Label("stub", (0.0, back, joint.low_z - _APART_MM - 20.0)),
-        Label("wires (not drawn) leave\nhere, in a loose loop", (0.0, back, bench.dims.channel_exit_z)),
-        Arrow((-half - 0.8 * out, joint.axis_y + 4.0, joint.axis_z), (-half - 2.0, joint.axis_y + 4.0, joint.axis_z)),
-        Arrow((0.0, joint.axis_y + 9.0, joint.low_z - _APART_MM), (0.0, joint.axis_y + 9.0, joint.low_z - 3.0)),
-    )  # fmt: skip
+        Label(
+            "wires (not drawn) leave\nhere, in a loose loop", (0.0, back, bench.dims.channel_exit_z)
+        ),
+        Arrow(
+            (-half - 0.8 * out, joint.axis_y + 4.0, joint.axis_z),
+            (-half - 2.0, joint.axis_y + 4.0, joint.axis_z),
+        ),
+        Arrow(
+            (0.0, joint.axis_y + 9.0, joint.low_z - _APART_MM),
+            (0.0, joint.axis_y + 9.0, joint.low_z - 3.0),
+        ),
+    )
 
 
 def tendon(bench: Bench, sheet: CastingSheet) -> Scene:
-    anchor, back = _anchor(bench), bench.dims.bone_outline.section.dorsal
-    x, loose = anchor.strand_x, bench.solid(_band(bench, _joint(bench).low_z - 8.0, 4.0), _BAND)
+    anchor = _anchor(bench)
+    back = bench.dims.bone_outline.section.dorsal
+    x = anchor.strand_x
+    loose = bench.solid(_band(bench, _joint(bench).low_z - 8.0, 4.0), _BAND)
+
     return Scene(
-        (*_finger(bench), bench.part("hand_stub"), _pin(bench), _tendon(bench), loose), _FROM_BACK,
+        (*_finger(bench), bench.part("hand_stub"), _pin(bench), _tendon(bench), loose),
+        _FROM_BACK,
         Label("tendon in its groove,\nthrough the band", (-0.8 * x, back, anchor.z)),
         Label("down the side, around\nthe round shoulder", (-x, (back + anchor.y) / 2, anchor.z)),
         Label("through the hole\nof the stub", (-x, anchor.y, _joint(bench).low_z)),
         Label("out along the slot", (-x, anchor.y, _end_z(bench) - 5.0)),
-    )  # fmt: skip
+    )
 
 
 def band(bench: Bench, sheet: CastingSheet) -> Scene:
-    (half, back, _), low = bars(bench.design)[1].high, bars(bench.design)[1].low[1]
-    z, begin, into = _joint(bench).low_z - NOTCHES_MM[0] - BAND_NOTCH_MM / 2, _anchor(bench).z, half - NOTCH_DEPTH_MM
+    (half, back, _) = bars(bench.design)[1].high
+    low = bars(bench.design)[1].low[1]
+    z, begin, into = (
+        _joint(bench).low_z - NOTCHES_MM[0] - BAND_NOTCH_MM / 2,
+        _anchor(bench).z,
+        half - NOTCH_DEPTH_MM,
+    )
     around = Box((-half - 0.5, low - 1.0, z - 1.0), (half + 0.5, back + _BAND_MM, z + 1.0))
     within = Box((-into, low, z - 2.0), (into, back + 2 * _BAND_MM, z + 2.0))
     stretched = bench.solid(union(_band(bench, z - 1.0, half), difference(around, within)), _BAND)
+
     return Scene(
-        (*_finger(bench), bench.part("hand_stub"), _pin(bench), _tendon(bench), stretched), _FROM_BACK,
-        Label("band, over the back\nof the joint", (-0.5 * half - 1.0, back + _BAND_MM, (begin + z) / 2)),
+        (*_finger(bench), bench.part("hand_stub"), _pin(bench), _tendon(bench), stretched),
+        _FROM_BACK,
+        Label(
+            "band, over the back\nof the joint",
+            (-0.5 * half - 1.0, back + _BAND_MM, (begin + z) / 2),
+        ),
         Label("around the stub, in a\npair of notches", (-half - 0.5, 0.0, z)),
         Arrow((0.0, back + 8.0, begin - 10.0), (0.0, back + 8.0, begin - 28.0)),
-    )  # fmt: skip
+    )
 
 
 def zero(bench: Bench, sheet: CastingSheet) -> Scene:
@@ -124,11 +252,26 @@ def zero(bench: Bench, sheet: CastingSheet) -> Scene:
 
 
 def travel(bench: Bench, sheet: CastingSheet) -> Scene:
-    joint, (knot, pull) = _joint(bench), _pull(bench) if bench.dims.anchor else ([], [])
-    shown = (*_finger(bench, bent_deg=sheet.mount.travel_deg), bench.part("hand_stub"), _pin(bench), *knot)
+    joint = _joint(bench)
+    (knot, pull) = _pull(bench) if bench.dims.anchor else ([], [])
+    shown = (
+        *_finger(bench, bent_deg=sheet.mount.travel_deg),
+        bench.part("hand_stub"),
+        _pin(bench),
+        *knot,
+    )
     stop = "must stop here" if sheet.mount.travel_deg else "must turn freely"
-    return Scene(shown, Camera.from_angles(0, 0), Label(stop, (0.0, joint.axis_y - 1.0, joint.low_z)), *pull)
+
+    return Scene(
+        shown, Camera.from_angles(0, 0), Label(stop, (0.0, joint.axis_y - 1.0, joint.low_z)), *pull
+    )
 
 
-JOINT_SCENES = {"pin": pin, "tendon": tendon, "band": band, "zero": zero, "travel": travel}
+JOINT_SCENES = {
+    "pin": pin,
+    "tendon": tendon,
+    "band": band,
+    "zero": zero,
+    "travel": travel,
+}
 """Scenes of the steps of a joint by the names of these steps."""

@@ -1,4 +1,5 @@
-"""Picture of a design: exploded views from both sides, a section through the mold, and a joint on the hand.
+"""Picture of a design: exploded views from both sides, a section through the mold, and a joint on
+the hand.
 
 An arrow points at the place where the bone breaks first.
 """
@@ -38,14 +39,18 @@ _GAP_MM = 12.0
 def place_on_hand(
     design: Design, joint: Joint, evaluator: MeshEvaluator, parts: Mapping[str, Solid]
 ) -> list[tuple[str, Mesh]]:
-    """Place parts on the hand without their half at x < 0, straight and bent to the end of travel side by side."""
+    """Place parts on the hand without their half at x < 0, straight
+    and bent to the end of travel side by side.
+    """
     placed: list[tuple[str, Mesh]] = []
     shift = 0.0
+
     for angle_deg in (0.0, design.hand.travel_deg) if design.hand.travel_deg else (0.0,):
         turned = {}
         for name, solid in parts.items():
             cut = evaluator.manifold(solid).trim_by_plane((1.0, 0.0, 0.0), 0.0)
             turned[name] = to_canonical_mesh(turn_about_pin(cut, joint, angle_deg))
+
         hand = evaluator.manifold(knuckle(design, joint)).trim_by_plane((1.0, 0.0, 0.0), 0.0)
         hand = hand.trim_by_plane((0.0, 0.0, 1.0), joint.axis_z - 3 * joint.radius)
         hand = hand.trim_by_plane((0.0, -1.0, 0.0), -design.dimensions.collar.section.dorsal)
@@ -53,17 +58,25 @@ def place_on_hand(
         high = max(float(mesh.vertices[:, 2].max()) for mesh in turned.values())
         low = min(float(mesh.vertices[:, 2].min()) for mesh in turned.values())
         along = np.array((0.0, 0.0, shift - low))
-        placed += [(name, Mesh(mesh.vertices + along, mesh.triangles)) for name, mesh in turned.items()]
+        placed += [
+            (name, Mesh(mesh.vertices + along, mesh.triangles)) for name, mesh in turned.items()
+        ]
         shift += high - low + _GAP_MM
+
     return placed
 
 
 _TOLERANCE_MM = 0.02
-_MARGIN_PX, _CAPTION_PX, _FONT_PX, _CLEAR_PX = 36, 24, 17, 5
-_INK, _MARK_INK = (40, 40, 40), (150, 30, 20)
+_MARGIN_PX = 36
+_CAPTION_PX = 24
+_FONT_PX = 17
+_CLEAR_PX = 5
+_INK = (40, 40, 40)
+_MARK_INK = (150, 30, 20)
 _MEASURED = ("bone", "skin")
 """Parts whose thin walls are marked."""
-_THIN, _THIN_COLOUR = "red: too thin", (0.85, 0.1, 0.1)
+_THIN = "red: too thin"
+_THIN_COLOUR = (0.85, 0.1, 0.1)
 _LABELS = (*PARTS, "sensor", _THIN)
 _COLOURS: Mapping[str, Colour] = {
     **{name: part.colour for name, part in PARTS.items()},
@@ -92,56 +105,86 @@ def find_width_issues(width_px: int) -> Iterator[Issue]:
 
 
 @checked
-def draw(design: Design, width_px: int, progress: Callable[[str], None] = lambda message: None) -> bytes:
+def draw(
+    design: Design, width_px: int, progress: Callable[[str], None] = lambda message: None
+) -> bytes:
     """Draw two exploded views of a design above a section through the closed mold."""
     raise_issues(TraceError, find_width_issues(width_px))
     evaluator = MeshEvaluator(_TOLERANCE_MM)
-    parts = {name: evaluator.mesh(part.solid(design)) for name, part in parts_by_name(design).items()}
+    parts = {
+        name: evaluator.mesh(part.solid(design)) for name, part in parts_by_name(design).items()
+    }
     parts["sensor"] = evaluator.mesh(sensor_body(design))
     exploded = _explode(parts)
     exploded += _mark_thin_walls(design, evaluator, exploded)
-    half, mark = width_px // 2, _mark_weakest(design, evaluator, exploded)
-    work = Work("", dict.fromkeys(("dorsal view", "palmar view", "sections", "on the hand"), 1.0), progress)
+    half = width_px // 2
+    mark = _mark_weakest(design, evaluator, exploded)
+    work = Work(
+        "", dict.fromkeys(("dorsal view", "palmar view", "sections", "on the hand"), 1.0), progress
+    )
     work.begin("dorsal view")
-    dorsal = _draw_panel("dorsal view", exploded, Camera.from_angles(28, 24), half, labels=_LABELS, mark=mark)
+    dorsal = _draw_panel(
+        "dorsal view", exploded, Camera.from_angles(28, 24), half, labels=_LABELS, mark=mark
+    )
     work.begin("palmar view")
     camera = Camera.from_angles(28, -38)
     palmar = _draw_panel("palmar view", exploded, camera, width_px - half, labels=_LABELS)
     top = np.full((max(len(dorsal), len(palmar)), width_px, 3), 255, dtype=np.uint8)
-    top[: len(dorsal), :half], top[: len(palmar), half:] = dorsal, palmar
+    top[: len(dorsal), :half] = dorsal
+    top[: len(palmar), half:] = palmar
     panels = [top]
     work.begin("sections")
     for section in list_sections(design):
         panels.append(draw_section(section, evaluator, width_px))
+
     if design.dimensions.joint:
-        title = f"finger on the hand: straight, and bent by {design.hand.travel_deg:g} degrees to its stop"
+        title = (
+            f"finger on the hand: straight, and bent by {design.hand.travel_deg:g} degrees to "
+            "its stop"
+        )
         work.begin("on the hand")
         names = ("bone", "skin")
-        solids = {name: part.solid(design) for name, part in parts_by_name(design).items() if name in names}
+        solids = {
+            name: part.solid(design)
+            for name, part in parts_by_name(design).items()
+            if name in names
+        }
         solids["sensor"] = sensor_body(design)
         placed = place_on_hand(design, design.dimensions.joint, evaluator, solids)
         meshes = [PlacedMesh(name, mesh, _COLOURS[name]) for name, mesh in placed]
-        panels.append(_draw_panel(title, meshes, Camera.from_angles(0, 0), width_px, labels=(HAND,)))
+        panels.append(
+            _draw_panel(title, meshes, Camera.from_angles(0, 0), width_px, labels=(HAND,))
+        )
+
     return to_png(Image.fromarray(np.concatenate(panels)))
 
 
-def _mark_thin_walls(design: Design, evaluator: MeshEvaluator, exploded: list[PlacedMesh]) -> list[PlacedMesh]:
+def _mark_thin_walls(
+    design: Design, evaluator: MeshEvaluator, exploded: list[PlacedMesh]
+) -> list[PlacedMesh]:
     """Cover what is thinner than its minimum with red squares."""
     marks = []
     for item in exploded:
-        if item.label in _MEASURED and (thin := find_thin_walls(design, evaluator, item.label)).matters:
+        if (
+            item.label in _MEASURED
+            and (thin := find_thin_walls(design, evaluator, item.label)).matters
+        ):
             squares = thin.patches()
             moved = Mesh(squares.vertices + np.array(item.offset_mm), squares.triangles)
             marks.append(PlacedMesh(_THIN, moved, _THIN_COLOUR, item.offset_mm))
+
     return marks
 
 
 def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[PlacedMesh]) -> Mark:
     """Return what to write about the place where the bone breaks first, and where it is drawn."""
     found = assess_strength(design, evaluator)
-    weakest, vertices = found.weakest, evaluator.mesh(PARTS["bone"].solid(design)).vertices
+    weakest = found.weakest
+    vertices = evaluator.mesh(PARTS["bone"].solid(design)).vertices
     (dx, dy, dz) = next(item.offset_mm for item in exploded if item.label == "bone")
-    joint, anchor = design.dimensions.joint, design.dimensions.anchor
+    joint = design.dimensions.joint
+    anchor = design.dimensions.anchor
+
     if anchor and "horn" in weakest.place:
         y = anchor.horn_y
     elif joint and weakest.place != "cross-section":
@@ -149,14 +192,22 @@ def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[Place
     else:
         beside = np.abs(vertices[:, 2] - weakest.z_mm) < _MARK_REACH_MM
         y = float(vertices[beside, 1].max(initial=0.0))
+
     factor = f"z = {weakest.z_mm:.0f} mm, safety factor {found.grip_safety_factor:.1f}"
-    return f"weakest: {weakest.place},\n{factor}\nat the grip force", (dx, y + dy, weakest.z_mm + dz)
+    return f"weakest: {weakest.place},\n{factor}\nat the grip force", (
+        dx,
+        y + dy,
+        weakest.z_mm + dz,
+    )
 
 
 def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
-    """Move the parts apart: mold halves above and below, between them bone, sensor and skin, what holds them behind."""
+    """Move the parts apart: mold halves above and below, between them
+    bone, sensor and skin, what holds them behind.
+    """
     size = {name: np.ptp(mesh.vertices, axis=0) for name, mesh in parts.items()}
-    gap, behind = 6.0, -0.55 * size["skin"][2]
+    gap = 6.0
+    behind = -0.55 * size["skin"][2]
     # So far that no half hides the bone, from above or from the palm
     spread = 1.25 * (size["bone"][1] + size["mold_palmar"][1] / 2) + 2 * gap
     shift = {
@@ -169,8 +220,14 @@ def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
         **dict.fromkeys(("stand", "hand_stub"), (0.0, -1.2 * spread, behind)),
         "pin": (0.0, -spread / 2, 2 * behind),
     }
+
     return [
-        PlacedMesh(name, Mesh(parts[name].vertices + np.array(offset), parts[name].triangles), _COLOURS[name], offset)
+        PlacedMesh(
+            name,
+            Mesh(parts[name].vertices + np.array(offset), parts[name].triangles),
+            _COLOURS[name],
+            offset,
+        )
         for name, offset in shift.items()
         if name in parts
     ]
@@ -192,9 +249,11 @@ def _draw_panel(
     canvas = Canvas(width_px, height_px, scale, camera)
     for item in placed:
         canvas.draw(item.mesh, item.colour, centre)
+
     image = canvas.image()
     picture = Image.fromarray(image)
-    pen, font = ImageDraw.Draw(picture), ImageFont.load_default(size=_FONT_PX)
+    pen = ImageDraw.Draw(picture)
+    font = ImageFont.load_default(size=_FONT_PX)
     taken: NDArray[np.bool_] = np.asarray((image < 255).any(axis=2))
     _claim(taken, pen.textbbox((16, 10), title, font=font))
     pen.text((16, 10), title, fill=_INK, font=font)
@@ -207,20 +266,40 @@ def _draw_panel(
 
     if mark:
         text, point = mark
-        _draw_mark(pen, font, text, to_pixel(np.array(point)), taken)
+        _draw_mark(
+            pen,
+            font=font,
+            text=text,
+            tip=to_pixel(np.array(point)),
+            taken=taken,
+        )
+
     for item in placed:
         if item.label in labels:
             corners = (item.mesh.vertices - centre) @ camera.axes.T * scale
-            (left, low), (right, high) = corners.min(axis=0)[:2], corners.max(axis=0)[:2]
-            box = (width_px / 2 + left, height_px / 2 - high, width_px / 2 + right, height_px / 2 - low)
+            (left, low) = corners.min(axis=0)[:2]
+            (right, high) = corners.max(axis=0)[:2]
+            box = (
+                width_px / 2 + left,
+                height_px / 2 - high,
+                width_px / 2 + right,
+                height_px / 2 - low,
+            )
             text = item.label.replace("_", " ")
             place = find_free_place(taken, pen.textbbox((0, 0), text, font=font), box)
             pen.text(place, text, fill=_INK, font=font)
             _claim(taken, pen.textbbox(place, text, font=font))
+
     return np.asarray(picture)
 
 
-def _draw_mark(pen: Pen, font: Any, text: str, tip: tuple[float, float], taken: NDArray[np.bool_]) -> None:
+def _draw_mark(
+    pen: Pen,
+    font: Any,
+    text: str,
+    tip: tuple[float, float],
+    taken: NDArray[np.bool_],
+) -> None:
     """Draw a text above the left end of the parts, with a line to the point that it marks."""
     box = pen.multiline_textbbox((0, 0), text, font=font)
     place = find_free_place(taken, box, (16.0, tip[1] - 40.0, tip[0], tip[1]))
@@ -235,22 +314,36 @@ def _draw_mark(pen: Pen, font: Any, text: str, tip: tuple[float, float], taken: 
 
 
 def find_free_place(
-    taken: NDArray[np.bool_], text: tuple[float, float, float, float], part: tuple[float, float, float, float]
+    taken: NDArray[np.bool_],
+    text: tuple[float, float, float, float],
+    part: tuple[float, float, float, float],
 ) -> tuple[float, float]:
     """Find the place nearest to a part where a text covers nothing. Units: `text` [pixels]."""
     height, width = taken.shape
-    wide, high = int(text[2] - text[0]) + 2 * _CLEAR_PX, int(text[3] - text[1]) + 2 * _CLEAR_PX
+    wide = int(text[2] - text[0]) + 2 * _CLEAR_PX
+    high = int(text[3] - text[1]) + 2 * _CLEAR_PX
     filled = np.zeros((height + 1, width + 1), dtype=np.int64)
-    filled[1:, 1:] = taken.cumsum(axis=0).cumsum(axis=1)  # counts of any rectangle follow from its corners
-    counts = filled[high:, wide:] - filled[:-high, wide:] - filled[high:, :-wide] + filled[:-high, :-wide]
+    filled[1:, 1:] = taken.cumsum(axis=0).cumsum(
+        axis=1
+    )  # counts of any rectangle follow from its corners
+    counts = (
+        filled[high:, wide:]
+        - filled[:-high, wide:]
+        - filled[high:, :-wide]
+        + filled[:-high, :-wide]
+    )
     rows, columns = np.nonzero(counts == 0)
     if not len(rows):
         return part[0] - text[0], part[3] - text[1]
+
     # Distance between the two rectangles, and then to the middle of the part
     beside = np.maximum(0, np.maximum(part[0] - (columns + wide), columns - part[2]))
     beyond = np.maximum(0, np.maximum(part[1] - (rows + high), rows - part[3]))
-    off = np.hypot(columns + wide / 2 - (part[0] + part[2]) / 2, rows + high / 2 - (part[1] + part[3]) / 2)
+    off = np.hypot(
+        columns + wide / 2 - (part[0] + part[2]) / 2, rows + high / 2 - (part[1] + part[3]) / 2
+    )
     best = int(np.argmin(np.hypot(beside, beyond) + 0.2 * off))
+
     return float(columns[best] + _CLEAR_PX - text[0]), float(rows[best] + _CLEAR_PX - text[1])
 
 
@@ -260,7 +353,8 @@ def _claim(taken: NDArray[np.bool_], box: tuple[float, float, float, float]) -> 
 
 
 def picture(design: Design, width_px: int = 1600) -> Picture:
-    """Draw a design: exploded views, a section through the closed mold and, with a joint, the finger on its hand.
+    """Draw a design: exploded views, a section through the closed mold and, with a joint, the
+    finger on its hand.
 
     `width_px` is the width of the picture [pixels].
     """

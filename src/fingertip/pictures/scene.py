@@ -1,7 +1,8 @@
-"""Scenes of the casting steps, drawn as PNG: parts and tools as shaded meshes, with arrows and labels.
+"""Scenes of the casting steps, drawn as PNG: parts and tools as shaded meshes, with arrows and
+labels.
 
-Labels stand in the margins, on the side of what they name, one below the other, so that none covers the parts or
-another label.
+Labels stand in the margins, on the side of what they name, one below the other, so that none covers
+the parts or another label.
 """
 
 from __future__ import annotations
@@ -25,12 +26,20 @@ from fingertip.pictures.section import spread
 
 Pixel: TypeAlias = tuple[float, float]
 
-_WIDTH_PX, MARGIN_PX, _PADDING_PX = 900, 200, 24
-"""Width of a picture, of the margin on each side that holds labels, and the distance of everything from the edge."""
+_WIDTH_PX = 900
+MARGIN_PX = 200
+_PADDING_PX = 24
+"""Width of a picture, of the margin on each side that holds labels,
+and the distance of everything from the edge.
+"""
 _MAX_HEIGHT_PX = 560
-_FONT_PX, _LINE_PX = 16, 20
-_INK, _LEADER, _ARROW = (35, 35, 40), (115, 115, 120), (176, 44, 24)
-_HEAD_PX, _HEAD_ANGLE = 13.0, math.radians(24.0)
+_FONT_PX = 16
+_LINE_PX = 20
+_INK = (35, 35, 40)
+_LEADER = (115, 115, 120)
+_ARROW = (176, 44, 24)
+_HEAD_PX = 13.0
+_HEAD_ANGLE = math.radians(24.0)
 """Length of an arrow's head, and the angle between its edge and the arrow."""
 
 
@@ -56,29 +65,39 @@ class Arrow:
 
 
 class Scene:
-    """Content of a picture: meshes, the camera that sees them, and what is written and drawn beside them."""
+    """Content of a picture: meshes, the camera that sees them, and
+    what is written and drawn beside them.
+    """
 
     def __init__(self, shown: Iterable[Shown], camera: Camera, *marks: Label | Arrow) -> None:
-        self.shown, self.camera = tuple(shown), camera
+        self.shown = tuple(shown)
+        self.camera = camera
         self.labels = [mark for mark in marks if isinstance(mark, Label)]
         self.arrows = [mark for mark in marks if isinstance(mark, Arrow)]
 
 
 def draw_scene(scene: Scene) -> bytes:
-    ends = np.array([end for arrow in scene.arrows for end in (arrow.start_mm, arrow.end_mm)]).reshape(-1, 3)
+    ends = np.array(
+        [end for arrow in scene.arrows for end in (arrow.start_mm, arrow.end_mm)]
+    ).reshape(-1, 3)
     arrows = Mesh(ends, np.zeros((0, 3), dtype=np.int32))
     centre, size = bounds([*(item.mesh for item in scene.shown), arrows], scene.camera)
     room = _WIDTH_PX - 2 * MARGIN_PX, _MAX_HEIGHT_PX - 2 * _PADDING_PX
     scale = min(room[0] / size[0], room[1] / size[1])
     height = int(size[1] * scale) + 2 * _PADDING_PX
-    lines = (sum(label.text.count("\n") + 2 for label in _labels_on(scene, side, centre)) for side in (-1, 1))
+    lines = (
+        sum(label.text.count("\n") + 2 for label in _labels_on(scene, side, centre))
+        for side in (-1, 1)
+    )
     height = max(height, _PADDING_PX * 2 + _LINE_PX * max(lines))
 
     canvas = Canvas(_WIDTH_PX, height, scale, scene.camera)
     for item in scene.shown:
         canvas.draw(item.mesh, item.colour, centre)
+
     picture = Image.fromarray(canvas.image())
-    pen, font = ImageDraw.Draw(picture), ImageFont.load_default(size=_FONT_PX)
+    pen = ImageDraw.Draw(picture)
+    font = ImageFont.load_default(size=_FONT_PX)
 
     def place(point: Point3) -> Pixel:
         u, v = ((np.array(point) - centre) @ scene.camera.axes.T * scale)[:2]
@@ -86,25 +105,38 @@ def draw_scene(scene: Scene) -> bytes:
 
     for arrow in scene.arrows:
         _draw_arrow(pen, place(arrow.start_mm), place(arrow.end_mm))
+
     for side in (-1, 1):
         entries = [(place(label.point_mm), label.text) for label in _labels_on(scene, side, centre)]
         sizes = [_LINE_PX * (text.count("\n") + 1.6) for _, text in entries]
-        for y, (tip, text) in zip(spread(sizes, [tip[1] for tip, _ in entries], height), entries, strict=True):
+        for y, (tip, text) in zip(
+            spread(sizes, [tip[1] for tip, _ in entries], height), entries, strict=True
+        ):
             x = _PADDING_PX if side < 0 else _WIDTH_PX - _PADDING_PX
             pen.multiline_text(
-                (x, y), text, fill=_INK, font=font, anchor="lm" if side < 0 else "rm", spacing=_LINE_PX - _FONT_PX,
+                (x, y),
+                text,
+                fill=_INK,
+                font=font,
+                anchor="lm" if side < 0 else "rm",
+                spacing=_LINE_PX - _FONT_PX,
                 align="left" if side < 0 else "right",
-            )  # fmt: skip
+            )
             end = x - side * (max(font.getlength(line) for line in text.split("\n")) + 6)
             pen.line([(end, y), tip], fill=_LEADER, width=1)
             pen.ellipse([tip[0] - 3, tip[1] - 3, tip[0] + 3, tip[1] + 3], fill=_INK)
+
     return to_png(picture.quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE))
 
 
 def _labels_on(scene: Scene, side: int, centre: Array) -> list[Label]:
     """Return the labels of one side of the picture, from top to bottom."""
     right, up = scene.camera.axes[:2]
-    chosen = [label for label in scene.labels if (1 if (np.array(label.point_mm) - centre) @ right > 0 else -1) == side]
+    chosen = [
+        label
+        for label in scene.labels
+        if (1 if (np.array(label.point_mm) - centre) @ right > 0 else -1) == side
+    ]
     return sorted(chosen, key=lambda label: -float(np.array(label.point_mm) @ up))
 
 
@@ -131,20 +163,27 @@ class View:
 class Paint:
     """Colours of what lies beside the parts."""
 
-    SENSOR, WIRE, STEEL = (0.86, 0.68, 0.24), (0.72, 0.20, 0.16), (0.62, 0.63, 0.66)
-    GLASS, SILICONE, PAPER = (0.80, 0.86, 0.90), PARTS["skin"].colour, (0.93, 0.91, 0.86)
+    SENSOR = (0.86, 0.68, 0.24)
+    WIRE = (0.72, 0.20, 0.16)
+    STEEL = (0.62, 0.63, 0.66)
+    GLASS = (0.80, 0.86, 0.90)
+    SILICONE = PARTS["skin"].colour
+    PAPER = (0.93, 0.91, 0.86)
 
 
-_TOLERANCE_MM, _WALL_MM = 0.05, 0.8
+_TOLERANCE_MM = 0.05
+_WALL_MM = 0.8
 """Tolerance of the meshes, and wall of drawn cups [mm]."""
-CUP_RADIUS_MM, _CUP_HEIGHT_MM = 22.0, 45.0
+CUP_RADIUS_MM = 22.0
+_CUP_HEIGHT_MM = 45.0
 
 
 class Bench:
     """Parts of one design and what lies with them, as meshes."""
 
     def __init__(self, design: Design) -> None:
-        self.design, self.dims = design, design.dimensions
+        self.design = design
+        self.dims = design.dimensions
         self.evaluator = MeshEvaluator(_TOLERANCE_MM)
         self._meshes: dict[tuple[Solid, bool], Mesh] = {}
 
@@ -153,13 +192,23 @@ class Bench:
         """Middle of the sensor's head, on the flat or its platform."""
         return 0.0, -self.dims.platform_depth, self.dims.sensor_z
 
-    def solid(self, solid: Solid, colour: Colour, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
+    def solid(
+        self,
+        solid: Solid,
+        colour: Colour,
+        shift: Point3 = (0.0, 0.0, 0.0),
+        *,
+        cut: bool = False,
+    ) -> Shown:
         """Show a solid, shifted, and cut open along x = 0 if asked for."""
         mesh = self._meshes.get((solid, cut))
         if mesh is None:
             manifold = self.evaluator.manifold(solid)
-            mesh = to_canonical_mesh(manifold.trim_by_plane((1.0, 0.0, 0.0), 0.0) if cut else manifold)
+            mesh = to_canonical_mesh(
+                manifold.trim_by_plane((1.0, 0.0, 0.0), 0.0) if cut else manifold
+            )
             self._meshes[solid, cut] = mesh
+
         return Shown(Mesh(mesh.vertices + np.array(shift), mesh.triangles), colour)
 
     def part(self, name: str, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
@@ -170,13 +219,21 @@ class Bench:
 
     def turned_up_skin(self, fold_z: float, shift_z: float) -> list[Shown]:
         """Show half of the skin, shifted, its edge turned inside out up to a height there."""
-        outer, skin = self.dims.outer.section, PARTS["skin"]
+        outer = self.dims.outer.section
+        skin = PARTS["skin"]
         whole = self.evaluator.manifold(skin.solid(self.design)).translate((0.0, 0.0, shift_z))
         half = whole.trim_by_plane((1.0, 0.0, 0.0), 0.0)
-        tip, edge = (to_canonical_mesh(half.trim_by_plane((0.0, 0.0, way), way * fold_z)) for way in (1.0, -1.0))
+        tip, edge = (
+            to_canonical_mesh(half.trim_by_plane((0.0, 0.0, way), way * fold_z))
+            for way in (1.0, -1.0)
+        )
         x, y, z = edge.vertices.T
-        out = 2.0 / np.hypot(x / outer.half_width, y / np.where(y < 0.0, outer.palmar, outer.dorsal)) - 1.0
+        out = (
+            2.0 / np.hypot(x / outer.half_width, y / np.where(y < 0.0, outer.palmar, outer.dorsal))
+            - 1.0
+        )
         turned = Mesh(np.stack((x * out, y * out, 2.0 * fold_z - z), axis=1), edge.triangles)
+
         return [Shown(tip, skin.colour), Shown(turned, skin.colour)]
 
     def assembled_bone(self) -> list[Shown]:
@@ -184,9 +241,32 @@ class Bench:
 
     def cup(self, level: float) -> list[Shown]:
         """Show a cup that stands on z = 0, cut open, filled to a level [mm]."""
-        middle, reach = (0.0, 0.0), 2 * CUP_RADIUS_MM
-        outside = cylinder("z", middle, 0.0, _CUP_HEIGHT_MM, CUP_RADIUS_MM + _WALL_MM)
-        inside = cylinder("z", middle, _WALL_MM, _CUP_HEIGHT_MM + 1.0, CUP_RADIUS_MM)
+        middle = (0.0, 0.0)
+        reach = 2 * CUP_RADIUS_MM
+        outside = cylinder(
+            "z",
+            centre=middle,
+            low=0.0,
+            high=_CUP_HEIGHT_MM,
+            radius=CUP_RADIUS_MM + _WALL_MM,
+        )
+        inside = cylinder(
+            "z",
+            centre=middle,
+            low=_WALL_MM,
+            high=_CUP_HEIGHT_MM + 1.0,
+            radius=CUP_RADIUS_MM,
+        )
         front = Box((-reach, -reach, _WALL_MM), (reach, 0.0, _CUP_HEIGHT_MM + 1.0))
-        content = cylinder("z", middle, _WALL_MM, _WALL_MM + level, 0.99 * CUP_RADIUS_MM)
-        return [self.solid(difference(outside, inside, front), Paint.GLASS), self.solid(content, Paint.SILICONE)]
+        content = cylinder(
+            "z",
+            centre=middle,
+            low=_WALL_MM,
+            high=_WALL_MM + level,
+            radius=0.99 * CUP_RADIUS_MM,
+        )
+
+        return [
+            self.solid(difference(outside, inside, front), Paint.GLASS),
+            self.solid(content, Paint.SILICONE),
+        ]

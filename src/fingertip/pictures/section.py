@@ -1,8 +1,9 @@
-"""Longitudinal sections of the core in its closed cup and of the bone, with every feature named beside it.
+"""Longitudinal sections of the core in its closed cup and of the bone, with every feature named
+beside it.
 
-The cut is drawn as polygons: meshes that touch in the plane would fight for each pixel in a depth buffer. A notch
-that lies in another plane is drawn there as a dashed outline. Names stand above and below the parts, where no
-edge runs, with a line to what they name.
+The cut is drawn as polygons: meshes that touch in the plane would fight for each pixel in a depth
+buffer. A notch that lies in another plane is drawn there as a dashed outline. Names stand above and
+below the parts, where no edge runs, with a line to what they name.
 """
 
 from __future__ import annotations
@@ -39,8 +40,12 @@ _PLANE_MM = 1e-3
 """Distance of the cut from the plane of symmetry, in which edges of parts lie [mm]."""
 _CUT_SHADE = 0.88
 """Brightness of a cut, over that of the part's surface."""
-_INK, _NAME_INK = (40, 40, 40), (25, 45, 90)
-_FONT_PX, _ROW_PX, _GAP_PX, _LINE_PX = 17, 26, 14, 16
+_INK = (40, 40, 40)
+_NAME_INK = (25, 45, 90)
+_FONT_PX = 17
+_ROW_PX = 26
+_GAP_PX = 14
+_LINE_PX = 16
 _NEAR_MM = 1.3
 """Distance from an outline within which a feature counts as shown [mm]."""
 
@@ -60,10 +65,21 @@ def list_sections(design: Design) -> list[Section]:
     finger = {"bone": solids["bone"], "sensor": sensor_body(design)}
     cast = {name: solids[name] for name in ("mold_dorsal", "mold_palmar", "skin", "core")}
     notch = intersection(mold.notches(design)[1], mold.block(design))
-    title = "longitudinal section of the closed cup and its core; it stands on its right end; dashed: an overflow notch"
+    title = (
+        "longitudinal section of the closed cup and its core; it stands on its right end; "
+        "dashed: an overflow notch"
+    )
+
     return [
-        Section(title, cast, [(notch, design.mold_layout.notch_x)], list(_list_mold_features(design))),
-        Section("longitudinal section of the bone with its sensor", finger, [], list(_list_bone_features(design))),
+        Section(
+            title, cast, [(notch, design.mold_layout.notch_x)], list(_list_mold_features(design))
+        ),
+        Section(
+            "longitudinal section of the bone with its sensor",
+            finger,
+            [],
+            list(_list_bone_features(design)),
+        ),
     ]
 
 
@@ -75,19 +91,28 @@ def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> N
     dashed = [slice_solid(evaluator, solid, x) for solid, x in section.dashed]
     outlines = [ring for rings in (*cuts.values(), *dashed) for ring in rings]
     corners = np.concatenate(outlines)
-    low, high = corners.min(axis=0), corners.max(axis=0)
+    low = corners.min(axis=0)
+    high = corners.max(axis=0)
     scale = 0.8 * width_px / (high[0] - low[0])
     size = (high - low) * scale
     features = [one for one in dict.fromkeys(section.features) if is_near(one[1], outlines)]
     above, below = (
-        _place_names([one for one in features if (one[1][1] < 0) == is_low], font, low[0], scale, width_px, size[0])
+        _place_names(
+            [one for one in features if (one[1][1] < 0) == is_low],
+            font=font,
+            low_z=low[0],
+            scale=scale,
+            width_px=width_px,
+            length_px=size[0],
+        )
         for is_low in (False, True)
     )
     head = _ROW_PX + 14
     top = head + _ROW_PX * _count_rows(above) + _LINE_PX
     height_px = int(top + size[1] + _LINE_PX + _ROW_PX * _count_rows(below) + 44)
     picture = Image.new("RGB", (width_px * _FINE, height_px * _FINE), "white")
-    pen, left = ImageDraw.Draw(picture), (width_px - size[0]) / 2
+    pen = ImageDraw.Draw(picture)
+    left = (width_px - size[0]) / 2
 
     def to_pixel(point: Iterable[float]) -> Point:
         z, y = point
@@ -96,13 +121,25 @@ def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> N
     for name, rings in cuts.items():
         base = PARTS[name].colour if name in PARTS else SENSOR_COLOUR
         red, green, blue = (round(255 * _CUT_SHADE * part) for part in base)
-        _fill(picture, [[to_pixel(corner) for corner in ring] for ring in rings], (red, green, blue))
+        _fill(
+            picture, [[to_pixel(corner) for corner in ring] for ring in rings], (red, green, blue)
+        )
+
     for rings in dashed:
         for ring in rings:
             _dash(pen, [to_pixel(corner) for corner in (*ring, ring[0])])
+
     for names, line_y, way in ((above, top - _LINE_PX, -1), (below, top + size[1] + _LINE_PX, 1)):
         for (name, at), x, row in names:
-            _draw_name(pen, font, name, (x, line_y + way * (_ROW_PX * row + 2)), to_pixel(at), way)
+            _draw_name(
+                pen,
+                font=font,
+                name=name,
+                at=(x, line_y + way * (_ROW_PX * row + 2)),
+                target=to_pixel(at),
+                way=way,
+            )
+
     pen.text((16 * _FINE, 10 * _FINE), section.title, fill=_INK, font=font)
     picture = picture.resize((width_px, height_px), Image.Resampling.BOX)
     draw_scale_bar(ImageDraw.Draw(picture), (16.0, height_px - 16.0), scale)
@@ -110,25 +147,35 @@ def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> N
 
 
 def is_near(point: Point, outlines: Sequence[Array]) -> bool:
-    """Return whether a point lies within an outline or close to one: the section then shows what is there."""
+    """Return whether a point lies within an outline or close to
+    one: the section then shows what is there.
+    """
     at = np.array(point)
     is_inside = False
+
     for ring in outlines:
-        a, b = ring, np.roll(ring, -1, axis=0)
+        a = ring
+        b = np.roll(ring, -1, axis=0)
         along = b - a
         squares = np.maximum((along * along).sum(axis=1), 1e-12)
         share = np.clip(((at - a) * along).sum(axis=1) / squares, 0.0, 1.0)
         if np.hypot(*(a + share[:, None] * along - at).T).min() <= _NEAR_MM:
             return True
+
         crosses = (a[:, 1] > at[1]) != (b[:, 1] > at[1])
         x = a[:, 0] + (at[1] - a[:, 1]) / np.where(crosses, along[:, 1], 1.0) * along[:, 0]
         is_inside |= bool(np.count_nonzero(crosses & (x > at[0])) % 2)
+
     return is_inside
 
 
 def slice_solid(evaluator: MeshEvaluator, solid: Solid, x: float) -> list[Array]:
-    """Cut a solid by the plane at `x` [mm]; returns its outlines as points (z, y), holes among them."""
-    turned = evaluator.manifold(solid).rotate((0.0, -90.0, 0.0))  # x becomes the height, z runs against the first axis
+    """Cut a solid by the plane at `x` [mm]; returns its
+    outlines as points (z, y), holes among them.
+    """
+    turned = evaluator.manifold(solid).rotate(
+        (0.0, -90.0, 0.0)
+    )  # x becomes the height, z runs against the first axis
     return [np.asarray(ring) * np.array([-1.0, 1.0]) for ring in turned.slice(x).to_polygons()]
 
 
@@ -142,35 +189,53 @@ def draw_scale_bar(pen: Pen, corner: Point, pixels_per_mm: float) -> None:
     pen.line([(x, y), (end, y)], fill=_INK, width=2)
     for at in (x, end):
         pen.line([(at, y - 5), (at, y + 5)], fill=_INK, width=2)
+
     font = ImageFont.load_default(size=_FONT_PX - 2)
     pen.text((end + 8, y), f"{length:g} mm", fill=_INK, font=font, anchor="lm")
 
 
 def _list_mold_features(design: Design) -> Iterable[Feature]:
-    dims, layout, bone = design.dimensions, design.mold_layout, design.bone
+    dims = design.dimensions
+    layout = design.mold_layout
+    bone = design.bone
     yield "plate of the core", (-PLATE_MM / 2, layout.dorsal_height / 2)
     yield "ridge in its groove", (1.0, layout.dorsal_height - 2.0)
     yield "dorsal half", (0.5 * design.skin.length_mm, 0.75 * layout.dorsal_height)
     yield "seat of a rubber band", (layout.belts_z[1], layout.dorsal_height - 0.5)
+
     if bone.groove_depth_mm:
         z = bone.groove_distance_mm + bone.groove_depth_mm + bone.groove_width_mm / 2
         yield "rib of the skin", (z, dims.bone_outline.section.dorsal - bone.groove_depth_mm / 2)
+
     yield "core", (0.4 * design.skin.length_mm, 0.5)
     yield "skin", (design.skin.length_mm - design.skin.thickness_tip_mm / 2, 0.5)
     yield "bump over the sensor", (dims.sensor_z, -dims.platform_depth - 0.3)
-    yield "palmar half", (0.85 * design.skin.length_mm, -(dims.outer.section.palmar + layout.palmar_height) / 2)
-    yield "gap, where silicone overflows", (GAP_MM / 2, -(dims.base_palmar_height + layout.palmar_height) / 2)
+    yield (
+        "palmar half",
+        (0.85 * design.skin.length_mm, -(dims.outer.section.palmar + layout.palmar_height) / 2),
+    )
+    yield (
+        "gap, where silicone overflows",
+        (GAP_MM / 2, -(dims.base_palmar_height + layout.palmar_height) / 2),
+    )
 
 
 def _list_bone_features(design: Design) -> Iterable[Feature]:
-    dims, bone = design.dimensions, design.bone
-    section, collar = dims.bone_outline.section, dims.collar
+    dims = design.dimensions
+    bone = design.bone
+    section = dims.bone_outline.section
+    collar = dims.collar
     dorsal = (section.dorsal + collar.section.dorsal) / 2
     yield "collar", (-bone.collar_length_mm / 2, dorsal)
+
     if bone.groove_depth_mm > 0 and bone.groove_width_mm > 0:
         groove_z = bone.groove_distance_mm + bone.groove_width_mm / 2
         yield "groove", (groove_z, section.dorsal - bone.groove_depth_mm / 2)
-    yield "sensor", (dims.sensor_z, -dims.platform_depth + dims.pocket_depth - dims.sensor.thickness_mm / 2)
+
+    yield (
+        "sensor",
+        (dims.sensor_z, -dims.platform_depth + dims.pocket_depth - dims.sensor.thickness_mm / 2),
+    )
     yield "solder joints", (dims.tail_end_z, -dims.flat_depth + dims.pocket_depth + 0.6)
     yield "cable channel", (dims.channel_exit_z, section.dorsal - bone.channel_diameter_mm / 2)
     yield from interface_of(design).features(design)
@@ -181,42 +246,60 @@ _PlacedName = tuple[Feature, float, int]
 
 
 def _place_names(
-    features: Sequence[Feature], font: Font, low_z: float, scale: float, width_px: int, length_px: float
+    features: Sequence[Feature],
+    font: Font,
+    low_z: float,
+    scale: float,
+    width_px: int,
+    length_px: float,
 ) -> list[_PlacedName]:
-    """Place names in as few rows as their widths allow, each as near as possible to what it names."""
+    """Place names in as few rows as their widths allow, each as near as possible to what
+    it names.
+    """
     left = (width_px - length_px) / 2
     ordered = sorted(features, key=lambda feature: feature[1][0])
     widths = [font.getlength(name) / _FINE + _GAP_PX for name, _ in ordered]
     rows = max(1, math.ceil(sum(widths) / (width_px - 40)))
     placed: list[_PlacedName] = []
+
     for row in range(rows):
         chosen = list(itertools.islice(zip(ordered, widths, strict=True), row, None, rows))
         wanted = [left + (at[0] - low_z) * scale for (_, at), _ in chosen]
         middles = spread([width for _, width in chosen], wanted, width_px)
         placed += [(feature, x, row) for (feature, _), x in zip(chosen, middles, strict=True)]
+
     return placed
 
 
 def spread(widths: Sequence[float], wanted: Sequence[float], total: float) -> list[float]:
-    """Shift intervals until none overlaps, in blocks at their mean wish within `total`; returns their middles."""
+    """Shift intervals until none overlaps, in blocks at their mean
+    wish within `total`; returns their middles.
+    """
     blocks: list[tuple[float, float, list[int]]] = []  # middle, width, members
     for i, (width, wish) in enumerate(zip(widths, wanted, strict=True)):
-        middle, size, members = wish, width, [i]
+        middle = wish
+        size = width
+        members = [i]
+
         while True:
             middle = min(max(middle, size / 2), total - size / 2)
             if not blocks or blocks[-1][0] + blocks[-1][1] / 2 <= middle - size / 2 + 1e-9:
                 break
+
             _, before, others = blocks.pop()
             members = [*others, *members]
             size += before
             middle = sum(wanted[k] for k in members) / len(members)
+
         blocks.append((middle, size, members))
+
     found = [0.0] * len(widths)
     for middle, size, members in blocks:
         start = middle - size / 2
         for k in members:
             found[k] = start + widths[k] / 2
             start += widths[k]
+
     return found
 
 
@@ -224,12 +307,25 @@ def _count_rows(names: Sequence[_PlacedName]) -> int:
     return 1 + max((row for _, _, row in names), default=-1)
 
 
-def _draw_name(pen: Pen, font: Font, name: str, at: Point, target: Point, way: int) -> None:
-    x, y = at[0] * _FINE, at[1] * _FINE
+def _draw_name(
+    pen: Pen,
+    font: Font,
+    name: str,
+    at: Point,
+    target: Point,
+    way: int,
+) -> None:
+    x = at[0] * _FINE
+    y = at[1] * _FINE
     pen.line([(x, y), target], fill=_NAME_INK, width=_FINE)
     radius = 3.5 * _FINE
     u, v = target
-    pen.ellipse([u - radius, v - radius, u + radius, v + radius], fill="white", outline=_NAME_INK, width=2 * _FINE)
+    pen.ellipse(
+        [u - radius, v - radius, u + radius, v + radius],
+        fill="white",
+        outline=_NAME_INK,
+        width=2 * _FINE,
+    )
     base = y - 5 * _FINE if way < 0 else y + 15 * _FINE
     left, top, right, bottom = pen.textbbox((x, base), name, font=font, anchor="ms")
     pen.rectangle([left - 4 * _FINE, top - _FINE, right + 4 * _FINE, bottom + _FINE], fill="white")
@@ -243,6 +339,7 @@ def _fill(picture: Any, rings: Sequence[Sequence[Point]], colour: tuple[int, int
         one = Image.new("1", picture.size)
         ImageDraw.Draw(one).polygon(list(ring), fill=1)
         mask = ImageChops.logical_xor(mask, one)
+
     picture.paste(colour, mask=mask)
     pen = ImageDraw.Draw(picture)
     for ring in rings:
@@ -250,8 +347,10 @@ def _fill(picture: Any, rings: Sequence[Sequence[Point]], colour: tuple[int, int
 
 
 def _dash(pen: Pen, line: Sequence[Point]) -> None:
-    on, off = 7.0 * _FINE, 4.0 * _FINE
+    on = 7.0 * _FINE
+    off = 4.0 * _FINE
     done = 0.0
+
     for (ax, ay), (bx, by) in itertools.pairwise(line):
         length = math.hypot(bx - ax, by - ay)
         at = 0.0
@@ -259,7 +358,12 @@ def _dash(pen: Pen, line: Sequence[Point]) -> None:
             phase = (done + at) % (on + off)
             step = min((on if phase < on else on + off) - phase, length - at)
             if phase < on:
-                ends = [(ax + (bx - ax) * t / length, ay + (by - ay) * t / length) for t in (at, at + step)]
+                ends = [
+                    (ax + (bx - ax) * t / length, ay + (by - ay) * t / length)
+                    for t in (at, at + step)
+                ]
                 pen.line(ends, fill=_INK, width=round(1.3 * _FINE))
+
             at += max(step, 1e-6)
+
         done += length

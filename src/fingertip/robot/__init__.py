@@ -1,4 +1,5 @@
-"""Model of a finger for simulators of robots: inertia, collision pieces, contact, and the formats MJCF and URDF.
+"""Model of a finger for simulators of robots: inertia, collision pieces, contact, and the formats
+MJCF and URDF.
 
 In: a design. Out: meshes, and figures in m, kg and N in the frame of the interface to the hand.
 

@@ -1,13 +1,15 @@
-"""Skin of a finger in simulators: law of its contact, convex pieces for collisions, and points of a tactile sensor.
+"""Skin of a finger in simulators: law of its contact, convex pieces for collisions, and points of a
+tactile sensor.
 
-In MuJoCo, a contact of depth r and impedance d(r) holds the force F = s r d^2 / (dmax^2 (1 - d) w), where s is the
-stiffness in solref, and w the sum of the inverse masses of both bodies, as `body_invweight0` has them: s holds for one
-w. An impedance near 1 would hold back the masses too; a small one is a spring. Here it grows with the depth, so that
-the contact stiffens as the pad does: d = dmin + (dmax - dmin) (1 - (1 - r / width)^power), by a midpoint near 0.
+In MuJoCo, a contact of depth r and impedance d(r) holds the force F = s r d^2 / (dmax^2 (1 - d) w),
+where s is the stiffness in solref, and w the sum of the inverse masses of both bodies, as
+`body_invweight0` has them: s holds for one w. An impedance near 1 would hold back the masses too; a
+small one is a spring. Here it grows with the depth, so that the contact stiffens as the pad does: d
+= dmin + (dmax - dmin) (1 - (1 - r / width)^power), by a midpoint near 0.
 
-The pieces are slices along the finger, each its convex hull. The skin is cut where its hull is farthest from it, until
-the pieces are near enough. A plate that lies on two of them meets two contacts, and so twice the stiffness: pieces are
-few, and none ends where a plate touches the pad.
+The pieces are slices along the finger, each its convex hull. The skin is cut where its hull is
+farthest from it, until the pieces are near enough. A plate that lies on two of them meets two
+contacts, and so twice the stiffness: pieces are few, and none ends where a plate touches the pad.
 """
 
 from __future__ import annotations
@@ -34,7 +36,9 @@ _WIDTH = 1.6
 REFERENCE_N = 1.0
 """Force at which the damping is linearised."""
 _MAX_IMPEDANCE = 0.1
-"""Impedance from that depth on: the part of other forces on the masses that the contact takes away there."""
+"""Impedance from that depth on: the part of other forces on the
+masses that the contact takes away there.
+"""
 _POWERS = tuple(1.0 + 0.1 * step for step in range(21))
 _MIDPOINT = 1e-4
 """Midpoint of solimp: the least that MuJoCo takes."""
@@ -73,36 +77,57 @@ class ContactLaw:
 
     def solref(self, inverse_mass_per_kg: float) -> tuple[float, float]:
         """Return stiffness and damping for a sum of inverse masses of finger and object [1/kg]."""
-        return -self.stiffness_n_per_m * inverse_mass_per_kg, -self.damping_n_s_per_m * math.sqrt(inverse_mass_per_kg)
+        return -self.stiffness_n_per_m * inverse_mass_per_kg, -self.damping_n_s_per_m * math.sqrt(
+            inverse_mass_per_kg
+        )
 
 
 def fit_contact(design: Design) -> ContactLaw:
     """Fit the contact to the pad in its reference pose. Raises TraceError."""
     contacts = find_contacts(PadForm.of_design(design), REFERENCE_POSE, FORCES_N, math.inf)
-    depth_m, force_n = 1e-3 * np.array([contact.depth_mm for contact in contacts]), np.array(FORCES_N)
-    pad, friction, fits = Pad.from_design(design), SURFACES[_SLIPPERIEST].friction.mu_c, []
+    depth_m = 1e-3 * np.array([contact.depth_mm for contact in contacts])
+    force_n = np.array(FORCES_N)
+    pad = Pad.from_design(design)
+    friction = SURFACES[_SLIPPERIEST].friction.mu_c
+    fits = []
     width_m = _WIDTH * float(depth_m[-1])
-    for least, power in itertools.product(np.linspace(0.02 * _MAX_IMPEDANCE, _MAX_IMPEDANCE, 200), _POWERS):
+
+    for least, power in itertools.product(
+        np.linspace(0.02 * _MAX_IMPEDANCE, _MAX_IMPEDANCE, 200), _POWERS
+    ):
         impedance = _MAX_IMPEDANCE - (_MAX_IMPEDANCE - least) * (1.0 - depth_m / width_m) ** power
         ratio = force_n * (1.0 - impedance) / (depth_m * impedance**2)
         stiffness = math.sqrt(ratio.max() * ratio.min())
-        fits.append((math.sqrt(ratio.max() / ratio.min()), stiffness, float(least), power, impedance, ratio))
+        fits.append(
+            (math.sqrt(ratio.max() / ratio.min()), stiffness, float(least), power, impedance, ratio)
+        )
+
     spread, stiffness, least, power, impedance, ratio = min(fits, key=lambda fit: fit[0])
     slope = pad.normal_stiffness_n_per_m(REFERENCE_N)
-    # 2 zeta sqrt(slope w) = impedance damping / dmax, with the damping ratio of the simulation of a finger.
+    # 2 zeta sqrt(slope w) = impedance damping / dmax, with the damping ratio of the simulation of a
+    # finger.
     damping = 2 * pad.backing.damping_ratio * math.sqrt(slope) * _MAX_IMPEDANCE
     return ContactLaw(
-        least, power, width_m, stiffness * _MAX_IMPEDANCE**2,
-        damping / float(np.interp(REFERENCE_N, force_n, impedance)), spread - 1.0, tuple((1e3 * depth_m).tolist()),
-        tuple((force_n * stiffness / ratio).tolist()), 1 / pad.backing.mass_kg, slope,
-        friction, 2 / 3 * friction * pad.patch_radius_m(REFERENCE_N),
-    )  # fmt: skip
+        min_impedance=least,
+        power=power,
+        depth_m=width_m,
+        stiffness_n_per_m=stiffness * _MAX_IMPEDANCE**2,
+        damping_n_s_per_m=damping / float(np.interp(REFERENCE_N, force_n, impedance)),
+        error=spread - 1.0,
+        depths_mm=tuple((1e3 * depth_m).tolist()),
+        forces_n=tuple((force_n * stiffness / ratio).tolist()),
+        inverse_mass_per_kg=1 / pad.backing.mass_kg,
+        pad_stiffness_n_per_m=slope,
+        friction=friction,
+        torsion_m=2 / 3 * friction * pad.patch_radius_m(REFERENCE_N),
+    )
 
 
 WANTED_MM = 0.15
 """Distance to the skin at which no further cut is made."""
 MAX_PIECES = 4
-FACET_MM, _EXACT_MM = 0.03, 0.005
+FACET_MM = 0.03
+_EXACT_MM = 0.005
 """Tolerances of the mesh that is cut, and of the one that stands for the skin's true surface."""
 _MIN_MM = 1.0
 """Least length of a piece."""
@@ -110,15 +135,23 @@ _GRID_MM = 2.0**-10
 _SLIVER_MM = 0.005
 """Height of a triangle below which its plane says nothing; its neighbours lie as near."""
 _FLAT = 0.99
-"""Component along the finger from which on the normal of a facet is that of a cut or of the skin's end."""
+"""Component along the finger from which on the normal of a facet
+is that of a cut or of the skin's end.
+"""
 
 
 def cut_skin(design: Design) -> tuple[tuple[Mesh, ...], float]:
-    """Cut the skin, filled with what lies in it, into convex pieces; with the greatest distance to its surface [mm]."""
-    outline, evaluator = skin_outline(design), MeshEvaluator(FACET_MM)
-    body, surface = evaluator.manifold(outline), MeshEvaluator(_EXACT_MM).mesh(outline).vertices
-    cuts, dims = [0.0, design.skin.length_mm], design.dimensions
+    """Cut the skin, filled with what lies in it, into convex pieces;
+    with the greatest distance to its surface [mm].
+    """
+    outline = skin_outline(design)
+    evaluator = MeshEvaluator(FACET_MM)
+    body = evaluator.manifold(outline)
+    surface = MeshEvaluator(_EXACT_MM).mesh(outline).vertices
+    cuts = [0.0, design.skin.length_mm]
+    dims = design.dimensions
     last_cut_mm = dims.sensor_z - dims.sensor.active_diameter_mm / 2
+
     while True:
         pieces = []
         for low, high in itertools.pairwise(cuts):
@@ -126,20 +159,23 @@ def cut_skin(design: Design) -> tuple[tuple[Mesh, ...], float]:
             # The hull of manifold3d folds where points are not rounded first.
             points = np.unique(np.round(to_arrays(slab)[0] / _GRID_MM), axis=0) * _GRID_MM
             pieces.append(to_canonical_mesh(slab.hull_points(points)))
+
         distance = _measure(pieces, cuts, surface)
         worst = int(distance.argmax())
         cut = min(round(float(surface[worst, 2]), 3), last_cut_mm)
         is_short = min(abs(cut - other) for other in cuts) < _MIN_MM
         if distance[worst] <= WANTED_MM or len(pieces) == MAX_PIECES or is_short:
             return tuple(pieces), float(distance[worst])
+
         cuts = sorted([*cuts, cut])
 
 
 def _measure(pieces: list[Mesh], cuts: list[float], points: Array) -> Array:
-    """Measure how far points of the true surface lie from the outside of the piece around them [mm].
+    """Measure how far points of the true surface lie from the outside of the piece around them
+    [mm].
 
-    Distances are those to the planes of the facets: exact for a point inside a piece, and for one outside that lies
-    before a facet, as those of a smooth surface do.
+    Distances are those to the planes of the facets: exact for a point inside a piece, and for one
+    outside that lies before a facet, as those of a smooth surface do.
     """
     found = np.zeros(len(points))
     for piece, (low, high) in zip(pieces, itertools.pairwise(cuts), strict=True):
@@ -147,13 +183,18 @@ def _measure(pieces: list[Mesh], cuts: list[float], points: Array) -> Array:
         normals = np.cross(b - a, c - a)
         twice_area = np.linalg.norm(normals, axis=1)
         normals /= twice_area[:, None]
-        longest = np.max([np.linalg.norm(one - other, axis=1) for one, other in ((a, b), (b, c), (c, a))], axis=0)
-        ends_in_cut = normals[:, 2] <= -_FLAT if high == cuts[-1] else np.abs(normals[:, 2]) >= _FLAT
+        longest = np.max(
+            [np.linalg.norm(one - other, axis=1) for one, other in ((a, b), (b, c), (c, a))], axis=0
+        )
+        ends_in_cut = (
+            normals[:, 2] <= -_FLAT if high == cuts[-1] else np.abs(normals[:, 2]) >= _FLAT
+        )
         sides = ~ends_in_cut & (twice_area > _SLIVER_MM * longest)
         near = np.flatnonzero((points[:, 2] > low) & (points[:, 2] <= high))
         planes = np.einsum("ij,ij->i", normals, a)[sides]
         for block in np.array_split(near, 1 + len(near) // 2000):
             found[block] = np.abs((points[block] @ normals[sides].T - planes).max(axis=1))
+
     return found
 
 
@@ -164,17 +205,22 @@ _STEP_MM = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class TactileMesh:
-    """Mesh on the skin over the sensor, at whose vertices MuJoCo's sensor `tactile` reads depth and speed of slip."""
+    """Mesh on the skin over the sensor, at whose vertices MuJoCo's
+    sensor `tactile` reads depth and speed of slip.
+    """
 
     points_mm: Array
     normals: Array
-    """Outward normal of each point, and the two directions along the skin in which slip is read: across, to the tip."""
+    """Outward normal of each point, and the two directions along the
+    skin in which slip is read: across, to the tip.
+    """
     triangles: Array
 
 
 def mesh_active_area(form: PadForm) -> TactileMesh:
     """Mesh the square around the active area, in the axes of the design."""
-    radius, count = form.active_radius_mm, 2 * round(form.active_radius_mm / SPACING_MM) + 1
+    radius = form.active_radius_mm
+    count = 2 * round(form.active_radius_mm / SPACING_MM) + 1
     line = np.linspace(-radius, radius, count)
     x, z = (part.ravel() for part in np.meshgrid(line, form.sensor_z_mm + line, indexing="ij"))
     slope_x = (form.skin_mm(x + _STEP_MM, z) - form.skin_mm(x - _STEP_MM, z)) / (2 * _STEP_MM)
@@ -182,11 +228,17 @@ def mesh_active_area(form: PadForm) -> TactileMesh:
     out = _unit(np.stack([-slope_x, -np.ones_like(x), -slope_z], axis=1))
     across = _unit(np.array([1.0, 0.0, 0.0]) - out[:, :1] * out)
     corner = np.arange(count * count).reshape(count, count)
-    a, b, c, d = (part.ravel() for part in (corner[:-1, :-1], corner[1:, :-1], corner[:-1, 1:], corner[1:, 1:]))
+    a, b, c, d = (
+        part.ravel()
+        for part in (corner[:-1, :-1], corner[1:, :-1], corner[:-1, 1:], corner[1:, 1:])
+    )
     triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([b, d, c], axis=1)])
     points = np.stack([x, -form.skin_mm(x, z), z], axis=1)
     normals: Array = np.concatenate([out, across, np.cross(out, across)], axis=1)
-    return TactileMesh(points.round(6), normals.round(9), triangles)  # processors differ in digits beyond these
+
+    return TactileMesh(
+        points.round(6), normals.round(9), triangles
+    )  # processors differ in digits beyond these
 
 
 def _unit(vectors: Array) -> Array:

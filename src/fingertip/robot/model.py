@@ -1,7 +1,8 @@
-"""Model of one rigid finger: parts with their densities, mass and inertia, frames, collision pieces and contact.
+"""Model of one rigid finger: parts with their densities, mass and inertia, frames, collision pieces
+and contact.
 
-Meshes keep the axes of the design in mm: x across, y dorsal, z towards the tip. All else is in m and kg, in the frame
-of the interface to the hand, whose axes are parallel to these.
+Meshes keep the axes of the design in mm: x across, y dorsal, z towards the tip. All else is in m
+and kg, in the frame of the interface to the hand, whose axes are parallel to these.
 """
 
 from __future__ import annotations
@@ -47,7 +48,9 @@ class Inertia:
 
 @dataclass(frozen=True)
 class Strand:
-    """Strand of the tendon: from its guide in the stub around a horn of the bone, and up its side [m]."""
+    """Strand of the tendon: from its guide in the stub around a
+    horn of the bone, and up its side [m].
+    """
 
     guide_m: Point3
     horn_m: Point3
@@ -86,7 +89,9 @@ class FingerModel:
 
     @property
     def parts(self) -> dict[str, Mesh]:
-        """Meshes of the finger by the names of their files, without suffix, then collision pieces from the hand on."""
+        """Meshes of the finger by the names of their files, without
+        suffix, then collision pieces from the hand on.
+        """
         parts = {body.name: body.mesh for body in self.bodies}
         return parts | {f"collision_{i}": piece for i, piece in enumerate(self.pieces, 1)}
 
@@ -98,7 +103,9 @@ class FingerModel:
 
 def build_finger(design: Design) -> FingerModel:
     """Build the model of a design's finger. Raises GeometryError or TraceError."""
-    dims, evaluator, interface = design.dimensions, MeshEvaluator(TOLERANCE_MM), interface_of(design)
+    dims = design.dimensions
+    evaluator = MeshEvaluator(TOLERANCE_MM)
+    interface = interface_of(design)
     print_g_cm3 = design.strength.material.density_g_cm3
     silicone = design.silicone.material.density_g_cm3
     skin_g_cm3 = (silicone.low + silicone.high) / 2
@@ -108,49 +115,97 @@ def build_finger(design: Design) -> FingerModel:
         if part.is_in_finger
     ]
     pin_g_cm3 = print_g_cm3 if design.hand.pin == "printed" else STEEL_G_CM3
+
     for item in hardware(design, ("bone",)):
-        solids.append((item.name, item.solid, {"sensor": FILM_G_CM3}.get(item.name, pin_g_cm3), item.colour))
+        solids.append(
+            (item.name, item.solid, {"sensor": FILM_G_CM3}.get(item.name, pin_g_cm3), item.colour)
+        )
+
     if isinstance(interface, CrossBolted):
-        bolt, at = interface.bolt(design), (middle_y(dims), interface.cross_bolt_z(design))
+        bolt = interface.bolt(design)
+        at = (middle_y(dims), interface.cross_bolt_z(design))
         half = bolt.crossed_mm / 2
-        solids.append(("cross_bolt", cylinder("x", at, -half, half, bolt.thread_mm / 2), STEEL_G_CM3, _STEEL))
-    bodies = tuple(Body(name, evaluator.mesh(solid), density, colour) for name, solid, density, colour in solids)
-    joint, (pieces, error_mm), frames = dims.joint, cut_skin(design), find_frames(design)
+        solids.append(
+            (
+                "cross_bolt",
+                cylinder(
+                    "x",
+                    centre=at,
+                    low=-half,
+                    high=half,
+                    radius=bolt.thread_mm / 2,
+                ),
+                STEEL_G_CM3,
+                _STEEL,
+            )
+        )
+
+    bodies = tuple(
+        Body(name, evaluator.mesh(solid), density, colour)
+        for name, solid, density, colour in solids
+    )
+    joint = dims.joint
+    (pieces, error_mm) = cut_skin(design)
+    frames = find_frames(design)
     (_, y, z) = frames["interface"]
 
     def place(at_mm: Point3) -> Point3:
         return 1e-3 * at_mm[0], 1e-3 * (at_mm[1] - y), 1e-3 * (at_mm[2] - z)
 
-    tip, offset, stub, strands = place(frames["tip"]), place((0.0, 0.0, 0.0)), None, list[Strand]()
+    tip = place(frames["tip"])
+    offset = place((0.0, 0.0, 0.0))
+    stub = None
+    strands = list[Strand]()
+
     if joint:
         part = PARTS["hand_stub"]
         stub = Body(part.name, evaluator.mesh(part.solid(design)), print_g_cm3, part.colour)
-    if (anchor := dims.anchor) and (way := bench.guide(design)):
+
+    anchor = dims.anchor
+    if anchor and (way := bench.guide(design)):
         for x in way.x:
-            horn, radius = (
-                (x, anchor.horn_y + anchor.horn_radius, anchor.horn_low_z),
-                anchor.horn_radius + anchor.line / 2,
-            )
+            horn = (x, anchor.horn_y + anchor.horn_radius, anchor.horn_low_z)
+            radius = anchor.horn_radius + anchor.line / 2
             strands.append(Strand(place((x, way.y, way.mouth_z)), place(horn), 1e-3 * radius))
+
     return FingerModel(
-        design.name, bodies, measure_inertia(bodies, offset), offset, joint is not None,
-        joint.travel_deg if joint else 0.0, tip[2] * design.strength.grip_force_n, tip,
-        place(frames["sensor"]),
-        5e-4 * dims.sensor.active_diameter_mm, 1e-3 * design.skin.thickness_palmar_mm, pieces, error_mm,
-        fit_contact(design), mesh_active_area(PadForm.of_design(design)), stub, tuple(strands),
-    )  # fmt: skip
+        name=design.name,
+        bodies=bodies,
+        inertia=measure_inertia(bodies, offset),
+        offset_m=offset,
+        turns=joint is not None,
+        travel_deg=joint.travel_deg if joint else 0.0,
+        stop_moment_n_m=tip[2] * design.strength.grip_force_n,
+        tip_m=tip,
+        sensor_m=place(frames["sensor"]),
+        active_radius_m=5e-4 * dims.sensor.active_diameter_mm,
+        over_sensor_m=1e-3 * design.skin.thickness_palmar_mm,
+        pieces=pieces,
+        piece_error_mm=error_mm,
+        contact=fit_contact(design),
+        taxels=mesh_active_area(PadForm.of_design(design)),
+        stub=stub,
+        strands=tuple(strands),
+    )
 
 
 def measure_inertia(bodies: tuple[Body, ...], offset_m: Point3) -> Inertia:
-    """Integrate mass, centre and inertia over the meshes, by a tetrahedron from the origin to each triangle."""
-    mass, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
+    """Integrate mass, centre and inertia over the meshes, by a
+    tetrahedron from the origin to each triangle.
+    """
+    mass = 0.0
+    first = np.zeros(3)
+    second = np.zeros((3, 3))
+
     for body in bodies:
         corners = 1e-3 * body.mesh.vertices[body.mesh.triangles] + np.array(offset_m)
-        mass_kg, total = 1e3 * body.density_g_cm3 * np.linalg.det(corners) / 6.0, corners.sum(axis=1)
+        mass_kg = 1e3 * body.density_g_cm3 * np.linalg.det(corners) / 6.0
+        total = corners.sum(axis=1)
         mass += float(mass_kg.sum())
         first += mass_kg @ total / 4.0
         second += np.einsum("t,tci,tcj->ij", mass_kg, corners, corners) / 20.0
         second += np.einsum("t,ti,tj->ij", mass_kg, total, total) / 20.0
+
     about = second - np.outer(first, first) / mass
     x, y, z = (first / mass).tolist()
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = (np.trace(about) * np.eye(3) - about).tolist()

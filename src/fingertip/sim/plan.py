@@ -1,4 +1,6 @@
-"""Plan of a simulation: the stages that its outputs need, and what they will cost, from a trial of its first part."""
+"""Plan of a simulation: the stages that its outputs need, and what
+they will cost, from a trial of its first part.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ class SimulationPlan:
     simulation: Simulation
     duration_s: float
     stages: tuple[StageCost, ...]
-    """Stages that run, with the evaluations and the CPU time that the whole simulation will take."""
+    """Stages that run, with the evaluations and the CPU time that the whole simulation
+    will take.
+    """
 
     @property
     def left_out(self) -> tuple[str, ...]:
@@ -34,6 +38,7 @@ class SimulationPlan:
         run = {stage.name for stage in self.stages}
         if "coupled contact" in run:
             run |= _COUPLED
+
         return tuple(name for name in STAGES if name not in run)
 
     def as_data(self) -> dict[str, Any]:
@@ -43,35 +48,64 @@ class SimulationPlan:
             "outputs": list(self.simulation.scene.outputs),
             "duration_s": round(self.duration_s, 7),
             "stages": [
-                {"name": s.name, "states": s.states, "evaluations": s.evaluations, "cpu_ms": round(1e3 * s.cpu_s, 1)}
+                {
+                    "name": s.name,
+                    "states": s.states,
+                    "evaluations": s.evaluations,
+                    "cpu_ms": round(1e3 * s.cpu_s, 1),
+                }
                 for s in self.stages
             ],
             "left_out": list(self.left_out),
         }
 
     def as_text(self) -> list[str]:
-        name, total_s = self.simulation.name, sum(stage.cpu_s for stage in self.stages)
-        lines = [f"{name} with {self.simulation.design.name}: outputs {', '.join(self.simulation.scene.outputs)}"]
+        name = self.simulation.name
+        total_s = sum(stage.cpu_s for stage in self.stages)
+        lines = [
+            f"{name} with {self.simulation.design.name}: outputs "
+            f"{', '.join(self.simulation.scene.outputs)}"
+        ]
         lines += [f"{'stage':27} {'states':>6} {'evaluations':>12} {'CPU ms':>9}"]
-        lines += [f"{s.name:27} {s.states:6} {s.evaluations:12} {1e3 * s.cpu_s:9.1f}" for s in self.stages]
+        lines += [
+            f"{s.name:27} {s.states:6} {s.evaluations:12} {1e3 * s.cpu_s:9.1f}" for s in self.stages
+        ]
         cost = f"about {total_s:.2g} s of CPU time, without start-up and writing"
-        lines.append(f"{self.duration_s:.2f} s of {name}: {cost}, if all of it is like its first 0.8 s")
+        lines.append(
+            f"{self.duration_s:.2f} s of {name}: {cost}, if all of it is like its first 0.8 s"
+        )
         lines.append(f"left out, as neither scene nor outputs need it: {', '.join(self.left_out)}")
         scene = self.simulation.scene
         if (scene.knock if isinstance(scene, ManipulationFile) else scene.hold).trigger_v:
             lines.append("before all stages, load and sensor until trigger_v is reached")
+
         return lines
 
 
 def plan_simulation(simulation: Simulation) -> SimulationPlan:
-    """Find what a simulation will run and cost, by two chunks of it: the first one warms up. Raises TraceError."""
-    design, scene, seed = simulation.design, simulation.scene, simulation.seed
+    """Find what a simulation will run and cost, by two chunks of it: the first one warms up.
+
+    Raises TraceError.
+    """
+    design = simulation.design
+    scene = simulation.scene
+    seed = simulation.seed
     meter = CostMeter(time.process_time)
     chunks: Iterator[object]
+
     if isinstance(scene, ManipulationFile):
-        stepper = start_manipulation(design, scene, seed, frozenset(scene.outputs), None, meter)
-        points, duration_s = stepper.point_count, stepper.plan.duration_s
-        chunks, is_compiled = advance_as_planned(stepper, TRIED_POINTS), False
+        stepper = start_manipulation(
+            design,
+            scene=scene,
+            seed=seed,
+            outputs=frozenset(scene.outputs),
+            grid=None,
+            meter=meter,
+        )
+        points = stepper.point_count
+        duration_s = stepper.plan.duration_s
+        chunks = advance_as_planned(stepper, TRIED_POINTS)
+        is_compiled = False
     else:
         run = SceneRun(design, scene, seed, meter=meter)
         assert run.grid
@@ -79,15 +113,22 @@ def plan_simulation(simulation: Simulation) -> SimulationPlan:
         points = run.grid.count_points(duration_s, design.detector.sample_rate_hz)
         chunks = run.chunks(TRIED_POINTS)
         is_compiled = run.predict_plain_s() > COMPILE_FROM_S and jit.available()
+
     with jit.compiled() if is_compiled else contextlib.nullcontext():
         next(chunks)
         before = {stage.name: stage for stage in meter.costs}
         next(chunks, None)
-    stages, tried = [], min(points, 2 * TRIED_POINTS)
+
+    stages = []
+    tried = min(points, 2 * TRIED_POINTS)
     for stage in meter.costs:
-        cpu_s, timed = stage.cpu_s, tried
+        cpu_s = stage.cpu_s
+        timed = tried
         if points > TRIED_POINTS:  # time the second chunk alone; a shorter scene has none
-            cpu_s, timed = cpu_s - before[stage.name].cpu_s, tried - TRIED_POINTS
+            cpu_s = cpu_s - before[stage.name].cpu_s
+            timed = tried - TRIED_POINTS
+
         evaluations = round(stage.evaluations * points / tried)
         stages.append(StageCost(stage.name, stage.states, evaluations, cpu_s * points / timed))
+
     return SimulationPlan(simulation, duration_s, tuple(stages))

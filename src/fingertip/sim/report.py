@@ -18,32 +18,50 @@ from fingertip.slip.report import draw_bars
 from fingertip.slip.traces.truth import STICK_S, intervals, merge
 
 
-def as_data(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] | None = None) -> dict[str, Any]:
+def as_data(
+    result: SceneRecord | ManipulationResult, grips_s: Sequence[float] | None = None
+) -> dict[str, Any]:
     """Return the summary as plain mappings and lists, for JSON. Keys carry their units."""
     data = {
         "scene": result.scene.name,
-        "columns": ["time_s", *(result.scene.outputs if isinstance(result, SceneRecord) else result.columns)],
+        "columns": [
+            "time_s",
+            *(result.scene.outputs if isinstance(result, SceneRecord) else result.columns),
+        ],
         "samples": result.samples,
         "sample_rate_hz": round(result.sample_rate_hz, 6),
         "duration_s": round(result.duration_s, 7),
         "force_n": round(result.force_n, 6),
         "seed": result.seed,
-        "stages": [{"name": s.name, "states": s.states, "evaluations": s.evaluations} for s in result.stages],
-        "slips": [{"onset_s": round(s.onset_s, 7), "end_s": round(s.end_s, 7)} for s in result.slips],
+        "stages": [
+            {"name": s.name, "states": s.states, "evaluations": s.evaluations}
+            for s in result.stages
+        ],
+        "slips": [
+            {"onset_s": round(s.onset_s, 7), "end_s": round(s.end_s, 7)} for s in result.slips
+        ],
     }
     if isinstance(result, SceneRecord):
         slide = result.scene.slide
         speed = slide.speed_m_s if slide.distance_m else 0.0
         pose = result.pose
-        data |= {"tilt_deg": pose.tilt_deg, "roll_deg": pose.roll_deg, "sensor_share": round(result.sensor_share, 4)}
+        data |= {
+            "tilt_deg": pose.tilt_deg,
+            "roll_deg": pose.roll_deg,
+            "sensor_share": round(result.sensor_share, 4),
+        }
         return data | {"surface": result.scene.contact.surface, "speed_m_s": speed}
-    target, plan = result.scene.object, result.plan
+
+    target = result.scene.object
+    plan = result.plan
     data |= {
         "surface": target.surface,
         "speed_m_s": result.scene.knock.speed_m_s,
         "mass_kg": target.mass_kg,
         "grasp": result.scene.grasp.kind,
-        "fingers": dict(zip(result.fingers, map(round_for_output, plan.force_n.tolist()), strict=True)),
+        "fingers": dict(
+            zip(result.fingers, map(round_for_output, plan.force_n.tolist()), strict=True)
+        ),
         "knock_s": round(plan.knock_s, 7) if plan.pin else None,
         "held": result.lost_s is None,
         "lost_s": None if result.lost_s is None else round(result.lost_s, 7),
@@ -53,32 +71,59 @@ def as_data(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
 
 
 MAX_OUT_OF_CONTACT_SHARE = 0.02
-"""Share of the slip out of contact up to which nothing is said. The article's 120 trials, as simulated, have 0.012."""
+"""Share of the slip out of contact up to which nothing is said.
+The article's 120 trials, as simulated, have 0.012.
+"""
 
 
 def find_warnings(result: SceneRecord | ManipulationResult) -> Iterator[str]:
     """Yield a warning if a pad does not touch for much of its slip, or the board clips in it."""
-    if (share := result.out_of_contact_share) > MAX_OUT_OF_CONTACT_SHARE:
-        what = f"the pad leaves the surface for {share:.0%} of its slip, beyond any trial of the article"
+    share = result.out_of_contact_share
+    if share > MAX_OUT_OF_CONTACT_SHARE:
+        what = (
+            f"the pad leaves the surface for {share:.0%} of its slip, beyond any trial of the "
+            "article"
+        )
         table = "contact" if isinstance(result, SceneRecord) else "object"
         yield f"{what}: choose a smoother surface, or set {table}.patch_average=true in a scene"
+
     if result.clip_share:
         share_text = f"{max(result.clip_share, 0.001):.{0 if result.clip_share >= 0.01 else 1}%}"
-        yield f"the board clips in {share_text} of the slide: choose a smaller force, or lower board.passband_gain"
+        yield (
+            f"the board clips in {share_text} of the slide: choose a smaller force, or lower "
+            "board.passband_gain"
+        )
 
 
-def as_text(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] | None = None) -> list[str]:
-    """Return the summary as lines of text; slips within `STICK_S` are one line, as in `fingertip detect`."""
+def as_text(
+    result: SceneRecord | ManipulationResult, grips_s: Sequence[float] | None = None
+) -> list[str]:
+    """Return the summary as lines of text; slips within `STICK_S`
+    are one line, as in `fingertip detect`.
+    """
     size = f"seed {result.seed}: {result.samples} samples, {result.duration_s:.2f} s"
-    slips = [f"gross slip from {s.onset_s:.4f} s to {s.end_s:.4f} s" for s in merge(result.slips, STICK_S)]
+    slips = [
+        f"gross slip from {s.onset_s:.4f} s to {s.end_s:.4f} s"
+        for s in merge(result.slips, STICK_S)
+    ]
+
     if isinstance(result, SceneRecord):
         scene = result.scene
-        title, pose = scene.name, result.pose
+        title = scene.name
+        pose = result.pose
+
         if scene.slide.distance_m:
-            title = f"{_describe_surface(scene.contact.surface, scene.surface)}, {scene.slide.speed_m_s:g} m/s"
-        turned = f"tilt {pose.tilt_deg:g} degrees, roll {pose.roll_deg:g} degrees on a {pose.object}"
+            title = (
+                f"{_describe_surface(scene.contact.surface, scene.surface)}, "
+                f"{scene.slide.speed_m_s:g} m/s"
+            )
+
+        turned = (
+            f"tilt {pose.tilt_deg:g} degrees, roll {pose.roll_deg:g} degrees on a {pose.object}"
+        )
         felt = f"{turned}: {result.sensor_share:.0%} of the force reaches the sensor"
         return [f"{title}, {result.force_n:.2f} N, {size}", felt, *slips]
+
     target = result.scene.object
     surface = _describe_surface(target.surface, result.scene.surface)
     title = f"object: {surface}, {1000 * target.mass_kg:g} g, {result.scene.grasp.kind} grasp"
@@ -87,17 +132,24 @@ def as_text(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
     lines = [f"{title}, thumb {result.force_n:.2f} N, {size}"]
     if _has_event(result):
         lines.append(f"{_name_event(result)} at {result.plan.knock_s:.4f} s")
+
     lines += [f"thumb: {slip}" for slip in slips]
     lines.append(f"{moved} and {end}")
     if grips_s is not None:
         times = ", ".join(f"{at:.2f} s" for at in grips_s)
-        lines.append(f"the controller {f'tightened the grip at {times}' if times else 'never tightened the grip'}")
+        lines.append(
+            "the controller "
+            f"{f'tightened the grip at {times}' if times else 'never tightened the grip'}"
+        )
+
     return lines
 
 
 def _has_event(result: ManipulationResult) -> bool:
     """Return whether a pin comes, and while the fingers hold the object."""
-    return result.plan.pin is not None and not (result.lost_s and result.lost_s < result.plan.knock_s)
+    return result.plan.pin is not None and not (
+        result.lost_s and result.lost_s < result.plan.knock_s
+    )
 
 
 def _name_event(result: ManipulationResult) -> str:
@@ -121,15 +173,31 @@ def draw(result: SceneResult | ManipulationResult, title: str) -> bytes:
     ratios = [0.25 + 0.15 * len(fingers) if name == "slip" else 1.0 for name in names]
     figure = new_figure(10, 1.4 + 1.9 * sum(ratios))
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
-    figure.suptitle(title, x=0.01, ha="left", fontweight="bold", fontsize=12)
+    figure.suptitle(
+        title,
+        x=0.01,
+        ha="left",
+        fontweight="bold",
+        fontsize=12,
+    )
+
     for axes, name in zip(panels, names, strict=True):
-        signal = result.output(name) if isinstance(result, ManipulationResult) else result.columns[name]
+        signal = (
+            result.output(name) if isinstance(result, ManipulationResult) else result.columns[name]
+        )
         rows = signal if signal.ndim == 2 else signal[None, :]
         style_axes(axes, "both")
         output = OUTPUTS[name]
+
         if name == "slip":
             slips = (intervals(result.time_s, row.astype(np.bool_)) for row in rows)
-            draw_bars(axes, [(finger or "true slip", slip, TRUTH) for finger, slip in zip(fingers, slips, strict=True)])
+            draw_bars(
+                axes,
+                [
+                    (finger or "true slip", slip, TRUTH)
+                    for finger, slip in zip(fingers, slips, strict=True)
+                ],
+            )
             axes.tick_params(axis="y", length=0)
             if len(rows) > 1:
                 axes.set_ylabel("true slip")
@@ -137,14 +205,22 @@ def draw(result: SceneResult | ManipulationResult, title: str) -> bytes:
             slip = result.columns.get("slip")
             for part in () if slip is None else intervals(result.time_s, slip.astype(np.bool_)):
                 axes.axvspan(part.onset_s, part.end_s, color=TRUTH, alpha=0.25, linewidth=0)
+
             for i, row in enumerate(rows):
                 axes.plot(
-                    result.time_s, output.factor * row, color=SERIES[i % len(SERIES)], linewidth=0.8, zorder=3 - 0.1 * i
+                    result.time_s,
+                    output.factor * row,
+                    color=SERIES[i % len(SERIES)],
+                    linewidth=0.8,
+                    zorder=3 - 0.1 * i,
                 )
+
             axes.set_ylabel(output.label)
+
     if isinstance(result, ManipulationResult):
         _add_legend(panels, names, fingers)
         _mark_events(panels, result)
+
     panels[-1].set_xlabel("time [s]")
     panels[-1].set_xlim(float(result.time_s[0]), float(result.time_s[-1]))
     figure.align_ylabels()
@@ -167,10 +243,19 @@ def _mark_events(panels: AnyArray, result: ManipulationResult) -> None:
         events.append((_name_event(result), result.plan.knock_s))
     if result.lost_s is not None:
         events.append(("lost", result.lost_s))
+
     for label, time_s in events:
         for axes in panels:
             axes.axvline(time_s, color=TEXT_COLOUR, linewidth=0.9, linestyle=":")
+
         panels[0].annotate(
-            label, (time_s, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 3), textcoords="offset points",
-            ha="center", va="bottom", fontsize=9, color=TEXT_COLOUR,
-        )  # fmt: skip
+            label,
+            (time_s, 1.0),
+            xycoords=("data", "axes fraction"),
+            xytext=(0, 3),
+            textcoords="offset points",
+            ha="center",
+            va="bottom",
+            fontsize=9,
+            color=TEXT_COLOUR,
+        )

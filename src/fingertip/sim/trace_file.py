@@ -1,4 +1,6 @@
-"""Trace files of a simulation: CSV and NPZ, written piece by piece, with the same bytes for the same numbers."""
+"""Trace files of a simulation: CSV and NPZ, written piece by piece,
+with the same bytes for the same numbers.
+"""
 
 from __future__ import annotations
 
@@ -22,18 +24,29 @@ from fingertip.foundation.output_set import has_hash
 SUFFIXES = (".csv", ".npz")
 _ROWS = 2**16
 """Samples that are written at a time: a number takes ten times the memory as text."""
-DECIMALS = {"_v": 6, "_n": 6, "_m": 9, "_m_s": 7}
+DECIMALS = {
+    "_v": 6,
+    "_n": 6,
+    "_m": 9,
+    "_m_s": 7,
+}
 """Decimals of a column by the end of its name, so that equal numbers give equal bytes."""
 
 
 def write_trace(design: Design, path: Path, trace: Path, force: bool = False) -> tuple[str, ...]:
-    """Move a trace into a design's signals, and remove plot and detection of another one; return their names."""
+    """Move a trace into a design's signals, and remove plot and
+    detection of another one; return their names.
+    """
     is_new = path.name == TRACE and not has_hash(path, hash_content(trace))
-    return SIGNAL.writer(design, path.parent, force).write({path.name: trace}, (PLOT, DETECTION) if is_new else ())
+    return SIGNAL.writer(design, path.parent, force).write(
+        {path.name: trace}, (PLOT, DETECTION) if is_new else ()
+    )
 
 
 class CsvTraceWriter:
-    """Writer of a CSV file: one line that names the columns, then one sample per line, with fixed decimals."""
+    """Writer of a CSV file: one line that names the columns, then
+    one sample per line, with fixed decimals.
+    """
 
     def __init__(self, file: BinaryIO, names: Sequence[str]) -> None:
         self._file = file
@@ -45,7 +58,10 @@ class CsvTraceWriter:
             cells = [[f"{t:.7f}" for t in time_s[rows].tolist()]]
             for name, values in columns.items():
                 form = "d" if values.dtype == np.bool_ else f".{_decimals(name)}f"
-                cells.append([f"{value:{form}}" for value in round_column(name, values[rows]).tolist()])
+                cells.append(
+                    [f"{value:{form}}" for value in round_column(name, values[rows]).tolist()]
+                )
+
             lines = [*map(",".join, zip(*cells, strict=True)), ""]
             self._file.write("\n".join(lines).encode("ascii"))
 
@@ -64,7 +80,9 @@ class NpzTraceWriter:
 
     def write(self, time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]]) -> None:
         self._count += len(time_s)
-        rounded = {"time_s": np.round(time_s, 7)} | {name: round_column(name, v) for name, v in columns.items()}
+        rounded = {"time_s": np.round(time_s, 7)} | {
+            name: round_column(name, v) for name, v in columns.items()
+        }
         for name, values in rounded.items():
             self._types[name] = values.dtype
             self._spools[name].write(values.tobytes())
@@ -76,6 +94,7 @@ class NpzTraceWriter:
                 member = zipfile.ZipInfo(f"{name}.npy", (1980, 1, 1, 0, 0, 0))
                 member.compress_type = zipfile.ZIP_DEFLATED
                 kind = np.lib.format.dtype_to_descr(self._types[name])
+
                 with archive.open(member, "w", force_zip64=True) as out, spool:
                     header = {"descr": kind, "fortran_order": False, "shape": (self._count,)}
                     np.lib.format.write_array_header_1_0(out, header)
@@ -86,18 +105,32 @@ class NpzTraceWriter:
 def open_trace(file: BinaryIO, path: Path, names: Sequence[str]) -> CsvTraceWriter | NpzTraceWriter:
     """Open a writer for the kind of file that a path names, CSV or NPZ. Raises TraceError."""
     if path.suffix.lower() not in SUFFIXES:
-        raise TraceError(Issue(str(path), f"is not a known kind of trace file; end it in {' or '.join(SUFFIXES)}."))
-    return NpzTraceWriter(file, names) if path.suffix.lower() == ".npz" else CsvTraceWriter(file, names)
+        raise TraceError(
+            Issue(
+                str(path), f"is not a known kind of trace file; end it in {' or '.join(SUFFIXES)}."
+            )
+        )
+
+    return (
+        NpzTraceWriter(file, names)
+        if path.suffix.lower() == ".npz"
+        else CsvTraceWriter(file, names)
+    )
 
 
 def encode_trace(time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]], path: Path) -> bytes:
-    """Encode columns as CSV or NPZ, by the path's ending; equal numbers give equal bytes. Raises TraceError."""
+    """Encode columns as CSV or NPZ, by the path's ending; equal numbers give equal bytes.
+
+    Raises TraceError.
+    """
     out = io.BytesIO()
     write_columns(out, path, time_s, columns)
     return out.getvalue()
 
 
-def write_columns(file: BinaryIO, path: Path, time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]]) -> None:
+def write_columns(
+    file: BinaryIO, path: Path, time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]]
+) -> None:
     writer = open_trace(file, path, [*columns])
     writer.write(time_s, columns)
     writer.close()

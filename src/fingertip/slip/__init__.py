@@ -1,4 +1,5 @@
-"""Slip on a sampled voltage: a trace comes in, and intervals go out, scored where the true slip is known.
+"""Slip on a sampled voltage: a trace comes in, and intervals go out, scored where the true slip is
+known.
 
 Nothing here knows the simulation. `traces` reads recordings, and `detectors` judges their samples.
 

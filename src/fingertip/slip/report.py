@@ -31,7 +31,9 @@ if TYPE_CHECKING:
 DETECTED = "detected"
 INTERVAL = "{onset} s to {end} s"
 _MEMORY_S = 0.2
-"""Time of ON without slip from which it is listed [s]: less is the detector's memory after a slip."""
+"""Time of ON without slip from which it is listed [s]: less is the detector's memory
+after a slip.
+"""
 
 
 def format_delay(delay_s: float | None) -> str:
@@ -41,6 +43,7 @@ def format_delay(delay_s: float | None) -> str:
         return f"detected {-1000 * delay_s:.1f} ms before onset, in incipient slip"
     if delay_s < 0.0:
         return f"already ON {round(-1000 * delay_s, 1):g} ms before onset"
+
     return f"detected after {1000 * delay_s:.1f} ms"
 
 
@@ -49,13 +52,22 @@ _LISTED = 10
 
 
 def as_text(detection: Detection) -> str:
-    """Describe a detection: one line for each interval and, if the true slips are known, for each slip."""
-    score, truth = detection.score, detection.trace.origin.truth
+    """Describe a detection: one line for each interval and, if
+    the true slips are known, for each slip.
+    """
+    score = detection.score
+    truth = detection.trace.origin.truth
     width = len(truth) if score else len(DETECTED)
     lines = [f"detector {describe_detector(detection)}"]
+
     if detection.undecided:
-        lines.append(f"{'undecided':{width}} {_format_interval(detection.undecided)}, nothing rested before")
-    at_force = [f", at {force.describe()}" for force in detection.forces or ()] or [""] * len(detection.intervals)
+        lines.append(
+            f"{'undecided':{width}} {_format_interval(detection.undecided)}, nothing rested before"
+        )
+
+    at_force = [f", at {force.describe()}" for force in detection.forces or ()] or [""] * len(
+        detection.intervals
+    )
     lines += [
         f"{DETECTED:{width}} {_format_interval(i)}{_format_begin(i, detection)}{force}"
         for i, force in zip(detection.intervals, at_force, strict=True)
@@ -63,15 +75,20 @@ def as_text(detection: Detection) -> str:
     lines += _list_incipient_alone(detection, width)
     if score is None:
         return "\n".join(lines)
+
     since_motion = detection.motion_delays_s or (None,) * len(score.slips)
     for slip, delay, moved in zip(score.slips, score.delays_s, since_motion, strict=True):
-        delay_text = format_delay(delay) + ("" if moved is None else f", {format_motion_delay(moved)}")
+        delay_text = format_delay(delay) + (
+            "" if moved is None else f", {format_motion_delay(moved)}"
+        )
         lines.append(f"{truth:{width}} {_format_interval(slip)}: {delay_text}")
+
     lines.append(f"false intervals: {len(score.false_intervals)}")
     lines.extend(f"{'':{width}} {_format_interval(i)}" for i in score.false_intervals)
     silent_s = measure_false_on_s(detection.intervals, score.slips)
     if silent_s > _MEMORY_S:
         lines.append(f"ON for {silent_s:.2f} s without slip")
+
     return "\n".join(lines)
 
 
@@ -81,13 +98,17 @@ def _describe_silence(detection: Detection) -> str:
     place = int(np.argmax(ratio))
     if ratio[place] == 0.0:
         return "never ON"
+
     reached = f"the statistic reached {100 * ratio[place]:.0f} % of its threshold"
     return f"never ON: {reached}, at {detection.trace.time_s[place]:.4f} s"
 
 
 def describe_detector(detection: Detection) -> str:
     threshold = detection.threshold
-    return f"{detection.detector}, {detection.signals.describe()}, {threshold.quantity}: {threshold.describe()}"
+    return (
+        f"{detection.detector}, {detection.signals.describe()}, {threshold.quantity}: "
+        f"{threshold.describe()}"
+    )
 
 
 def format_motion_delay(delay_s: float) -> str:
@@ -98,7 +119,9 @@ def format_motion_delay(delay_s: float) -> str:
 
 def _format_begin(interval: Interval, detection: Detection) -> str:
     """Say from when an interval of ON was incipient, which lasts as long as ON does."""
-    begins = [i.onset_s for i in detection.incipient or () if i.onset_s < interval.onset_s < i.end_s]
+    begins = [
+        i.onset_s for i in detection.incipient or () if i.onset_s < interval.onset_s < i.end_s
+    ]
     return f", incipient from {begins[0]:.4f} s" if begins else ""
 
 
@@ -110,7 +133,9 @@ def _list_incipient_alone(detection: Detection, width: int) -> list[str]:
         if not any(one.onset_s <= on.onset_s < one.end_s for on in detection.intervals)
     ]
     lines = [f"{'incipient':{width}} {_format_interval(one)}, never ON" for one in alone[:_LISTED]]
-    return lines + ([f"{'':{width}} and {len(alone) - _LISTED} more"] if len(alone) > _LISTED else [])
+    return lines + (
+        [f"{'':{width}} and {len(alone) - _LISTED} more"] if len(alone) > _LISTED else []
+    )
 
 
 def _format_interval(interval: Interval) -> str:
@@ -119,25 +144,36 @@ def _format_interval(interval: Interval) -> str:
 
 def as_data(detection: Detection, noise: NoiseLevel | None) -> dict[str, Any]:
     """Convert a detection to plain mappings and lists for JSON. Keys contain their units."""
-    score, moved = detection.score, detection.motion_delays_s
-    forces = [force.as_data() for force in detection.forces or ()] or [{}] * len(detection.intervals)
+    score = detection.score
+    moved = detection.motion_delays_s
+    forces = [force.as_data() for force in detection.forces or ()] or [{}] * len(
+        detection.intervals
+    )
+
     return {
         "intervals": [
             _interval_data(i) | {"confidence": round(c, 4)} | force
             for i, c, force in zip(detection.intervals, detection.confidences, forces, strict=True)
         ],
-        "incipient": None if detection.incipient is None else [_interval_data(i) for i in detection.incipient],
+        "incipient": None
+        if detection.incipient is None
+        else [_interval_data(i) for i in detection.incipient],
         "undecided": _interval_data(detection.undecided) if detection.undecided else None,
         "slips": None if score is None else [_interval_data(i) for i in score.slips],
         "delays_s": None if score is None else [_round(delay) for delay in score.delays_s],
         "motion_s": _round(detection.trace.origin.motion_s),
         "delays_since_motion_s": None if moved is None else [_round(delay) for delay in moved],
         "missed_slips": None if score is None else [_interval_data(i) for i in score.missed],
-        "false_intervals": None if score is None else [_interval_data(i) for i in score.false_intervals],
+        "false_intervals": None
+        if score is None
+        else [_interval_data(i) for i in score.false_intervals],
         "detector": detection.detector,
         "signals": list(detection.signals.columns),
         "threshold_v": _round(detection.threshold_v),
-        "threshold_range_v": [_round(detection.threshold.lowest_v), _round(detection.threshold.highest_v)],
+        "threshold_range_v": [
+            _round(detection.threshold.lowest_v),
+            _round(detection.threshold.highest_v),
+        ],
         "threshold_of": detection.threshold.quantity,
         "learned_noise_v": _round(detection.learned_noise_v),
         "noise_threshold_v": round(noise.threshold_v, 6) if noise else None,
@@ -155,53 +191,83 @@ def _interval_data(interval: Interval) -> dict[str, float | None]:
 
 # Plot of a detection. This is the only module of `slip` that draws.
 
-_BEFORE_S, _AFTER_S = 0.06, 0.14
+_BEFORE_S = 0.06
+_AFTER_S = 0.14
 """Time before and after an onset that is drawn larger [s]."""
 
 
 def draw(trace: Trace, detection: Detection, title: str) -> bytes:
-    """Draw voltage, statistic with threshold, and ON/OFF over one time axis; below, the first onset enlarged."""
+    """Draw voltage, statistic with threshold, and ON/OFF over one
+    time axis; below, the first onset enlarged.
+    """
     slips = None if trace.slip is None else intervals(trace.time_s, trace.slip)
     onset = _find_onset(detection, slips)
     bars = 1.0 if detection.incipient is None else 1.4
     figure = style.new_figure(10, 6 + bars if onset is None else 8.6 + bars)
     ratios = (3, 3, bars) if onset is None else (3, 3, bars, 3)
     top, middle, bottom, *large = figure.subplots(len(ratios), 1, height_ratios=ratios)
+
     for axes in (top, middle):
         axes.sharex(bottom)
         axes.tick_params(labelbottom=False)
+
     for axes in (top, middle, *large):
         for slip in slips or ():
             axes.axvspan(slip.onset_s, slip.end_s, color=style.TRUTH, alpha=0.3, linewidth=0)
+
         axes.grid(True, color=style.GRID_COLOUR, linewidth=0.7)
+
     figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
     _draw_voltage(top, trace, detection)
     _draw_statistic(middle, trace, detection)
+
     if trace.origin.motion_s is not None:
         begin_s, end_s = encoder_band_s(trace.origin.motion_s)
         for axes in (top, middle, *large):  # an edge keeps the band visible where it is narrow
-            axes.axvspan(begin_s, end_s, color=style.ORANGE, alpha=0.35, linewidth=1.0, label=BAND_LABEL)
+            axes.axvspan(
+                begin_s,
+                end_s,
+                color=style.ORANGE,
+                alpha=0.35,
+                linewidth=1.0,
+                label=BAND_LABEL,
+            )
+
     # Above the axes, where it covers no data
-    middle.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, frameon=False, ncols=2, fontsize=9)
+    middle.legend(
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        borderaxespad=0.2,
+        frameon=False,
+        ncols=2,
+        fontsize=9,
+    )
     _draw_intervals(bottom, trace, detection, slips)
     bottom.set_xlim(float(trace.time_s[0]), float(trace.time_s[-1]))
     if onset is not None:
         _draw_onset(large[0], trace, detection, onset)
+
     (large or [bottom])[-1].set_xlabel("time [s]")
     figure.align_ylabels()
     for axes in (top, middle, bottom, *large):
         axes.spines[["top", "right"]].set_visible(False)
+
     return style.to_png(figure)
 
 
 Onset = tuple[float | None, float | None]
-"""True onset and the detector's ON of one slip [s]; None stands for what is unknown, or does not occur."""
+"""True onset and the detector's ON of one slip [s]; None stands
+for what is unknown, or does not occur.
+"""
 
 
 def _find_onset(detection: Detection, slips: Sequence[Interval] | None) -> Onset | None:
-    """Find the onset to draw larger, of the first slip that was detected; None if nothing slips or is detected."""
+    """Find the onset to draw larger, of the first slip that was
+    detected; None if nothing slips or is detected.
+    """
     if detection.score is None or not slips:
         return (None, detection.intervals[0].onset_s) if detection.intervals else None
+
     pairs = zip(detection.score.slips, detection.score.delays_s, strict=True)
     found = next(((slip.onset_s, delay) for slip, delay in pairs if delay is not None), None)
     return (slips[0].onset_s, None) if found is None else (found[0], found[0] + found[1])
@@ -213,47 +279,85 @@ def _draw_onset(axes: Axes, trace: Trace, detection: Detection, onset: Onset) ->
     at = true_s if true_s is not None else detected_s
     assert at is not None
     begin_s = at if trace.origin.motion_s is None else min(at, trace.origin.motion_s)
-    low, high = begin_s - _BEFORE_S, at + _AFTER_S
+    low = begin_s - _BEFORE_S
+    high = at + _AFTER_S
     if detected_s is not None and detected_s > high:
         high = detected_s + _BEFORE_S
+
     axes.set_xlim(max(low, float(trace.time_s[0])), min(high, float(trace.time_s[-1])))
     inside = (trace.time_s >= low) & (trace.time_s <= high)
-    statistic, threshold = detection.output.statistic_v[inside], detection.output.threshold_v[inside]
+    statistic = detection.output.statistic_v[inside]
+    threshold = detection.output.threshold_v[inside]
     top = 1000 * 1.9 * max(float(np.nanmax(threshold)), 0.6 * float(np.nanmax(statistic)))
     axes.set_ylim(0.0, top)
+
     for moment, line in ((true_s, "-"), (detected_s, "--")):
         if moment is not None:
             axes.axvline(moment, color=style.BLUE, linewidth=1.2, linestyle=line)
+
     title = "first detection, enlarged; true slip is unknown"
     if true_s is not None and detected_s is not None:
         delay_ms = 1000 * (detected_s - true_s)
-        title = f"first detected onset, enlarged: line at the onset, dashes at ON, {delay_ms:.1f} ms later"
+        title = (
+            f"first detected onset, enlarged: line at the onset, dashes at ON, {delay_ms:.1f} "
+            "ms later"
+        )
         axes.annotate(
-            "", (true_s, 0.86 * top), (detected_s, 0.86 * top),
-            arrowprops={"arrowstyle": "<->", "color": style.BLUE, "shrinkA": 0, "shrinkB": 0},
-        )  # fmt: skip
+            "",
+            (true_s, 0.86 * top),
+            (detected_s, 0.86 * top),
+            arrowprops={
+                "arrowstyle": "<->",
+                "color": style.BLUE,
+                "shrinkA": 0,
+                "shrinkB": 0,
+            },
+        )
         axes.annotate(
-            f"{delay_ms:.1f} ms", (min(true_s, detected_s), 0.86 * top), xytext=(-6, 0),
-            textcoords="offset points", ha="right", va="center", fontsize=10, fontweight="bold", color=style.BLUE,
-            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
-        )  # fmt: skip
+            f"{delay_ms:.1f} ms",
+            (min(true_s, detected_s), 0.86 * top),
+            xytext=(-6, 0),
+            textcoords="offset points",
+            ha="right",
+            va="center",
+            fontsize=10,
+            fontweight="bold",
+            color=style.BLUE,
+            bbox={
+                "facecolor": "white",
+                "edgecolor": "none",
+                "alpha": 0.85,
+                "pad": 1.5,
+            },
+        )
     elif true_s is not None:
         title = "first onset, enlarged: it is not detected"
+
     axes.set_title(title, loc="left", fontsize=9, color=style.TEXT_COLOUR)
 
 
 def _draw_voltage(axes: Axes, trace: Trace, detection: Detection) -> None:
-    """Draw the voltage, and beside it the true force, or the one that the voltage means within its interval."""
+    """Draw the voltage, and beside it the true force, or the one
+    that the voltage means within its interval.
+    """
     axes.plot(trace.time_s, trace.voltage_v, color=style.BLUE, linewidth=0.8)
-    axes.set_ylabel("tactile voltage [V]" if detection.threshold.unit == "mV" else "force", color=style.BLUE)
-    force_n, label, scale = trace.force_n, "normal force [N]", detection.scale
+    axes.set_ylabel(
+        "tactile voltage [V]" if detection.threshold.unit == "mV" else "force", color=style.BLUE
+    )
+    force_n = trace.force_n
+    label = "normal force [N]"
+    scale = detection.scale
     if force_n is None and scale is None:
         return
+
     twin = axes.twinx()
     if force_n is None and scale is not None:
         low_n, force_n, high_n = scale.read_all(trace.voltage_v)
-        twin.fill_between(trace.time_s, low_n, high_n, color=style.REFERENCE, alpha=0.12, linewidth=0)
+        twin.fill_between(
+            trace.time_s, low_n, high_n, color=style.REFERENCE, alpha=0.12, linewidth=0
+        )
         label = "force by the curve [N]"
+
     assert force_n is not None
     twin.plot(trace.time_s, force_n, color=style.REFERENCE, linewidth=0.8)
     twin.set_ylabel(label, color=style.TEXT_COLOUR)
@@ -264,38 +368,62 @@ def _draw_voltage(axes: Axes, trace: Trace, detection: Detection) -> None:
 
 
 def _draw_statistic(axes: Axes, trace: Trace, detection: Detection) -> None:
-    output, label, envelope = detection.output, "statistic", None
+    output = detection.output
+    label = "statistic"
+    envelope = None
+
     if isinstance(output, ChainOutput):
         envelope = output.envelope_v
     elif find_detector_type(detection.detector).takes_envelope:
         envelope = trace.envelope_v
+
     if envelope is not None:
-        axes.plot(trace.time_s, 1000 * envelope, color=style.ORANGE, linewidth=0.7, label="envelope")
+        axes.plot(
+            trace.time_s, 1000 * envelope, color=style.ORANGE, linewidth=0.7, label="envelope"
+        )
         label = f"mean over {1000 * detection.memory_s:g} ms"
+
     axes.plot(trace.time_s, 1000 * output.statistic_v, color=style.RED, linewidth=1.4, label=label)
     axes.plot(
-        trace.time_s, 1000 * output.threshold_v, color="black", linestyle="--", linewidth=1,
+        trace.time_s,
+        1000 * output.threshold_v,
+        color="black",
+        linestyle="--",
+        linewidth=1,
         label=detection.threshold.describe(),
-    )  # fmt: skip
-    # The envelope of contacts and releases is much larger than the statistic, so the axis is scaled to the statistic.
-    axes.set_ylim(0.0, max(2500 * float(np.nanmax(output.threshold_v)), 1350 * float(np.max(output.statistic_v))))
+    )
+    # The envelope of contacts and releases is much larger than the statistic, so the axis is scaled
+    # to the statistic.
+    axes.set_ylim(
+        0.0,
+        max(2500 * float(np.nanmax(output.threshold_v)), 1350 * float(np.max(output.statistic_v))),
+    )
     quantity = detection.threshold.quantity if envelope is None else "envelope"
     axes.set_ylabel(f"{quantity} [{detection.threshold.unit}]")
 
 
-def _draw_intervals(axes: Axes, trace: Trace, detection: Detection, slips: Sequence[Interval] | None) -> None:
+def _draw_intervals(
+    axes: Axes, trace: Trace, detection: Detection, slips: Sequence[Interval] | None
+) -> None:
     rows = [(DETECTED, detection.intervals, style.RED)]
     if detection.incipient is not None:
         rows.insert(0, ("incipient", detection.incipient, style.ORANGE))
     if slips is not None:
         rows.append((trace.origin.truth.replace(" (", "\n("), tuple(slips), style.TRUTH))
+
     draw_bars(axes, rows)
     axes.tick_params(axis="y", length=0)
     axes.grid(True, axis="x", color=style.GRID_COLOUR, linewidth=0.7)
     axes.set_axisbelow(True)
+
     if detection.score is not None:
-        phrases = [f"detector {detection.detector}", *(format_delay(delay) for delay in detection.score.delays_s)]
-        phrases += [format_motion_delay(d) for d in detection.motion_delays_s or () if d is not None]
+        phrases = [
+            f"detector {detection.detector}",
+            *(format_delay(delay) for delay in detection.score.delays_s),
+        ]
+        phrases += [
+            format_motion_delay(d) for d in detection.motion_delays_s or () if d is not None
+        ]
         phrases.append(f"false intervals: {len(detection.score.false_intervals)}")
         axes.set_title("; ".join(phrases), loc="left", fontsize=9, color=style.TEXT_COLOUR)
 
@@ -305,12 +433,16 @@ def draw_bars(axes: Axes, rows: Sequence[tuple[str, Sequence[Interval], str]]) -
     for row, (_, parts, colour) in enumerate(rows):
         spans = [(part.onset_s, part.end_s - part.onset_s) for part in parts]
         axes.broken_barh(spans, (row - 0.35, 0.7), color=colour, linewidth=0)
+
     axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
     axes.set_ylim(len(rows) - 0.4, -0.6)
 
 
 def draw_trace(trace: Trace) -> bytes:
-    """Draw the columns of a trace below each other, with the true slips shaded, as PNG. Raises MissingLibraryError."""
+    """Draw the columns of a trace below each other, with the true slips shaded, as PNG.
+
+    Raises MissingLibraryError.
+    """
     columns = [
         ("tactile voltage [V]", trace.voltage_v, style.BLUE),
         ("normal force [N]", trace.force_n, style.TEAL),
@@ -320,12 +452,15 @@ def draw_trace(trace: Trace) -> bytes:
     columns = [column for column in columns if column[1] is not None]
     figure = style.new_figure(10, 1.0 + 2.2 * len(columns))
     panels = figure.subplots(len(columns), 1, sharex=True, squeeze=False)[:, 0]
+
     for axes, (label, values, colour) in zip(panels, columns, strict=True):
         style.style_axes(axes, "both")
         for slip in () if trace.slip is None else intervals(trace.time_s, trace.slip):
             axes.axvspan(slip.onset_s, slip.end_s, color="0.8", linewidth=0)
+
         axes.plot(trace.time_s, values, color=colour, linewidth=0.8)
         axes.set_ylabel(label)
+
     panels[-1].set_xlabel("time [s]; shaded: true slip" if trace.slip is not None else "time [s]")
     figure.align_ylabels()
     return style.to_png(figure)

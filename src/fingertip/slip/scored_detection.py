@@ -40,17 +40,31 @@ class UsedThreshold:
 
     @classmethod
     def of(cls, detector: str, output: registry.DetectorOutput) -> UsedThreshold:
-        used, on = output.threshold_v, np.flatnonzero(output.on)
+        used = output.threshold_v
+        on = np.flatnonzero(output.on)
         first_v = float(used[on[0]]) if len(on) else None
         quantity = registry.find_detector_type(detector).quantity
-        return cls(quantity, first_v, float(used[-1]), float(np.nanmin(used)), float(np.nanmax(used)))
+
+        return cls(
+            quantity=quantity,
+            first_on_v=first_v,
+            last_v=float(used[-1]),
+            lowest_v=float(np.nanmin(used)),
+            highest_v=float(np.nanmax(used)),
+        )
 
     def describe(self) -> str:
-        """Describe it for people, such as ``threshold 0.186 to 0.374 mV, 0.186 at the first ON``."""
+        """Describe it for people, such as ``threshold 0.186 to 0.374 mV, 0.186 at the
+        first ON``.
+        """
         if self.highest_v - self.lowest_v <= 1e-9 * self.highest_v:  # it does not follow the noise
             return f"threshold {1000 * self.highest_v:.3g} {self.unit}"
+
         first = "" if self.first_on_v is None else f", {1000 * self.first_on_v:.3g} at the first ON"
-        return f"threshold {1000 * self.lowest_v:.3g} to {1000 * self.highest_v:.3g} {self.unit}{first}"
+        return (
+            f"threshold {1000 * self.lowest_v:.3g} to {1000 * self.highest_v:.3g} "
+            f"{self.unit}{first}"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,31 +78,45 @@ class Detection:
     memory_s: float
     """Longest time that ON outlasts slip [s]."""
     noise: NoiseLevel | None
-    """Noise level of the article's chain at this input noise; None for other detectors than `digital`."""
+    """Noise level of the article's chain at this input noise;
+    None for other detectors than `digital`.
+    """
     output: registry.DetectorOutput
     intervals: tuple[Interval, ...]
     score: Score | None
     """Score against the true slips; None if the trace does not contain them."""
     confidences: tuple[float, ...]
-    """Greatest ratio of statistic to threshold in each interval: by how much a controller may trust it."""
+    """Greatest ratio of statistic to threshold in each interval:
+    by how much a controller may trust it.
+    """
     incipient: tuple[Interval, ...] | None
-    """Intervals of slip from its first signs on, with more false alarms; None for other detectors than `fast`."""
+    """Intervals of slip from its first signs on, with more false
+    alarms; None for other detectors than `fast`.
+    """
     learned_noise_v: float | None
-    """White RMS noise that the detector has learned at the end [V]; None for detectors that learn none."""
+    """White RMS noise that the detector has learned at the end
+    [V]; None for detectors that learn none.
+    """
     floors: Floors | None
     """Floors that `fast` has learned at the end; None for other detectors."""
     undecided: Interval | None
-    """Time from the start on in which `fast` cannot tell slip from noise, because nothing rested before."""
+    """Time from the start on in which `fast` cannot tell slip
+    from noise, because nothing rested before.
+    """
     trace: Trace
     scale: ForceScale | None = None
-    """Forces that the voltages mean; None where the curve of the sensor is not known, or the signal is in no volts."""
+    """Forces that the voltages mean; None where the curve of the sensor
+    is not known, or the signal is in no volts.
+    """
 
     @property
     def forces(self) -> tuple[Force, ...] | None:
         """Force at the beginning of each interval, of the mean voltage of 20 ms before it."""
         if self.scale is None:
             return None
-        begins_s, time_s = [one.onset_s for one in self.intervals], self.trace.time_s
+
+        begins_s = [one.onset_s for one in self.intervals]
+        time_s = self.trace.time_s
         places = ((time_s > at_s - MEAN_S) & (time_s <= at_s) for at_s in begins_s)
         return tuple(self.scale.read(float(self.trace.voltage_v[place].mean())) for place in places)
 
@@ -100,116 +128,184 @@ class Detection:
 
     @property
     def motion_delays_s(self) -> tuple[float | None, ...] | None:
-        """Delay of each slip since the robot moved [s], None if it was missed; None if the motion is not known."""
+        """Delay of each slip since the robot moved [s], None if it
+        was missed; None if the motion is not known.
+        """
         motion_s = self.trace.origin.motion_s
         if self.score is None or motion_s is None:
             return None
+
         pairs = zip(self.score.slips, self.score.delays_s, strict=True)
-        return tuple(None if delay is None else slip.onset_s + delay - motion_s for slip, delay in pairs)
+        return tuple(
+            None if delay is None else slip.onset_s + delay - motion_s for slip, delay in pairs
+        )
 
     def __repr__(self) -> str:
         found = f"{len(self.intervals)} interval{'' if len(self.intervals) == 1 else 's'} ON"
         if self.score is None:
             return f"Detection({self.detector}: {found})"
+
         delays_s = [delay_s for delay_s in self.score.delays_s if delay_s is not None]
         text = f"{len(delays_s)} of {len(self.score.delays_s)} slips found"
         if delays_s:
             text += f", delay {1000 * float(np.median(delays_s)):.1f} ms"
-        return f"Detection({self.detector}: {found}, {text}, {len(self.score.false_intervals)} false)"
+
+        return (
+            f"Detection({self.detector}: {found}, {text}, {len(self.score.false_intervals)} false)"
+        )
 
     def _repr_html_(self) -> str:
         """Table of the intervals, for Jupyter."""
         rows = []
         for interval, confidence in zip(self.intervals, self.confidences, strict=True):
             is_false = self.score is not None and interval in self.score.false_intervals
-            verdict = "" if self.score is None else "false" if is_false else "true"
-            rows.append((f"{interval.onset_s:.4f}", f"{interval.end_s:.4f}", f"{confidence:.3g}", verdict))
+            if self.score is None:
+                verdict = ""
+            elif is_false:
+                verdict = "false"
+            else:
+                verdict = "true"
+
+            rows.append(
+                (f"{interval.onset_s:.4f}", f"{interval.end_s:.4f}", f"{confidence:.3g}", verdict)
+            )
+
         return html_table(repr(self), ("ON from [s]", "to [s]", "confidence", "slip"), rows)
 
     def plot(self, title: str = "") -> Picture:
-        """Draw voltage, statistic with threshold, and ON/OFF over time. Raises MissingLibraryError."""
-        return plot("fingertip.slip.report:draw", self.trace, self, title or f"detector {self.detector}")
+        """Draw voltage, statistic with threshold, and ON/OFF over time.
+
+        Raises MissingLibraryError.
+        """
+        return plot(
+            "fingertip.slip.report:draw", self.trace, self, title or f"detector {self.detector}"
+        )
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the intervals; `is_true` is missing where true slip is not known. Raises MissingLibraryError."""
+        """Return the intervals; `is_true` is missing where true slip is not known.
+
+        Raises MissingLibraryError.
+        """
         columns: dict[str, list[object]] = {
             "onset_s": [interval.onset_s for interval in self.intervals],
             "end_s": [interval.end_s for interval in self.intervals],
             "confidence": [*self.confidences],
         }
         if self.score is not None:
-            columns["is_true"] = [interval not in self.score.false_intervals for interval in self.intervals]
+            columns["is_true"] = [
+                interval not in self.score.false_intervals for interval in self.intervals
+            ]
+
         return to_dataframe(columns, "Detection.to_dataframe")
 
 
 def detect(
-    trace: Trace, design: Design, detector: str = registry.DEFAULT, noise_v: float | None = None,
+    trace: Trace,
+    design: Design,
+    detector: str = registry.DEFAULT,
+    noise_v: float | None = None,
     floors: Floors | None = None,
-) -> Detection:  # fmt: skip
-    """Detect slip in a trace whose sampling rate is the design's. Raises TraceError with all issues of the trace.
+) -> Detection:
+    """Detect slip in a trace whose sampling rate is the design's.
 
-    `noise_v` is the white RMS noise of the signal [V], by default the design's. Given in the unit of the signal, it may
-    be any signal that follows the force. `fast` starts with `floors`, those of a rest, if given.
+    Raises TraceError with all issues of the trace.
+
+    `noise_v` is the white RMS noise of the signal [V], by default the design's. Given in the unit
+    of the signal, it may be any signal that follows the force. `fast` starts with `floors`, those
+    of a rest, if given.
     """
-    issues = RawTrace("trace", trace, in_volts=noise_v is None, is_array=True).find_issues(design.detector)
+    issues = RawTrace("trace", trace, in_volts=noise_v is None, is_array=True).find_issues(
+        design.detector
+    )
     if noise_v is not None:
         issues += find_not_positive("noise_v", noise_v, "V", f"{design.detector.noise_v:g}")
+
     inputs = registry.select_inputs(trace, detector)
     if not inputs:
         remedy = f"record it, or use --detector {registry.DEFAULT}, which works without a board"
         message = f"is missing: the detector {detector} works on the board's output; {remedy}."
         issues.append(Issue("trace, envelope_v", message))
+
     raise_issues(TraceError, issues)
     instance = registry.make_detector(detector, design, noise_v)
     if isinstance(instance, FastDetector):
         instance.stored_floors = floors
+
     output = instance.process(*inputs)
     detected = intervals(trace.time_s, output.on)
     truth = None if trace.slip is None else intervals(trace.time_s, trace.slip)
     return Detection(
-        detector,
-        registry.find_signals(design, detector, len(inputs) > 1),
-        UsedThreshold.of(detector, output),
-        instance.memory_s,
-        noise_level(design, noise_v) if isinstance(instance, SlipChain) else None,
-        output,
-        detected,
-        None if truth is None else score(detected, truth, instance.memory_s),
-        _find_confidences(find_ratio(output), trace.time_s, detected),
-        intervals(trace.time_s, output.incipient) if isinstance(output, FastOutput) else None,
-        instance.noise_v if isinstance(instance, FastDetector) else None,
-        instance.floors if isinstance(instance, FastDetector) else None,
-        _find_undecided(instance, output, trace),
-        trace,
+        detector=detector,
+        signals=registry.find_signals(design, detector, len(inputs) > 1),
+        threshold=UsedThreshold.of(detector, output),
+        memory_s=instance.memory_s,
+        noise=noise_level(design, noise_v) if isinstance(instance, SlipChain) else None,
+        output=output,
+        intervals=detected,
+        score=None if truth is None else score(detected, truth, instance.memory_s),
+        confidences=_find_confidences(find_ratio(output), trace.time_s, detected),
+        incipient=intervals(trace.time_s, output.incipient)
+        if isinstance(output, FastOutput)
+        else None,
+        learned_noise_v=instance.noise_v if isinstance(instance, FastDetector) else None,
+        floors=instance.floors if isinstance(instance, FastDetector) else None,
+        undecided=_find_undecided(instance, output, trace),
+        trace=trace,
     )
 
 
-BEGIN_S, BEGIN_RATIO = 0.3, 2.0
-"""Time in which `fast` learns its first floors [s], and ratio of its threshold then to one that shows a later rest."""
+BEGIN_S = 0.3
+BEGIN_RATIO = 2.0
+"""Time in which `fast` learns its first floors [s], and ratio of its
+threshold then to one that shows a later rest.
+"""
 MAX_NOISE_RATIO = 5.0
 """Largest ratio of noise to stated noise in the signals of the fit."""
 
 
-def _find_undecided(detector: registry.Detector, output: registry.DetectorOutput, trace: Trace) -> Interval | None:
-    """Find the time in which what `fast` took for its noise may have been slip: until it rests, or all of it."""
-    times_s, volts = trace.time_s, trace.voltage_v if trace.filtered_v is None else trace.filtered_v
+def _find_undecided(
+    detector: registry.Detector, output: registry.DetectorOutput, trace: Trace
+) -> Interval | None:
+    """Find the time in which what `fast` took for its noise may have
+    been slip: until it rests, or all of it.
+    """
+    times_s = trace.time_s
+    volts = trace.voltage_v if trace.filtered_v is None else trace.filtered_v
     first = int(np.searchsorted(times_s, times_s[0] + BEGIN_S))
     is_flat = len(np.unique(volts[:first])) <= 2  # a step of the converter, to and fro
-    if not isinstance(detector, FastDetector) or detector.stored_floors or first >= len(times_s) or is_flat:
+
+    if (
+        not isinstance(detector, FastDetector)
+        or detector.stored_floors
+        or first >= len(times_s)
+        or is_flat
+    ):
         return None
+
     rested = np.flatnonzero(output.threshold_v[first:] * BEGIN_RATIO < output.threshold_v[first])
-    if not len(rested) and (output.on.any() or detector.noise_v <= MAX_NOISE_RATIO * detector.settings.noise_v):
+    if not len(rested) and (
+        output.on.any() or detector.noise_v <= MAX_NOISE_RATIO * detector.settings.noise_v
+    ):
         return None
-    return Interval(float(times_s[0]), float(times_s[first + rested[0]] if len(rested) else times_s[-1]))
+
+    return Interval(
+        float(times_s[0]), float(times_s[first + rested[0]] if len(rested) else times_s[-1])
+    )
 
 
 def find_ratio(output: registry.DetectorOutput) -> Array:
     """Find the statistic over the threshold at each sample; 0 where the threshold is 0."""
-    zeros, is_known = np.zeros(len(output.on)), output.threshold_v > 0.0
+    zeros = np.zeros(len(output.on))
+    is_known = output.threshold_v > 0.0
     return np.divide(output.statistic_v, output.threshold_v, where=is_known, out=zeros)
 
 
-def _find_confidences(ratio: Array, time_s: Array, detected: tuple[Interval, ...]) -> tuple[float, ...]:
+def _find_confidences(
+    ratio: Array, time_s: Array, detected: tuple[Interval, ...]
+) -> tuple[float, ...]:
     first = np.searchsorted(time_s, [i.onset_s for i in detected])
     last = np.searchsorted(time_s, [i.end_s for i in detected])
-    return tuple(float(ratio[a : max(b, a + 1)].max()) for a, b in zip(first.tolist(), last.tolist(), strict=True))
+    return tuple(
+        float(ratio[a : max(b, a + 1)].max())
+        for a, b in zip(first.tolist(), last.tolist(), strict=True)
+    )

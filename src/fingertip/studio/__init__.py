@@ -1,6 +1,8 @@
-"""Studio: a local page with a form of a design's parameters, whose parts are redrawn while somebody moves a slider.
+"""Studio: a local page with a form of a design's parameters, whose parts are redrawn while somebody
+moves a slider.
 
-In: the values of the form, with each change. Out: parts, figures and checks for the page, and files to save.
+In: the values of the form, with each change. Out: parts, figures and checks for the page, and files
+to save.
 
 >>> from fingertip.studio.page import make_form
 >>> len(make_form()["sensor"])  # fields of that table

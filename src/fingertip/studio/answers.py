@@ -1,7 +1,9 @@
-"""Answers of the studio: what a design of the form gives, as data for its page and as files to save.
+"""Answers of the studio: what a design of the form gives, as data for its page and as files to
+save.
 
-The files are byte for byte those that `fingertip build` writes. Whether the design passes the rules, and with which
-values of the parameter in hand it would, is answered at once, beside whatever the worker makes.
+The files are byte for byte those that `fingertip build` writes. Whether the design passes the
+rules, and with which values of the parameter in hand it would, is answered at once, beside whatever
+the worker makes.
 """
 
 from __future__ import annotations
@@ -38,7 +40,12 @@ from fingertip.page.html import Markup
 from fingertip.page.markdown_sheets import render_facts, split_sections
 from fingertip.page.model_section import Item, measure_finger, place_items, render_boxes, scene_data
 from fingertip.page.pad_section import render_pad
-from fingertip.page.parameters_and_checks import EVERY_FILE, ReportedCheck, render_checks, render_verdict
+from fingertip.page.parameters_and_checks import (
+    EVERY_FILE,
+    ReportedCheck,
+    render_checks,
+    render_verdict,
+)
 from fingertip.pictures.casting_scenes import draw_finger
 from fingertip.studio.worker import StillWanted
 
@@ -47,7 +54,9 @@ if TYPE_CHECKING:
 
 
 VIEW_TOLERANCE_MM = 0.05
-"""Tolerance of the meshes that are shown, and of the checks that follow each change [mm]: as fine as a screen shows."""
+"""Tolerance of the meshes that are shown, and of the checks that follow
+each change [mm]: as fine as a screen shows.
+"""
 FILE_TOLERANCE_MM = 0.01
 """Tolerance of the files and of all checks [mm], that of `fingertip build`."""
 _MESHES_KEPT = 64
@@ -57,7 +66,9 @@ _PICTURE_PX = 320
 
 
 class AskingEvaluator(MeshEvaluator):
-    """Mesh kernel that asks before each solid whether somebody still waits for what is made of it."""
+    """Mesh kernel that asks before each solid whether somebody still waits for what is
+    made of it.
+    """
 
     def __init__(self, tolerance_mm: float, still_wanted: StillWanted) -> None:
         super().__init__(tolerance_mm)
@@ -70,14 +81,23 @@ class AskingEvaluator(MeshEvaluator):
 
 
 def read_design(tables: Mapping[str, Any], before: Design) -> Design:
-    kept = [name for name, value in flatten(tables) if name in before.provisional and value == before.value(name)]
+    kept = [
+        name
+        for name, value in flatten(tables)
+        if name in before.provisional and value == before.value(name)
+    ]
     return Design.from_tables(tables, before.model_dump(mode="json"), provisional=kept)
 
 
 def describe_issues(error: FingertipError) -> list[dict[str, str]]:
     """Describe issues in the words of the page, on which a button fits the other values."""
-    said = {issue: issue.message.replace("add --fit", "fit the other values") for issue in error.issues}
-    return [{"field": issue.field, "message": said[issue].replace("--fit", "the fit")} for issue in error.issues]
+    said = {
+        issue: issue.message.replace("add --fit", "fit the other values") for issue in error.issues
+    }
+    return [
+        {"field": issue.field, "message": said[issue].replace("--fit", "the fit")}
+        for issue in error.issues
+    ]
 
 
 @dataclass(frozen=True)
@@ -114,12 +134,27 @@ def answer_parts(design: Design, still_wanted: StillWanted) -> Answer:
 
 
 def answer_figures(design: Design, still_wanted: StillWanted) -> Answer:
-    """Tell size, masses, days and prices as the page of the design does, from meshes at the tolerance of the view."""
+    """Tell size, masses, days and prices as the page of the design
+    does, from meshes at the tolerance of the view.
+    """
     items = make_items(design, still_wanted)
     casting = casting_sheet(design, AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted))
     still_wanted()
-    sections = split_sections(render_start(FirstScreen(design, casting, None, measure_finger(items), (), 0, "")))
+    sections = split_sections(
+        render_start(
+            FirstScreen(
+                design=design,
+                casting=casting,
+                loads=None,
+                size_mm=measure_finger(items),
+                files=(),
+                steps=0,
+                verdict="",
+            )
+        )
+    )
     shown = {heading: sections[heading] for heading in _FIGURES if heading in sections}
+
     return Answer(figures=render_facts(shown))
 
 
@@ -134,6 +169,7 @@ def make_items(design: Design, still_wanted: StillWanted = lambda: None) -> tupl
         still_wanted()
         if not part.is_tool:
             meshes[name] = _make_mesh(part.solid(design))
+
     still_wanted()
     return place_items(design, meshes, dict.fromkeys(meshes, 1.0), _make_mesh)
 
@@ -145,25 +181,40 @@ def answer_checks(design: Design, still_wanted: StillWanted) -> Answer:
     checks = [*run_checks(design, solids)]
     still_wanted()
     basis = (
-        f"Checked on meshes within {VIEW_TOLERANCE_MM:g} mm of the exact surface, coarser than those of the files, "
+        f"Checked on meshes within {VIEW_TOLERANCE_MM:g} mm of the exact surface, coarser than "
+        "those of the files, "
         "which have checks of their own. A check that fails names the parameters to change."
     )
     checked = _describe_checks(checks, "of the shape passed", basis)
+
     return replace(checked, moves=shapes_of_parameters(design))
 
 
 def answer_all_checks(design: Design, still_wanted: StillWanted) -> Answer:
     """Make the files in memory and run every check of `fingertip build` that needs no STEP file."""
-    found = verify(design, parts_by_name(design), ("stl", "3mf"), AskingEvaluator(FILE_TOLERANCE_MM, still_wanted))
+    found = verify(
+        design,
+        parts_by_name(design),
+        ("stl", "3mf"),
+        AskingEvaluator(FILE_TOLERANCE_MM, still_wanted),
+    )
     checked = _describe_checks(found.checks, "of shape and files passed", EVERY_FILE)
     return replace(checked, pad=render_pad(design))
 
 
 def _describe_checks(checks: Sequence[Check], passed: str, basis: str) -> Answer:
     reported = [ReportedCheck.read(check.to_dict()) for check in checks]
-    failed, verdict = tuple(check.name for check in checks if not check.passed), render_verdict(reported, passed)
+    failed = tuple(check.name for check in checks if not check.passed)
+    verdict = render_verdict(reported, passed)
     shown = render_checks(reported, basis)
-    return Answer(passed=not failed, failed=failed, count=len(checks), verdict=verdict, checks=shown)
+
+    return Answer(
+        passed=not failed,
+        failed=failed,
+        count=len(checks),
+        verdict=verdict,
+        checks=shown,
+    )
 
 
 @lru_cache(maxsize=_MESHES_KEPT)
@@ -181,7 +232,9 @@ ANSWERS: Mapping[str, Callable[[Design, StillWanted], Answer]] = {
 """Name in the address -> function that answers, after the answers before it."""
 
 _FIRST_DATE = (1980, 1, 1, 0, 0, 0)
-"""Earliest date of a ZIP file: the files have none, so that the same design gives the same bytes."""
+"""Earliest date of a ZIP file: the files have none, so that the same design gives the
+same bytes.
+"""
 
 
 class Download(NamedTuple):
@@ -191,16 +244,23 @@ class Download(NamedTuple):
 
 
 def download_design(design: Design, still_wanted: StillWanted) -> Download:
-    return Download(f"{design.name}.toml", "application/toml", to_toml(design, DESIGN_HEADING).encode())
+    return Download(
+        f"{design.name}.toml", "application/toml", to_toml(design, DESIGN_HEADING).encode()
+    )
 
 
 def download_parts(design: Design, still_wanted: StillWanted) -> Download:
-    """Write a ZIP file of the STL files of all parts, in place and as they lie on the bed, and of the design."""
+    """Write a ZIP file of the STL files of all parts, in place and
+    as they lie on the bed, and of the design.
+    """
     meshes = _make_meshes(design, still_wanted)
-    files = {f"{name}.stl": stl.to_bytes(mesh, name, PARTS[name].note) for name, mesh in meshes.items()}
+    files = {
+        f"{name}.stl": stl.to_bytes(mesh, name, PARTS[name].note) for name, mesh in meshes.items()
+    }
     prints = make_print_files(design, meshes, {}, with_stl=True)
     files |= {f"{PRINT_FOLDER}/{name}": data for name, data in prints.contents.items()}
     files[DESIGN] = download_design(design, still_wanted).data
+
     return Download(f"{design.name}_stl.zip", "application/zip", _pack(files))
 
 
@@ -211,9 +271,11 @@ def download_plates(design: Design, still_wanted: StillWanted) -> Download:
     still_wanted()
     prints = make_print_files(design, meshes, encoded, with_stl=False)
     plates = {name: prints.contents[name] for name in prints.plates}
+
     if len(plates) == 1:
         ((name, data),) = plates.items()
         return Download(f"{design.name}_{name}", "model/3mf", data)
+
     return Download(f"{design.name}_plates.zip", "application/zip", _pack(plates))
 
 
@@ -223,9 +285,14 @@ DOWNLOADS: Mapping[str, tuple[str, Callable[[Design, StillWanted], Download]]] =
     "design": ("design.toml", download_design),
     "stl": ("parts.zip (STL)", download_parts),
     "plate": ("plate to print (3MF)", download_plates),
-    "picture": ("", lambda design, _: Download(f"{design.name}.png", "image/png", _draw_finger(design))),
+    "picture": (
+        "",
+        lambda design, _: Download(f"{design.name}.png", "image/png", _draw_finger(design)),
+    ),
 }
-"""Name in the address -> label of its button, "" if it has none, and function that makes the file."""
+"""Name in the address -> label of its button, "" if it has none, and function that makes
+the file.
+"""
 
 
 def _make_meshes(design: Design, still_wanted: StillWanted) -> dict[str, Mesh]:
@@ -244,6 +311,7 @@ def _pack(files: Mapping[str, bytes]) -> bytes:
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = 0o644 << 16
             archive.writestr(entry, data)
+
     return packed.getvalue()
 
 
@@ -258,33 +326,50 @@ class BandFinder:
         self.opened = opened
         self._found: dict[tuple[DesignTables, str], tuple[Band, ...]] = {}
 
-    def find(self, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> tuple[Band, ...]:
-        """Find the bands of a parameter; none for one that is no number, or beside others that are not valid."""
+    def find(
+        self, tables: Mapping[str, Any], path: str, still_wanted: StillWanted
+    ) -> tuple[Band, ...]:
+        """Find the bands of a parameter; none for one that is no
+        number, or beside others that are not valid.
+        """
         if path not in PARAMETERS or not is_number(path):
             return ()
+
         table, _, key = path.partition(".")
         try:
             present = tables[table][key]
-            others = DesignTables(**{**tables, table: {**tables[table], key: self.opened.value(path)}})
+            others = DesignTables(
+                **{**tables, table: {**tables[table], key: self.opened.value(path)}}
+            )
         except (ValidationError, LookupError, TypeError):
             return ()
+
         if (others, path) not in self._found:
-            is_valid = isinstance(present, int | float) and find_bounds(PARAMETERS[path]).contain(present)
+            is_valid = isinstance(present, int | float) and find_bounds(PARAMETERS[path]).contain(
+                present
+            )
             tried = [as_typed(path, present)] if is_valid else []
             bands = find_bands(others, path, tried, still_wanted)
             if len(self._found) >= _BANDS_KEPT:
                 self._found.clear()
+
             self._found[others, path] = bands
+
         return self._found[others, path]
 
 
-def answer_bands(finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> Answer:
+def answer_bands(
+    finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted
+) -> Answer:
     bands = finder.find(tables, path, still_wanted)
     return Answer(bands=bands, said=describe_bands(path, bands) if bands else "")
 
 
-def answer_rules(finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> Answer:
-    """Say with which value of the parameter in hand the form's design would pass, if it does not; else nothing.
+def answer_rules(
+    finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted
+) -> Answer:
+    """Say with which value of the parameter in hand the form's design would pass, if it does not;
+    else nothing.
 
     Raises DesignError if no value of that parameter helps: its issues say what does.
     """
@@ -294,28 +379,55 @@ def answer_rules(finder: BandFinder, tables: Mapping[str, Any], path: str, still
         bands = finder.find(tables, path, still_wanted)
         if not bands:
             read_design(tables, finder.opened)
-        problem = " ".join(issue.message if issue.field == path else str(issue) for issue in error.issues)
+
+        problem = " ".join(
+            issue.message if issue.field == path else str(issue) for issue in error.issues
+        )
         values = describe_bands(path, bands)
         refused = Issue(path, f"{problem} With the other parameters as they are, {values} pass.")
         table, _, key = path.partition(".")
         passing = _find_nearest(tables[table][key], finder.opened.value(path), bands)
-        return Answer(bands=bands, said=values, issues=describe_issues(DesignError(refused)), passing=passing)
+        return Answer(
+            bands=bands,
+            said=values,
+            issues=describe_issues(DesignError(refused)),
+            passing=passing,
+        )
+
     return Answer()
 
 
-def answer_fit(finder: BandFinder, tables: Mapping[str, Any], given: str, still_wanted: StillWanted) -> Answer:
-    """Fit the form's design to what its user has given: names, separated by spaces. Raises DesignError."""
+def answer_fit(
+    finder: BandFinder, tables: Mapping[str, Any], given: str, still_wanted: StillWanted
+) -> Answer:
+    """Fit the form's design to what its user has given: names, separated by spaces.
+
+    Raises DesignError.
+    """
     before = finder.opened.model_dump(mode="json")
-    fitted = Design.fit_tables(tables, before, given.split(), lambda _: still_wanted(), finder.opened.provisional)
+    fitted = Design.fit_tables(
+        tables,
+        before=before,
+        changed=given.split(),
+        progress=lambda _: still_wanted(),
+        provisional=finder.opened.provisional,
+    )
     return Answer(fitted=tuple(asdict(move) for move in fitted.moves))
 
 
 def _find_nearest(present: object, opened: float, bands: Sequence[Band]) -> float:
-    """Find the passing value that is nearest to the present one, or to the opened one if that is no number."""
+    """Find the passing value that is nearest to the present one, or
+    to the opened one if that is no number.
+    """
     wanted = present if isinstance(present, int | float) and math.isfinite(present) else opened
     ends = [end for band in bands for end in band]
-    return min([*ends, *(opened for low, high in bands if low <= opened <= high)], key=lambda end: abs(end - wanted))
+    return min(
+        [*ends, *(opened for low, high in bands if low <= opened <= high)],
+        key=lambda end: abs(end - wanted),
+    )
 
 
 AT_ONCE = {"rules": answer_rules, "bands": answer_bands, "fit": answer_fit}
-"""Name in the address -> function that answers a question on the parameter in hand, whatever the worker does."""
+"""Name in the address -> function that answers a question on the
+parameter in hand, whatever the worker does.
+"""

@@ -1,4 +1,6 @@
-"""Page of the studio: the 3D view of the page of a design, the form beside it, and the checks below."""
+"""Page of the studio: the 3D view of the page of a design, the
+form beside it, and the checks below.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,15 @@ from fingertip.design.files import Parameter
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, list_choices
 from fingertip.design.search import describe_bands
-from fingertip.page.html import Markup, button, code, element, read_asset, read_viewer_library, render_document
+from fingertip.page.html import (
+    Markup,
+    button,
+    code,
+    element,
+    read_asset,
+    read_viewer_library,
+    render_document,
+)
 from fingertip.page.model_section import render_model, render_no_view, scene_json
 from fingertip.page.parameters_and_checks import group_parameters
 from fingertip.studio.answers import DOWNLOADS, FILE_TOLERANCE_MM, VIEW_TOLERANCE_MM, make_items
@@ -22,9 +32,16 @@ from fingertip.studio.answers import DOWNLOADS, FILE_TOLERANCE_MM, VIEW_TOLERANC
 _LOGARITHMIC_STEP = 0.002
 """Step of a logarithmic slider, half a percent of the value."""
 _MAIN = (
-    "sensor.model", "skin.width_mm", "skin.length_mm", "skin.semi_axis_palmar_mm", "skin.thickness_palmar_mm",
-    "skin.thickness_side_mm", "silicone.product", "bone.interface", "bone.base_length_mm",
-)  # fmt: skip
+    "sensor.model",
+    "skin.width_mm",
+    "skin.length_mm",
+    "skin.semi_axis_palmar_mm",
+    "skin.thickness_palmar_mm",
+    "skin.thickness_side_mm",
+    "silicone.product",
+    "bone.interface",
+    "bone.base_length_mm",
+)
 """Parameters that people change first. They stand above all tables, with their whole names."""
 
 
@@ -32,51 +49,97 @@ def render_form(design: Design, moved: Mapping[str, tuple[str, ...]]) -> Markup:
     return element(
         "form",
         element(
-            "div", element("label", "find a parameter", for_="find"),
-            element("input", type="search", id="find", autocomplete="off"), class_="row",
+            "div",
+            element("label", "find a parameter", for_="find"),
+            element("input", type="search", id="find", autocomplete="off"),
+            class_="row",
         ),
         element("ul", "", id="other-refusals", class_="refusal", hidden=True),
         element("ul", "", id="fitted", class_="hint", hidden=True),
         *(_render_group(name, fields, design, moved) for name, fields in make_form().items()),
-        id="form", novalidate=True, autocomplete="off",
-    )  # fmt: skip
+        id="form",
+        novalidate=True,
+        autocomplete="off",
+    )
 
 
-def _render_group(name: str, fields: Sequence[Field], design: Design, moved: Mapping[str, tuple[str, ...]]) -> Markup:
-    count, is_main = len(fields), name == MAIN
+def _render_group(
+    name: str, fields: Sequence[Field], design: Design, moved: Mapping[str, tuple[str, ...]]
+) -> Markup:
+    count = len(fields)
+    is_main = name == MAIN
     title = (
-        element("span", name, class_=None if is_main else "code"), f": {count} parameter{'s' if count > 1 else ''}",
+        element("span", name, class_=None if is_main else "code"),
+        f": {count} parameter{'s' if count > 1 else ''}",
         element("span", "", class_="counts"),
-    )  # fmt: skip
+    )
     described = "" if name in (MAIN, "design") else type(getattr(design, name)).__doc__ or ""
     hint = [element("p", " ".join(described.split()), class_="hint")] if described else []
-    rendered = (_render_field(field, design, moved.get(field.parameter.path, ()), is_main) for field in fields)
-    return element("details", element("summary", *title), *hint, *rendered, class_="group", open=is_main)
+    rendered = (
+        _render_field(field, design, moved.get(field.parameter.path, ()), is_main)
+        for field in fields
+    )
+
+    return element(
+        "details", element("summary", *title), *hint, *rendered, class_="group", open=is_main
+    )
 
 
 def _render_field(field: Field, design: Design, items: tuple[str, ...], is_main: bool) -> Markup:
     path = field.parameter.path
-    name, value, described = f"f-{path}", design.value(path), f"e-{path} b-{path} d-{path}"
+    name = f"f-{path}"
+    value = design.value(path)
+    described = f"e-{path} b-{path} d-{path}"
     controls: list[Markup] = []
+
     if field.kind == "choice":
         chosen = str(value).lower() if isinstance(value, bool) else value
-        options = (element("option", word, value=word, selected=word == chosen) for word in field.choices)
+        options = (
+            element("option", word, value=word, selected=word == chosen) for word in field.choices
+        )
         controls.append(element("select", *options, id=name, aria_describedby=described))
     elif field.kind == "text":
-        controls.append(element("input", type="text", id=name, value=str(value), aria_describedby=described))
+        controls.append(
+            element(
+                "input",
+                type="text",
+                id=name,
+                value=str(value),
+                aria_describedby=described,
+            )
+        )
     else:
-        if slider := field.slider:
+        slider = field.slider
+        if slider:
             controls.append(_render_slider(path, slider, value, described))
+
         number = repr(value).removesuffix(".0")
-        controls.append(element("input", type="number", id=name, value=number, step="any", aria_describedby=described))
+        controls.append(
+            element(
+                "input",
+                type="number",
+                id=name,
+                value=number,
+                step="any",
+                aria_describedby=described,
+            )
+        )
         controls.append(element("span", field.parameter.unit, class_="unit"))
+
     shapes = button(
-        "show", data_moves=" ".join(items), aria_pressed="false", hidden=not items,
-        aria_label=f"{path}: show what it shapes", data_named=path,
-    )  # fmt: skip
+        "show",
+        data_moves=" ".join(items),
+        aria_pressed="false",
+        hidden=not items,
+        aria_label=f"{path}: show what it shapes",
+        data_named=path,
+    )
     reset = button("undo", class_="reset", hidden=True, aria_label=f"undo {path}")
     bounds = f" [{field.bounds}]" if field.bounds else ""
-    label = element("label", code(path if is_main else path.rpartition(".")[2]), for_=name, class_="code")
+    label = element(
+        "label", code(path if is_main else path.rpartition(".")[2]), for_=name, class_="code"
+    )
+
     return element(
         "div",
         element("div", label, shapes, reset, class_="head"),
@@ -84,63 +147,121 @@ def _render_field(field: Field, design: Design, items: tuple[str, ...], is_main:
         element("p", "", id=f"e-{path}", class_="refusal", hidden=True),
         element("p", "", id=f"b-{path}", class_="hint passing", hidden=True),
         element("p", f"{field.parameter.description}{bounds}", id=f"d-{path}", class_="hint"),
-        class_="field", id=f"p-{path}", tabindex="-1", data_path=path, data_kind=field.kind,
-    )  # fmt: skip
+        class_="field",
+        id=f"p-{path}",
+        tabindex="-1",
+        data_path=path,
+        data_kind=field.kind,
+    )
 
 
 def _render_slider(path: str, slider: Slider, value: float, described: str) -> Markup:
     """Render a slider; the position of a logarithmic one is the common logarithm of its value."""
-    low, high, step = slider.minimum, slider.maximum, slider.step
+    low = slider.minimum
+    high = slider.maximum
+    step = slider.step
+
     if slider.is_logarithmic:
-        low, high, step = math.log10(low), math.log10(high), _LOGARITHMIC_STEP
+        low = math.log10(low)
+        high = math.log10(high)
+        step = _LOGARITHMIC_STEP
         value = math.log10(value) if value > 0 else low
-    numbers = {"min": f"{low:.6g}", "max": f"{high:.6g}", "step": f"{step:.6g}", "value": f"{value:.6g}"}
+
+    numbers = {
+        "min": f"{low:.6g}",
+        "max": f"{high:.6g}",
+        "step": f"{step:.6g}",
+        "value": f"{value:.6g}",
+    }
     return element(
-        "input", type="range", aria_label=f"{path}, slider", aria_describedby=described,
-        data_log=slider.is_logarithmic, **numbers,
-    )  # fmt: skip
+        "input",
+        type="range",
+        aria_label=f"{path}, slider",
+        aria_describedby=described,
+        data_log=slider.is_logarithmic,
+        **numbers,
+    )
 
 
-_LEAD = "Move a slider: the parts and their checks follow. Nothing is written until you download a file."
+_LEAD = (
+    "Move a slider: the parts and their checks follow. Nothing is written until you download "
+    "a file."
+)
 _ORIGIN = (
-    f"The parts are meshes within {VIEW_TOLERANCE_MM:g} mm of the exact surface, coarser than those of the files "
+    f"The parts are meshes within {VIEW_TOLERANCE_MM:g} mm of the exact surface, coarser than "
+    "those of the files "
     f"({FILE_TOLERANCE_MM:g} mm); sensor, bolts and nuts are plain bodies without threads."
 )
 
 
 def render_studio(design: Design, token: str) -> bytes:
-    items, bundled = make_items(design), {name: Design.load(name) for name in list_bundled_files(DESIGN)}
-    presets = {name: {path: found.value(path) for path in PARAMETERS} for name, found in bundled.items()}
+    items = make_items(design)
+    bundled = {name: Design.load(name) for name in list_bundled_files(DESIGN)}
+    presets = {
+        name: {path: found.value(path) for path in PARAMETERS} for name, found in bundled.items()
+    }
     form = render_form(design, shapes_of_parameters(design))
     model = element(
-        "div", element("h2", "Model", id="model"), render_no_view(),
+        "div",
+        element("h2", "Model", id="model"),
+        render_no_view(),
         render_model(items, _ORIGIN, preset="opened"),
         element(
-            "div", element("h2", "What it takes"), element("div", "", id="figures"),
-            element("h2", "What the sensor feels"), element("div", "", id="pad"), class_="felt",
+            "div",
+            element("h2", "What it takes"),
+            element("div", "", id="figures"),
+            element("h2", "What the sensor feels"),
+            element("div", "", id="pad"),
+            class_="felt",
         ),
         class_="model",
-    )  # fmt: skip
-    beside = element("div", model, element("div", element("h2", "Parameters", id="parameters"), form), class_="beside")
+    )
+    beside = element(
+        "div",
+        model,
+        element("div", element("h2", "Parameters", id="parameters"), form),
+        class_="beside",
+    )
     body = (
         element("a", "Skip to the parameters", href="#form", class_="skip"),
-        element("header", element("h1", f"Studio: {design.name}"), element("p", _LEAD, class_="lead")),
+        element(
+            "header", element("h1", f"Studio: {design.name}"), element("p", _LEAD, class_="lead")
+        ),
         _render_bar(),
-        element("main", element("section", _render_presets(), beside), _render_checks(), id="content"),
-        element("footer", element("p", "Served to this machine alone. Ctrl-C in the terminal ends it.")),
+        element(
+            "main", element("section", _render_presets(), beside), _render_checks(), id="content"
+        ),
+        element(
+            "footer", element("p", "Served to this machine alone. Ctrl-C in the terminal ends it.")
+        ),
         element("script", scene_json(items), type="application/json", id="scene"),
-        element("script", Markup(json.dumps(presets, separators=(",", ":"))), type="application/json", id="presets"),
+        element(
+            "script",
+            Markup(json.dumps(presets, separators=(",", ":"))),
+            type="application/json",
+            id="presets",
+        ),
     )
     style = read_asset("page.css") + read_asset("studio.css", __package__)
     scripts = (read_viewer_library(), read_asset("viewer.js"), read_asset("studio.js", __package__))
+
     return render_document(
-        f"{design.name}: fingertip studio", body, style, scripts, "'self'", data_design=design.name, data_token=token
+        f"{design.name}: fingertip studio",
+        body=body,
+        style=style,
+        scripts=scripts,
+        connect="'self'",
+        data_design=design.name,
+        data_token=token,
     )
 
 
 def render_locked() -> bytes:
     """Render what somebody sees who has not the address with its token."""
-    text = "This is a fingertip studio. Open it with the address that its terminal shows: it ends in a token."
+    text = (
+        "This is a fingertip studio. Open it with the address that its terminal shows: it ends "
+        "in a token."
+    )
     body = (element("main", element("section", element("h1", "Studio"), element("p", text))),)
     return render_document("fingertip studio", body, read_asset("page.css"), ())
 
@@ -151,15 +272,26 @@ def _render_bar() -> Markup:
         "section",
         element("div", element("p", "checking", class_="verdict"), id="verdict", role="status"),
         element("p", "", id="change-time", class_="hint"),
-        element("div", element("span", "download"), *buttons, class_="row", role="group", aria_label="download"),
-        class_="bar", aria_label="verdict and downloads",
-    )  # fmt: skip
+        element(
+            "div",
+            element("span", "download"),
+            *buttons,
+            class_="row",
+            role="group",
+            aria_label="download",
+        ),
+        class_="bar",
+        aria_label="verdict and downloads",
+    )
 
 
 def _render_presets() -> Markup:
-    """Render a button for each bundled design; the script asks for its picture, which takes half a second."""
+    """Render a button for each bundled design; the script asks for
+    its picture, which takes half a second.
+    """
     buttons = (
-        button(element("img", alt="", hidden=True), name, data_design=name) for name in list_bundled_files(DESIGN)
+        button(element("img", alt="", hidden=True), name, data_design=name)
+        for name in list_bundled_files(DESIGN)
     )
     summary = element("summary", "Start from a bundled design")
     return element("details", summary, element("div", *buttons), class_="presets", open=True)
@@ -170,11 +302,14 @@ def _render_checks() -> Markup:
         "section",
         element("h2", "Checks", id="checks-title"),
         element(
-            "div", button("make the files and check all", id="check-all"),
-            element("span", "as fingertip check does, in some seconds", class_="hint"), class_="row",
+            "div",
+            button("make the files and check all", id="check-all"),
+            element("span", "as fingertip check does, in some seconds", class_="hint"),
+            class_="row",
         ),
-        element("div", "", id="checks"), aria_labelledby="checks-title",
-    )  # fmt: skip
+        element("div", "", id="checks"),
+        aria_labelledby="checks-title",
+    )
 
 
 _STEPS = 200
@@ -211,26 +346,58 @@ MAIN = "what people change first"
 
 
 def make_form() -> dict[str, list[Field]]:
-    """Make the fields of each group: those that people change first, then the rest of each table."""
+    """Make the fields of each group: those that people change first, then the rest of
+    each table.
+    """
     groups: dict[str, list[Field]] = {MAIN: []}
     for table, parameters in group_parameters().items():
         for parameter in parameters:
             is_main = parameter.path in _MAIN
-            groups.setdefault(MAIN if is_main else table or "design", []).append(_make_field(parameter))
+            groups.setdefault(MAIN if is_main else table or "design", []).append(
+                _make_field(parameter)
+            )
+
     groups[MAIN].sort(key=lambda field: _MAIN.index(field.parameter.path))
     return groups
 
 
 def _make_field(parameter: Parameter) -> Field:
     declared = PARAMETERS[parameter.path]
-    if choices := list_choices(declared) or (("false", "true") if isinstance(parameter.default, bool) else ()):
-        return Field(parameter, "choice", choices, "", None)
-    kind, bounds = _KINDS[type(parameter.default)], find_bounds(declared)
-    low, high = bounds.above if bounds.minimum is None else bounds.minimum, bounds.maximum
+    choices = list_choices(declared) or (
+        ("false", "true") if isinstance(parameter.default, bool) else ()
+    )
+    if choices:
+        return Field(
+            parameter=parameter,
+            kind="choice",
+            choices=choices,
+            bounds="",
+            slider=None,
+        )
+
+    kind = _KINDS[type(parameter.default)]
+    bounds = find_bounds(declared)
+    low = bounds.above if bounds.minimum is None else bounds.minimum
+    high = bounds.maximum
+
     if low is None or high is None:
-        return Field(parameter, kind, (), "", None)
+        return Field(
+            parameter=parameter,
+            kind=kind,
+            choices=(),
+            bounds="",
+            slider=None,
+        )
+
     step = 10.0 ** math.floor(math.log10((high - low) / _STEPS))
     first = low + step if bounds.above is not None else low
     is_logarithmic = first > 0 and high / first > _LOGARITHMIC_RATIO
     slider = Slider(first, high, max(1.0, step) if kind == "integer" else step, is_logarithmic)
-    return Field(parameter, kind, (), describe_bands(parameter.path, [(low, high)]), slider)
+
+    return Field(
+        parameter=parameter,
+        kind=kind,
+        choices=(),
+        bounds=describe_bands(parameter.path, [(low, high)]),
+        slider=slider,
+    )

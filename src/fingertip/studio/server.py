@@ -1,8 +1,8 @@
 """Server of the studio: HTTP on this machine alone, for its own page alone.
 
-It listens on the loopback address. Every request must name it in its Host header, which keeps out names that another
-page's server resolves to this address (DNS rebinding), and must carry the token of this run, which keeps out every page
-and program that has not been given the address.
+It listens on the loopback address. Every request must name it in its Host header, which keeps out
+names that another page's server resolves to this address (DNS rebinding), and must carry the token
+of this run, which keeps out every page and program that has not been given the address.
 """
 
 from __future__ import annotations
@@ -34,7 +34,9 @@ from fingertip.studio.worker import NewestWinsWorker, SupersededError
 ADDRESS = "127.0.0.1"
 """Address that the studio listens on."""
 TOKEN_HEADER = "X-Fingertip-Token"
-"""Header of a request that carries the token. A page of another origin cannot set it without being asked first."""
+"""Header of a request that carries the token.
+A page of another origin cannot set it without being asked first.
+"""
 MAX_PORT = 65535
 _TIMEOUT_S = 60.0
 """Time after which a connection that sends nothing is closed [s]."""
@@ -61,16 +63,21 @@ class StudioServer(ThreadingHTTPServer):
         if not 0 <= port <= MAX_PORT:
             message = f"{port} is no port; choose 1024 to {MAX_PORT}, or 0 for any free one."
             raise StudioError(Issue("--port", message))
+
         try:
             super().__init__((ADDRESS, port), _Handler)
         except OSError as error:
             problem = f"cannot be listened on ({error.strerror or error})"
             if error.errno == errno.EADDRINUSE:
                 problem = "is in use, perhaps by another studio"
+
             message = f"{port} {problem}; choose another with --port, or --port 0 for any free one."
             raise StudioError(Issue("--port", message)) from error
-        self.worker, self.finder = NewestWinsWorker(), answers.BandFinder(design)
-        # The page is made now, which also loads and warms up everything that a change of a slider needs.
+
+        self.worker = NewestWinsWorker()
+        self.finder = answers.BandFinder(design)
+        # The page is made now, which also loads and warms up everything that a change of a slider
+        # needs.
         self.page = render_studio(design, self.token)
 
     @property
@@ -83,13 +90,16 @@ class StudioServer(ThreadingHTTPServer):
         return f"http://{self.hosts[0]}/?token={self.token}"
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Print an exception that nobody expected; not that of a connection, which ends where its page is closed."""
+        """Print an exception that nobody expected; not that of a
+        connection, which ends where its page is closed.
+        """
         if not isinstance(sys.exc_info()[1], OSError):
             super().handle_error(request, client_address)
 
     def server_close(self) -> None:
         super().server_close()
-        if worker := getattr(self, "worker", None):  # none if the port was in use
+        worker = getattr(self, "worker", None)
+        if worker:  # none if the port was in use
             worker.close()
 
 
@@ -101,7 +111,9 @@ class _RefusedRequestError(Exception):
 
 @dataclass(frozen=True)
 class _Request:
-    """Request of the page: the values of its form, and the name of the field in hand if there is one."""
+    """Request of the page: the values of its form, and the name
+    of the field in hand if there is one.
+    """
 
     tables: dict[str, Any]
     client: str
@@ -138,12 +150,18 @@ class _Handler(BaseHTTPRequestHandler):
             reply = _make_json({"error": str(refused)}, refused.status)
         except SupersededError:
             reply = _make_json({"superseded": True})
-        except FingertipError as error:  # a result like any other: browsers log other statuses as errors
+        except (
+            FingertipError
+        ) as error:  # a result like any other: browsers log other statuses as errors
             reply = _make_json({"issues": answers.describe_issues(error)})
         except Exception:
             traceback.print_exc()
-            message = "The studio failed at this request; its terminal shows where. This is a bug in fingertip."
+            message = (
+                "The studio failed at this request; its terminal shows where. This is a bug "
+                "in fingertip."
+            )
             reply = _make_json({"error": message}, HTTPStatus.INTERNAL_SERVER_ERROR)
+
         self._send(reply)
 
     def _show_page(self) -> _Reply:
@@ -152,34 +170,55 @@ class _Handler(BaseHTTPRequestHandler):
             raise _RefusedRequestError(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
         if not self._is_token(parse_qs(address.query).get("token", [""])[0]):
             return _Reply(HTTPStatus.FORBIDDEN, _HTML, render_locked())
+
         return _Reply(HTTPStatus.OK, _HTML, self.server.page)
 
     def _answer(self) -> _Reply:
         if not self._is_token(self.headers.get(TOKEN_HEADER, "")):
-            raise _RefusedRequestError(HTTPStatus.FORBIDDEN, "The request carries not the token of this studio.")
+            raise _RefusedRequestError(
+                HTTPStatus.FORBIDDEN, "The request carries not the token of this studio."
+            )
+
         request = self._read_content()
         _, api, name, *rest = [*self._split_address().path.split("/"), "", ""]
-        at_once, before = answers.AT_ONCE.get(name), self.server.design
+        at_once = answers.AT_ONCE.get(name)
+        before = self.server.design
         file = dict(flatten(request.tables)).get("bone.adapter_file", "")
+
         if file not in ("", before.bone.adapter_file):
-            message = "is a file of this machine, which a page may not choose; name it when you start the studio."
+            message = (
+                "is a file of this machine, which a page may not choose; name it when you "
+                "start the studio."
+            )
             raise DesignError(Issue("bone.adapter_file", message))
+
         is_download = name == "download"
-        answer = answers.DOWNLOADS.get(rest[0], ("", None))[1] if is_download else answers.ANSWERS.get(name)
+        answer = (
+            answers.DOWNLOADS.get(rest[0], ("", None))[1]
+            if is_download
+            else answers.ANSWERS.get(name)
+        )
         if api == "api" and at_once:
             return _make_json(
-                _list_fields(at_once(self.server.finder, request.tables, request.field, self._raise_if_gone))
+                _list_fields(
+                    at_once(self.server.finder, request.tables, request.field, self._raise_if_gone)
+                )
             )
         if api != "api" or not answer:
             raise _RefusedRequestError(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
+
         client = request.client
         if is_download:  # it is never superseded: it is a client of its own
             client = f"{client} {secrets.token_hex(8)}"
+
         made = self.server.worker.run(
-            client, lambda wanted: answer(answers.read_design(request.tables, before), wanted), self._has_gone
+            client,
+            lambda wanted: answer(answers.read_design(request.tables, before), wanted),
+            self._has_gone,
         )
         if not isinstance(made, answers.Download):
             return _make_json(_list_fields(made))
+
         shown = {"Content-Disposition": f'attachment; filename="{made.name}"'}
         return _Reply(HTTPStatus.OK, made.content_type, made.data, shown)
 
@@ -187,9 +226,12 @@ class _Handler(BaseHTTPRequestHandler):
         if self.headers.get("Host", "") not in self.server.hosts:
             message = f"This server answers to http://{self.server.hosts[0]} only."
             raise _RefusedRequestError(HTTPStatus.FORBIDDEN, message)
+
         origin = self.headers.get("Origin")
         if origin is not None and origin not in {f"http://{host}" for host in self.server.hosts}:
-            raise _RefusedRequestError(HTTPStatus.FORBIDDEN, "This server answers to its own page only.")
+            raise _RefusedRequestError(
+                HTTPStatus.FORBIDDEN, "This server answers to its own page only."
+            )
 
     def _is_token(self, text: str) -> bool:
         return hmac.compare_digest(text.encode(), self.server.token.encode())
@@ -198,28 +240,51 @@ class _Handler(BaseHTTPRequestHandler):
         try:
             return urlsplit(self.path)
         except ValueError:
-            raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The address of the request is none.") from None
+            raise _RefusedRequestError(
+                HTTPStatus.BAD_REQUEST, "The address of the request is none."
+            ) from None
 
     def _read_content(self) -> _Request:
         if self.headers.get_content_type() != "application/json":
-            raise _RefusedRequestError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "The request must be application/json.")
+            raise _RefusedRequestError(
+                HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "The request must be application/json."
+            )
+
         data = b""
         with contextlib.suppress(OSError):  # time is up, or the page was closed
             data = self.rfile.read(int(self.headers["Content-Length"]))
+
         try:
             content = json.loads(data)
-            json.dumps(content, ensure_ascii=False).encode()  # not every text of JSON can be written
+            json.dumps(
+                content, ensure_ascii=False
+            ).encode()  # not every text of JSON can be written
         except (ValueError, RecursionError):
-            raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The request is not valid JSON.") from None
+            raise _RefusedRequestError(
+                HTTPStatus.BAD_REQUEST, "The request is not valid JSON."
+            ) from None
+
         if not isinstance(content, dict):
             raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The request is no JSON object.")
-        tables, client, field = content.get("tables"), content.get("client"), content.get("field", "")
-        if not isinstance(tables, dict) or not isinstance(client, str) or not isinstance(field, str):
-            raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The request holds not both tables and a client.")
+
+        tables = content.get("tables")
+        client = content.get("client")
+        field = content.get("field", "")
+
+        if (
+            not isinstance(tables, dict)
+            or not isinstance(client, str)
+            or not isinstance(field, str)
+        ):
+            raise _RefusedRequestError(
+                HTTPStatus.BAD_REQUEST, "The request holds not both tables and a client."
+            )
+
         try:
             check_values(tables)
         except UnusableTomlError as error:
             raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, f"The request {error}.") from None
+
         return _Request(tables, client, field)
 
     def _raise_if_gone(self) -> None:
@@ -244,6 +309,7 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_response(reply.status)
             for name, value in headers.items():
                 self.send_header(name, value)
+
             self.send_header("Content-Length", str(len(reply.data)))
             self.end_headers()
             self.wfile.write(reply.data)

@@ -1,4 +1,7 @@
-"""Worker: one thread that makes parts and checks for those who still wait. Of each client the newest job counts."""
+"""Worker: one thread that makes parts and checks for those who still wait.
+
+Of each client the newest job counts.
+"""
 
 from __future__ import annotations
 
@@ -17,18 +20,24 @@ _LOOK_S = 0.1
 
 
 class SupersededError(Exception):
-    """Nobody waits for the result: a newer request of the same client came, or the client has gone."""
+    """Nobody waits for the result: a newer request of the same client came, or the client
+    has gone.
+    """
 
 
 class NewestWinsWorker:
-    """Thread that runs one job at a time, and drops those that a newer one of their client replaces."""
+    """Thread that runs one job at a time, and drops those that
+    a newer one of their client replaces.
+    """
 
     def __init__(self) -> None:
         self._thread = ThreadPoolExecutor(1, "studio worker")
         self._lock = threading.Lock()
         self._newest: dict[str, _Job] = {}
 
-    def run(self, client: str, function: Callable[[StillWanted], T], has_gone: Callable[[], bool]) -> T:
+    def run(
+        self, client: str, function: Callable[[StillWanted], T], has_gone: Callable[[], bool]
+    ) -> T:
         """Run a function after those that wait, and return its result. Raises SupersededError."""
         job = _Job()
         with self._lock:
@@ -36,16 +45,22 @@ class NewestWinsWorker:
                 result: Future[T] = self._thread.submit(function, job.ask)
             except RuntimeError:  # it was closed
                 raise SupersededError from None
+
             job.result = result
-            if older := self._newest.get(client):
+            older = self._newest.get(client)
+            if older:
                 older.drop()
+
             self._newest[client] = job
+
         try:
             while not result.done():
                 with contextlib.suppress(TimeoutError):
                     result.exception(_LOOK_S)
+
                 if has_gone():
                     job.drop()
+
             return result.result()
         except CancelledError:
             raise SupersededError from None
@@ -59,6 +74,7 @@ class NewestWinsWorker:
         with self._lock:
             for job in self._newest.values():
                 job.drop()
+
             self._thread.shutdown(wait=False)
 
 

@@ -1,4 +1,6 @@
-"""Axes of a sweep: one swept parameter each, with listed values, a stepped range, or an interval to sample."""
+"""Axes of a sweep: one swept parameter each, with listed values, a
+stepped range, or an interval to sample.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,9 @@ RANGE_KEYS = ("low", "high", "steps", "spacing")
 MAX_STEPS = 100_000
 """Maximum number of values of one axis. They are held in memory."""
 _DIGITS = 9
-"""Significant digits of a computed value; the last bits of a logarithm differ between processors."""
+"""Significant digits of a computed value; the last bits of a logarithm differ between
+processors.
+"""
 _POWERS = np.array([float(f"1e{i}") for i in range(309)])
 """Powers of ten, each the float nearest to its decimal."""
 
@@ -45,7 +49,9 @@ class Axis:
 
     @property
     def count(self) -> int:
-        """Number of values of a list or of a stepped range, without making them; 0 for an interval."""
+        """Number of values of a list or of a stepped range, without making them; 0 for an
+        interval.
+        """
         return len(self.listed) or self.steps
 
     @cached_property
@@ -53,6 +59,7 @@ class Axis:
         """Every value of a list or of a stepped range; empty for an interval."""
         if self.listed:
             return self.listed
+
         fractions = np.arange(self.steps) / max(1, self.steps - 1)
         return tuple(self._interpolate(fractions).tolist())
 
@@ -60,15 +67,23 @@ class Axis:
         """Return a value its type back; the database stores booleans as integers."""
         if self.listed and all(isinstance(value, bool) for value in self.listed):
             return bool(stored)
+
         value: Value = stored
         return value
 
     def sample(self, fractions: NDArray[np.float64]) -> NDArray[Any]:
-        """Map fractions in [0, 1) to values: equal parts for the values of a list, else interpolation."""
+        """Map fractions in [0, 1) to values: equal parts for the
+        values of a list, else interpolation.
+        """
         if self.values:
-            return self.array[np.minimum((fractions * len(self.values)).astype(np.int64), len(self.values) - 1)]
-        if self.integer and self.spacing == "linear":  # gives every integer, the ends too, the same probability
+            return self.array[
+                np.minimum((fractions * len(self.values)).astype(np.int64), len(self.values) - 1)
+            ]
+        if (
+            self.integer and self.spacing == "linear"
+        ):  # gives every integer, the ends too, the same probability
             return (self.low + np.floor(fractions * (self.high - self.low + 1.0))).astype(np.int64)
+
         return self._interpolate(fractions)
 
     @cached_property
@@ -81,9 +96,11 @@ class Axis:
             exact = self.low * (self.high / self.low) ** fractions
         else:
             exact = self.low + (self.high - self.low) * fractions
+
         exact = np.clip(exact, self.low, self.high)
         if self.integer:
             return np.round(exact).astype(np.int64)
+
         return round_significant(exact)
 
 
@@ -91,11 +108,14 @@ def round_significant(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Round to `_DIGITS` significant digits; each result is the float nearest to its decimal."""
     with np.errstate(divide="ignore"):
         decimals = _DIGITS - 1 - np.floor(np.log10(np.abs(values)))
+
     # The smallest floats have more decimals than there are powers of ten.
     most = len(_POWERS) - 1
     places = np.clip(np.where(np.isfinite(decimals), decimals, 0.0), -most, most).astype(np.int64)
-    up, down = _POWERS[np.maximum(places, 0)], _POWERS[np.maximum(-places, 0)]
+    up = _POWERS[np.maximum(places, 0)]
+    down = _POWERS[np.maximum(-places, 0)]
     result: NDArray[np.float64] = np.round(values * up / down) * down / up
+
     return result
 
 
@@ -110,9 +130,20 @@ def flatten_axes(tables: Mapping[str, Any], path: str = "") -> Iterator[tuple[st
 
 
 def select_changes(parameters: Mapping[str, Value], finger: str = "") -> dict[str, Value]:
-    """Select what a point changes in a design, or in a finger of a set, whose own parameters come last."""
-    found = [(*split_finger(name), value) for name, value in parameters.items() if not name.startswith("scene.")]
-    return {path: value for owner in dict.fromkeys(("", finger)) for of, path, value in found if of == owner}
+    """Select what a point changes in a design, or in a finger of
+    a set, whose own parameters come last.
+    """
+    found = [
+        (*split_finger(name), value)
+        for name, value in parameters.items()
+        if not name.startswith("scene.")
+    ]
+    return {
+        path: value
+        for owner in dict.fromkeys(("", finger))
+        for of, path, value in found
+        if of == owner
+    }
 
 
 def is_of_parts(name: str) -> bool:
@@ -128,107 +159,222 @@ def list_parameter_names(model: type[BaseModel], prefix: str = "") -> list[str]:
             names += [f"{prefix}{name}.{key}" for key in type(info.default).model_fields]
         elif get_origin(info.annotation) is not list:
             names.append(f"{prefix}{name}")
+
     return names
 
 
 def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis, list[Issue]]:
-    """Read an axis of a sweep file, and the issues of values beyond their bounds. Raises SweepError."""
+    """Read an axis of a sweep file, and the issues of values beyond their bounds.
+
+    Raises SweepError.
+    """
     field = f"axes.{name}"
     model: type[BaseModel] = DesignTables
     path = split_finger(name)[1]
+
     if name.startswith("scene."):
-        model, path = _load_scene_models()[0], name.removeprefix("scene.")
+        model = _load_scene_models()[0]
+        path = name.removeprefix("scene.")
+
     if path not in list_parameter_names(model):
         if name.startswith("scene.") and path in list_parameter_names(_load_scene_models()[1]):
             problem = "is a parameter of a manipulation, but a sweep simulates scenes of one finger"
-            raise SweepError(Issue(field, f"{problem}; use `fingertip simulate` with --set for a manipulation."))
-        known = list_parameter_names(DesignTables) + list_parameter_names(_load_scene_models()[0], "scene.")
+            raise SweepError(
+                Issue(field, f"{problem}; use `fingertip simulate` with --set for a manipulation.")
+            )
+
+        known = list_parameter_names(DesignTables) + list_parameter_names(
+            _load_scene_models()[0], "scene."
+        )
         if path in declaration.load_retired():
             raise SweepError(Issue(field, declaration.load_retired()[path]))
+
         similar = declaration.find_similar_name(name, known)
         # The list of all names would be too long for a message.
-        remedy = f"did you mean {similar}?" if similar else "`fingertip params` lists the names of a design."
+        remedy = (
+            f"did you mean {similar}?"
+            if similar
+            else "`fingertip params` lists the names of a design."
+        )
         raise SweepError(Issue(field, f"there is no such parameter; {remedy}"))
-    axis = _parse_axis(name, field, entry, sampled, _find_declaration(model, path))
-    # A parameter's own bounds hold between the ends of a range, or of a list of numbers, if they hold there.
+
+    axis = _parse_axis(
+        name,
+        field=field,
+        entry=entry,
+        sampled=sampled,
+        declared=_find_declaration(model, path),
+    )
+    # A parameter's own bounds hold between the ends of a range, or of a list of numbers, if they
+    # hold there.
     values = axis.listed or (axis.low, axis.high)
-    if all(type(value) in (float, int) and _is_finite(value) for value in axis.listed) and axis.listed:
-        values = (min(axis.listed), max(axis.listed), *(v for v in axis.listed if type(v) is not type(axis.listed[0])))
+    if (
+        all(type(value) in (float, int) and _is_finite(value) for value in axis.listed)
+        and axis.listed
+    ):
+        values = (
+            min(axis.listed),
+            max(axis.listed),
+            *(v for v in axis.listed if type(v) is not type(axis.listed[0])),
+        )
     if axis.integer and not axis.listed:
         values = tuple(int(value) for value in values)
+
     # Many values break the same bound: each message is reported once.
-    found = {issue.message: issue for value in values for issue in _check_value(model, path, field, value)}
+    found = {
+        issue.message: issue
+        for value in values
+        for issue in _check_value(model, path, field, value)
+    }
     return axis, list(found.values())
 
 
-def _parse_axis(name: str, field: str, entry: Any, sampled: bool, declared: FieldInfo) -> Axis:
+def _parse_axis(
+    name: str,
+    field: str,
+    entry: Any,
+    sampled: bool,
+    declared: FieldInfo,
+) -> Axis:
     annotation = declared.annotation
     if isinstance(entry, list):
         if not entry:
             raise SweepError(Issue(field, "is an empty list; give at least one value."))
         if len(entry) > MAX_STEPS:
-            raise SweepError(Issue(field, f"lists {len(entry)} values; at most {MAX_STEPS}, or give a range."))
-        if (nested := next((value for value in entry if not isinstance(value, get_args(Value))), None)) is not None:
-            raise SweepError(Issue(field, f"{quote_value(nested)} is no value of a parameter; list numbers or texts."))
+            raise SweepError(
+                Issue(field, f"lists {len(entry)} values; at most {MAX_STEPS}, or give a range.")
+            )
+
+        nested = next((value for value in entry if not isinstance(value, get_args(Value))), None)
+        if nested is not None:
+            raise SweepError(
+                Issue(
+                    field,
+                    f"{quote_value(nested)} is no value of a parameter; list numbers or texts.",
+                )
+            )
+
         seen = set[Value]()
         for value in entry:
             if value in seen:
-                raise SweepError(Issue(field, f"{quote_value(value)} is listed more than once; list it once."))
+                raise SweepError(
+                    Issue(field, f"{quote_value(value)} is listed more than once; list it once.")
+                )
+
             seen.add(value)
+
         # 1 and 1.0 are the same value; rows must not depend on how it was typed.
         values = tuple(float(v) if annotation is float and type(v) is int else v for v in entry)
         return Axis(name, values, integer=annotation is int)
+
     if not isinstance(entry, Mapping):
         remedy = "write a list of values, or {low = 1, high = 2, steps = 5}"
         raise SweepError(Issue(field, f"{quote_value(entry)} is not an axis; {remedy}."))
-    return _parse_range(name, field, entry, sampled, declared)
+
+    return _parse_range(
+        name,
+        field=field,
+        entry=entry,
+        sampled=sampled,
+        declared=declared,
+    )
 
 
-def _parse_range(name: str, field: str, entry: Mapping[str, Any], sampled: bool, declared: FieldInfo) -> Axis:
+def _parse_range(
+    name: str,
+    field: str,
+    entry: Mapping[str, Any],
+    sampled: bool,
+    declared: FieldInfo,
+) -> Axis:
     annotation = declared.annotation
     if annotation not in (float, int):
-        remedy = f"list its values, such as {list(declaration.list_choices(declared) or ('its values',))}"
+        remedy = (
+            "list its values, such as "
+            f"{list(declaration.list_choices(declared) or ('its values',))}"
+        )
         raise SweepError(Issue(field, f"is not a number, so it has no range; {remedy}."))
+
     # Keys and types of their values
-    unknown = {key: declaration.suggest_name(key, RANGE_KEYS) for key in entry if key not in RANGE_KEYS}
-    issues = [Issue(f"{field}.{key}", f"there is no such key; {remedy}") for key, remedy in unknown.items()]
-    low, high = entry.get("low"), entry.get("high")
+    unknown = {
+        key: declaration.suggest_name(key, RANGE_KEYS) for key in entry if key not in RANGE_KEYS
+    }
+    issues = [
+        Issue(f"{field}.{key}", f"there is no such key; {remedy}")
+        for key, remedy in unknown.items()
+    ]
+    low = entry.get("low")
+    high = entry.get("high")
+
     for key, value in (("low", low), ("high", high)):
         if key not in entry:
             issues.append(Issue(f"{field}.{key}", f"is missing; give the {key} end of the range."))
         elif type(value) not in (float, int) or not _is_finite(value):
-            problem = f"{quote_value(value)} is not a finite number; give the {key} end of the range."
+            problem = (
+                f"{quote_value(value)} is not a finite number; give the {key} end of the range."
+            )
             issues.append(Issue(f"{field}.{key}", problem))
-    steps, spacing = entry.get("steps", 0), entry.get("spacing", "linear")
+
+    steps = entry.get("steps", 0)
+    spacing = entry.get("spacing", "linear")
     if sampled and "steps" in entry:
         message = 'is only for sampling = "grid"; a sampler draws `points` values, leave it out.'
         issues.append(Issue(f"{field}.steps", message))
+
     if not sampled and not issues and (type(steps) is not int or steps < 2):
-        problem = f"{quote_value(steps)} is not a number of values" if "steps" in entry else "is missing"
+        problem = (
+            f"{quote_value(steps)} is not a number of values" if "steps" in entry else "is missing"
+        )
         issues.append(Issue(f"{field}.steps", f"{problem}; give a whole number of at least 2."))
+
     if not sampled and type(steps) is int and steps > MAX_STEPS:
-        issues.append(Issue(f"{field}.steps", f"{steps} values are too many; at most {MAX_STEPS}, or use a sampler."))
+        issues.append(
+            Issue(
+                f"{field}.steps",
+                f"{steps} values are too many; at most {MAX_STEPS}, or use a sampler.",
+            )
+        )
+
     if spacing not in get_args(Spacing):
         remedy = f"choose {' or '.join(get_args(Spacing))}."
         issues.append(Issue(f"{field}.spacing", f"{quote_value(spacing)} is unknown; {remedy}"))
+
     raise_issues(SweepError, issues)
     assert low is not None
     assert high is not None
+
     # Order of the ends, and what the spacing requires of them
     if not low < high:
-        raise SweepError(Issue(f"{field}.high", f"{high:g} is not above low; give more than {low:g}."))
+        raise SweepError(
+            Issue(f"{field}.high", f"{high:g} is not above low; give more than {low:g}.")
+        )
+
     if spacing == "logarithmic" and low <= 0:
         problem = f"{low:g} is not above 0, which a logarithmic spacing requires"
-        raise SweepError(Issue(f"{field}.low", f'{problem}; give more than 0, or spacing = "linear".'))
-    return Axis(name, (), float(low), float(high), steps, spacing, integer=annotation is int)
+        raise SweepError(
+            Issue(f"{field}.low", f'{problem}; give more than 0, or spacing = "linear".')
+        )
+
+    return Axis(
+        name=name,
+        listed=(),
+        low=float(low),
+        high=float(high),
+        steps=steps,
+        spacing=spacing,
+        integer=annotation is int,
+    )
 
 
 def find_repeats(axis: Axis) -> list[Issue]:
     """Find an axis of whole numbers whose range has fewer of them than steps. Makes its values."""
     if axis.listed or len(set(axis.values)) == len(axis.values):
         return []
+
     maximum = int(axis.high) - int(axis.low) + 1
-    message = f"{axis.steps} steps repeat a whole number; give at most {maximum}, or list the values."
+    message = (
+        f"{axis.steps} steps repeat a whole number; give at most {maximum}, or list the values."
+    )
     return [Issue(f"axes.{axis.name}.steps", message)]
 
 
@@ -240,7 +386,9 @@ def _is_finite(value: Any) -> bool:
 
 
 def _load_scene_models() -> tuple[type[BaseModel], type[BaseModel]]:
-    """Models of a scene and of a manipulation; they import the whole simulation, which most sweeps do not use."""
+    """Models of a scene and of a manipulation; they import the whole
+    simulation, which most sweeps do not use.
+    """
     from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile  # noqa: PLC0415
 
     return SceneFile, ManipulationFile
@@ -251,6 +399,7 @@ def _find_declaration(model: type[BaseModel], path: str) -> FieldInfo:
     section = model.model_fields[table].annotation if table else model
     assert isinstance(section, type)
     assert issubclass(section, BaseModel)
+
     return section.model_fields[key]
 
 
@@ -261,5 +410,8 @@ def _check_value(model: type[BaseModel], path: str, field: str, value: Value) ->
         # This validates the fields alone. Rules between parameters are checked at each point.
         model.__pydantic_validator__.validate_python(tables, self_instance=model.model_construct())
     except ValidationError as error:
-        return [Issue(field, issue.message) for issue in declaration.issues_from_pydantic(error, model)]
+        return [
+            Issue(field, issue.message) for issue in declaration.issues_from_pydantic(error, model)
+        ]
+
     return []

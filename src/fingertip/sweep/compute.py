@@ -1,7 +1,7 @@
 """Computation of each group of outputs for one point.
 
-Each function imports the heavy packages that it needs when it is called. A sweep of boards never loads a geometry
-kernel.
+Each function imports the heavy packages that it needs when it is called. A sweep of boards never
+loads a geometry kernel.
 """
 
 from __future__ import annotations
@@ -39,19 +39,25 @@ class PointContext:
     evaluator: Callable[[], CachedEvaluator]
     """Function that gives the mesh kernel. The kernel is loaded at its first call."""
     load_trial: Callable[[int, Callable[[], Trace]], Trace] = lambda seed, record: record()
-    """Function of a seed and of what records its trial. It returns a cached trial where points share it."""
+    """Function of a seed and of what records its trial.
+    It returns a cached trial where points share it.
+    """
     fingers: FingerSet | None = None
     """Set of a sweep of sets; `design` is that of its first finger."""
 
 
 def compute_lengths(context: PointContext) -> OutputValues:
-    design, m = context.design, context.design.mold_layout
+    m = context.design.mold_layout
+    design = context.design
     return {
         "finger_length_mm": design.skin.length_mm + design.bone.base_length_mm,
-        "sensor_rim_mm": design.dimensions.sensor_rim_margin(design.bone.rim_mm, design.sensor.clearance_mm),
-        "mold_width_mm": 2 * m.half_width, "mold_height_mm": m.palmar_height + m.dorsal_height,
+        "sensor_rim_mm": design.dimensions.sensor_rim_margin(
+            design.bone.rim_mm, design.sensor.clearance_mm
+        ),
+        "mold_width_mm": 2 * m.half_width,
+        "mold_height_mm": m.palmar_height + m.dorsal_height,
         "mold_length_mm": m.overall_height,
-    }  # fmt: skip
+    }
 
 
 def compute_board(context: PointContext) -> OutputValues:
@@ -61,12 +67,25 @@ def compute_board(context: PointContext) -> OutputValues:
     selection, achieved = compute_filter(board)
     fitted = selection.preferred
     resistors = ("r1_ohm", "r2_ohm", "r3_ohm", "r4_ohm", "r5_ohm")
-    r_lp_ohm, c_lp_uf = (fitted.r_lp_ohm, 1e6 * fitted.c_lp_f) if board.has_envelope else (math.nan, math.nan)
+    r_lp_ohm, c_lp_uf = (
+        (fitted.r_lp_ohm, 1e6 * fitted.c_lp_f) if board.has_envelope else (math.nan, math.nan)
+    )
     values = {f"board.{name}": getattr(fitted, name) for name in resistors}
     values |= {"board.r_lp_ohm": r_lp_ohm, "board.c_uf": 1e6 * fitted.c_f, "board.c_lp_uf": c_lp_uf}
-    values |= {"gain": achieved.passband_gain, "gain_db": achieved.passband_gain_db, "q": achieved.section_quality}
-    same = ("first_pole_hz", "section_hz", "upper_cutoff_hz", "envelope_pole_hz", "amplifier_bandwidth_hz")
+    values |= {
+        "gain": achieved.passband_gain,
+        "gain_db": achieved.passband_gain_db,
+        "q": achieved.section_quality,
+    }
+    same = (
+        "first_pole_hz",
+        "section_hz",
+        "upper_cutoff_hz",
+        "envelope_pole_hz",
+        "amplifier_bandwidth_hz",
+    )
     values |= {name: getattr(achieved, name) for name in same}
+
     return values | {
         "cutoff_3db_hz": achieved.cutoff_hz,
         "cutoff_error_percent": 100.0 * (achieved.cutoff_hz / board.cutoff_hz - 1.0),
@@ -80,30 +99,41 @@ def compute_circuit(context: PointContext) -> OutputValues:
     from fingertip.board.fabrication.bom import list_unconfirmed
 
     values = board_values(context.design)
-    spread, limits = values.threshold_spread, values.voltage_limits
+    spread = values.threshold_spread
+    limits = values.voltage_limits
     margins = {
-        "gate_margin": (), "output_current_margin": (gate.CURRENT,), "offset_margin": (gate.OFFSET,),
-        "gain_bandwidth_margin": (gate.BANDWIDTH,), "adc_margin": (gate.HIGHEST, gate.CLAMP),
-    }  # fmt: skip
+        "gate_margin": (),
+        "output_current_margin": (gate.CURRENT,),
+        "offset_margin": (gate.OFFSET,),
+        "gain_bandwidth_margin": (gate.BANDWIDTH,),
+        "adc_margin": (gate.HIGHEST, gate.CLAMP),
+    }
 
     def known(part: Any, figure: str) -> float:
         return math.nan if part is None else getattr(part, figure)
 
-    return {name: gate.find_smallest_margin(values.gate, *checks) for name, checks in margins.items()} | {
-        "filter_noise_v": values.noise.filtered_v, "max_ripple_v": values.supply_ripple.max_v,
+    return {
+        name: gate.find_smallest_margin(values.gate, *checks) for name, checks in margins.items()
+    } | {
+        "filter_noise_v": values.noise.filtered_v,
+        "max_ripple_v": values.supply_ripple.max_v,
         "max_envelope_offset_v": known(values.output_offset, "max_v"),
-        "vibration_peak_v": limits.vibration_peak_v, "filter_load_ohm": values.filter_load_ohm,
+        "vibration_peak_v": limits.vibration_peak_v,
+        "filter_load_ohm": values.filter_load_ohm,
         "sensor_amplifier_margin_v": limits.sensor_amplifier_margin_v,
         "phase_margin_deg": min(c.value for c in values.gate if c.name == gate.MARGIN),
         "peaking_db": max(c.value for c in values.gate if c.name == gate.PEAKING),
         "filter_yield": min(c.value for c in values.gate if c.name == gate.YIELD),
-        "unconfirmed_lines": len(list_unconfirmed(board_circuit(values, context.design.board.channels))),
+        "unconfirmed_lines": len(
+            list_unconfirmed(board_circuit(values, context.design.board.channels))
+        ),
         "board_current_a": known(values.shared, "supply_current_a"),
         "crosstalk_db": known(values.shared, "crosstalk_db"),
         "odd_capacitors": max(c.value for c in values.gate if c.name == gate.SERIES),
-        "mean_threshold_v": known(spread, "mean_v"), "min_threshold_worst_v": known(spread, "min_v"),
+        "mean_threshold_v": known(spread, "mean_v"),
+        "min_threshold_worst_v": known(spread, "min_v"),
         "max_threshold_worst_v": known(spread, "max_v"),
-    }  # fmt: skip
+    }
 
 
 def compute_noise(context: PointContext) -> OutputValues:
@@ -114,50 +144,77 @@ def compute_noise(context: PointContext) -> OutputValues:
 
 
 def compute_detection(context: PointContext) -> OutputValues:
-    """Compute delays and alarms of the detector on simulated trials of the scene, each with its own seed."""
+    """Compute delays and alarms of the detector on simulated
+    trials of the scene, each with its own seed.
+    """
     from fingertip.foundation.jit import compiled
     from fingertip.lab.campaign import run
     from fingertip.lab.campaign.plan import Case
 
     assert context.scene is not None
-    detector, design = context.file.detector, context.design
+    detector = context.file.detector
+    design = context.design
     measures: dict[str, Callable[[Case, Trace], float]] = {
         "slip_onset_ms": lambda case, trace: 1e3 * run.find_onset_s(design, case, trace),
         "slip_vibration_n": lambda _, trace: run.measure_vibration_n(trace),
         "out_of_contact_share": lambda _, trace: run.measure_out_of_contact_share(trace),
-        "clip_share": lambda _, trace: math.nan if trace.origin.clip_share is None else trace.origin.clip_share,
+        "clip_share": lambda _, trace: (
+            math.nan if trace.origin.clip_share is None else trace.origin.clip_share
+        ),
     }
     # The board runs where a detector reads it.
     is_clip_asked = "clip_share" in context.file.outputs and design.board.has_filter
     read = [detector, "analog"] if is_clip_asked else [detector]
-    results, measured = [], {name: list[float]() for name in measures}
+    results = []
+    measured = {name: list[float]() for name in measures}
+
     with compiled():
         for seed in range(context.file.first_seed, context.file.first_seed + context.file.trials):
             case = Case("slip", context.scene, seed)
             trace = context.load_trial(seed, partial(run.simulate_trace, design, case, read))
-            results += run.evaluate(case, trace, detector, design, [1.0])
+            results += run.evaluate(
+                case,
+                trace=trace,
+                detector=detector,
+                design=design,
+                scales=[1.0],
+            )
             for name in measures.keys() & set(context.file.outputs):
                 measured[name].append(measures[name](case, trace))
+
     pooled = run.DetectorResult(1.0, tuple(results))
     return {
-        "delay_ms": 1e3 * pooled.delay_s(0.5), "delay_p90_ms": 1e3 * pooled.delay_s(0.9),
-        "motion_delay_ms": 1e3 * pooled.motion_delay_s(0.5), "motion_delay_p90_ms": 1e3 * pooled.motion_delay_s(0.9),
-        "found_share": pooled.found_share, "slips": pooled.slips,
-        "false_alarms_per_min": 60.0 * sum(pooled.alarms().values()) / sum(result.duration_s for result in results),
+        "delay_ms": 1e3 * pooled.delay_s(0.5),
+        "delay_p90_ms": 1e3 * pooled.delay_s(0.9),
+        "motion_delay_ms": 1e3 * pooled.motion_delay_s(0.5),
+        "motion_delay_p90_ms": 1e3 * pooled.motion_delay_s(0.9),
+        "found_share": pooled.found_share,
+        "slips": pooled.slips,
+        "false_alarms_per_min": 60.0
+        * sum(pooled.alarms().values())
+        / sum(result.duration_s for result in results),
         **{name: run.median_of_known(values) for name, values in measured.items()},
-    }  # fmt: skip
+    }
 
 
 def compute_skin(context: PointContext) -> OutputValues:
     from fingertip.cad.verification.skin import min_thickness
 
-    mesh, thinnest_mm = _mesh(context, "skin"), min_thickness(context.design, context.evaluator())
-    return {"skin_volume_mm3": mesh.volume(), "skin_area_mm2": mesh.area(), "min_skin_thickness_mm": thinnest_mm}
+    mesh = _mesh(context, "skin")
+    thinnest_mm = min_thickness(context.design, context.evaluator())
+    return {
+        "skin_volume_mm3": mesh.volume(),
+        "skin_area_mm2": mesh.area(),
+        "min_skin_thickness_mm": thinnest_mm,
+    }
 
 
 def compute_bone(context: PointContext) -> OutputValues:
     volume = _mesh(context, "bone").volume()
-    return {"bone_volume_mm3": volume, "bone_mass_g": volume / 1e3 * context.file.print_density_g_cm3}
+    return {
+        "bone_volume_mm3": volume,
+        "bone_mass_g": volume / 1e3 * context.file.print_density_g_cm3,
+    }
 
 
 def compute_strength(context: PointContext) -> OutputValues:
@@ -171,20 +228,27 @@ def compute_strength(context: PointContext) -> OutputValues:
 def compute_pad(context: PointContext) -> OutputValues:
     from fingertip.pad.survey import GRASP_DEG, WIDE_DEG, find_own_mode_hz, survey_pad
 
-    found, loose = survey_pad(context.design), survey_pad(context.design, is_loose=True)
+    found = survey_pad(context.design)
+    loose = survey_pad(context.design, is_loose=True)
 
     def finite(force_n: float) -> float:
         return force_n if math.isfinite(force_n) else math.nan
 
     return {
-        "pad_share": found.least_share(*GRASP_DEG), "pad_share_wide": found.least_share(*WIDE_DEG),
-        "pad_loose_share": loose.least_share(*GRASP_DEG), "pad_loose_share_wide": loose.least_share(*WIDE_DEG),
+        "pad_share": found.least_share(*GRASP_DEG),
+        "pad_share_wide": found.least_share(*WIDE_DEG),
+        "pad_loose_share": loose.least_share(*GRASP_DEG),
+        "pad_loose_share_wide": loose.least_share(*WIDE_DEG),
         "pad_dead_zone_n": finite(loose.dead_zone_n(*GRASP_DEG)),
         "pad_dead_zone_wide_n": finite(loose.dead_zone_n(*WIDE_DEG)),
-        "pad_share_rolled": found.rolled_share, "pad_evenness": found.evenness, "pad_strain": found.strain,
-        "pad_stiffness_n_per_mm": found.stiffness_n_per_mm, "pad_own_mode_hz": find_own_mode_hz(context.design),
-        "pad_turn_on_n": finite(found.worst_turn_on_n), "pad_rest_n": found.rest_n,
-    }  # fmt: skip
+        "pad_share_rolled": found.rolled_share,
+        "pad_evenness": found.evenness,
+        "pad_strain": found.strain,
+        "pad_stiffness_n_per_mm": found.stiffness_n_per_mm,
+        "pad_own_mode_hz": find_own_mode_hz(context.design),
+        "pad_turn_on_n": finite(found.worst_turn_on_n),
+        "pad_rest_n": found.rest_n,
+    }
 
 
 def compute_mold(context: PointContext) -> OutputValues:
@@ -200,20 +264,28 @@ def compute_casting(context: PointContext) -> OutputValues:
     poured_cm3 = measure_poured_cm3(context.design, context.evaluator())
     batch = compute_batch(context.design.silicone.material, poured_cm3)
     is_bonded = context.design.skin.bonded
+
     return {
-        "silicone_in_mold_g": batch.in_cup_g, "silicone_g": batch.total_g,
+        "silicone_in_mold_g": batch.in_cup_g,
+        "silicone_g": batch.total_g,
         "skin_pull_off_n": pull_off_n(context.design),
-        "skin_pull_off_glued_n": math.nan if is_bonded else pull_off_n(context.design, is_glued=True),
+        "skin_pull_off_glued_n": math.nan
+        if is_bonded
+        else pull_off_n(context.design, is_glued=True),
         "skin_slide_mm": 0.0 if is_bonded else slide_mm(context.design),
-    }  # fmt: skip
+    }
 
 
 _CASTING_CHECKS = {
-    "mold_trapped_air_mm3": "mold.trapped_air", "mold_palmar_error_mm": "mold.palmar_error",
-    "mold_plunge_pressure_kpa": "mold.plunge_pressure", "mold_creep_mm3": "mold.creep",
-    "mold_seat_film_mm": "mold.seat_film", "mold_stretch_percent": "skin.fitting_stretch",
-    "vent_open_percent": "sensor.vent_open", "stand_gap_mm": "stand.post_gap",
-}  # fmt: skip
+    "mold_trapped_air_mm3": "mold.trapped_air",
+    "mold_palmar_error_mm": "mold.palmar_error",
+    "mold_plunge_pressure_kpa": "mold.plunge_pressure",
+    "mold_creep_mm3": "mold.creep",
+    "mold_seat_film_mm": "mold.seat_film",
+    "mold_stretch_percent": "skin.fitting_stretch",
+    "vent_open_percent": "sensor.vent_open",
+    "stand_gap_mm": "stand.post_gap",
+}
 
 
 def compute_core(context: PointContext) -> OutputValues:
@@ -222,10 +294,14 @@ def compute_core(context: PointContext) -> OutputValues:
     from fingertip.cad.verification.check import Solids
     from fingertip.cad.verification.mold import check_mold
 
-    design, solids = context.design, Solids.of(context.design, context.evaluator(), parts_by_name(context.design))
+    design, solids = (
+        context.design,
+        Solids.of(context.design, context.evaluator(), parts_by_name(context.design)),
+    )
     checks = [*check_mold(design, solids), *check_laid_in(design, solids)]
     checks += check_stand(design, solids) if "stand" in solids.parts else ()
     values = {check.name: check.value for check in checks}
+
     return {output: values.get(check, math.nan) for output, check in _CASTING_CHECKS.items()}
 
 
@@ -236,7 +312,12 @@ def compute_walls(context: PointContext) -> OutputValues:
 
     solids = Solids.of(context.design, context.evaluator(), ("bone", "skin"))
     checks = (*check_bone(context.design, solids), *check_joint(context.design, solids))
-    return {"min_bone_wall_mm": min(check.value for check in checks if check.name.startswith("bone.wall."))}
+
+    return {
+        "min_bone_wall_mm": min(
+            check.value for check in checks if check.name.startswith("bone.wall.")
+        )
+    }
 
 
 def compute_printing(context: PointContext) -> OutputValues:
@@ -248,30 +329,48 @@ def compute_printing(context: PointContext) -> OutputValues:
     printed = [name for name, part in parts_by_name(context.design).items() if part.is_printed]
     solids = Solids.of(context.design, context.evaluator(), printed)
     overhangs = [check_overhang(context.design, solids, name) for name in printed]
-    estimate, overhang_mm2 = estimate_print(context.design), max(check.value for check in overhangs)
+    estimate = estimate_print(context.design)
+    overhang_mm2 = max(check.value for check in overhangs)
     estimated = {"print_h": estimate.minutes / 60.0, "filament_cm3": estimate.filament_cm3}
+
     return {"max_overhang_mm2": overhang_mm2, **estimated}
 
 
 def compute_acceptance(context: PointContext) -> OutputValues:
     from fingertip.documents.acceptance import expect_change_ratio, expect_open_v, expect_readings
 
-    weights = {f"tactile_{reading.mass_g:g}g_v": reading.tactile_v for reading in expect_readings(context.design)}
+    weights = {
+        f"tactile_{reading.mass_g:g}g_v": reading.tactile_v
+        for reading in expect_readings(context.design)
+    }
     ratio = expect_change_ratio(context.design)
-    return {"tactile_open_v": expect_open_v(context.design), "tactile_change_ratio": ratio, **weights}
+    return {
+        "tactile_open_v": expect_open_v(context.design),
+        "tactile_change_ratio": ratio,
+        **weights,
+    }
 
 
 def compute_controller(context: PointContext) -> OutputValues:
-    """Compute what detectors of several fingers ask of the controller that `fingertip firmware` proposes for them."""
+    """Compute what detectors of several fingers ask of the controller
+    that `fingertip firmware` proposes for them.
+    """
     from fingertip.catalogues.electronics import NAMES
     from fingertip.firmware.fingers import count_fingers, find_controller, find_load
 
-    board, rate_hz = find_controller(context.design), context.design.detector.sample_rate_hz
+    board = find_controller(context.design)
+    rate_hz = context.design.detector.sample_rate_hz
     assert board
     load = find_load(board, rate_hz, len(NAMES))
     fingers = count_fingers(board, rate_hz, not context.design.board.has_filter)
-    percent = {"load": 100 * load.mean / load.available, "peak": 100 * load.longest / load.available}
-    return {"controller_fingers": fingers} | {f"controller_{name}_percent": value for name, value in percent.items()}
+    percent = {
+        "load": 100 * load.mean / load.available,
+        "peak": 100 * load.longest / load.available,
+    }
+
+    return {"controller_fingers": fingers} | {
+        f"controller_{name}_percent": value for name, value in percent.items()
+    }
 
 
 def compute_set(context: PointContext) -> OutputValues:
@@ -281,38 +380,66 @@ def compute_set(context: PointContext) -> OutputValues:
     from fingertip.documents.finger_set import plan_set
 
     assert context.fingers is not None
-    forms, evaluator = context.fingers.forms, context.evaluator()
+    forms = context.fingers.forms
+    evaluator = context.evaluator()
     plan = plan_set([(form, casting_sheet(form.design, evaluator)) for form in forms])
     cm3 = {"set_fingers_g": 0.0, "set_molds_g": 0.0}
-    parts = [(form, part) for form in forms for part in parts_by_name(form.design).values() if part.is_printed]
+    parts = [
+        (form, part)
+        for form in forms
+        for part in parts_by_name(form.design).values()
+        if part.is_printed
+    ]
+
     for form, part in parts:
         group = "set_fingers_g" if part.is_in_finger else "set_molds_g"
         cm3[group] += form.count * evaluator.mesh(part.solid(form.design)).volume() / 1000.0
+
     return {
-        "set_forms": len(forms), "set_mixtures": len(plan.cups), "set_days": plan.days,
+        "set_forms": len(forms),
+        "set_mixtures": len(plan.cups),
+        "set_days": plan.days,
         "set_silicone_g": sum(cup.total_g for cup in plan.cups),
         **{name: volume * context.file.print_density_g_cm3 for name, volume in cm3.items()},
-    }  # fmt: skip
+    }
 
 
 def compute_checks(context: PointContext) -> OutputValues:
-    """Run every check of `fingertip check` on the design, or all of a set, at the sweep's tolerance."""
+    """Run every check of `fingertip check` on the design, or
+    all of a set, at the sweep's tolerance.
+    """
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.verify import verify
 
-    designs = [form.design for form in context.fingers.forms] if context.fingers else [context.design]
+    designs = (
+        [form.design for form in context.fingers.forms] if context.fingers else [context.design]
+    )
     prefix = "set_" if context.fingers else ""
-    verified = (verify(design, parts_by_name(design), ("stl",), context.evaluator()) for design in designs)
+    verified = (
+        verify(design, parts_by_name(design), ("stl",), context.evaluator()) for design in designs
+    )
     checks = [check for each in verified for check in each.checks]
     failed = [check for check in checks if not check.passed]
-    values: OutputValues = {f"{prefix}checks_failed": len(failed), f"{prefix}checks_run": len(checks)}
+    values: OutputValues = {
+        f"{prefix}checks_failed": len(failed),
+        f"{prefix}checks_run": len(checks),
+    }
     values[f"{prefix}margin_percent"] = min(check.margin_percent for check in checks)
+
     if failed:
         first, *others = failed
-        more = f" (and {len(others)} more: {', '.join(check.name for check in others)})" if others else ""
+        more = (
+            f" (and {len(others)} more: {', '.join(check.name for check in others)})"
+            if others
+            else ""
+        )
         unit = f" {first.unit}" if first.unit else ""
-        message = f"is {first.value:.6g}{unit}, but must be {first.relation} {first.limit:.6g}{unit}{more}."
+        message = (
+            f"is {first.value:.6g}{unit}, but must be {first.relation} "
+            f"{first.limit:.6g}{unit}{more}."
+        )
         values[ISSUE] = Issue(first.name, message)
+
     return values
 
 
@@ -328,6 +455,7 @@ def _compute_with_board(
     """Compute outputs that are NaN where a divider takes the place of a board."""
     if context.design.board.has_filter:
         return compute(context)
+
     return {name: math.nan for name, output in load_outputs().items() if output.group == group}
 
 
@@ -352,4 +480,6 @@ GROUP_FUNCTIONS: dict[str, Callable[[PointContext], OutputValues]] = {
     "set": compute_set,
     "set_checks": compute_checks,
 }
-"""Group of outputs -> function that computes them; `outputs.GROUPS` says what each reads and costs."""
+"""Group of outputs -> function that computes them; `outputs.GROUPS` says what each reads
+and costs.
+"""

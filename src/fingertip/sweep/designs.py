@@ -1,8 +1,9 @@
-"""Designs of a sweep's points, refused where they break a rule, and the mesh kernel whose results they share.
+"""Designs of a sweep's points, refused where they break a rule, and the mesh kernel whose results
+they share.
 
-The bounds of the parameters are checked together with the axes, before any point. If only electronic tables vary, the
-rules of the printed parts give the same result at every point as for the base design, and so do the dimensions. Such a
-point takes microseconds instead of milliseconds.
+The bounds of the parameters are checked together with the axes, before any point. If only
+electronic tables vary, the rules of the printed parts give the same result at every point as for
+the base design, and so do the dimensions. Such a point takes microseconds instead of milliseconds.
 """
 
 from __future__ import annotations
@@ -28,7 +29,8 @@ if TYPE_CHECKING:
 
 class DesignBuilder:
     def __init__(self, plan: SweepPlan, finger: str = "") -> None:
-        self._finger, base = finger, plan.designs[finger]
+        self._finger = finger
+        base = plan.designs[finger]
         varied = select_changes(dict.fromkeys((axis.name for axis in plan.axes), 0), finger)
         self._only_electronics_vary = not any(map(is_of_parts, varied))
         self._tables = base.model_dump()
@@ -43,23 +45,31 @@ class DesignBuilder:
             given = {name: value for name, value in own_changes.items() if is_of_parts(name)}
             key = tuple(given.values())
             own_changes |= self._fitted.get(key, lambda: self._fit(given))
+
         if not self._only_electronics_vary:
             return Design.without_remedies(**apply_changes(self._tables, own_changes))
+
         design = self._base.with_values(own_changes)
         raise_issues(DesignError, describe_violations(design, ELECTRONIC_RULES))
         return design
 
     def _fit(self, given: Mapping[str, Value]) -> dict[str, Any]:
         """Find what moves with given values. Raises DesignError."""
-        return {move.name: move.after for move in fit_finger(self._base.with_values(given), tuple(given)).moves}
+        return {
+            move.name: move.after
+            for move in fit_finger(self._base.with_values(given), tuple(given)).moves
+        }
 
 
 def apply_changes(tables: dict[str, Any], changes: Mapping[str, Value]) -> dict[str, Any]:
-    """Copy nested tables with dotted parameters changed; unchanged tables are shared with the original."""
+    """Copy nested tables with dotted parameters changed;
+    unchanged tables are shared with the original.
+    """
     changed = dict(tables)
     for name, value in changes.items():
         table, _, key = name.rpartition(".")
         changed |= {table: {**changed[table], key: value}} if table else {key: value}
+
     return changed
 
 
@@ -68,7 +78,9 @@ V = TypeVar("V")
 
 
 class LruCache(Generic[K, V]):
-    """Mapping of bounded weight: it evicts the least recently used entries, except for the newest one."""
+    """Mapping of bounded weight: it evicts the least recently
+    used entries, except for the newest one.
+    """
 
     def __init__(self, max_weight: float) -> None:
         self.max_weight = max_weight
@@ -79,11 +91,13 @@ class LruCache(Generic[K, V]):
         if key in self._entries:
             self._entries.move_to_end(key)
             return self._entries[key][0]
+
         value = make()
         self._entries[key] = value, weigh(value)
         self.weight += self._entries[key][1]
         while self.weight > self.max_weight and len(self._entries) > 1:
             self.weight -= self._entries.popitem(last=False)[1][1]
+
         return value
 
     def __len__(self) -> int:
@@ -97,14 +111,16 @@ MAX_FITS = 4096
 
 
 def restrict_kernel_to_one_thread() -> None:
-    """Make the mesh kernel compute on one thread in this process; the sweep has a process on each processor already.
+    """Make the mesh kernel compute on one thread in this process; the sweep has a process on each
+    processor already.
 
-    On two threads a design takes 1.5 times the processor time. The kernel counts the processors at its first
-    computation and offers no setting. This function has no effect after that computation, or on systems other than
-    Linux.
+    On two threads a design takes 1.5 times the processor time. The kernel counts the processors at
+    its first computation and offers no setting. This function has no effect after that computation,
+    or on systems other than Linux.
     """
     if not hasattr(os, "sched_setaffinity"):
         return
+
     allowed = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {min(allowed)})
     try:
@@ -118,7 +134,8 @@ def restrict_kernel_to_one_thread() -> None:
 
 
 class CachedEvaluator(MeshEvaluator):
-    """Mesh evaluator that reuses solids and meshes between the designs of a sweep, within a limit of memory.
+    """Mesh evaluator that reuses solids and meshes between the designs of a sweep, within a limit
+    of memory.
 
     While only the mold varies, the bone is not meshed twice.
     """
@@ -129,7 +146,9 @@ class CachedEvaluator(MeshEvaluator):
         self._meshes: LruCache[Solid, Mesh] = LruCache(MAX_MESHES)
 
     def manifold(self, solid: Solid) -> Manifold:
-        return self._solids.get(solid, lambda: self._evaluate(solid), lambda manifold: manifold.num_tri())
+        return self._solids.get(
+            solid, lambda: self._evaluate(solid), lambda manifold: manifold.num_tri()
+        )
 
     def mesh(self, solid: Solid) -> Mesh:
         return self._meshes.get(solid, lambda: to_canonical_mesh(self.manifold(solid)))

@@ -1,8 +1,8 @@
 """Outputs that a sweep can compute for a point, and the groups in which they are computed.
 
-All outputs of a group come from one computation. A group is computed only if the sweep asks for one of its outputs,
-and again only if a table that it reads has changed. This module imports nothing heavy; the computations themselves are
-in `fingertip.sweep.compute`.
+All outputs of a group come from one computation. A group is computed only if the sweep asks for one
+of its outputs, and again only if a table that it reads has changed. This module imports nothing
+heavy; the computations themselves are in `fingertip.sweep.compute`.
 """
 
 from __future__ import annotations
@@ -20,12 +20,17 @@ from fingertip.foundation.tables import load_table, read_rows
 FINGER = frozenset({"sensor", "custom_sensor", "bone", "hand", "skin"})
 CLOSED_MOLD = FINGER | {"mold"}
 MOLD = CLOSED_MOLD | {"printer"}
-"""Tables that define the mold around the cavity, whose walls are as thick as the printer needs, and the play in it."""
+"""Tables that define the mold around the cavity, whose walls are as
+thick as the printer needs, and the play in it.
+"""
 PARTS = MOLD | {"name", "strength", "silicone"}
-"""Tables that the checks of the printed parts read: the mold halves carry the design's name, and the printer's scale
-and limits, the loads and the silicone decide on the checks."""
+"""Tables that the checks of the printed parts read: the mold halves carry the design's name, and
+the printer's scale and limits, the loads and the silicone decide on the checks.
+"""
 PAD = MOLD | {"silicone", "force_curve"}
-"""Tables that the pad depends on; how a skin that is made apart fits depends on mold and printer."""
+"""Tables that the pad depends on; how a skin that is made apart fits depends on mold
+and printer.
+"""
 SIMULATION = PAD | {"board", "detector"}
 
 
@@ -77,7 +82,10 @@ SET_GROUPS = ("set", "set_checks")
 """Groups of outputs of a whole set; the others are of one finger."""
 
 TRACES = OutputGroup(
-    "traces", SIMULATION | {"scene"}, 3, frozenset({"detector.window_samples", "detector.threshold_v"})
+    "traces",
+    SIMULATION | {"scene"},
+    3,
+    frozenset({"detector.window_samples", "detector.threshold_v"}),
 )
 """Simulated trials, which points share that differ in the detector's window or threshold only."""
 
@@ -106,24 +114,42 @@ def find_groups(outputs: Iterable[str]) -> tuple[OutputGroup, ...]:
 
 
 def check_outputs(names: Sequence[str], is_set: bool) -> list[Issue]:
-    """Find outputs that are unknown or listed twice, and else those that cannot be computed for a set, or a finger."""
+    """Find outputs that are unknown or listed twice, and else those
+    that cannot be computed for a set, or a finger.
+    """
     retired = [name for name in dict.fromkeys(names) if name in load_retired()]
     issues = [Issue("outputs", issue.typed) for issue in describe_retired(retired)]
+
     for name in dict.fromkeys(names):
         if name in retired:
             continue
+
         if name not in load_outputs():
             suggestion = suggest_name(name.lower(), tuple(load_outputs()))
-            remedy = suggestion if suggestion.startswith("did you mean") else "see fingertip sweep --outputs."
+            remedy = (
+                suggestion
+                if suggestion.startswith("did you mean")
+                else "see fingertip sweep --outputs."
+            )
             issues.append(Issue("outputs", f"{name!r} is not an output; {remedy}"))
         elif names.count(name) > 1:
-            issues.append(Issue("outputs", f"{name!r} is listed {names.count(name)} times; list it once."))
+            issues.append(
+                Issue("outputs", f"{name!r} is listed {names.count(name)} times; list it once.")
+            )
+
     if issues:
         return issues
+
     misplaced = [name for name in names if (load_outputs()[name].group in SET_GROUPS) != is_set]
-    subject, given, remedy = ("one finger", "a set", 'a design, such as design = "adult_finger"')
+    subject = "one finger"
+    given = "a set"
+    remedy = 'a design, such as design = "adult_finger"'
+
     if not is_set:
-        subject, given, remedy = ("a set", "one finger", 'a set, such as design = "adult_hand"')
+        subject = "a set"
+        given = "one finger"
+        remedy = 'a set, such as design = "adult_hand"'
+
     text = f"{', '.join(misplaced)} can be computed for {subject}, but design is {given}"
     issue = Issue("outputs", f"{text}; leave out what cannot be computed, or name {remedy}.")
     return [issue] if misplaced else []

@@ -1,7 +1,8 @@
 """Evaluation of single points, as a worker does it.
 
-The result of a point depends on that point alone. Caches only save time: an output group whose inputs have not changed
-is not computed again, and a solid that was meshed before is not meshed again.
+The result of a point depends on that point alone. Caches only save time: an output group whose
+inputs have not changed is not computed again, and a solid that was meshed before is not meshed
+again.
 """
 
 from __future__ import annotations
@@ -83,12 +84,17 @@ class PointEvaluator:
         self._scene = plan.scene.model_dump() if plan.scene else None
         self._groups = [(group, _find_cache_axes(group, plan)) for group in plan.groups]
         self._trace_axes = _find_cache_axes(TRACES, plan)
-        self._group_results: designs.LruCache[Any, OutputValues] = designs.LruCache(MAX_GROUP_RESULTS)
+        self._group_results: designs.LruCache[Any, OutputValues] = designs.LruCache(
+            MAX_GROUP_RESULTS
+        )
         self._trials: designs.LruCache[Any, Trace] = designs.LruCache(MAX_TRACE_BYTES)
         self._no_outputs = (math.nan,) * len(plan.recorded)
 
     def evaluate(self, point: int, changes: Mapping[str, Value]) -> PointResult:
-        """Evaluate a point. Every point gets a result: an exception becomes its status and reason."""
+        """Evaluate a point.
+
+        Every point gets a result: an exception becomes its status and reason.
+        """
         try:
             built, fingers, scene = self._build_inputs(changes)
         except FingertipError as error:
@@ -96,14 +102,24 @@ class PointEvaluator:
             fields = ", ".join(dict.fromkeys(issue.field for issue in others))
             more = f" (and {len(others)} more: {fields})" if others else ""
             return point, "refused", first.field, first.message + more, self._no_outputs
+
         load_trial = partial(self._load_trial, changes)
         design = next(iter(built.values()))
-        context = PointContext(design, scene, self.plan.file, lambda: self.mesh_evaluator, load_trial, fingers)
+        context = PointContext(
+            design=design,
+            scene=scene,
+            file=self.plan.file,
+            evaluator=lambda: self.mesh_evaluator,
+            load_trial=load_trial,
+            fingers=fingers,
+        )
+
         try:
             values: OutputValues = {}
             for column in self.plan.fitted:
                 finger, path = split_finger(column.removeprefix(FITTED))
                 values[column] = built[finger].value(path)
+
             for group, cache_axes in self._groups:
                 compute = partial(GROUP_FUNCTIONS[group.name], context)
                 key = group.name, *(changes[name] for name in cache_axes or ())
@@ -114,6 +130,7 @@ class PointEvaluator:
             last = traceback.extract_tb(error.__traceback__)[-1]
             fault = f"{type(error).__name__}: {error} (in {last.name}, line {last.lineno})"
             return point, "failed", "", f"{fault}; this is a bug in fingertip.", self._no_outputs
+
         issue = values.get(ISSUE, _NO_ISSUE)
         outputs = tuple(round_for_output(values[name]) for name in self.plan.recorded)
         return point, "ok", issue.field, issue.message, outputs
@@ -126,29 +143,46 @@ class PointEvaluator:
     def _build_inputs(
         self, changes: Mapping[str, Value]
     ) -> tuple[dict[str, Design], FingerSet | None, SceneFile | None]:
-        """Build design, set and scene of a point: "" -> design, or each finger -> design of a set."""
+        """Build design, set and scene of a point: "" -> design, or each finger -> design
+        of a set.
+        """
         issues: list[Issue] = []
-        built, fingers, scene = dict[str, Design](), None, None
+        built = dict[str, Design]()
+        fingers = None
+        scene = None
+
         for finger, builder in self._builders.items():
             with gather(issues, f"fingers.{finger}: " if finger else ""):
                 built[finger] = builder.build(changes)
+
         if self.plan.is_set and not issues:
             with gather(issues):
-                fingers = build_set(self.plan.file.design["name"], self.plan.file.design["side"], built)
+                fingers = build_set(
+                    self.plan.file.design["name"], self.plan.file.design["side"], built
+                )
+
         if self._scene is not None:
             from fingertip.sim.runs.scene_and_manipulation_files import SceneFile  # noqa: PLC0415
 
-            scene_changes = {n.removeprefix("scene."): v for n, v in changes.items() if n.startswith("scene.")}
+            scene_changes = {
+                n.removeprefix("scene."): v for n, v in changes.items() if n.startswith("scene.")
+            }
             with gather(issues, "scene."):
                 scene = SceneFile(**designs.apply_changes(self._scene, scene_changes))
+
         raise_issues(FingertipError, issues)
         return built, fingers, scene
 
-    def _load_trial(self, changes: Mapping[str, Value], seed: int, record: Callable[[], Trace]) -> Trace:
+    def _load_trial(
+        self, changes: Mapping[str, Value], seed: int, record: Callable[[], Trace]
+    ) -> Trace:
         if self._trace_axes is None:
             return record()
+
         key = (seed, *(changes[name] for name in self._trace_axes))
-        return self._trials.get(key, record, lambda trace: 40.0 * len(trace.time_s))  # five columns of 8 bytes
+        return self._trials.get(
+            key, record, lambda trace: 40.0 * len(trace.time_s)
+        )  # five columns of 8 bytes
 
 
 @lru_cache(maxsize=1)
@@ -158,17 +192,23 @@ def load_evaluator(text: str) -> PointEvaluator:
 
 
 def _find_cache_axes(group: OutputGroup, plan: SweepPlan) -> tuple[str, ...] | None:
-    """Find the axes that a group reads, which are its cache key; None if it reads all axes, so no points share it."""
+    """Find the axes that a group reads, which are its cache key; None
+    if it reads all axes, so no points share it.
+    """
     # What a fit moves depends on every axis of the parts.
     axes = tuple(
-        axis.name for axis in plan.axes if group.depends_on(axis.name) or (plan.file.fit and is_of_parts(axis.name))
+        axis.name
+        for axis in plan.axes
+        if group.depends_on(axis.name) or (plan.file.fit and is_of_parts(axis.name))
     )
     return axes if len(axes) < len(plan.axes) else None
 
 
 _null_file: IO[str] | None = None
 _one_chunk_at_a_time = threading.Lock()
-"""A Dask worker may have several threads. Time limits and caches are made for one point at a time."""
+"""A Dask worker may have several threads.
+Time limits and caches are made for one point at a time.
+"""
 
 
 def evaluate_chunk(chunk: Chunk) -> ChunkResult:
@@ -182,27 +222,37 @@ def evaluate_chunk(chunk: Chunk) -> ChunkResult:
 
 
 def evaluate_points(
-    chunk: Chunk, limit_s: float, points_per_limit: int, evaluate: Callable[[int, dict[str, Any]], PointResult]
+    chunk: Chunk,
+    limit_s: float,
+    points_per_limit: int,
+    evaluate: Callable[[int, dict[str, Any]], PointResult],
 ) -> list[PointResult]:
-    """Evaluate the points of a chunk one after the other; this process exits if one exceeds its time limit.
+    """Evaluate the points of a chunk one after the other; this process exits if one exceeds its
+    time limit.
 
-    An exception raised in the running code would leave half-imported modules and half-filled caches behind, and later
-    points would suffer from them. faulthandler ends the process from its own thread. That thread needs no Python lock,
-    so it also ends a compiled kernel stuck in an endless loop. The engine notices the exit, starts another worker, and
-    knows from the last report which points were being computed.
+    An exception raised in the running code would leave half-imported modules and half-filled caches
+    behind, and later points would suffer from them. faulthandler ends the process from its own
+    thread. That thread needs no Python lock, so it also ends a compiled kernel stuck in an endless
+    loop. The engine notices the exit, starts another worker, and knows from the last report which
+    points were being computed.
     """
     global _null_file
     if _null_file is None:
         # faulthandler writes its traceback there. The file stays open until the process ends.
         _null_file = open(os.devnull, "w")  # noqa: SIM115
-    names, values = list(chunk.columns), list(zip(*chunk.columns.values(), strict=True))
+
+    names = list(chunk.columns)
+    values = list(zip(*chunk.columns.values(), strict=True))
     results: list[PointResult] = []
+
     try:
         for i, point in enumerate(chunk.points):
             if i % points_per_limit == 0:
                 report_step(chunk.points[i : i + points_per_limit])
                 faulthandler.dump_traceback_later(limit_s, exit=True, file=_null_file)
+
             results.append(evaluate(point, dict(zip(names, values[i], strict=True))))
     finally:
         faulthandler.cancel_dump_traceback_later()
+
     return results

@@ -1,8 +1,9 @@
-"""Run of a sweep: chunks are sent to workers, rows are written as results arrive, and failed chunks are retried.
+"""Run of a sweep: chunks are sent to workers, rows are written as results arrive, and failed chunks
+are retried.
 
-A point is retried if its worker died or its time ran out. All retries are computed at the end, one at a time, so that
-a second failure can be attributed to its point on any engine. That point is then recorded with its reason; every other
-point keeps its row.
+A point is retried if its worker died or its time ran out. All retries are computed at the end, one
+at a time, so that a second failure can be attributed to its point on any engine. That point is then
+recorded with its reason; every other point keeps its row.
 """
 
 from __future__ import annotations
@@ -41,11 +42,15 @@ MAX_PENDING_ROWS = 50_000
 RATE_WINDOW_S = 30.0
 """Time over which the rate of points is averaged [s]."""
 HANG_LIMITS = 3.0
-"""Number of a point's time limits without any result after which the progress says that a worker may hang."""
+"""Number of a point's time limits without any result after which
+the progress says that a worker may hang.
+"""
 CHUNKS_PER_WORKER = 2
 """Chunks in flight per worker: one is computed, one waits."""
 MAX_CONSECUTIVE_FAILURES = 5
-"""Number of breakdowns in a row, none of which can be attributed to a point, before the run gives up."""
+"""Number of breakdowns in a row, none of which can be attributed
+to a point, before the run gives up.
+"""
 _POLL_INTERVAL_S = 0.5
 _BLOCK = 65_536
 """Number of points whose parameters are generated at a time."""
@@ -65,7 +70,9 @@ class RunState:
     """Silence from which a worker is suspected to hang [s]: several points' time limits."""
     silent_s: float = 0.0
     """Time since the last result of any worker, while some are awaited [s]."""
-    history: deque[tuple[float, int]] = field(default_factory=lambda: deque([(time.perf_counter(), 0)]))
+    history: deque[tuple[float, int]] = field(
+        default_factory=lambda: deque([(time.perf_counter(), 0)])
+    )
     """Times of the latest commits [s] and the number of rows written by then."""
 
     @property
@@ -75,7 +82,8 @@ class RunState:
     @property
     def points_per_s(self) -> float:
         """Rate of the last `RATE_WINDOW_S` [1/s]; the slow start of the workers drops out soon."""
-        (start_s, before), now = self.history[0], time.perf_counter()
+        (start_s, before) = self.history[0]
+        now = time.perf_counter()
         return (self.written - before) / max(1e-9, now - start_s)
 
     @property
@@ -100,31 +108,46 @@ def run_sweep(
     jobs: int | None = None,
     progress: Callable[[str], None] = lambda message: None,
 ) -> pandas.DataFrame:
-    """Compute outputs of many designs, or read those that were computed before, as a table with a row for each.
+    """Compute outputs of many designs, or read those that were computed before, as a table with a
+    row for each.
 
-    `file` is a sweep file, a bundled sweep, such as "board", or the tables of one, with the design as a table; the
-    changes are those of the sweep, of its design or of its scene. In `out`, by default `out/sweeps/<name>`, an
-    interrupted sweep goes on. `jobs` is the number of processes, by default one for each processor.
+    `file` is a sweep file, a bundled sweep, such as "board", or the tables of one, with the design
+    as a table; the changes are those of the sweep, of its design or of its scene. In `out`, by
+    default `out/sweeps/<name>`, an interrupted sweep goes on. `jobs` is the number of processes, by
+    default one for each processor.
 
-    Raises SweepError if the sweep is refused, or the folder holds another one, and MissingLibraryError without pandas.
+    Raises SweepError if the sweep is refused, or the folder holds another one, and
+    MissingLibraryError without pandas.
     """
     frames = load("pandas", "run_sweep")
     if isinstance(file, Mapping) and changes:
         raise SweepError(Issue("changes", "change a file; state them in the tables."))
+
     if isinstance(file, Mapping):
         plan = SweepPlan.from_tables(file)
     else:
         plan = SweepPlan.load(Path(file), list_changes(changes))
+
     folder = Path("out", "sweeps", plan.file.name) if out is None else Path(out)
     begin = SweepDatabase.resume if SweepDatabase.exists(folder) else SweepDatabase.create
     engine = ProcessEngine(find_workers(jobs))
+
     with begin(folder, plan) as database:
-        compute_rows(plan, database, engine, lambda state: progress(f"{state.done} of {plan.size} designs"))
+        compute_rows(
+            plan, database, engine, lambda state: progress(f"{state.done} of {plan.size} designs")
+        )
         rows = [
-            {"point": row.point, **row.axes, **row.outputs, "status": row.status, "field": row.field,
-             "reason": row.reason}
+            {
+                "point": row.point,
+                **row.axes,
+                **row.outputs,
+                "status": row.status,
+                "field": row.field,
+                "reason": row.reason,
+            }
             for row in database.rows()
-        ]  # fmt: skip
+        ]
+
     return frames.DataFrame(rows).set_index("point")
 
 
@@ -137,31 +160,47 @@ def compute_rows(
 ) -> RunState:
     """Compute every point of a plan that has no row yet. Raises OutputError or SweepError."""
     missing = database.find_missing_points()
-    state = RunState(plan.size, int(plan.size - missing.sum()), hang_s=HANG_LIMITS * plan.file.time_limit_s)
-    run = _Run(plan, database, engine, progress, evaluate, state)
+    state = RunState(
+        plan.size, int(plan.size - missing.sum()), hang_s=HANG_LIMITS * plan.file.time_limit_s
+    )
+    run = _Run(
+        plan=plan,
+        database=database,
+        engine=engine,
+        progress=progress,
+        evaluate=evaluate,
+        state=state,
+    )
+
     try:
         run.compute(_split_into_chunks(plan, missing, run))
     finally:
         engine.close()
         run.write_rows(at_once=True)
+
     return state
 
 
 def _split_into_chunks(plan: SweepPlan, missing: NDArray[np.bool_], run: _Run) -> Iterator[Chunk]:
-    """Split the missing points, in computing order, into chunks of the size that the run asks for at that time."""
+    """Split the missing points, in computing order, into chunks of
+    the size that the run asks for at that time.
+    """
     text = plan.to_toml()
     for start in range(0, plan.size, _BLOCK):
         points = plan.computing_order(start, start + _BLOCK)
         points = points[missing[points]]
         while len(points):
-            selected, points = points[: run.chunk_size], points[run.chunk_size :]
+            selected = points[: run.chunk_size]
+            points = points[run.chunk_size :]
             columns = {name: column.tolist() for name, column in plan.columns(selected).items()}
             yield Chunk(text, tuple(selected.tolist()), columns)
 
 
 @dataclass
 class _Run:
-    """State of the run loop: chunks in flight, chunks to send again, points to retry, rows not yet written."""
+    """State of the run loop: chunks in flight, chunks to send
+    again, points to retry, rows not yet written.
+    """
 
     plan: SweepPlan
     database: SweepDatabase
@@ -181,7 +220,9 @@ class _Run:
     """Breakdowns in a row that could not be attributed to a point."""
     _pending_rows: list[StoredRow] = field(default_factory=list)
     _answered_at_s: float = field(default_factory=lambda: time.perf_counter())
-    _written_at_s: float = -math.inf  # the first row is written at once, to show that the folder is writable
+    _written_at_s: float = (
+        -math.inf
+    )  # the first row is written at once, to show that the folder is writable
 
     def compute(self, chunks: Iterator[Chunk]) -> None:
         """Compute all chunks, then the points of the retry queue one by one."""
@@ -190,32 +231,51 @@ class _Run:
         self._compute_each(iter(self._retry_queue), lambda: 1)
 
     def write_rows(self, at_once: bool = False) -> None:
-        """Commit the pending rows if the interval has passed, there are many, or `at_once` is set."""
+        """Commit the pending rows if the interval has passed, there are many, or
+        `at_once` is set.
+        """
         now = time.perf_counter()
-        due = at_once or now - self._written_at_s > WRITE_INTERVAL_S or len(self._pending_rows) >= MAX_PENDING_ROWS
+        due = (
+            at_once
+            or now - self._written_at_s > WRITE_INTERVAL_S
+            or len(self._pending_rows) >= MAX_PENDING_ROWS
+        )
+
         if self._pending_rows and due:
-            rows, self._pending_rows = self._pending_rows, []
+            rows = self._pending_rows
+            self._pending_rows = []
             self.database.add(rows)
             self.state.add_written(len(rows))
             self._written_at_s = now
 
     def _compute_each(self, chunks: Iterator[Chunk], find_limit: Callable[[], int]) -> None:
-        """Keep a number of chunks in flight until all are computed. Lost chunks come before new ones."""
+        """Keep a number of chunks in flight until all are computed.
+
+        Lost chunks come before new ones.
+        """
         while True:
             while len(self._in_flight) < find_limit():
                 chunk = self._resend_queue.popleft() if self._resend_queue else next(chunks, None)
                 if chunk is None:
                     break
-                self._in_flight[self.engine.submit(self.evaluate, chunk)] = chunk, time.perf_counter()
+
+                self._in_flight[self.engine.submit(self.evaluate, chunk)] = (
+                    chunk,
+                    time.perf_counter(),
+                )
+
             if not self._in_flight:
                 return
+
             done, _ = wait(self._in_flight, timeout=_POLL_INTERVAL_S, return_when=FIRST_COMPLETED)
             now = time.perf_counter()
             if done:
                 self._answered_at_s = now
+
             self.state.silent_s = now - self._answered_at_s
             for future in done:
                 self._receive(future, *self._in_flight.pop(future))
+
             self.write_rows()
             self.progress(self.state)
 
@@ -238,33 +298,53 @@ class _Run:
             self.chunk_size = max(1, min(size, 4 * self.chunk_size, MAX_CHUNK_POINTS))
 
     def _handle_death(self, chunk: Chunk, points: Collection[int] | None, elapsed_s: float) -> None:
-        """Retry the points that a dead worker was computing, or record them, and send the others again.
+        """Retry the points that a dead worker was computing, or record them, and send the others
+        again.
 
-        Without any, the worker died before it began to compute. A timeout is told from a crash by the time since then.
+        Without any, the worker died before it began to compute. A timeout is told from a crash by
+        the time since then.
         """
         self._consecutive_failures = 0 if points else self._consecutive_failures + 1
         if self._consecutive_failures > MAX_CONSECUTIVE_FAILURES:
             problem = f"workers died {self._consecutive_failures} times without computing a point"
-            remedy = "check the free memory. The rows written so far are safe: continue with --resume and fewer jobs."
+            remedy = (
+                "check the free memory. The rows written so far are safe: continue with "
+                "--resume and fewer jobs."
+            )
             raise SweepError(Issue("--jobs", f"{problem}; {remedy}"))
-        indices, points = range(len(chunk.points)), frozenset(points or ())
-        if others := [i for i in indices if chunk.points[i] not in points]:
+
+        indices = range(len(chunk.points))
+        points = frozenset(points or ())
+        others = [i for i in indices if chunk.points[i] not in points]
+        if others:
             self._resend_queue.append(chunk.select(others))
+
         blamed = [chunk.select([i]) for i in indices if chunk.points[i] in points]
         if not self._is_retrying:
             self._retry_queue += blamed
             return
+
         limit_s = self.plan.file.time_limit_s
-        status, reason = "failed", "its worker died while it was computed, twice."
+        status = "failed"
+        reason = "its worker died while it was computed, twice."
+
         if elapsed_s >= limit_s * self.engine.attempts:
-            status, reason = "timeout", f"took longer than {limit_s:g} s (time_limit_s), twice."
+            status = "timeout"
+            reason = f"took longer than {limit_s:g} s (time_limit_s), twice."
+
         for single in blamed:
             outputs = (math.nan,) * len(self.plan.recorded)
-            self._add_rows(single, ChunkResult([(single.points[0], status, "", reason, outputs)], 0.0))
+            self._add_rows(
+                single, ChunkResult([(single.points[0], status, "", reason, outputs)], 0.0)
+            )
 
     def _add_rows(self, chunk: Chunk, result: ChunkResult) -> None:
         values = zip(*chunk.columns.values(), strict=True)
-        for (point, status, field_, reason, outputs), axes in zip(result.results, values, strict=True):
-            self._pending_rows.append((point, status, field_, shorten(reason, MAX_REASON_LENGTH), *axes, *outputs))
+        for (point, status, field_, reason, outputs), axes in zip(
+            result.results, values, strict=True
+        ):
+            self._pending_rows.append(
+                (point, status, field_, shorten(reason, MAX_REASON_LENGTH), *axes, *outputs)
+            )
             self.state.failures += status in ("failed", "timeout")
             self.state.refused += status == "refused"

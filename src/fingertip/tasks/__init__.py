@@ -1,6 +1,8 @@
-"""Tasks of the command line and of Python: each makes one set of files of a design, checked and written whole.
+"""Tasks of the command line and of Python: each makes one set of files of a design, checked and
+written whole.
 
-A design and a folder come in; the folder holds either the old files or all new ones, and the paths go out.
+A design and a folder come in; the folder holds either the old files or all new ones, and the paths
+go out.
 
 >>> from fingertip import Design
 >>> from fingertip.tasks.build import BuildOptions, plan_build

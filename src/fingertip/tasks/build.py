@@ -8,7 +8,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from fingertip.cad.files.cadquery_script import drop_unused, write_finger, write_functions, write_script
+from fingertip.cad.files.cadquery_script import (
+    drop_unused,
+    write_finger,
+    write_functions,
+    write_script,
+)
 from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.settings import FDM, SLA
@@ -66,45 +71,42 @@ def build(
 ) -> Build:
     """Build parts, check them, and write them with `design.toml`, `casting.md` and `report.json`.
 
-    Only the requested parts and formats are made. Open CASCADE is loaded for "step" only, in a separate process.
+    Only the requested parts and formats are made. Open CASCADE is loaded for "step" only, in a
+    separate process.
 
-    The folder `print/` in it holds each printed part as it lies on the bed (with "stl"), and plates of all printed
-    parts (with "3mf", if all are built).
+    The folder `print/` in it holds each printed part as it lies on the bed (with "stl"), and plates
+    of all printed parts (with "3mf", if all are built).
 
-    A folder holds the files of one design. Files that a build of other parameters wrote there, and that nobody changed
-    since, are removed. The folder holds either the old files or the new ones at any moment.
+    A folder holds the files of one design. Files that a build of other parameters wrote there, and
+    that nobody changed since, are removed. The folder holds either the old files or the new ones at
+    any moment.
 
-    Parameters
-    ----------
-    design
-        The fingertip.
-    out
-        Output folder; `out/<design name>` if None.
-    parts
-        Names from `PARTS`; all parts of the design if None.
-    formats
-        Any of "stl", "3mf", "step" and "cq", a CadQuery script; `find_formats` if None.
-    tolerance_mm
-        Largest distance of a facet from the exact surface [mm], 0.0005 to 1.
-    material
-        Silicone of the casting sheet, a name from `fingertip.catalogues.materials` or "own"; the design's
-        silicone.product if None. The sheet is written if all parts are built.
-    pictures
-        Whether a picture of each casting step is drawn, for the casting sheet.
-    drawings
-        Whether the drawings are made too, beside the STEP files of all parts.
-    force
-        Whether files may be overwritten that no build wrote, or that were changed since.
-    verify
-        Whether trimesh reads each STL and 3MF file too, as a second opinion in the report, in a process of its own.
-    progress
-        Called with a message at each step.
+    Parameters ---------- design The fingertip. out Output folder; `out/<design name>` if None.
+    parts Names from `PARTS`; all parts of the design if None. formats Any of "stl", "3mf", "step"
+    and "cq", a CadQuery script; `find_formats` if None. tolerance_mm Largest distance of a facet
+    from the exact surface [mm], 0.0005 to 1. material Silicone of the casting sheet, a name from
+    `fingertip.catalogues.materials` or "own"; the design's silicone.product if None. The sheet is
+    written if all parts are built. pictures Whether a picture of each casting step is drawn, for
+    the casting sheet. drawings Whether the drawings are made too, beside the STEP files of all
+    parts. force Whether files may be overwritten that no build wrote, or that were changed since.
+    verify Whether trimesh reads each STL and 3MF file too, as a second opinion in the report, in a
+    process of its own. progress Called with a message at each step.
 
-    Raises DesignError if a part, format, tolerance, silicone or folder name is not valid, MissingLibraryError if STEP
-    files are requested and Open CASCADE cannot be loaded, GeometryError if a kernel rejects a solid, and OutputError if
-    the folder cannot be written, or holds a file of these names that is somebody's own. No file has been written then.
+    Raises DesignError if a part, format, tolerance, silicone or folder name is not valid,
+    MissingLibraryError if STEP files are requested and Open CASCADE cannot be loaded, GeometryError
+    if a kernel rejects a solid, and OutputError if the folder cannot be written, or holds a file of
+    these names that is somebody's own. No file has been written then.
     """
-    options = BuildOptions(parts, formats, tolerance_mm, material, pictures, drawings, force, verify)
+    options = BuildOptions(
+        parts=parts,
+        formats=formats,
+        tolerance_mm=tolerance_mm,
+        material=material,
+        pictures=pictures,
+        drawings=drawings,
+        force=force,
+        verify=verify,
+    )
     return run_build(plan_build(design, out, options, progress), progress)
 
 
@@ -140,110 +142,208 @@ def plan_build(
     progress: Callable[[str], None] = lambda message: None,
 ) -> BuildPlan:
     """Plan a build, and refuse what it or its folder cannot take, as `build` does."""
-    folder, known = output_files.PART_FILES.folder(design, out), tuple(parts_by_name(design))
+    folder = output_files.PART_FILES.folder(design, out)
+    known = tuple(parts_by_name(design))
     names = select_names("--parts", known if options.parts is None else options.parts, known)
     wanted = find_formats(progress) if options.formats is None else options.formats
     formats = select_names("--formats", wanted, tuple(PART_FORMATS))
+
     if "step" in formats:
-        extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
+        extras.require(
+            "--formats",
+            "cadquery",
+            subject="step",
+            alternative="leave step out with --formats stl,3mf",
+        )
     if options.verify:
         extras.require("--verify", *list_packages(formats), alternative="leave it out")
     if "cq" in formats and "bone" in names and design.bone.interface == "file":
-        raise DesignError(Issue("--formats", "cq cannot hold the adapter of bone.adapter_file; leave cq out."))
+        raise DesignError(
+            Issue("--formats", "cq cannot hold the adapter of bone.adapter_file; leave cq out.")
+        )
     if "step" in formats and exact_parts(design, names) != names:
-        progress("left out: bone.step, and the bone in drawing and assembly; its adapter is an STL file")
-    design, evaluator = design.with_silicone(options.material), MeshEvaluator(options.tolerance_mm)
+        progress(
+            "left out: bone.step, and the bone in drawing and assembly; its adapter is an STL file"
+        )
+
+    design = design.with_silicone(options.material)
+    evaluator = MeshEvaluator(options.tolerance_mm)
     force = options.force
     plan = BuildPlan(
-        design, names, formats, options, evaluator, names == known,
-        output_files.PART_FILES.writer(design, folder, force),
-        output_files.PRINTS.writer(design, folder / output_files.PRINT_FOLDER, force, folder),
-        output_files.STEPS.writer(design, folder / output_files.STEPS_FOLDER, force, folder),
-    )  # fmt: skip
+        design=design,
+        names=names,
+        formats=formats,
+        options=options,
+        evaluator=evaluator,
+        is_whole=names == known,
+        parts=output_files.PART_FILES.writer(design, folder, force),
+        prints=output_files.PRINTS.writer(
+            design, folder / output_files.PRINT_FOLDER, force, folder
+        ),
+        pictures=output_files.STEPS.writer(
+            design, folder / output_files.STEPS_FOLDER, force, folder
+        ),
+    )
     plan.parts.check([*_name_files(plan), *(file_names(design) if options.drawings else ())])
     plan.prints.check(_name_prints(plan))
     plan.pictures.check(())
+
     return plan
 
 
 def run_build(
-    plan: BuildPlan, progress: Callable[[str], None], meanwhile: Callable[[ReportProgress], None] | None = None
+    plan: BuildPlan,
+    progress: Callable[[str], None],
+    meanwhile: Callable[[ReportProgress], None] | None = None,
 ) -> Build:
     """Make, check and write what a plan states.
 
-    `meanwhile` is called once before anything is written, while the B-rep kernel works, with a function that takes its
-    progress. An error that it raises ends the build.
+    `meanwhile` is called once before anything is written, while the B-rep kernel works, with a
+    function that takes its progress. An error that it raises ends the build.
     """
-    design, options = plan.design, plan.options
+    design = plan.design
+    options = plan.options
     stages = {
-        "parts": 2.0, "rest": 3.0 * (meanwhile is not None),
-        "pictures": 1.0 * options.pictures, "STEP files": (4.0 + 6.0 * options.drawings) * ("step" in plan.formats),
+        "parts": 2.0,
+        "rest": 3.0 * (meanwhile is not None),
+        "pictures": 1.0 * options.pictures,
+        "STEP files": (4.0 + 6.0 * options.drawings) * ("step" in plan.formats),
         "second opinion": 0.5 * options.verify,
-    }  # fmt: skip
+    }
     work = Work("", stages, progress)
+
     with contextlib.ExitStack() as stack:
-        # The B-rep kernel and the pictures have processes of their own while this process makes and checks the meshes.
-        process = stack.enter_context(StepProcess.start(_describe_step_job(plan))) if plan.exact else None
+        # The B-rep kernel and the pictures have processes of their own while this process makes and
+        # checks the meshes.
+        process = (
+            stack.enter_context(StepProcess.start(_describe_step_job(plan))) if plan.exact else None
+        )
         drawing: Callable[[], dict[str, bytes]] = dict
         if options.pictures and plan.is_whole:
             drawing = stack.enter_context(in_background(_draw_steps, design, options.tolerance_mm))
-        verified = verify(design, plan.names, plan.formats, plan.evaluator, work.within("parts"))
+
+        verified = verify(
+            design,
+            parts=plan.names,
+            formats=plan.formats,
+            evaluator=plan.evaluator,
+            progress=work.within("parts"),
+        )
         opinions: Callable[[], tuple[Check, ...]] = tuple
         if options.verify:
             opinions = stack.enter_context(
                 in_background(second_opinions, dict(verified.contents), dict(verified.meshes))
             )
+
         casting = casting_sheet(design, plan.evaluator) if plan.is_whole else None
         if meanwhile:
             meanwhile(work.within("rest"))
+
         work.begin("pictures")
         pictures = drawing()
         step = StepFiles({}, {}, {}, {})
+
         if process:
             work.begin("STEP files")
             step = process.result(advance=work.advance)
+
         work.begin("second opinion")
         verified = replace(verified, opinions=opinions())
-    return _write(plan, _collect(plan, verified, step, casting, tuple(pictures)), pictures, progress)
+
+    return _write(
+        plan,
+        _collect(
+            plan,
+            verified=verified,
+            step=step,
+            casting=casting,
+            pictures=tuple(pictures),
+        ),
+        pictures,
+        progress,
+    )
 
 
 def _describe_step_job(plan: BuildPlan) -> StepJob:
-    design, names = plan.design, plan.exact
+    design = plan.design
+    names = plan.exact
     solids = tuple((name, PARTS[name].solid(design), PARTS[name].colour) for name in names)
     bought = tuple((item.name, item.solid, item.colour) for item in hardware(design, names))
     tools = tuple(name for name in names if PARTS[name].is_tool)
     sheets = sheet_jobs(design) if plan.options.drawings else ()
-    return StepJob(design.name, solids, brep_balance_solids(design, names), bought, tools, sheets)
+
+    return StepJob(
+        title=design.name,
+        parts=solids,
+        measured_solids=brep_balance_solids(design, names),
+        hardware=bought,
+        tools=tools,
+        also=sheets,
+    )
 
 
 def _collect(
-    plan: BuildPlan, verified: VerifiedParts, step: StepFiles, casting: CastingSheet | None, pictures: tuple[str, ...]
+    plan: BuildPlan,
+    verified: VerifiedParts,
+    step: StepFiles,
+    casting: CastingSheet | None,
+    pictures: tuple[str, ...],
 ) -> Build:
     """Collect files and checks, those of the exact solids included, and report on them."""
-    design, tolerance_mm = plan.design, plan.options.tolerance_mm
+    design = plan.design
+    tolerance_mm = plan.options.tolerance_mm
     checks = [*verified.checks, *(each for each in verified.opinions if not each.passed)]
+
     for name, measured in step.measurements.items():
         scale = print_scale(design, PARTS[name])
-        checks += check_brep_solid(design, PARTS[name], verified.meshes[name], measured, scale, tolerance_mm)
+        checks += check_brep_solid(
+            design,
+            part=PARTS[name],
+            mesh=verified.meshes[name],
+            measured=measured,
+            scale=scale,
+            tolerance_mm=tolerance_mm,
+        )
+
     if plan.exact:
         checks += check_brep_assembly(design, step.measurements, step.volumes_mm3)
+
     contents = dict(verified.contents) | step.contents
     if plan.options.drawings:
         contents |= render_sheets(design, step.also)
+
     if "cq" in plan.formats:
-        scripts = {part_file(name, "cq"): write_script(design, name) for name in plan.names} | write_functions(design)
+        scripts = {
+            part_file(name, "cq"): write_script(design, name) for name in plan.names
+        } | write_functions(design)
         contents |= drop_unused(scripts | write_finger(design)) if plan.is_whole else scripts
+
     if casting:
         drawn = [f"{output_files.STEPS_FOLDER}/{name}" for name in pictures]
         contents[output_files.SHEET] = render_sheet(casting, drawn).encode()
-    files = {name: {each: part_file(name, each) for each in plan.formats_of(name)} for name in plan.names}
-    built = tuple(BuiltPart(PARTS[n], verified.meshes[n], files[n], step.measurements.get(n)) for n in plan.names)
+
+    files = {
+        name: {each: part_file(name, each) for each in plan.formats_of(name)} for name in plan.names
+    }
+    built = tuple(
+        BuiltPart(PARTS[n], verified.meshes[n], files[n], step.measurements.get(n))
+        for n in plan.names
+    )
     result = Build(
-        design, plan.parts.folder, tolerance_mm, built, contents, verified.prints, tuple(checks), verified.strength,
-        casting, opinions=verified.opinions,
-    )  # fmt: skip
+        design=design,
+        folder=plan.parts.folder,
+        tolerance_mm=tolerance_mm,
+        parts=built,
+        contents=contents,
+        prints=verified.prints,
+        checks=tuple(checks),
+        strength=verified.strength,
+        casting=casting,
+        opinions=verified.opinions,
+    )
     contents[output_files.REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
     contents |= copy_design(design, output_files.DESIGN, DESIGN_HEADING)
+
     return result
 
 
@@ -251,13 +351,16 @@ def copy_design(design: Design, name: str, heading: str) -> dict[str, bytes]:
     """Write a design as a file of this name, with its adapter beside it."""
     if design.bone.interface != "file":
         return {name: to_toml(design, heading).encode()}
+
     body = read_adapter(design)
     beside = f"adapter{'.step' if body.brep else '.stl'}"
     copy = design.with_values({"bone.adapter_file": beside})
     return {name: to_toml(copy, heading).encode(), beside: body.data}
 
 
-def _write(plan: BuildPlan, made: Build, pictures: Mapping[str, bytes], progress: Callable[[str], None]) -> Build:
+def _write(
+    plan: BuildPlan, made: Build, pictures: Mapping[str, bytes], progress: Callable[[str], None]
+) -> Build:
     """Write the three sets, and remove what is of another design."""
     prints = made.prints
     plan.prints.check(prints.contents)
@@ -267,24 +370,33 @@ def _write(plan: BuildPlan, made: Build, pictures: Mapping[str, bytes], progress
     removed += _replace_subset(plan.pictures, pictures, ".png")
     if removed:
         progress(f"removed files of another design from {plan.parts.folder}: {', '.join(removed)}")
+
     return replace(made, removed=removed)
 
 
 def _record_program(writer: SetWriter, contents: Mapping[str, bytes]) -> SetWriter:
-    """Let a set record the program that made it, unless a mesh stays in it that another version has made."""
+    """Let a set record the program that made it, unless a mesh
+    stays in it that another version has made.
+    """
     old = read_manifest(writer.folder)
     if old and old.parameters == writer.parameters and old.program != digest_program():
         kept = set(old.files) - set(contents)
         if any(name.endswith((".stl", ".3mf")) for name in kept):
             return writer
+
     return replace(writer, program=digest_program())
 
 
-def _replace_subset(writer: SetWriter, contents: Mapping[str, bytes], obsolete: str | None) -> tuple[str, ...]:
-    """Write a set below the parts, without older files ending with `obsolete`; return what was removed."""
+def _replace_subset(
+    writer: SetWriter, contents: Mapping[str, bytes], obsolete: str | None
+) -> tuple[str, ...]:
+    """Write a set below the parts, without older files ending
+    with `obsolete`; return what was removed.
+    """
     old = read_manifest(writer.folder, writer.top)
     if not contents and (old is None or old.parameters == writer.parameters):
         return ()
+
     unwanted = [name for name in old.files if name.endswith(obsolete)] if old and obsolete else []
     removed = writer.write(contents, unwanted)
     return tuple(f"{writer.folder.name}/{name}" for name in removed)
@@ -298,23 +410,34 @@ def _draw_steps(design: Design, tolerance_mm: float) -> dict[str, bytes]:
 
 
 def _name_files(plan: BuildPlan) -> list[str]:
-    names = [part_file(part, file_format) for part in plan.names for file_format in plan.formats_of(part)]
+    names = [
+        part_file(part, file_format) for part in plan.names for file_format in plan.formats_of(part)
+    ]
     names += [output_files.ASSEMBLY] if plan.exact else []
     names += [output_files.SHEET] if plan.is_whole else []
     return [*names, output_files.REPORT, *copy_design(plan.design, output_files.DESIGN, "")]
 
 
 def _name_prints(plan: BuildPlan) -> list[str]:
-    """Names of the files for the printer that a build writes if it needs one plate, for either printer."""
-    names = [f"{part}.stl" for part in plan.names if PARTS[part].is_printed] if "stl" in plan.formats else []
+    """Names of the files for the printer that a build writes if
+    it needs one plate, for either printer.
+    """
+    names = (
+        [f"{part}.stl" for part in plan.names if PARTS[part].is_printed]
+        if "stl" in plan.formats
+        else []
+    )
     plates = [name for kind in (FDM, SLA) for name in kind.file_names(1)]
     return [*names, *(plates if "3mf" in plan.formats and plan.is_whole else [])]
 
 
 def find_formats(progress: Callable[[str], None] = lambda message: None) -> tuple[str, ...]:
-    """Return the formats of a build that names none: STL and 3MF, and STEP where its kernel is installed."""
+    """Return the formats of a build that names none: STL and 3MF,
+    and STEP where its kernel is installed.
+    """
     if extras.is_installed("cadquery"):
         return output_files.default_formats()
+
     extras.say_left_out({"cadquery": "STEP files and checks against exact solids"}, progress)
     return tuple(name for name in output_files.default_formats() if name != "step")
 
@@ -323,13 +446,19 @@ def select_names(option: str, requested: Iterable[str], known: tuple[str, ...]) 
     """Return the requested names in the order of `known` and without duplicates."""
     if isinstance(requested, str):
         names = requested.split(",")
-        raise DesignError(Issue(option, f"{requested!r} is a single text; give a list, such as {names!r}."))
-    selected, issues = set(requested), []
+        raise DesignError(
+            Issue(option, f"{requested!r} is a single text; give a list, such as {names!r}.")
+        )
+
+    selected = set(requested)
+    issues = []
     for name in sorted(selected - set(known)):
         is_of_others = name in PARTS  # a stand, or the hand's part of a joint
         message = f"{name!r} is not one of the choices; {suggest_name(name, known)}"
         issues.append(Issue(option, f"this design has no {name!r}." if is_of_others else message))
+
     raise_issues(DesignError, issues)
     if not selected:
         raise DesignError(Issue(option, f"is empty; choose from {', '.join(known)}."))
+
     return tuple(name for name in known if name in selected)

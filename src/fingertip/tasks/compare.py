@@ -19,7 +19,8 @@ def read_version(folder: Path) -> Version:
     """Read what `make` or `build` wrote to a folder. Raises InputFileError or DesignError."""
     if not (folder / REPORT).is_file():
         message = (
-            f"is a folder without the {REPORT} of build or make; give a folder that has one, or for the git revision "
+            f"is a folder without the {REPORT} of build or make; give a folder that has one, or "
+            "for the git revision "
             f"of this name refs/heads/{folder.name}."
         )
         raise InputFileError(Issue(str(folder), message))
@@ -35,9 +36,15 @@ def read_version(folder: Path) -> Version:
 
 
 def make_version(label: str, design: Design, progress: Callable[[str], None]) -> Version:
-    """Make a design for a moment, to read what is reported of it. Raises FingertipError as `make` does."""
+    """Make a design for a moment, to read what is reported of it.
+
+    Raises FingertipError as `make` does.
+    """
     with temporary_folder() as temporary:
-        folder = temporary / "made" / design.name  # one level deeper: the temporary folder itself is locked
+        folder = (
+            temporary / "made" / design.name
+        )  # one level deeper: the temporary folder itself is locked
         make(design, folder, formats=["stl"], progress=progress)
         made = read_version(folder)
+
     return Version(label, design, made.report, made.detection)

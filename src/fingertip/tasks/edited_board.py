@@ -1,8 +1,9 @@
-"""Files of a board that somebody edited in KiCad: a change of values is entered into them, and nothing else.
+"""Files of a board that somebody edited in KiCad: a change of values is entered into them, and
+nothing else.
 
-The netlist in the folder states the circuit that the files were made from. Where the new circuit has the same parts,
-footprints and nets, the fields that differ between both circuits are replaced in the edited file. Where it has not,
-the edited file cannot follow, and nothing is written.
+The netlist in the folder states the circuit that the files were made from. Where the new circuit
+has the same parts, footprints and nets, the fields that differ between both circuits are replaced
+in the edited file. Where it has not, the edited file cannot follow, and nothing is written.
 """
 
 from __future__ import annotations
@@ -12,7 +13,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from fingertip.board.circuits.channels import find_symbol
-from fingertip.board.kicad.netlist import CircuitRecord, describe_structure_changes, join_names, read_netlist
+from fingertip.board.kicad.netlist import (
+    CircuitRecord,
+    describe_structure_changes,
+    join_names,
+    read_netlist,
+)
 from fingertip.board.kicad.placement import read_reference
 from fingertip.board.kicad.sexpr import Node, Span, find_word, quote, read_expression, replace_spans
 from fingertip.catalogues.output_files import (
@@ -38,23 +44,40 @@ def find_edited(folder: Path) -> list[str]:
     manifest = read_manifest(folder)
     if manifest is None or manifest.kind != "board":
         return []
+
     return [
         name
         for name in (LAYOUT, SCHEMATIC, CHANNEL_SHEET, PROJECT)
-        if name in manifest.files and (folder / name).is_file() and not has_hash(folder / name, manifest.files[name])
+        if name in manifest.files
+        and (folder / name).is_file()
+        and not has_hash(folder / name, manifest.files[name])
     ]
 
 
 def refuse_other_circuit(folder: Path, netlist: bytes, beside: Path) -> None:
-    """Refuse a folder whose unedited board has other parts, footprints or nets. Raises OutputError."""
-    manifest, path = read_manifest(folder), folder / NETLIST
-    if manifest is None or manifest.kind != "board" or not has_hash(path, manifest.files.get(path.name)):
+    """Refuse a folder whose unedited board has other parts, footprints or nets.
+
+    Raises OutputError.
+    """
+    manifest = read_manifest(folder)
+    path = folder / NETLIST
+
+    if (
+        manifest is None
+        or manifest.kind != "board"
+        or not has_hash(path, manifest.files.get(path.name))
+    ):
         return
+
     old = _read_circuit(path)
-    if not find_edited(folder) and (found := list(describe_structure_changes(old, read_netlist(netlist)))):
+    if not find_edited(folder) and (
+        found := list(describe_structure_changes(old, read_netlist(netlist)))
+    ):
         message = (
-            f"holds a board of {manifest.design!r} with another circuit, and this one changes more than values "
-            f"({'; '.join(found)}); write it beside with --out {beside}, or add --force to replace the one there."
+            f"holds a board of {manifest.design!r} with another circuit, and this one changes "
+            "more than values "
+            f"({'; '.join(found)}); write it beside with --out {beside}, or add --force to "
+            "replace the one there."
         )
         raise OutputError(Issue(str(folder), message))
 
@@ -62,49 +85,84 @@ def refuse_other_circuit(folder: Path, netlist: bytes, beside: Path) -> None:
 def revise_edited(
     folder: Path, contents: Mapping[str, bytes], make_layout: Callable[[Mapping[str, str]], bytes]
 ) -> tuple[dict[str, Revision], list[str]]:
-    """Revise the edited files of a folder for new contents of the board, and return a sentence on each of them too.
+    """Revise the edited files of a folder for new contents of the board, and return a sentence on
+    each of them too.
 
-    A project that KiCad or somebody changed is kept: it holds nothing of a design. Raises OutputError.
+    A project that KiCad or somebody changed is kept: it holds nothing of a design. Raises
+    OutputError.
     """
     manifest = read_manifest(folder)
-    present = {name: read_input(folder / name, PARSED_LIMIT, below=folder) for name in find_edited(folder)}
+    present = {
+        name: read_input(folder / name, PARSED_LIMIT, below=folder) for name in find_edited(folder)
+    }
     present = {name: data for name, data in present.items() if data != contents[name]}
-    revisions, notes, issues = {}, [], []
+    revisions = {}
+    notes = []
+    issues = []
+
     if PROJECT in present:
         data = present.pop(PROJECT)
         revisions[PROJECT] = Revision(data, data)
         notes.append(f"{folder / PROJECT}: was changed in KiCad, and is kept as it is.")
+
     if present and manifest is not None:
         old_path = folder / NETLIST
         if not has_hash(old_path, manifest.files.get(NETLIST)):
-            message = f"was edited, and {NETLIST}, which states its circuit, is missing or was changed; {_REMEDY}"
+            message = (
+                f"was edited, and {NETLIST}, which states its circuit, is missing or was "
+                f"changed; {_REMEDY}"
+            )
             raise OutputError([Issue(str(folder / name), message) for name in present])
-        old, new = _read_circuit(old_path), read_netlist(contents[NETLIST])
-        if found := list(describe_structure_changes(old, new)):
-            message = f"was edited, and this design changes more than values ({'; '.join(found)}); {_REMEDY}"
+
+        old = _read_circuit(old_path)
+        new = read_netlist(contents[NETLIST])
+        found = list(describe_structure_changes(old, new))
+
+        if found:
+            message = (
+                "was edited, and this design changes more than values "
+                f"({'; '.join(found)}); {_REMEDY}"
+            )
             raise OutputError([Issue(str(folder / name), message) for name in present])
+
         for name, data in present.items():
-            is_layout, drawn = name == LAYOUT, select_drawn(new, name)
+            is_layout = name == LAYOUT
+            drawn = select_drawn(new, name)
             try:
                 kind = "footprint" if is_layout else "symbol"
                 after, changed, problems = enter_values(data, kind, select_drawn(old, name), drawn)
                 if is_layout and changed:
-                    old_values = {reference: part.fields["Value"] for reference, part in old.parts.items()}
+                    old_values = {
+                        reference: part.fields["Value"] for reference, part in old.parts.items()
+                    }
                     after, is_complete = enter_texts(after, make_layout(old_values), contents[name])
             except ValueError as error:  # a UnicodeDecodeError is one too
-                issues.append(Issue(str(folder / name), f"was edited and cannot be read ({error}); {_REMEDY}"))
+                issues.append(
+                    Issue(str(folder / name), f"was edited and cannot be read ({error}); {_REMEDY}")
+                )
                 continue
+
             issues += [Issue(str(folder / name), problem) for problem in problems]
             revisions[name] = Revision(data, after)
-            what = f"the values of {join_names(changed)} are updated" if changed else "it has the values of this design"
+            what = (
+                f"the values of {join_names(changed)} are updated"
+                if changed
+                else "it has the values of this design"
+            )
             notes.append(f"{folder / name}: was edited; {what}, and nothing else changes.")
-            if own := list_own_values(after, kind, drawn):
+            own = list_own_values(after, kind, drawn)
+
+            if own:
                 notes[-1] += (
-                    f" Your values of {join_names(own)} are in it alone: {BOM}, {NETLIST}, {DECK}, {VALUES} and "
+                    f" Your values of {join_names(own)} are in it alone: {BOM}, {NETLIST}, "
+                    f"{DECK}, {VALUES} and "
                     f"{ASSEMBLY_DRAWING} have those of the design."
                 )
             if is_layout and changed and not is_complete:
-                notes[-1] += " This design prints more or fewer lines of values than it shows: compare them."
+                notes[-1] += (
+                    " This design prints more or fewer lines of values than it shows: compare them."
+                )
+
     raise_issues(OutputError, issues)
     return revisions, notes
 
@@ -123,6 +181,7 @@ def select_drawn(circuit: CircuitRecord, file: str) -> CircuitRecord:
     """
     if file == LAYOUT:
         return circuit
+
     channel = 1 if file == CHANNEL_SHEET else 0
     parts = {
         name: replace(part, identifier=part.identifier.rpartition("/")[2])
@@ -132,8 +191,12 @@ def select_drawn(circuit: CircuitRecord, file: str) -> CircuitRecord:
     return replace(circuit, parts=parts)
 
 
-def enter_values(data: bytes, kind: str, old: CircuitRecord, new: CircuitRecord) -> tuple[bytes, list[str], list[str]]:
-    """Enter the fields that differ between two circuits of the same structure into a layout or a schematic."""
+def enter_values(
+    data: bytes, kind: str, old: CircuitRecord, new: CircuitRecord
+) -> tuple[bytes, list[str], list[str]]:
+    """Enter the fields that differ between two circuits of the same
+    structure into a layout or a schematic.
+    """
     text = data.decode()
     root = read_expression(text)
     by_identifier = {part.identifier: name for name, part in old.parts.items()}
@@ -142,34 +205,53 @@ def enter_values(data: bytes, kind: str, old: CircuitRecord, new: CircuitRecord)
     known = [item for item in items if _identifier(item) in by_identifier]
     references = {by_identifier[_identifier(item)]: read_reference(item) for item in known}
     changes: dict[Span, str] = {}
-    changed, problems = [], []
+    changed = []
+    problems = []
+
     for name, part in new.parts.items():
         before = old.parts[name].fields
-        wanted = {field: value for field, value in part.fields.items() if value != before.get(field, "")}
+        wanted = {
+            field: value for field, value in part.fields.items() if value != before.get(field, "")
+        }
         if not wanted:
             continue
+
         if name not in references:
-            problems.append(f"lacks {name}, whose {join_names(sorted(wanted))} this design changes; {_REMEDY}")
+            problems.append(
+                f"lacks {name}, whose {join_names(sorted(wanted))} this design changes; {_REMEDY}"
+            )
             continue
+
         changed.append(references[name])
-        entries = [entry for item in items if read_reference(item) == references[name] for entry in _properties(item)]
+        entries = [
+            entry
+            for item in items
+            if read_reference(item) == references[name]
+            for entry in _properties(item)
+        ]
         for field, found, entry in entries:
             if field not in wanted or found == wanted[field]:
                 continue
+
             if found != before.get(field, ""):
                 problems.append(
-                    f"{references[name]} has {field} {found!r} by hand, and this design changes it from "
-                    f"{before.get(field, '')!r} to {wanted[field]!r}; enter either in KiCad, or {_REMEDY}"
+                    f"{references[name]} has {field} {found!r} by hand, and this design changes "
+                    "it from "
+                    f"{before.get(field, '')!r} to {wanted[field]!r}; enter either in KiCad, or "
+                    f"{_REMEDY}"
                 )
             else:
                 changes[find_word(text, entry, 2)] = quote(wanted[field])
+
     return replace_spans(text, changes).encode(), changed, problems
 
 
 def list_own_values(data: bytes, kind: str, circuit: CircuitRecord) -> list[str]:
     """List the parts of a layout or a schematic whose values are not those of a circuit."""
     parts = {part.identifier: part for part in circuit.parts.values()}
-    items = (item for item in read_expression(data.decode()).children(kind) if _identifier(item) in parts)
+    items = (
+        item for item in read_expression(data.decode()).children(kind) if _identifier(item) in parts
+    )
     return [
         read_reference(item)
         for item in items
@@ -181,7 +263,9 @@ def list_own_values(data: bytes, kind: str, circuit: CircuitRecord) -> list[str]
 def enter_texts(data: bytes, old_layout: bytes, new_layout: bytes) -> tuple[bytes, bool]:
     """Enter printed texts that differ between two layouts, such as values, into an edited one."""
     text = data.decode()
-    old, new = (_printed_texts(read_expression(layout.decode())) for layout in (old_layout, new_layout))
+    old, new = (
+        _printed_texts(read_expression(layout.decode())) for layout in (old_layout, new_layout)
+    )
     changes = {
         find_word(text, item, 1): quote(new[identifier].words[1])
         for identifier, item in _printed_texts(read_expression(text)).items()
@@ -189,6 +273,7 @@ def enter_texts(data: bytes, old_layout: bytes, new_layout: bytes) -> tuple[byte
         and identifier in new
         and item.words[1] == old[identifier].words[1] != new[identifier].words[1]
     }
+
     return replace_spans(text, changes).encode(), old.keys() == new.keys()
 
 

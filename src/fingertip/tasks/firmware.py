@@ -1,4 +1,6 @@
-"""Files of the library: their content, writing them to a folder, and comparing them with those in a folder."""
+"""Files of the library: their content, writing them to a folder,
+and comparing them with those in a folder.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,8 @@ from fingertip.firmware.sources import LAMP, lamp_sketch, library_sources, read_
 from fingertip.foundation.output_set import write_attributes
 from fingertip.tasks.verification import compare_with_design
 
-SOURCES, EXAMPLES = "src", "examples"
+SOURCES = "src"
+EXAMPLES = "examples"
 """Folders of the library, as Arduino names them."""
 _EXAMPLE_FILES = {"slip_pin": ("slip_pin.ino",), "slip_stream": ("slip_stream.ino", "slip_line.h")}
 """Example of one finger -> its files. Arduino names a sketch like its folder."""
@@ -23,37 +26,60 @@ _HAND_FILES = {"slip_hand": ("slip_hand.ino",), "slip_stream": _EXAMPLE_FILES["s
 
 
 def firmware_files(design: Design, fingers: Fingers = ONE_FINGER) -> dict[str, dict[str, bytes]]:
-    """Content of the files, by folder within the library and by name; the same design gives the same bytes."""
-    sources, readme = library_sources(design, fingers), render_readme(design, fingers).encode()
-    if not design.board.has_filter:  # Arduino compiles what stands beside a sketch: no library to install
+    """Content of the files, by folder within the library and by
+    name; the same design gives the same bytes.
+    """
+    sources = library_sources(design, fingers)
+    readme = render_readme(design, fingers).encode()
+
+    if (
+        not design.board.has_filter
+    ):  # Arduino compiles what stands beside a sketch: no library to install
         return {".": {README: readme}, Path(LAMP).stem: lamp_sketch(design, fingers) | sources}
+
     folders = {
-        ".": {README: readme, PROPERTIES: library_properties(design), MANIFEST: library_manifest(design)},
+        ".": {
+            README: readme,
+            PROPERTIES: library_properties(design),
+            MANIFEST: library_manifest(design),
+        },
         SOURCES: sources,
     }
     for example, names in (_HAND_FILES if fingers.is_hand else _EXAMPLE_FILES).items():
         files = {name: read_template(f"{EXAMPLES}/{name}").encode() for name in names}
         folders[f"{EXAMPLES}/{example}"] = files
+
     return folders
 
 
 def write_firmware(
-    design: Design, out: str | Path | None = None, *, fingers: Fingers = ONE_FINGER, force: bool = False
+    design: Design,
+    out: str | Path | None = None,
+    *,
+    fingers: Fingers = ONE_FINGER,
+    force: bool = False,
 ) -> tuple[Path, ...]:
-    """Write the library of a design to a folder, `out/NAME/firmware` by default, and return the paths of its files.
+    """Write the library of a design to a folder, `out/NAME/firmware` by default, and return the
+    paths of its files.
 
-    `fingers` are those that the controller reads, as `fingertip.firmware.fingers.plan_fingers` gives them. With
-    `force`, files may be overwritten that this function did not write, or that were changed since. Without it, a file
-    of these names that is somebody's own raises OutputError, as a folder that cannot be written does. Nothing has been
-    written then.
+    `fingers` are those that the controller reads, as `fingertip.firmware.fingers.plan_fingers`
+    gives them. With `force`, files may be overwritten that this function did not write, or that
+    were changed since. Without it, a file of these names that is somebody's own raises OutputError,
+    as a folder that cannot be written does. Nothing has been written then.
     """
     return plan_firmware(design, FIRMWARE.folder(design, out), fingers=fingers, force=force)()
 
 
 def plan_firmware(
-    design: Design, folder: Path, *, fingers: Fingers = ONE_FINGER, force: bool = False, top: Path | None = None
+    design: Design,
+    folder: Path,
+    *,
+    fingers: Fingers = ONE_FINGER,
+    force: bool = False,
+    top: Path | None = None,
 ) -> Callable[[], tuple[Path, ...]]:
-    """Check that the files can be written to a folder below `top`, and return the function that writes them.
+    """Check that the files can be written to a folder below `top`, and return the function that
+    writes them.
 
     Raises OutputError.
     """
@@ -67,13 +93,18 @@ def plan_firmware(
     def write() -> tuple[Path, ...]:
         for writer, contents in sets:
             writer.write(contents)
+
         write_attributes(folder)
         return tuple(writer.folder / name for writer, contents in sets for name in contents)
 
     return write
 
 
-def firmware_differences(design: Design, folder: str | Path, fingers: Fingers = ONE_FINGER) -> list[str]:
+def firmware_differences(
+    design: Design, folder: str | Path, fingers: Fingers = ONE_FINGER
+) -> list[str]:
     folders = firmware_files(design, fingers).items()
-    expected = {f"{place}/{name}": data for place, contents in folders for name, data in contents.items()}
+    expected = {
+        f"{place}/{name}": data for place, contents in folders for name, data in contents.items()
+    }
     return compare_with_design(Path(folder), expected)

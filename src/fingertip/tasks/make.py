@@ -1,10 +1,12 @@
-"""Everything of a design in one go: parts, drawings, board, one simulated trial and the slip detected in it.
+"""Everything of a design in one go: parts, drawings, board, one simulated trial and the slip
+detected in it.
 
-The parts stand at the top of the folder, as `build` writes them, with pictures of the casting steps in `steps/`, and
-the drawings and the acceptance sheet beside them. The board is in `board/`, the trial in `signal/`. Each is a set of
-its own. A design without a board has the sketch for its controller in `firmware/`. STEP files, trial and pictures are
-made in processes beside, while this process makes the others, and prepares what the page shows of the design alone. The
-page is made last, from what was written.
+The parts stand at the top of the folder, as `build` writes them, with pictures of the casting steps
+in `steps/`, and the drawings and the acceptance sheet beside them. The board is in `board/`, the
+trial in `signal/`. Each is a set of its own. A design without a board has the sketch for its
+controller in `firmware/`. STEP files, trial and pictures are made in processes beside, while this
+process makes the others, and prepares what the page shows of the design alone. The page is made
+last, from what was written.
 """
 
 from __future__ import annotations
@@ -68,24 +70,40 @@ def make(
 ) -> Made:
     """Make parts, drawings, board or sketch, a simulated trial and its detection, in one folder.
 
-    The folder is `out/NAME` by default; `formats` are those of the parts, as for `build`. With `force`, files may be
-    overwritten that this function did not write, or that were changed since. `progress` is called with a message at
-    each step. Raises as `build`, `write_board`, `simulate` and `detect_file` do; nothing has been written then.
+    The folder is `out/NAME` by default; `formats` are those of the parts, as for `build`. With
+    `force`, files may be overwritten that this function did not write, or that were changed since.
+    `progress` is called with a message at each step. Raises as `build`, `write_board`, `simulate`
+    and `detect_file` do; nothing has been written then.
     """
     named = None if formats is None else tuple(formats)
-    plan = _plan(design, output_files.PART_FILES.folder(design, out), find_formats() if named is None else named, force)
-    folder, rest = plan.folder, list[_Rest]()
+    plan = _plan(
+        design,
+        output_files.PART_FILES.folder(design, out),
+        find_formats() if named is None else named,
+        force,
+    )
+    folder = plan.folder
+    rest = list[_Rest]()
     work = Work(design.name, {"parts": 6.0, "page": 0.5}, progress)
     report = work.within("parts")
+
     with in_background(_simulate_and_draw, design, plan.has_page) as beside:
-        board = plan_board(design, folder / output_files.BOARD_FOLDER, force=force, bring_up=True, top=folder)
-        options = BuildOptions(
-            formats=plan.formats, pictures=True, drawings=plan.has_drawings, force=force,
-            verify=all(map(extras.is_installed, list_packages(plan.formats))),
-        )  # fmt: skip
-        parts = run_build(
-            plan_build(design, folder, options), report, lambda stage: rest.append(_make_rest(plan, beside, stage))
+        board = plan_board(
+            design, folder / output_files.BOARD_FOLDER, force=force, bring_up=True, top=folder
         )
+        options = BuildOptions(
+            formats=plan.formats,
+            pictures=True,
+            drawings=plan.has_drawings,
+            force=force,
+            verify=all(map(extras.is_installed, list_packages(plan.formats))),
+        )
+        parts = run_build(
+            plan_build(design, folder, options),
+            report,
+            lambda stage: rest.append(_make_rest(plan, beside, stage)),
+        )
+
     (made,) = rest
     board_paths = board.write(progress)
     plan.signal.write(made.signal)
@@ -94,14 +112,28 @@ def make(
     signal_paths = tuple(plan.signal.folder / name for name in made.signal)
     drawn = tuple(folder / name for name in file_names(design)) if plan.has_drawings else ()
     page = None
+
     if made.page:
         work.begin("page")
         page, _, _ = write_page(design, folder, force=force, prepared=made.page)
     else:
         progress(f"{output_files.PAGE} is left out: it shows the STL files; add stl to the formats")
-    wanted = {"cadquery": "STEP files", "reportlab": "drawings"} if named is None or "step" in named else {}
+
+    wanted = (
+        {"cadquery": "STEP files", "reportlab": "drawings"}
+        if named is None or "step" in named
+        else {}
+    )
     extras.say_left_out({**wanted, "matplotlib": output_files.PLOT}, progress)
-    return Made(parts, drawn, board_paths, signal_paths, sketch, made.detection, page)
+    return Made(
+        parts=parts,
+        drawings=drawn,
+        board=board_paths,
+        signal=signal_paths,
+        firmware=sketch,
+        detection=made.detection,
+        page=page,
+    )
 
 
 @dataclass(frozen=True)
@@ -130,11 +162,23 @@ def _plan(design: Design, folder: Path, formats: tuple[str, ...], force: bool) -
     parts.check((output_files.ACCEPTANCE, output_files.PAGE))
     board.check(BRING_UP_FILES)
     write_sketch = None
+
     if not design.board.has_filter:
-        write_sketch = plan_firmware(design, folder / output_files.FIRMWARE.place, force=force, top=folder)
+        write_sketch = plan_firmware(
+            design, folder / output_files.FIRMWARE.place, force=force, top=folder
+        )
+
     signal.check((output_files.TRACE, output_files.PLOT, output_files.DETECTION))
     has_drawings = "step" in formats and extras.is_installed("reportlab")
-    return _Plan(design, folder, formats, has_drawings, parts, signal, write_sketch)
+    return _Plan(
+        design=design,
+        folder=folder,
+        formats=formats,
+        has_drawings=has_drawings,
+        parts=parts,
+        signal=signal,
+        write_sketch=write_sketch,
+    )
 
 
 @dataclass(frozen=True)
@@ -154,6 +198,7 @@ def _make_rest(plan: _Plan, beside: Callable[[], _Simulated], report: ReportProg
     stages.begin("trial")
     signal, detection, pad = beside()
     acceptance = render_acceptance(acceptance_sheet(plan.design)).encode()
+
     return _Rest(signal, detection, acceptance, page and replace(page, pad=pad))
 
 
@@ -165,7 +210,8 @@ def _simulate_and_draw(design: Design, has_page: bool) -> _Simulated:
     return *simulate_and_detect(design), render_pad(design) if has_page else None
 
 
-# Trial of a design: a simulated one, and the slip that its detector finds in it. It runs in a process of its own.
+# Trial of a design: a simulated one, and the slip that its detector finds in it. It runs in a
+# process of its own.
 
 DETECTOR = "fast"
 """Detector of the trial: the best there is."""
@@ -175,16 +221,24 @@ def simulate_and_detect(design: Design) -> tuple[dict[str, bytes], FileDetection
     """Simulate a trial, and detect slip in its trace as it is read back from a file."""
     scene = load_simulation().scene
     assert isinstance(scene, SceneFile)
-    if second := find_second_column(design, DETECTOR):
+    second = find_second_column(design, DETECTOR)
+    if second:
         scene = scene.model_copy(update={"outputs": [*scene.outputs, f"sampled_{second}"]})
+
     result = run_scene(design, scene)
-    contents = {output_files.TRACE: encode_trace(result.time_s, result.columns, Path(output_files.TRACE))}
+    contents = {
+        output_files.TRACE: encode_trace(result.time_s, result.columns, Path(output_files.TRACE))
+    }
     with temporary_folder() as temporary:
         path = temporary / output_files.TRACE
         path.write_bytes(contents[output_files.TRACE])
         found = detect_file(path, design, DETECTOR, origin=result.trace.origin)
+
     data = as_data(found.detection, found.noise)
     contents[output_files.DETECTION] = encode_json(data)
     if extras.is_installed("matplotlib"):
-        contents[output_files.PLOT] = draw(found.trace, found.detection, f"{design.name}: simulated trial")
+        contents[output_files.PLOT] = draw(
+            found.trace, found.detection, f"{design.name}: simulated trial"
+        )
+
     return contents, found

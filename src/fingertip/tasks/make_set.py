@@ -1,7 +1,7 @@
 """Everything of a set of fingers: each form once, as `make` makes it, and what the fingers share.
 
-The folder of a form stands below that of the set, whose own files say what is printed, cast and bought for all of them.
-The forms are written one after the other, the files of the set last.
+The folder of a form stands below that of the set, whose own files say what is printed, cast and
+bought for all of them. The forms are written one after the other, the files of the set last.
 """
 
 from __future__ import annotations
@@ -76,9 +76,9 @@ def make_set(
 ) -> MadeSet:
     """Make every form of a set in a folder of its own, and the plan and sheets of the set.
 
-    Options are those of `make`. The folder is `out/<set name>` by default. Raises FingertipError as `make` does for
-    each form, or if a part is too large for the bed or a silicone thickens too soon. Nothing has been written then, but
-    for forms whose own files were complete.
+    Options are those of `make`. The folder is `out/<set name>` by default. Raises FingertipError as
+    `make` does for each form, or if a part is too large for the bed or a silicone thickens too
+    soon. Nothing has been written then, but for forms whose own files were complete.
     """
     folder = SET_FILES.folder(fingers, out)
     formats = None if formats is None else tuple(formats)
@@ -88,57 +88,102 @@ def make_set(
     # A folder may come from a stranger, and links may lead anywhere.
     links = (link for place in places.values() if (link := find_link(folder, place)))
     issues = [Issue(str(link), "is a link; remove it.") for link in links]
+
     if BOARD_FOLDER in places:
-        issues.append(Issue("name", f"{BOARD_FOLDER} is a folder of every set, and the name of a design; rename it."))
+        issues.append(
+            Issue(
+                "name",
+                f"{BOARD_FOLDER} is a folder of every set, and the name of a design; rename it.",
+            )
+        )
+
     raise_issues(OutputError, issues)
     for form in fingers.forms:
         PART_FILES.writer(form.design, places[form.design.name], force).check((PAGE, ACCEPTANCE))
+
     board_design = fingers.board_design
     if board_design:
         BOARD.writer(board_design, folder / BOARD_FOLDER, force, folder).check(BRING_UP_FILES)
-    labels = [f"{form.design.name} ({number} of {len(fingers.forms)})" for number, form in enumerate(fingers.forms, 1)]
+
+    labels = [
+        f"{form.design.name} ({number} of {len(fingers.forms)})"
+        for number, form in enumerate(fingers.forms, 1)
+    ]
     work = Work(fingers.name, {"forms": 1.0, **dict.fromkeys(labels, 15.0), "set": 2.0}, progress)
     work.begin("forms")
     _refuse_early(fingers)
 
     forms: list[Made] = []
+
     for label, form in zip(labels, fingers.forms, strict=True):
         report = work.within(label)
-        forms.append(make(form.design, places[form.design.name], formats=formats, force=force, progress=report))
+        forms.append(
+            make(
+                form.design, places[form.design.name], formats=formats, force=force, progress=report
+            )
+        )
+
     work.begin("set")
-    collected = [_collect(fingers, form, made) for form, made in zip(fingers.forms, forms, strict=True)]
+    collected = [
+        _collect(fingers, form, made) for form, made in zip(fingers.forms, forms, strict=True)
+    ]
     board: tuple[Path, ...] = ()
+
     if board_design:
-        planned = plan_board(board_design, folder / BOARD_FOLDER, force=force, bring_up=True, top=folder)
+        planned = plan_board(
+            board_design, folder / BOARD_FOLDER, force=force, bring_up=True, top=folder
+        )
         board = planned.write(progress)
+
     sheets = finger_set.set_sheets(fingers, collected, has_board=board_design is not None)
     failed = [made.parts.design.name for made in forms if not made.parts.passed]
     contents = _render_sheets(fingers, sheets, _list_files(collected, board, folder), failed)
     if board_design:
         contents |= copy_design(board_design, BOARD_DESIGN, "Design of the board for all fingers.")
+
     writer.write(contents)
     return MadeSet(folder, tuple(forms), board, sheets)
 
 
-def _list_files(sheets: Iterable[finger_set.FormSheets], board: Iterable[Path], folder: Path) -> list[str]:
+def _list_files(
+    sheets: Iterable[finger_set.FormSheets], board: Iterable[Path], folder: Path
+) -> list[str]:
     """List the files of a set that its page links to, without those of the page's own making."""
     own = f"{BOARD_FOLDER}/{README}"
-    listed = [f"{each.form.design.name}/{file}" for each in sheets for file in (own, each.casting.plate)]
-    return [*listed, *(path.relative_to(folder).as_posix() for path in board if path.suffix in _SHOWN)]
+    listed = [
+        f"{each.form.design.name}/{file}" for each in sheets for file in (own, each.casting.plate)
+    ]
+    return [
+        *listed,
+        *(path.relative_to(folder).as_posix() for path in board if path.suffix in _SHOWN),
+    ]
 
 
 def _render_sheets(
     fingers: FingerSet, sheets: finger_set.SetSheets, files: Sequence[str], failed: Sequence[str]
 ) -> dict[str, bytes]:
-    names = {OVERVIEW: "overview", CASTING_PLAN: "plan", PARTS_LIST: "parts", ACCEPTANCE: "acceptance"}
+    names = {
+        OVERVIEW: "overview",
+        CASTING_PLAN: "plan",
+        PARTS_LIST: "parts",
+        ACCEPTANCE: "acceptance",
+    }
     pages = {file: finger_set.render_sheet(name, sheets) for file, name in names.items()}
     pictures = {form.design.name: draw_finger(form.design, _PICTURE_PX) for form in fingers.forms}
     start = finger_set.render_sheet("start", sheets)
+
     return {
         **{name: text.encode() for name, text in pages.items()},
         PARTS_CSV: finger_set.write_parts_csv(sheets.things),
         SET_REPORT: encode_json(asdict(sheets)),
-        PAGE: render_set_page(sheets, pictures, start, pages.values(), [*pages, PARTS_CSV, *files], failed),
+        PAGE: render_set_page(
+            sheets,
+            pictures=pictures,
+            start=start,
+            texts=pages.values(),
+            files=[*pages, PARTS_CSV, *files],
+            failed=failed,
+        ),
     }
 
 
@@ -146,12 +191,19 @@ def _refuse_early(fingers: FingerSet) -> None:
     """Refuse what a set can be refused for, before the work starts. Raises DesignError."""
     evaluator = MeshEvaluator(_COARSE_MM)
     issues = list(finger_set.find_short_pot_lives(form.design for form in fingers.forms))
+
     for design in (form.design for form in fingers.forms):
         for name, lies in print_orientations(design).items():
-            mesh = evaluator.mesh(scaled(PARTS[name].solid(design), print_scale(design, PARTS[name])))
-            if (excess := build_volume_excess(design, mesh, lies.rotate_x_deg)) > 0.0:
+            mesh = evaluator.mesh(
+                scaled(PARTS[name].solid(design), print_scale(design, PARTS[name]))
+            )
+            excess = build_volume_excess(design, mesh, lies.rotate_x_deg)
+            if excess > 0.0:
                 text = f"{name} of {design.name} exceeds the build volume by {excess:.1f} mm"
-                issues.append(Issue("printer.bed_x_mm", f"{text}; {_name_larger_bed(design, name, mesh)}."))
+                issues.append(
+                    Issue("printer.bed_x_mm", f"{text}; {_name_larger_bed(design, name, mesh)}.")
+                )
+
     raise_issues(DesignError, issues)
 
 
@@ -160,12 +212,27 @@ def _name_larger_bed(design: Design, part: str, mesh: Mesh) -> str:
     short, long = sorted(size[:2])
     beds = sorted(("printer.bed_x_mm", "printer.bed_y_mm"), key=design.value)
     needed = zip((*beds, "printer.bed_z_mm"), (short, long, size[2]), strict=True)
-    changes = [f"--set {path}={math.ceil(least + 0.1)}" for path, least in needed if least > design.value(path)]
+    changes = [
+        f"--set {path}={math.ceil(least + 0.1)}"
+        for path, least in needed
+        if least > design.value(path)
+    ]
+
     return f"it fits with {' '.join(changes)}"
 
 
 def _collect(fingers: FingerSet, form: Form, made: Made) -> finger_set.FormSheets:
     assert made.parts.casting is not None, "all parts are built"
-    own = {name: acceptance_sheet(fingers.calibrated[name]) for name in form.fingers if name in fingers.calibrated}
+    own = {
+        name: acceptance_sheet(fingers.calibrated[name])
+        for name in form.fingers
+        if name in fingers.calibrated
+    }
     verdict = count_checks(made.parts.checks)
-    return finger_set.FormSheets(form, made.parts.casting, acceptance_sheet(form.design), verdict, own)
+    return finger_set.FormSheets(
+        form=form,
+        casting=made.parts.casting,
+        acceptance=acceptance_sheet(form.design),
+        verdict=verdict,
+        calibrated=own,
+    )

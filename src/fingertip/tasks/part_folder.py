@@ -1,7 +1,8 @@
-"""Comparison of an output folder with a design: were its files made from it, by this program, and are they whole?
+"""Comparison of an output folder with a design: were its files made from it, by this program, and
+are they whole?
 
-Checksums and parameters are compared in a fraction of a second. Where another version of the program made the parts,
-only making them again can tell whether they would be the same.
+Checksums and parameters are compared in a fraction of a second. Where another version of the
+program made the parts, only making them again can tell whether they would be the same.
 """
 
 from __future__ import annotations
@@ -13,12 +14,25 @@ from typing import Any
 
 from fingertip.cad.program import digest_program
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.catalogues.output_files import DESIGN, PART_FILES, PART_FORMATS, REPORT, SET_FILES, SIGNAL_FOLDER
+from fingertip.catalogues.output_files import (
+    DESIGN,
+    PART_FILES,
+    PART_FORMATS,
+    REPORT,
+    SET_FILES,
+    SIGNAL_FOLDER,
+)
 from fingertip.design import Design
 from fingertip.design.files import flatten, format_value, load_tables
 from fingertip.design.finger_set import FingerSet
 from fingertip.foundation.errors import FingertipError, InputFileError, Issue, OutputError
-from fingertip.foundation.output_set import MANIFEST, Manifest, has_hash, hash_parameters, read_manifest
+from fingertip.foundation.output_set import (
+    MANIFEST,
+    Manifest,
+    has_hash,
+    hash_parameters,
+    read_manifest,
+)
 from fingertip.tasks.report_file import read_json_file
 from fingertip.tasks.verification import verify_sets
 
@@ -35,7 +49,9 @@ class FolderComparison:
     files: int
     """Number of files whose checksums were compared."""
     faults: tuple[str, ...]
-    """What is wrong, in sentences that say what to do; empty if these are the files of the design."""
+    """What is wrong, in sentences that say what to do; empty if these are the files of
+    the design.
+    """
     design: Design | FingerSet | None = None
     """Design or set that the folder was compared with; None if it is that of none."""
     command: str = ""
@@ -43,15 +59,19 @@ class FolderComparison:
     words: tuple[str, ...] = ()
     """Options with which the folder was made, and --force if files in it were changed."""
     doubt: str = ""
-    """Why equal checksums do not prove that this program would make the same parts; empty if they do."""
+    """Why equal checksums do not prove that this program would
+    make the same parts; empty if they do.
+    """
 
 
 def compare_folder(
     candidates: Sequence[Design | FingerSet], folder: Path, parts: Collection[str] | None = None
 ) -> FolderComparison:
-    """Compare a folder that a command wrote with the design or set, of those given, that it was made from.
+    """Compare a folder that a command wrote with the design or set, of those given, that it was
+    made from.
 
-    A folder of parts must hold these parts, or all of the design. Raises OutputError if no command wrote the folder.
+    A folder of parts must hold these parts, or all of the design. Raises OutputError if no command
+    wrote the folder.
     """
     manifest = read_manifest(folder)
     if manifest is None:
@@ -61,22 +81,42 @@ def compare_folder(
     design = _choose(candidates, manifest)
     if design is None:
         names = " and ".join(candidate.name for candidate in candidates)
-        said = f"{folder}: holds the {manifest.kind} of {manifest.design!r}, not of {names}; give its own design."
+        said = (
+            f"{folder}: holds the {manifest.kind} of {manifest.design!r}, not of {names}; give "
+            "its own design."
+        )
         return FolderComparison(count, (*changed, said))
 
-    faults = [*changed, *(issue.typed for issue in _find_other_parameters(design, folder, manifest))]
+    faults = [
+        *changed,
+        *(issue.typed for issue in _find_other_parameters(design, folder, manifest)),
+    ]
     words = ("--force",) if changed else ()
     if isinstance(design, FingerSet):
         faults += _compare_forms(design, folder)
-        return FolderComparison(count, tuple(faults), design, "make", words)
+        return FolderComparison(
+            files=count,
+            faults=tuple(faults),
+            design=design,
+            command="make",
+            words=words,
+        )
+
     if manifest.kind != PART_FILES.kind:
         command = manifest.kind if manifest.kind in ("board", "firmware", "robot") else ""
-        return FolderComparison(count, tuple(faults), design, command, words)
+        return FolderComparison(
+            files=count,
+            faults=tuple(faults),
+            design=design,
+            command=command,
+            words=words,
+        )
 
     faults += _find_missing_parts(design, folder, manifest, parts)
     faults += _find_other_prints(folder)
     command = "make" if (folder / SIGNAL_FOLDER / MANIFEST).is_file() else "build"
     doubt = _doubt(folder) if manifest.program != digest_program() else ""
+
     return FolderComparison(
         files=count,
         faults=tuple(faults),
@@ -91,36 +131,55 @@ def _describe_no_manifest(folder: Path) -> str:
     if not folder.is_dir():
         return "does not exist; build the design there, or give the folder that holds its files."
     if (folder / MANIFEST).exists():
-        return f"has a {MANIFEST} that fingertip did not write, or that was changed since; make the files again."
-    return f"has no {MANIFEST} of fingertip; give the folder that build, make or another command wrote."
+        return (
+            f"has a {MANIFEST} that fingertip did not write, or that was changed since; make "
+            "the files again."
+        )
+
+    return (
+        f"has no {MANIFEST} of fingertip; give the folder that build, make or another command "
+        "wrote."
+    )
 
 
-def _choose(candidates: Sequence[Design | FingerSet], manifest: Manifest) -> Design | FingerSet | None:
+def _choose(
+    candidates: Sequence[Design | FingerSet], manifest: Manifest
+) -> Design | FingerSet | None:
     """Choose the design of a folder: that of the same parameters, else that of the same name."""
     is_set = manifest.kind == SET_FILES.kind
     forms = [form.design for one in candidates if isinstance(one, FingerSet) for form in one.forms]
     of_kind = [one for one in (*candidates, *forms) if isinstance(one, FingerSet) == is_set]
     equal = [one for one in of_kind if hash_parameters(one.identity()) == manifest.parameters]
     named = [one for one in of_kind if one.name == manifest.design]
+
     return next(iter([*equal, *named]), None)
 
 
 def _find_missing_parts(
     design: Design, folder: Path, manifest: Manifest, parts: Collection[str] | None
 ) -> Iterator[str]:
-    """Find the parts of the design, or those of them that are wanted, of which the folder was made without."""
+    """Find the parts of the design, or those of them that are
+    wanted, of which the folder was made without.
+    """
     wanted = [name for name in parts_by_name(design) if parts is None or name in parts]
-    missing = [name for name in wanted if not any(file.startswith(f"{name}.") for file in manifest.files)]
+    missing = [
+        name for name in wanted if not any(file.startswith(f"{name}.") for file in manifest.files)
+    ]
+
     if missing:
         present = [name for name in parts_by_name(design) if name not in missing]
         some = f", or give --parts {','.join(present)} to build --check" if present else ""
         yield f"{folder}: was made without {', '.join(missing)}; make the parts again{some}."
 
 
-def _list_options(folder: Path, manifest: Manifest, command: str, parts: Collection[str] | None) -> tuple[str, ...]:
+def _list_options(
+    folder: Path, manifest: Manifest, command: str, parts: Collection[str] | None
+) -> tuple[str, ...]:
     """List the options of `build` or `make` with which the parts in a folder were made."""
     formats = [
-        name for name, each in PART_FORMATS.items() if any(file.endswith(each.suffix) for file in manifest.files)
+        name
+        for name, each in PART_FORMATS.items()
+        if any(file.endswith(each.suffix) for file in manifest.files)
     ]
     words = ["--formats", ",".join(formats)] if formats else []
     if command == "make":
@@ -128,12 +187,15 @@ def _list_options(folder: Path, manifest: Manifest, command: str, parts: Collect
 
     if parts is not None:
         words += ["--parts", ",".join(parts)]
+
     try:
         tolerance_mm = read_json_file(folder / REPORT, folder).get("tolerance_mm")
     except InputFileError:
         tolerance_mm = None
+
     if isinstance(tolerance_mm, float) and tolerance_mm != DEFAULT_TOLERANCE_MM:
         words += ["--tolerance-mm", f"{tolerance_mm:g}"]
+
     return tuple(words)
 
 
@@ -144,6 +206,7 @@ def _compare_forms(fingers: FingerSet, folder: Path) -> Iterator[str]:
         if not place.is_dir():
             yield f"{place}: is missing; make the set again."
             continue
+
         compared = compare_folder([form.design], place)
         yield from compared.faults
         if compared.doubt:
@@ -157,10 +220,13 @@ def _doubt(folder: Path) -> str:
     )
 
 
-# --- parameters -------------------------------------------------------------------------------------------------------
+# --- parameters
+# --------------------------------------------------------------------------------------------------
 
 
-def _find_other_parameters(design: Design | FingerSet, folder: Path, manifest: Manifest) -> Iterator[Issue]:
+def _find_other_parameters(
+    design: Design | FingerSet, folder: Path, manifest: Manifest
+) -> Iterator[Issue]:
     """Find the parameters in which a design differs from the one that a folder was made from."""
     if manifest.parameters == hash_parameters(design.identity()):
         return
@@ -172,7 +238,9 @@ def _find_other_parameters(design: Design | FingerSet, folder: Path, manifest: M
         if name in before and before[name] != value
     ]
     if not changed:
-        yield Issue(str(folder), f"was made from other parameters of {manifest.design!r}; make it again.")
+        yield Issue(
+            str(folder), f"was made from other parameters of {manifest.design!r}; make it again."
+        )
         return
 
     more = f", and {len(changed) - _SHOWN} more" if len(changed) > _SHOWN else ""
@@ -181,7 +249,9 @@ def _find_other_parameters(design: Design | FingerSet, folder: Path, manifest: M
 
 
 def _read_parameters(folder: Path) -> Mapping[str, Any]:
-    """Read the parameters that a folder states; none if it has no design file, or one of another release."""
+    """Read the parameters that a folder states; none if it has no
+    design file, or one of another release.
+    """
     try:
         loaded = load_tables([folder / DESIGN], (), below=folder)
         return dict(flatten(Design.from_tables(loaded.tables).identity()))
@@ -189,15 +259,19 @@ def _read_parameters(folder: Path) -> Mapping[str, Any]:
         return {}
 
 
-# --- files as they lie on the bed -------------------------------------------------------------------------------------
+# --- files as they lie on the bed
+# -------------------------------------------------------------------------------------
 
 
 def _find_other_prints(folder: Path) -> Iterator[str]:
-    """Find files for the printer that are not those of the report: its folder may have lost its own manifest."""
+    """Find files for the printer that are not those of the report:
+    its folder may have lost its own manifest.
+    """
     try:
         report = read_json_file(folder / REPORT, folder)
     except InputFileError:
         return  # the manifest says so already
+
     prints = report.get("print")
     for name, entry in prints.items() if isinstance(prints, dict) else ():
         digest = entry.get("sha256") if isinstance(entry, dict) else None

@@ -18,7 +18,8 @@ _FORMATS = ("stl", "3mf")
 
 
 def compare_made_again(design: Design, folder: Path) -> list[str]:
-    """Make the STL and 3MF files of a folder again, and describe which of them differ; none if all are equal.
+    """Make the STL and 3MF files of a folder again, and describe which of them differ; none if all
+    are equal.
 
     Raises InputFileError if the folder has no report of fingertip, and GeometryError.
     """
@@ -27,21 +28,29 @@ def compare_made_again(design: Design, folder: Path) -> list[str]:
     if not in_folder:
         return [f"{folder}: holds no STL or 3MF file to compare; make the parts again."]
 
-    names = [name for name in parts_by_name(design) if any(file.startswith(f"{name}.") for file in in_folder)]
+    names = [
+        name
+        for name in parts_by_name(design)
+        if any(file.startswith(f"{name}.") for file in in_folder)
+    ]
     formats = [name for name in _FORMATS if any(file.endswith(f".{name}") for file in in_folder)]
     made = verify(design, names, formats, MeshEvaluator(_read_tolerance(folder)))
 
     found = []
+
     for place, files, contents in (
         (folder, in_folder, made.contents),
         (folder / PRINT_FOLDER, lying, made.prints.contents),
     ):
-        found += compare_with_design(place, {name: data for name, data in contents.items() if name in files})
+        found += compare_with_design(
+            place, {name: data for name, data in contents.items() if name in files}
+        )
         found += [
             f"{place / name}: is of no part of this design; remove it, or make the parts again."
             for name in files
             if name not in contents
         ]
+
     return found
 
 
@@ -54,7 +63,14 @@ def _list_meshes(folder: Path) -> list[str]:
 def _read_tolerance(folder: Path) -> float:
     """Read the tolerance at which the meshes of a folder were made [mm]."""
     tolerance_mm = read_json_file(folder / REPORT, folder).get("tolerance_mm")
-    if isinstance(tolerance_mm, int | float) and MIN_TOLERANCE_MM <= tolerance_mm <= MAX_TOLERANCE_MM:
+    if (
+        isinstance(tolerance_mm, int | float)
+        and MIN_TOLERANCE_MM <= tolerance_mm <= MAX_TOLERANCE_MM
+    ):
         return float(tolerance_mm)
-    message = f"states no tolerance of {MIN_TOLERANCE_MM:g} to {MAX_TOLERANCE_MM:g} mm; make the parts again."
+
+    message = (
+        f"states no tolerance of {MIN_TOLERANCE_MM:g} to {MAX_TOLERANCE_MM:g} mm; make the "
+        "parts again."
+    )
     raise InputFileError(Issue(str(folder / REPORT), message))

@@ -1,4 +1,6 @@
-"""Content of `report.json`, as `build` and `make` write it, in a folder that may be a stranger's."""
+"""Content of `report.json`, as `build` and `make` write it, in a folder that may be a
+stranger's.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +18,10 @@ def read_json_file(path: Path, below: Path) -> dict[str, Any]:
         data = json.loads(read_input(path, PARSED_LIMIT, below=below))
     except (ValueError, RecursionError):
         data = None
+
     if not isinstance(data, dict):
-        raise InputFileError(Issue(str(path), "is not a report of fingertip; make the design there again."))
+        raise InputFileError(
+            Issue(str(path), "is not a report of fingertip; make the design there again.")
+        )
+
     return data

@@ -29,41 +29,64 @@ def write_robot(
     force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
 ) -> dict[str, Any]:
-    """Write the model of a finger, or of those of a set, with its meshes and a README, and return its figures.
+    """Write the model of a finger, or of those of a set, with its meshes and a README, and return
+    its figures.
 
-    The folder is `out/NAME/robot` by default, the format "mjcf" or "urdf". With `force`, files may be overwritten that
-    this function did not write, or that were changed since.
+    The folder is `out/NAME/robot` by default, the format "mjcf" or "urdf". With `force`, files may
+    be overwritten that this function did not write, or that were changed since.
 
-    Raises DesignError if the format is not known, and OutputError if the folder cannot be written, or holds a file of
-    these names that is somebody's own. Nothing has been written then.
+    Raises DesignError if the format is not known, and OutputError if the folder cannot be written,
+    or holds a file of these names that is somebody's own. Nothing has been written then.
     """
     if file_format not in ROBOT_FILES:
-        message = f"{file_format!r} is no format of a model; {suggest_name(file_format, tuple(ROBOT_FILES))}"
+        message = (
+            f"{file_format!r} is no format of a model; "
+            f"{suggest_name(file_format, tuple(ROBOT_FILES))}"
+        )
         raise DesignError(Issue("--format", message))
-    folder, file = ROBOT.folder(design, out), ROBOT_FILES[file_format]
+
+    folder = ROBOT.folder(design, out)
+    file = ROBOT_FILES[file_format]
     is_set = isinstance(design, FingerSet)
     forms = design.forms if isinstance(design, FingerSet) else (Form(design, (design.name,)),)
     # The files of a set are told apart by their form.
     prefixes = {form: f"{form.design.name}_" if is_set else "" for form in forms}
-    writer, names = ROBOT.writer(design, folder, force), (README, "bone.stl", "skin.stl")
-    writer.check({README, file, *(f"{prefix}{name}" for prefix in prefixes.values() for name in names)})
+    writer = ROBOT.writer(design, folder, force)
+    names = (README, "bone.stl", "skin.stl")
+    writer.check(
+        {README, file, *(f"{prefix}{name}" for prefix in prefixes.values() for name in names)}
+    )
     places_m = _place(design) if isinstance(design, FingerSet) else {design.name: 0.0}
-    placed, figures, contents = dict[str, Placed](), dict[str, dict[str, Any]](), dict[str, bytes]()
+    placed = dict[str, Placed]()
+    figures = dict[str, dict[str, Any]]()
+    contents = dict[str, bytes]()
+
     for form, prefix in prefixes.items():
         progress(f"{form.design.name}: meshing the parts, and fitting the contact to the pad")
         model = build_finger(form.design)
-        placed |= {finger: Placed(finger, model, prefix, places_m[finger]) for finger in form.fingers}
+        placed |= {
+            finger: Placed(finger, model, prefix, places_m[finger]) for finger in form.fingers
+        }
         described = describe_model(model, file_format)
         figures[form.design.name] = data = asdict(described)
-        contents |= {f"{prefix}{name}.stl": stl.to_bytes(mesh, name) for name, mesh in model.meshes.items()}
+        contents |= {
+            f"{prefix}{name}.stl": stl.to_bytes(mesh, name) for name, mesh in model.meshes.items()
+        }
         contents[f"{prefix}{README}"] = render_robot_readme(described, form.fingers).encode()
+
     made = f"by fingertip robot; {README} states units and frames."
     if isinstance(design, FingerSet):
-        data = {"set": design.name, "format": file_format, "places_m": places_m, "forms": figures}
+        data = {
+            "set": design.name,
+            "format": file_format,
+            "places_m": places_m,
+            "forms": figures,
+        }
         contents[README] = render_set_readme(design, file, places_m).encode()
         comment = f"Fingers of {design.name} {made}"
     else:
         comment = f"Finger {design.name} {made} {data['errors']}"
+
     # XML allows no two hyphens in a comment.
     in_order = [placed[finger] for finger in places_m]
     contents[file] = render_model(design.name, in_order, file_format, comment.replace("--", "-"))
@@ -72,8 +95,13 @@ def write_robot(
 
 
 def _place(fingers: FingerSet) -> dict[str, float]:
-    """Place the interfaces side by side, in the order of the hand, with its palm towards -y: finger -> x [m]."""
+    """Place the interfaces side by side, in the order of the hand,
+    with its palm towards -y: finger -> x [m].
+    """
     step_m = 1e-3 * (max(form.design.skin.width_mm for form in fingers.forms) + _GAP_MM)
     step_m *= -1.0 if fingers.side == "right" else 1.0
     middle = (len(fingers.fingers) - 1) / 2
-    return {name: round((i - middle) * step_m, 6) + 0.0 for i, (name, _) in enumerate(fingers.fingers)}
+
+    return {
+        name: round((i - middle) * step_m, 6) + 0.0 for i, (name, _) in enumerate(fingers.fingers)
+    }

@@ -9,25 +9,48 @@ from pathlib import Path
 
 from fingertip.catalogues.output_files import PART_FILES, SET_FILES
 from fingertip.foundation.errors import InputFileError, Issue, OutputError
-from fingertip.foundation.folder_swap import find_output_folder, is_folder, lock, read_plan, staging_folder
+from fingertip.foundation.folder_swap import (
+    find_output_folder,
+    is_folder,
+    lock,
+    read_plan,
+    staging_folder,
+)
 from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
-from fingertip.foundation.output_set import MANIFEST, Manifest, fold_lines, has_hash, hash_file, read_manifest
+from fingertip.foundation.output_set import (
+    MANIFEST,
+    Manifest,
+    fold_lines,
+    has_hash,
+    hash_file,
+    read_manifest,
+)
 
 _OF_ONE_DESIGN = ("parts", "print", "steps", "board", "fabrication", "signal", "firmware", "robot")
-"""Kinds of sets in the folder of a design, which belong together if they were made from the same parameters."""
+"""Kinds of sets in the folder of a design, which belong together if
+they were made from the same parameters.
+"""
 _MAX_DEPTH = 5
-"""Depth of the folders that are looked at: from `out`, that of the models of a board in a set of fingers."""
+"""Depth of the folders that are looked at: from `out`, that of the
+models of a board in a set of fingers.
+"""
 _MAX_ENTRIES = 50_000
 """Maximum number of files and folders in them."""
 
 
 def verify_sets(folder: Path) -> tuple[int, list[str]]:
-    """Compare the sets in a folder and its subfolders with their manifests. No link is followed. Raises OutputError."""
+    """Compare the sets in a folder and its subfolders with their manifests.
+
+    No link is followed. Raises OutputError.
+    """
     outside = Path(os.path.realpath(folder)).parent
     try:
         for place in _look_through(folder)[1].values():
-            with lock(outside if place == folder else place.parent, shared=True):  # who is still at work ends first
+            with lock(
+                outside if place == folder else place.parent, shared=True
+            ):  # who is still at work ends first
                 pass
+
         with lock(outside, shared=True):
             return _compare(folder)
     except OSError as error:
@@ -41,59 +64,89 @@ def compare_with_design(folder: Path, expected: Mapping[str, bytes]) -> list[str
     found: list[str] = []
     for name, data in expected.items():
         try:
-            if fold_lines(read_input(folder / name, OUTPUT_LIMIT, below=folder)) != fold_lines(data):
+            if fold_lines(read_input(folder / name, OUTPUT_LIMIT, below=folder)) != fold_lines(
+                data
+            ):
                 found.append(f"{folder / name}: differs from what this design gives.")
         except InputFileError as error:
             found += (issue.typed for issue in error.issues)
+
     return found
 
 
 def _look_through(top: Path) -> tuple[list[Path], dict[Path, Path], list[Issue]]:
     """List a folder with those below it, outer ones first.
 
-    With them come the folders that commands have left unfinished, each with the output folder that it belongs to, and
-    issues of what cannot be read.
+    With them come the folders that commands have left unfinished, each with the output folder that
+    it belongs to, and issues of what cannot be read.
     """
     staging = staging_folder(Path(os.path.realpath(top)))
     unfinished = {staging: top} if is_folder(staging) else {}
-    folders, issues, deeper, left = list[Path](), list[Issue](), [top], _MAX_ENTRIES
+    folders = list[Path]()
+    issues = list[Issue]()
+    deeper = [top]
+    left = _MAX_ENTRIES
+
     for _ in range(_MAX_DEPTH + 1):
-        level, deeper = deeper, []
+        level = deeper
+        deeper = []
         for place in level:
             folders.append(place)
             try:
                 with os.scandir(place) as entries:
-                    found = sorted(itertools.islice(entries, left + 1), key=lambda entry: entry.name)
+                    found = sorted(
+                        itertools.islice(entries, left + 1), key=lambda entry: entry.name
+                    )
             except OSError as error:
-                issues.append(Issue(str(place), f"cannot be read ({error.strerror}); change its mode."))
+                issues.append(
+                    Issue(str(place), f"cannot be read ({error.strerror}); change its mode.")
+                )
                 continue
+
             left -= len(found)
             if left < 0:
-                message = f"holds more than {_MAX_ENTRIES} files and folders; name a folder that a command wrote."
+                message = (
+                    f"holds more than {_MAX_ENTRIES} files and folders; name a folder that "
+                    "a command wrote."
+                )
                 raise OutputError(Issue(str(top), message))
+
             for entry in found:
                 path = place / entry.name
                 if entry.is_symlink() and (entry.name in _OF_ONE_DESIGN or path.is_dir()):
-                    message = "is a link, not a folder, and is not followed; put the folder in its place, or remove it."
+                    message = (
+                        "is a link, not a folder, and is not followed; put the folder in "
+                        "its place, or remove it."
+                    )
                     issues.append(Issue(str(path), message))
-                elif entry.is_dir(follow_symlinks=False) and (output_folder := find_output_folder(path)):
+                elif entry.is_dir(follow_symlinks=False) and (
+                    output_folder := find_output_folder(path)
+                ):
                     unfinished[path] = output_folder
                 elif entry.is_dir(follow_symlinks=False) and not entry.name.startswith("."):
                     deeper.append(path)
+
     return folders, unfinished, issues
 
 
 def _compare(folder: Path) -> tuple[int, list[str]]:
     folders, unfinished, issues = _look_through(folder)
-    manifests = {place: read_manifest(place) for place in folders if os.path.lexists(place / MANIFEST)}
+    manifests = {
+        place: read_manifest(place) for place in folders if os.path.lexists(place / MANIFEST)
+    }
     found = {place: manifest for place, manifest in manifests.items() if manifest}
     issues += map(_describe_unfinished, unfinished)
+
     for place in (place for place in manifests if place not in found):
         message = "was not written by fingertip, or was changed since; the set is not compared."
         issues.append(Issue(str(place / MANIFEST), message))
+
     if not found:
-        message = f"has no {MANIFEST} of fingertip; name a design file, or a folder that a command wrote."
+        message = (
+            f"has no {MANIFEST} of fingertip; name a design file, or a folder that a command wrote."
+        )
         raise OutputError([Issue(str(folder), message), *issues])
+
     for place, manifest in found.items():
         for name, digest in manifest.files.items():
             path = place / name
@@ -101,21 +154,33 @@ def _compare(folder: Path) -> tuple[int, list[str]]:
                 if hash_file(path) != digest and not has_hash(path, digest):
                     issues.append(Issue(str(path), "was changed after it was written."))
             except InputFileError as error:
-                issues += error.issues if os.path.lexists(path) else [Issue(str(path), "is missing.")]
+                issues += (
+                    error.issues if os.path.lexists(path) else [Issue(str(path), "is missing.")]
+                )
+
     for place, manifest in found.items():
         owner = _find_owner(place, folder, found)
         if owner and manifest.parameters != found[owner].parameters:
-            issues.append(Issue(str(place), f"was made from other parameters than {owner}; make both again."))
-    return sum(len(manifest.files) for manifest in found.values()), [issue.typed for issue in issues]
+            issues.append(
+                Issue(str(place), f"was made from other parameters than {owner}; make both again.")
+            )
+
+    return sum(len(manifest.files) for manifest in found.values()), [
+        issue.typed for issue in issues
+    ]
 
 
 def _find_owner(place: Path, folder: Path, found: Mapping[Path, Manifest]) -> Path | None:
     """Find the set whose parameters another one must have: that of its design; None without."""
     if found[place].kind not in _OF_ONE_DESIGN:
         return None
-    owners = [other for other in place.parents if other in found and found[other].kind == PART_FILES.kind]
+
+    owners = [
+        other for other in place.parents if other in found and found[other].kind == PART_FILES.kind
+    ]
     if owners:
         return owners[0]
+
     return folder if folder in found and found[folder].kind != SET_FILES.kind else None
 
 
@@ -124,7 +189,9 @@ def _describe_unfinished(path: Path) -> Issue:
         read_plan(path)
     except OutputError as error:
         return error.issues[0]
+
     message = (
-        "was left by a command that was ended before it was done; the next command that writes there completes it."
+        "was left by a command that was ended before it was done; the next command that "
+        "writes there completes it."
     )
     return Issue(str(path), message)

@@ -15,21 +15,30 @@ from fingertip.pictures.drawing.draw import draw_files, file_names
 
 
 def write_page(
-    design: Design, out: str | Path | None = None, *, force: bool = False, prepared: Prepared | None = None
+    design: Design,
+    out: str | Path | None = None,
+    *,
+    force: bool = False,
+    prepared: Prepared | None = None,
 ) -> tuple[Path, int, tuple[str, ...]]:
     """Write the page of a design beside its files; returns its size [byte]. Raises OutputError."""
     folder = PART_FILES.folder(design, out)
     writer = PART_FILES.writer(design, folder, force)
     writer.check((PAGE,))
+
     try:
         sources = read_sources(design, folder)
         data = render_page(sources, prepared)
     except (FingertipError, OSError, MemoryError):
         raise
     except Exception as error:  # what the manifest lists may be any file all the same
-        message = f"holds files that cannot be shown ({type(error).__name__}: {error}); `fingertip make` makes others."
+        message = (
+            f"holds files that cannot be shown ({type(error).__name__}: {error}); "
+            "`fingertip make` makes others."
+        )
         fault = " If it made these, this is a fault of fingertip: please report it."
         raise OutputError(Issue(str(folder), message + fault)) from error
+
     writer.add({PAGE: data})
     return folder / PAGE, len(data), tuple(sources.remarks.values())
 
@@ -41,15 +50,19 @@ def write_drawing(
     force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
 ) -> tuple[Path, ...]:
-    """Write a sheet for each printed part as SVG, and all as one PDF, the last path of those that are returned.
+    """Write a sheet for each printed part as SVG, and all as one PDF, the last path of those that
+    are returned.
 
     Raises MissingLibraryError or GeometryError or OutputError.
     """
-    extras.require("drawing", "cadquery", "reportlab", alternative="draw a picture with fingertip picture")
+    extras.require(
+        "drawing", "cadquery", "reportlab", alternative="draw a picture with fingertip picture"
+    )
     folder = PART_FILES.folder(design, out)
     writer = PART_FILES.writer(design, folder, force)
     writer.check_addition(file_names(design))
     progress(f"{design.name}: projecting the parts and placing their sizes")
     files = draw_files(design)
     writer.add(files)
+
     return tuple(folder / name for name in files)

@@ -1,10 +1,14 @@
-"""Import hook of mutation testing. Python imports this module at its start wherever its folder is on PYTHONPATH.
+"""Import hook of mutation testing.
 
-So every process that a test starts has it too. What it does is said by two variables of the environment:
+Python imports this module at its start wherever its folder is on PYTHONPATH.
+
+So every process that a test starts has it too. What it does is said by two variables of the
+environment:
 
 FINGERTIP_MUTANT        path of a JSON file with `name` and `code`: that module gets this source
-FINGERTIP_REACH         folder: each function of fingertip records the blocks that it enters (`tools.mutation.reach`)
-FINGERTIP_REACH_FILE    file to which this process adds the numbers of these blocks, four bytes each
+FINGERTIP_REACH         folder: each function of fingertip records the blocks that it enters
+(`tools.mutation.reach`) FINGERTIP_REACH_FILE    file to which this process adds the numbers of
+these blocks, four bytes each
 """
 
 from __future__ import annotations
@@ -24,21 +28,28 @@ from types import CodeType, ModuleType
 from typing import Any
 
 LOOPS = ("CompiledLoop", "compile_for_process")
-"""Words in the source of modules that numba compiles: it cannot compile what a hook adds, so they record nothing.
+"""Words in the source of modules that numba compiles: it cannot compile what a hook adds, so they
+record nothing.
 
-A module whose functions the loops of others inline, such as `sim/contact/friction.py`, has them in its text too."""
+A module whose functions the loops of others inline, such as `sim/contact/friction.py`, has them in
+its text too.
+"""
 
 
 def number_blocks(tree: ast.Module) -> list[list[ast.stmt]]:
     """List the blocks of all functions of a module, in the order of the source."""
-    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
+    functions = [
+        node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+    ]
     blocks = {}
+
     for function in functions:
         for node in ast.walk(function):
             bodies = [getattr(node, name, None) for name in ("body", "orelse", "finalbody")]
             for body in bodies:
                 if isinstance(body, list) and body and isinstance(body[0], ast.stmt):
                     blocks[body[0].lineno, body[0].col_offset] = body
+
     return [blocks[place] for place in sorted(blocks)]
 
 
@@ -61,11 +72,14 @@ class _Finder(MetaPathFinder):
     def __init__(self, changes: Mapping[str, Callable[[bytes], ast.Module | bytes]]) -> None:
         self._changes = changes
 
-    def find_spec(self, fullname: str, path: Any = None, target: ModuleType | None = None) -> ModuleSpec | None:
+    def find_spec(
+        self, fullname: str, path: Any = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
         """Find these modules only."""
         spec = PathFinder.find_spec(fullname, path) if fullname in self._changes else None
         if spec is not None and spec.origin is not None:
             spec.loader = _Source(fullname, spec.origin, self._changes[fullname])
+
         return spec
 
 
@@ -77,7 +91,9 @@ def _let_blocks_record(source: bytes, first: int) -> ast.Module:
         call = ast.parse(f"{number} in __seen__ or __reach__({number})").body[0]
         for node in ast.walk(call):
             ast.copy_location(node, body[0])
+
         body.insert(int(has_text), call)
+
     return tree
 
 
@@ -104,9 +120,12 @@ def record_blocks(folder: str) -> None:
     """Let the functions of this process record their blocks."""
     with open(os.path.join(folder, "first.json"), encoding="utf-8") as file:
         first = json.load(file)
+
     builtins.__seen__ = SEEN  # type: ignore[attr-defined]
     builtins.__reach__ = _reach  # type: ignore[attr-defined]
-    sys.meta_path.insert(0, _Finder({name: partial(_let_blocks_record, first=first[name]) for name in first}))
+    sys.meta_path.insert(
+        0, _Finder({name: partial(_let_blocks_record, first=first[name]) for name in first})
+    )
 
 
 if "FINGERTIP_MUTANT" in os.environ:

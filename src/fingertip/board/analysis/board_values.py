@@ -1,4 +1,6 @@
-"""Figures of a design's board: values of its components, response, noise and limits, and the errata of the article."""
+"""Figures of a design's board: values of its components, response,
+noise and limits, and the errata of the article.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,9 @@ class BoardValues(ComponentValues):
     achieved_response: response.FrequencyResponse
     """Response of the circuit with preferred values and amplifiers as built."""
     output_offset: thresholds.OutputOffset | None
-    """Envelope offset due to the amplifiers' offsets; None on boards without a precision rectifier."""
+    """Envelope offset due to the amplifiers' offsets; None on boards without a precision
+    rectifier.
+    """
     supply_ripple: interference.SupplyRipple
     noise: NoiseLevels
     comparator_levels: thresholds.ComparatorLevels | None
@@ -45,7 +49,9 @@ class BoardValues(ComponentValues):
     aliasing: interference.AliasAttenuation
     voltage_limits: limits.VoltageLimits
     filter_load_ohm: float
-    """Smallest impedance that an amplifier of the filter (U1) drives among vibrations, without the rectifying diode."""
+    """Smallest impedance that an amplifier of the filter (U1) drives
+    among vibrations, without the rectifying diode.
+    """
     threshold_spread: thresholds.ThresholdSpread | None
     """Mean and worst case of the comparator's threshold; None in variants without one."""
     gate: tuple[GateCondition, ...]
@@ -60,20 +66,30 @@ class BoardValues(ComponentValues):
 
 
 def _round_to_ten_digits(data: Any) -> Any:
-    """Round all numbers of plain data to ten significant digits: their last bits differ between processors."""
+    """Round all numbers of plain data to ten significant digits:
+    their last bits differ between processors.
+    """
     if isinstance(data, dict):
         return {key: _round_to_ten_digits(value) for key, value in data.items()}
     if isinstance(data, list | tuple):
         return [_round_to_ten_digits(value) for value in data]
+
     return float(f"{data:.10g}") if isinstance(data, float) else data
 
 
 def compute_filter(board: Board) -> tuple[FilterSelection, response.FrequencyResponse]:
-    """Compute the filter alone: its components and the response they achieve. A sweep computes thousands of them."""
-    selection, amplifier = select_filter(board), choose_amplifier(board)
+    """Compute the filter alone: its components and the response they achieve.
+
+    A sweep computes thousands of them.
+    """
+    selection = select_filter(board)
+    amplifier = choose_amplifier(board)
     model, values = _model_variant(board.variant)
     values = {**values, **filter_quantities(selection.by_reference(), amplifier)}
-    return selection, response.compute_response(model, values, amplifier.bandwidth_hz, board.envelope_cutoff_hz)
+
+    return selection, response.compute_response(
+        model, values, amplifier.bandwidth_hz, board.envelope_cutoff_hz
+    )
 
 
 @functools.cache
@@ -82,35 +98,58 @@ def _model_variant(variant: str) -> tuple[response.FilterModel, Mapping[str, Val
     design = Design(board={"variant": variant, "supply_v": SUPPLIES[variant].nominal_v})
     circuit = board_circuit(select_components(design))
     network = build_network(circuit, find_gain_bandwidth_hz(design.board))
+
     return response.model_filter(circuit), network.values
 
 
 @functools.lru_cache(maxsize=16)
 def board_values(design: Design) -> BoardValues:
     """Compute the board's figures. The last few designs are remembered."""
-    board, detector, components = design.board, design.detector, select_components(design)
+    board = design.board
+    detector = design.detector
+    components = select_components(design)
     amplifier = AMPLIFIER_CATALOGUE[components.amplifier]
     bandwidth_hz = amplifier.bandwidth_hz
-    circuit, supply = board_circuit(components), SUPPLIES[board.variant]
-    rectifier, model = response.find_rectifier(circuit), response.model_filter(circuit)
+    circuit = board_circuit(components)
+    supply = SUPPLIES[board.variant]
+    rectifier = response.find_rectifier(circuit)
+    model = response.model_filter(circuit)
     network = build_network(circuit, bandwidth_hz)
-    achieved = response.compute_response(model, network.values, bandwidth_hz, board.envelope_cutoff_hz)
+    achieved = response.compute_response(
+        model, network.values, bandwidth_hz, board.envelope_cutoff_hz
+    )
     envelope_gain = response.find_envelope_gain(model, circuit, network.values)
     voltage_limits = limits.compute_voltage_limits(
-        circuit, supply, board.supply_v, amplifier, achieved.passband_gain, detector
+        circuit,
+        supply=supply,
+        supply_v=board.supply_v,
+        amplifier=amplifier,
+        gain=achieved.passband_gain,
+        detector=detector,
     )
     offset = None
     if rectifier == "precision":
         offset = thresholds.compute_output_offset(circuit, bandwidth_hz, supply.signal_ground)
+
     rails = {GND: 0.0, VCC: board.supply_v, VEE: -board.supply_v}
     levels = spread = None
     if components.comparator_stage:
         levels = thresholds.compute_comparator_levels(circuit, rails, supply.signal_ground)
         spread = thresholds.compute_threshold_spread(
-            circuit, bandwidth_hz, levels, rails, board.resistor_tolerance_percent
+            circuit,
+            gain_bandwidth_hz=bandwidth_hz,
+            levels=levels,
+            rails=rails,
+            resistor_percent=board.resistor_tolerance_percent,
         )
+
     ripple = interference.compute_supply_ripple(
-        circuit, bandwidth_hz, board.cutoff_hz, supply.signal_ground, detector.threshold_v, envelope_gain
+        circuit,
+        gain_bandwidth_hz=bandwidth_hz,
+        cutoff_hz=board.cutoff_hz,
+        signal_ground=supply.signal_ground,
+        threshold_v=detector.threshold_v,
+        envelope_gain=envelope_gain,
     )
     tactile_response = limits.compute_tactile_response(circuit, rails, supply.signal_ground)
     return BoardValues(
@@ -128,7 +167,14 @@ def board_values(design: Design) -> BoardValues:
         threshold_spread=spread,
         gate=(
             *check_gate(
-                circuit, design, voltage_limits, tactile_response.rises, achieved.passband_gain, rails, offset, spread
+                circuit,
+                design=design,
+                limits=voltage_limits,
+                rises=tactile_response.rises,
+                passband_gain=achieved.passband_gain,
+                rails=rails,
+                offset=offset,
+                spread=spread,
             ),
             *check_yields(compute_yields(model, network.values, circuit, board)),
         ),
@@ -141,13 +187,15 @@ def board_values(design: Design) -> BoardValues:
     )
 
 
-# Front end of any design, a board's or a divider: the tactile voltage over the sensor's conductance.
+# Front end of any design, a board's or a divider: the tactile voltage over the sensor's
+# conductance.
 
 
 def find_tactile_response(design: Design) -> TactileResponse:
     board = design.board
     if board.has_filter:
         return board_values(design).tactile_response
+
     # The supply behind the resistor drives the sensor, whose current is read across that resistor.
     return TactileResponse(0.0, board.supply_v, board.divider_ohm, -board.divider_ohm)
 
@@ -161,32 +209,40 @@ def find_tactile_range_v(design: Design) -> tuple[float, float]:
 
 def find_range_warnings(design: Design) -> Iterator[str]:
     """Find a converter that clips the tactile voltage."""
-    board, converter = design.board, design.detector
+    board = design.board
+    converter = design.detector
+
     if board.has_filter:
         yield from adc_range_warnings(board_values(design).voltage_limits)
     elif board.supply_v > converter.adc_range_v:
         yield (
-            f"the divider's voltage, up to {board.supply_v:g} V, exceeds the converter's {converter.adc_range_text}; "
-            f"use --set board.supply_v={converter.adc_range_v:g}, from the pin of the converter's reference."
+            f"the divider's voltage, up to {board.supply_v:g} V, exceeds the converter's "
+            f"{converter.adc_range_text}; "
+            f"use --set board.supply_v={converter.adc_range_v:g}, from the pin of the converter's "
+            "reference."
         )
 
 
 # Errata of the article about its own board.
 
 TOUCHES = (
-    "in simulations of the article's board a press to 1.5 N takes the filtered signal to -2.4 V if the force rises "
-    "within 30 ms and to -4.4 V within 20 ms, but only to -0.1 V within 200 ms; a knock of 0.25 N within 4 ms on a "
+    "in simulations of the article's board a press to 1.5 N takes the filtered signal to -2.4 V "
+    "if the force rises "
+    "within 30 ms and to -4.4 V within 20 ms, but only to -0.1 V within 200 ms; a knock of 0.25 N "
+    "within 4 ms on a "
     "held object takes it to -3.0 V"
 )
-"""Depth to which touches drive the filtered signal; `tests/board/test_touches.py` simulates each."""
+"""Depth to which touches drive the filtered signal; `tests/board/test_touches.py`
+simulates each.
+"""
 
 
 @dataclass(frozen=True)
 class Erratum:
     """One error of the article about its own board.
 
-    Its components are C1 = C2 = C3 = 1 uF, R1 = 2.4k, R2 = 1.2k, R3 = 4.7k, R4 = 1.5k, R5 = 100k, R_LP = 2k and
-    C_LP = 2.2 uF.
+    Its components are C1 = C2 = C3 = 1 uF, R1 = 2.4k, R2 = 1.2k, R3 = 4.7k, R4 = 1.5k, R5 = 100k,
+    R_LP = 2k and C_LP = 2.2 uF.
     """
 
     subject: str
@@ -198,7 +254,9 @@ class Erratum:
 
 def load_errata() -> tuple[Erratum, ...]:
     rows = json.loads((Path(__file__).parent / "errata.json").read_text("utf-8"))
-    return tuple(Erratum(**row | {"correction": row["correction"].format(touches=TOUCHES)}) for row in rows)
+    return tuple(
+        Erratum(**row | {"correction": row["correction"].format(touches=TOUCHES)}) for row in rows
+    )
 
 
 def board_errata(amplifier: str, rectifier: response.Rectifier) -> tuple[Erratum, ...]:
@@ -207,10 +265,15 @@ def board_errata(amplifier: str, rectifier: response.Rectifier) -> tuple[Erratum
         notes["input range of the amplifiers"] = (
             f"it has a {AMPLIFIER_CATALOGUE[amplifier].order_name} with rail-to-rail inputs"
         )
+
     if rectifier != "diode":
         notes["offset"] = "C14 is such a capacitor"
-        instead = {"precision": "it has a precision rectifier and a low-pass", "software": "software computes it"}
+        instead = {
+            "precision": "it has a precision rectifier and a low-pass",
+            "software": "software computes it",
+        }
         notes |= dict.fromkeys(("envelope, eq. (11)", "rectifier"), instead[rectifier])
+
     return tuple(
         replace(e, correction=f"{e.correction} (does not apply to this board: {notes[e.subject]})")
         if e.subject in notes

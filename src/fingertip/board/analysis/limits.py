@@ -10,20 +10,32 @@ from fingertip.board.circuits.network import build_network
 from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.components.values import Supply
 from fingertip.board.parts.circuit import SENSOR_CONNECTOR, Circuit
-from fingertip.board.parts.nets import ADC_TACTILE, BIAS, GND, REFERENCE, SENSOR, TACTILE, VCC, VEE, VMID
+from fingertip.board.parts.nets import (
+    ADC_TACTILE,
+    BIAS,
+    GND,
+    REFERENCE,
+    SENSOR,
+    TACTILE,
+    VCC,
+    VEE,
+    VMID,
+)
 from fingertip.catalogues.electronics import Amplifier
 from fingertip.design.formulas.amplifiers import DIODE_V
 from fingertip.design.parameters.electronics import Detector
 
-# Internal limits of the AD623 (its data sheet, "input and output voltage range"): its input followers shift their
-# inputs up by the drop of a diode and must stay clear of both rails, as must the output.
+# Internal limits of the AD623 (its data sheet, "input and output voltage range"): its input
+# followers shift their inputs up by the drop of a diode and must stay clear of both rails, as must
+# the output.
 _INPUT_SHIFT_V = 0.59
 _INTERNAL_MARGIN_V = 0.11
 OUTPUT_UPPER_MARGIN_V = 0.5
 OUTPUT_LOWER_MARGIN_V = 0.01
 _INPUT_UPPER_MARGIN_V = 1.5
-"""Distance of the AD623's inputs from its positive supply for which it is specified [V] (its data sheet, input voltage
-range; recalled, unverified)."""
+"""Distance of the AD623's inputs from its positive supply for which it is specified [V] (its data
+sheet, input voltage range; recalled, unverified).
+"""
 
 
 @dataclass(frozen=True)
@@ -36,7 +48,9 @@ class VoltageLimits:
     max_tactile_v: float
     """Range of the tactile voltage from an open sensor to its maximum force (20 N)."""
     sensor_amplifier_margin_v: float
-    """Smallest margin of the sensor amplifier's internal and output voltages to their limits, over all forces."""
+    """Smallest margin of the sensor amplifier's internal and output
+    voltages to their limits, over all forces.
+    """
     max_sensor_input_v: float
     """Highest voltage at an input of the sensor's amplifier, over all forces."""
     sensor_input_limit_v: float
@@ -44,27 +58,36 @@ class VoltageLimits:
     filter_peak_v: float
     """Largest peak of the filtered signal above the signal ground."""
     filter_trough_v: float
-    """Largest typical peak of the filtered signal below the signal ground, as a positive number: the second stage's
-    output limits it or, on a TL082, its input."""
+    """Largest typical peak of the filtered signal below the signal ground, as a positive number:
+    the second stage's output limits it or, on a TL082, its input.
+    """
     filter_guaranteed_trough_v: float
-    """Peak below the signal ground that the amplifier's data sheet guarantees, as a positive number."""
+    """Peak below the signal ground that the amplifier's data
+    sheet guarantees, as a positive number.
+    """
     has_phase_reversal: bool
     """True if the output jumps up where the signal goes further down, as a TL082's does."""
     vibration_peak_v: float
-    """Peak of the largest vibration of the tactile voltage that is not clipped, at the frequency of maximum gain."""
+    """Peak of the largest vibration of the tactile voltage that is not
+    clipped, at the frequency of maximum gain.
+    """
     max_envelope_v: float | None
-    """Approximate largest envelope above the signal ground: typical swing less the drop of the rectifier's diode.
+    """Approximate largest envelope above the signal ground: typical swing less the drop of the
+    rectifier's diode.
 
-    None on boards without an envelope. In variants with a precision rectifier its amplifier (U3a) inverts: for an
-    envelope V it goes to V and a drop below the signal ground.
+    None on boards without an envelope. In variants with a precision rectifier its amplifier (U3a)
+    inverts: for an envelope V it goes to V and a drop below the signal ground.
     """
     clamp_high_rail_v: float
-    """Supply that limits the voltages at the ADC pins; clamps let them rise one Schottky drop above it."""
+    """Supply that limits the voltages at the ADC pins; clamps let
+    them rise one Schottky drop above it.
+    """
     tactile_pin_ohm: float
     """Resistance through which a leakage current at the tactile pin flows [ohm]."""
     output_pin_ohm: float
-    """Resistance through which that at the envelope's pin flows [ohm], in variant article with its diode blocked; on a
-    board without an envelope that at the filtered signal's pin."""
+    """Resistance through which that at the envelope's pin flows [ohm], in variant article with its
+    diode blocked; on a board without an envelope that at the filtered signal's pin.
+    """
     has_filtered_output: bool
     """True if the filtered signal is at the output connector too."""
     adc_low_v: float
@@ -78,6 +101,7 @@ class VoltageLimits:
             pins_v.append(self.signal_ground_v + self.max_envelope_v)
         if self.has_filtered_output:
             pins_v.append(self.signal_ground_v + self.filter_peak_v)
+
         return max(*pins_v, self.adc_range_v) - self.adc_range_v
 
     @property
@@ -86,25 +110,41 @@ class VoltageLimits:
 
 
 def compute_voltage_limits(
-    circuit: Circuit, supply: Supply, supply_v: float, amplifier: Amplifier, gain: float, detector: Detector
+    circuit: Circuit,
+    supply: Supply,
+    supply_v: float,
+    amplifier: Amplifier,
+    gain: float,
+    detector: Detector,
 ) -> VoltageLimits:
-    """Compute the limits of a board whose filter has a dual amplifier of this type and this maximum gain."""
-    # Each amplifier of the filter swings as a voltage follower: down to where its output or its input ends first.
+    """Compute the limits of a board whose filter has a dual
+    amplifier of this type and this maximum gain.
+    """
+    # Each amplifier of the filter swings as a voltage follower: down to where its output or its
+    # input ends first.
     up_v = supply.upper_headroom_v(supply_v) - amplifier.output_from_rail_v
     down_v, guaranteed_down_v = (
         supply.lower_headroom_v(supply_v) - max(input_margin_v, amplifier.output_from_rail_v)
         for input_margin_v in amplifier.input_from_lower_v
     )
     rectifier = find_rectifier(circuit)
-    quiescent = build_network(circuit, conducting=[RECTIFYING_DIODE] if rectifier == "precision" else [])
-    tactile_pin_ohm, output_pin_ohm = (
-        quiescent.restrict(pin).constant_transfers(pin)[pin] for pin in (ADC_TACTILE, find_envelope_pin(circuit))
+    quiescent = build_network(
+        circuit, conducting=[RECTIFYING_DIODE] if rectifier == "precision" else []
     )
-    # The voltages are monotonic in the sensor's conductance, so the ends of its range are the worst cases.
-    networks = (build_network(circuit, sensor_s=sensor_conductance_s(force_n)) for force_n in (0.0, MAX_FORCE_N))
+    tactile_pin_ohm, output_pin_ohm = (
+        quiescent.restrict(pin).constant_transfers(pin)[pin]
+        for pin in (ADC_TACTILE, find_envelope_pin(circuit))
+    )
+    # The voltages are monotonic in the sensor's conductance, so the ends of its range are the worst
+    # cases.
+    networks = (
+        build_network(circuit, sensor_s=sensor_conductance_s(force_n))
+        for force_n in (0.0, MAX_FORCE_N)
+    )
     rails = {GND: 0.0, VCC: supply_v, VEE: -supply_v}
     open_sensor, pressed = (
-        network.restrict(TACTILE, supply.signal_ground).operating_point(rails) for network in networks
+        network.restrict(TACTILE, supply.signal_ground).operating_point(rails)
+        for network in networks
     )
     has_bridge = REFERENCE in open_sensor
     inputs = (SENSOR, REFERENCE) if has_bridge else (BIAS,)
@@ -115,6 +155,7 @@ def compute_voltage_limits(
         else min(supply_v - far_v - volts[TACTILE], volts[TACTILE] - far_v)
         for volts in (open_sensor, pressed)
     ]
+
     return VoltageLimits(
         signal_ground_v=open_sensor[supply.signal_ground],
         min_tactile_v=min(open_sensor[TACTILE], pressed[TACTILE]),
@@ -127,7 +168,9 @@ def compute_voltage_limits(
         filter_guaranteed_trough_v=guaranteed_down_v,
         has_phase_reversal=amplifier.input_from_lower_v[0] > amplifier.output_from_rail_v,
         vibration_peak_v=min(up_v, down_v) / gain,
-        max_envelope_v={"diode": up_v - DIODE_V, "precision": min(up_v, down_v) - DIODE_V}.get(rectifier),
+        max_envelope_v={"diode": up_v - DIODE_V, "precision": min(up_v, down_v) - DIODE_V}.get(
+            rectifier
+        ),
         clamp_high_rail_v=supply_v,
         tactile_pin_ohm=tactile_pin_ohm,
         output_pin_ohm=output_pin_ohm,
@@ -138,19 +181,25 @@ def compute_voltage_limits(
 
 
 def describe_filter_swing(limits: VoltageLimits) -> str:
-    swing = f"the filter swings {limits.filter_peak_v:.1f} V up and {limits.filter_trough_v:.1f} V down"
+    swing = (
+        f"the filter swings {limits.filter_peak_v:.1f} V up and {limits.filter_trough_v:.1f} V down"
+    )
     if not limits.has_phase_reversal:
         return f"{swing} (typical, into 10 kohm)"
+
     return (
         f"{swing}, where the TL082's input common-mode range ends (typical, into 10 kohm; "
-        f"{limits.filter_guaranteed_trough_v:.1f} V down guaranteed); below that its output jumps up"
+        f"{limits.filter_guaranteed_trough_v:.1f} V down guaranteed); below that its output jumps "
+        "up"
     )
 
 
 def describe_adc_range(limits: VoltageLimits) -> str:
-    adc, over_v = f"an ADC with a range of {limits.adc_range_text}", limits.adc_overrange_v
+    adc = f"an ADC with a range of {limits.adc_range_text}"
+    over_v = limits.adc_overrange_v
     if not over_v:
         return f"{adc} covers all signals"
+
     needed = f"set detector.adc_range_v to at least {limits.adc_range_v + over_v:.2f}"
     return f"{adc} clips the top {over_v:.2f} V: divide the signals ahead of it, or {needed}"
 
@@ -158,14 +207,23 @@ def describe_adc_range(limits: VoltageLimits) -> str:
 def adc_range_warnings(limits: VoltageLimits) -> Iterator[str]:
     """Find an ADC that clips the tactile voltage, in which slip then does not show."""
     if limits.max_tactile_v > limits.adc_range_v:
-        yield f"the tactile voltage, up to {limits.max_tactile_v:.2f} V, is clipped: {describe_adc_range(limits)}."
+        yield (
+            f"the tactile voltage, up to {limits.max_tactile_v:.2f} V, is clipped: "
+            f"{describe_adc_range(limits)}."
+        )
 
 
 def _bridge_amplifier_margin_v(volts: dict[str, float], supply: Supply, supply_v: float) -> float:
     """Margin [V] of the bridge amplifier's internal and output voltages at an operating point."""
-    reference_v, sensor_v, output_v = volts[REFERENCE], volts[SENSOR], volts[TACTILE]
-    lower_v, common_v = volts[supply.negative_rail], (reference_v + sensor_v) / 2.0
-    half_v = abs(output_v - volts[supply.signal_ground]) / 2.0  # the amplified difference of its inputs
+    reference_v = volts[REFERENCE]
+    sensor_v = volts[SENSOR]
+    output_v = volts[TACTILE]
+    lower_v = volts[supply.negative_rail]
+    common_v = (reference_v + sensor_v) / 2.0
+    half_v = (
+        abs(output_v - volts[supply.signal_ground]) / 2.0
+    )  # the amplified difference of its inputs
+
     return min(
         supply_v - _INTERNAL_MARGIN_V - (common_v + _INPUT_SHIFT_V + half_v),
         common_v + _INPUT_SHIFT_V - half_v - lower_v,
@@ -176,8 +234,11 @@ def _bridge_amplifier_margin_v(volts: dict[str, float], supply: Supply, supply_v
 
 # Constant voltages of the front end, from the network.
 
-IDLE_TOLERANCE_V, MAX_PRELOAD_V = 0.1, 0.5
-"""Largest difference of an untouched finger from its expected voltage [V], and from which on it is another board's."""
+IDLE_TOLERANCE_V = 0.1
+MAX_PRELOAD_V = 0.5
+"""Largest difference of an untouched finger from its expected voltage
+[V], and from which on it is another board's.
+"""
 PRELOAD = "the skin presses on the sensor: pull it on again"
 
 
@@ -185,8 +246,9 @@ PRELOAD = "the skin presses on the sensor: pull it on again"
 class TactileResponse:
     """Tactile voltage as a function of the sensor's conductance.
 
-    The front end drives the sensor like a source of voltage with a resistance (Thevenin), and the current through the
-    sensor moves the tactile voltage in proportion: down behind a bridge, up behind a transimpedance stage.
+    The front end drives the sensor like a source of voltage with a resistance (Thevenin), and the
+    current through the sensor moves the tactile voltage in proportion: down behind a bridge, up
+    behind a transimpedance stage.
     """
 
     open_v: float
@@ -203,22 +265,30 @@ class TactileResponse:
         return self.transfer_ohm < 0.0
 
     def describe_preload(self, rest_v: float) -> str | None:
-        """Describe the voltage at the least load [V] if it is that of a sensor that a skin presses on."""
+        """Describe the voltage at the least load [V] if it is
+        that of a sensor that a skin presses on.
+        """
         excess_v = rest_v - self.open_v
         if (excess_v > 0.0) != self.rises or not IDLE_TOLERANCE_V < abs(excess_v) <= MAX_PRELOAD_V:
             return None
+
         return (
-            f"at the least load the voltage is {1000 * excess_v:+.0f} mV from the {self.open_v:.3g} V of an untouched "
+            f"at the least load the voltage is {1000 * excess_v:+.0f} mV from the "
+            f"{self.open_v:.3g} V of an untouched "
             f"finger; if nothing touches it then, {PRELOAD}."
         )
 
     def tactile_v(self, conductance_s: float) -> float:
-        """Tactile voltage [V] for a sensor of this conductance [S], without the limits of the amplifier's output."""
+        """Tactile voltage [V] for a sensor of this conductance [S],
+        without the limits of the amplifier's output.
+        """
         current_a = self.sensor_v * conductance_s / (1.0 + self.source_ohm * conductance_s)
         return self.open_v - self.transfer_ohm * current_a
 
 
-def compute_tactile_response(circuit: Circuit, rails: Mapping[str, float], signal_ground: str) -> TactileResponse:
+def compute_tactile_response(
+    circuit: Circuit, rails: Mapping[str, float], signal_ground: str
+) -> TactileResponse:
     network = build_network(circuit).restrict(TACTILE, signal_ground)
     volts = network.operating_point(rails)
     return TactileResponse(

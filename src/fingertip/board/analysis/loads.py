@@ -1,8 +1,9 @@
 """Load of the amplifiers of the signal path: what each drives in the band of the vibrations.
 
-Data sheets state the output swing for a load of 2 kohm or more. The rectifying diode counts as conducting, without its
-drop, so the current that charges the envelope's capacitor is an upper bound: at the current's peak both ends of the
-diode rise equally fast, and the capacitor's end is at the lower voltage. The buffer of VMID is not covered.
+Data sheets state the output swing for a load of 2 kohm or more. The rectifying diode counts as
+conducting, without its drop, so the current that charges the envelope's capacitor is an upper
+bound: at the current's peak both ends of the diode rise equally fast, and the capacitor's end is at
+the lower voltage. The buffer of VMID is not covered.
 """
 
 from __future__ import annotations
@@ -44,7 +45,9 @@ def signal_band_hz(cutoff_hz: float) -> tuple[float, float]:
 
 @dataclass(frozen=True, eq=False)
 class OutputCurrent:
-    """Current of one amplifier's output over the band of the vibrations, for 1 V of the tactile voltage."""
+    """Current of one amplifier's output over the band of the
+    vibrations, for 1 V of the tactile voltage.
+    """
 
     output: AmplifierOutput
     gain: Spectrum
@@ -55,12 +58,18 @@ class OutputCurrent:
     """Current through the rectifying diode, as if it always conducted [A/V]."""
 
 
-def compute_output_currents(circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float) -> tuple[OutputCurrent, ...]:
+def compute_output_currents(
+    circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float
+) -> tuple[OutputCurrent, ...]:
     """Compute the current of each amplifier's output, in the order of their references."""
-    given = [net for net in (TACTILE, SUM) if net in circuit.net_by_pin.values()]  # SUM stays at 0 V
+    given = [
+        net for net in (TACTILE, SUM) if net in circuit.net_by_pin.values()
+    ]  # SUM stays at 0 V
     network = build_network(circuit, gain_bandwidth_hz, conducting=[RECTIFYING_DIODE]).drive(*given)
     f = np.geomspace(*signal_band_hz(cutoff_hz), _FREQUENCIES)
-    volts = dict(zip(network.nets, network.response(f, {TACTILE: 1.0}, *network.nets).T, strict=True))
+    volts = dict(
+        zip(network.nets, network.response(f, {TACTILE: 1.0}, *network.nets).T, strict=True)
+    )
     volts[TACTILE] = np.ones(len(f), dtype=np.complex128)
     nets = circuit.net_by_pin
     branches = [
@@ -69,51 +78,74 @@ def compute_output_currents(circuit: Circuit, gain_bandwidth_hz: float, cutoff_h
         if c.symbol.name in "RC" or c.reference == RECTIFYING_DIODE
     ]
     currents = []
+
     for output in sorted(list_amplifiers(circuit)):
         filter_s, diode_s = np.zeros((2, len(f)), dtype=np.complex128)
         for reference, first, second in branches:
             if output.net not in (first, second):
                 continue
-            admittance = network.values[reference] * (2j * np.pi * f if reference.startswith("C") else 1.0)
+
+            admittance = network.values[reference] * (
+                2j * np.pi * f if reference.startswith("C") else 1.0
+            )
             # What is not among the equations, such as a rail, carries no signal.
-            difference = volts[output.net] - volts.get(second if output.net == first else first, 0.0)
+            difference = volts[output.net] - volts.get(
+                second if output.net == first else first, 0.0
+            )
             (diode_s if reference == RECTIFYING_DIODE else filter_s)[:] += admittance * difference
+
         currents.append(OutputCurrent(output, volts[output.net], filter_s, diode_s))
+
     return tuple(currents)
 
 
 def find_filter_load_ohm(circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float) -> float:
-    """Find the smallest impedance that an amplifier of the two filter stages drives [ohm], without the diode."""
+    """Find the smallest impedance that an amplifier of the two
+    filter stages drives [ohm], without the diode.
+    """
     currents = compute_output_currents(circuit, gain_bandwidth_hz, cutoff_hz)
     filters = [current for current in currents if current.output.amplifier in _FILTER_AMPLIFIERS]
-    return min(float(np.abs(each.gain / each.filter_s).min()) for each in filters if each.filter_s.any())
+    return min(
+        float(np.abs(each.gain / each.filter_s).min()) for each in filters if each.filter_s.any()
+    )
 
 
 def load_warnings(design: Design, filter_load_ohm: float, capacitor_f: float) -> Iterator[str]:
-    """Find a filter whose amplifiers may swing less than computed, because they drive too small a load."""
-    board, passing_uf, load_ohm = design.board, 1e6 * capacitor_f, filter_load_ohm
+    """Find a filter whose amplifiers may swing less than
+    computed, because they drive too small a load.
+    """
+    board = design.board
+    passing_uf = 1e6 * capacitor_f
+    load_ohm = filter_load_ohm
     if load_ohm >= MIN_LOAD_OHM:
         return
+
     while load_ohm < MIN_LOAD_OHM:  # resistors grow as the capacitors shrink
         passing_uf = float(f"{find_preferred_neighbours(0.99 * passing_uf)[0]:.3g}")
         values = {"board.capacitor_uf": passing_uf, "board.capacitor_series": "given"}
         circuit = board_circuit(select_components(design.with_values(values)))
         load_ohm = find_filter_load_ohm(circuit, find_gain_bandwidth_hz(board), board.cutoff_hz)
+
     settings = f"board.capacitor_uf={passing_uf:.3g}"
     if board.capacitor_series != "given":
         settings = f"board.capacitor_series=given and {settings}"
+
     yield (
-        f"the amplifiers of the filter (U1) drive {filter_load_ohm:.0f} ohm between {board.cutoff_hz:g} Hz and "
-        f"{BAND_CUTOFFS * board.cutoff_hz:g} Hz. Their data sheets state the output swing for {MIN_LOAD_OHM:.0f} ohm "
+        f"the amplifiers of the filter (U1) drive {filter_load_ohm:.0f} ohm between "
+        f"{board.cutoff_hz:g} Hz and "
+        f"{BAND_CUTOFFS * board.cutoff_hz:g} Hz. Their data sheets state the output swing for "
+        f"{MIN_LOAD_OHM:.0f} ohm "
         f"and above, so they may clip earlier than stated; set, for example, {settings}."
     )
 
 
-# Stability of the amplifiers with two poles: phase margin of each loop, and resonances of the filter.
+# Stability of the amplifiers with two poles: phase margin of each loop, and resonances of the
+# filter.
 #
-# The loop of an amplifier is opened at its output: a source drives the net instead, and the difference of its inputs
-# is what is fed back. The circuit around it is that of `fingertip.board.circuits.network`, with the capacitances of
-# all inputs. Outputs have no resistance, so a capacitive load is not covered.
+# The loop of an amplifier is opened at its output: a source drives the net instead, and the
+# difference of its inputs is what is fed back. The circuit around it is that of
+# `fingertip.board.circuits.network`, with the capacitances of all inputs. Outputs have no
+# resistance, so a capacitive load is not covered.
 
 LOOP_HZ = 1e3, 1e9
 """Band in which a loop's gain falls to 1 [Hz]."""
@@ -124,37 +156,48 @@ _PEAK_POINTS = 97
 
 
 def compute_phase_margins_deg(circuit: Circuit, network: Network) -> dict[str, float]:
-    """Compute the phase margin of each operational amplifier of the catalogue [degree], by reference and unit."""
+    """Compute the phase margin of each operational amplifier of the
+    catalogue [degree], by reference and unit.
+    """
     f = np.geomspace(*LOOP_HZ, _LOOP_POINTS)
     margins = {}
+
     for amplifier, _, output, (plus, minus), data in list_amplifiers(circuit):
         if data:
             fed_back = _voltage(network, f, minus, output) - _voltage(network, f, plus, output)
             open_loop = np.array([data.open_loop_gain(hz) for hz in f.tolist()])
             margins[amplifier] = _find_margin_deg(open_loop * fed_back)
+
     return margins
 
 
 def _voltage(network: Network, f: Array, net: str, driven: str) -> Spectrum:
     if net == driven:
         return np.ones(len(f), dtype=np.complex128)
+
     opened = network.drive(driven).restrict(net)
     if net in opened.inputs:
         return np.zeros(len(f), dtype=np.complex128)
+
     return opened.response(f, {driven: 1.0}, net)[:, 0]
 
 
 def _find_margin_deg(loop: Spectrum) -> float:
-    """Phase of a loop above -180 degrees where its gain last falls through 1, by interpolation between two points."""
+    """Phase of a loop above -180 degrees where its gain last falls
+    through 1, by interpolation between two points.
+    """
     with np.errstate(divide="ignore"):  # far above its bandwidth a loop may have no gain left
         level = np.log(np.abs(loop))
+
     phase = np.degrees(np.unwrap(np.angle(loop)))
     above = np.flatnonzero(level > 0.0)
     if not len(above):
         return math.inf
+
     i = int(above[-1])
     if i + 1 == len(level):
         return -math.inf
+
     share = level[i] / (level[i] - level[i + 1])
     # At low frequencies a loop lags by 90 degrees or less; unwrapping may have started a turn away.
     turns = 360.0 * round(float(phase[0]) / 360.0)

@@ -36,9 +36,13 @@ class Analysis:
 
 
 def analyse(design: Design, boards: int = 10_000) -> Analysis:
-    circuit, bandwidth_hz = board_circuit(select_components(design)), find_gain_bandwidth_hz(design.board)
-    toleranced = tolerance.TolerancedFilter(model_filter(circuit), build_network(circuit, bandwidth_hz).values)
+    circuit = board_circuit(select_components(design))
+    bandwidth_hz = find_gain_bandwidth_hz(design.board)
+    toleranced = tolerance.TolerancedFilter(
+        model_filter(circuit), build_network(circuit, bandwidth_hz).values
+    )
     percent = tolerance.component_tolerances(circuit)
+
     return Analysis(
         *noise.noise_budget(noise.add_noise(circuit, bandwidth_hz)),
         component_percent=percent,
@@ -48,20 +52,29 @@ def analyse(design: Design, boards: int = 10_000) -> Analysis:
 
 
 def bode_table(design: Design) -> str:
-    """Tabulate the article's figure 4 as CSV: magnitude [dB] and phase [degree] of each stage and of the whole filter.
+    """Tabulate the article's figure 4 as CSV: magnitude [dB] and phase [degree] of each stage and
+    of the whole filter.
 
-    The response starts at the tactile voltage. Amplifiers have one pole, so their gain falls with their gain-bandwidth
-    product. The last column is that product over the frequency [dB], the asymptote of the amplifier's open-loop gain.
+    The response starts at the tactile voltage. Amplifiers have one pole, so their gain falls with
+    their gain-bandwidth product. The last column is that product over the frequency [dB], the
+    asymptote of the amplifier's open-loop gain.
     """
-    network = build_network(board_circuit(select_components(design)), find_gain_bandwidth_hz(design.board))
+    network = build_network(
+        board_circuit(select_components(design)), find_gain_bandwidth_hz(design.board)
+    )
     f = np.logspace(0, 5, 201)
     filter_network = network.drive(TACTILE).restrict(FILTERED)
     first, whole = filter_network.response(f, {TACTILE: 1.0}, STAGE1_OUT, FILTERED).T
-    lines = ["frequency_hz,stage1_db,stage1_deg,stage2_db,stage2_deg,whole_db,whole_deg,gbw_over_f_db"]
+    lines = [
+        "frequency_hz,stage1_db,stage1_deg,stage2_db,stage2_deg,whole_db,whole_deg,gbw_over_f_db"
+    ]
+
     for i, hz in enumerate(f):
         cells = [f"{hz:.6g}"]
         for value in (first[i], whole[i] / first[i], whole[i]):
             cells += [f"{20 * math.log10(abs(value)):.4f}", f"{math.degrees(np.angle(value)):.3f}"]
+
         cells.append(f"{20 * math.log10(find_gain_bandwidth_hz(design.board) / hz):.4f}")
         lines.append(",".join(cells))
+
     return "\n".join(lines) + "\n"

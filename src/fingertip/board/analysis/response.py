@@ -1,8 +1,10 @@
-"""Frequency response of the filter: poles, maximum gain and cutoff frequencies, from the circuit's transfer function.
+"""Frequency response of the filter: poles, maximum gain and cutoff frequencies, from the circuit's
+transfer function.
 
-Cutoffs and gain are those of the amplifiers as built: with their bandwidth and input capacitance, with C14, which costs
-a little gain at the lower end of the passband, and C20, which is a low-pass above the vibrations. Poles and quality
-factor are those of ideal amplifiers, so that they can be compared with the article's.
+Cutoffs and gain are those of the amplifiers as built: with their bandwidth and input capacitance,
+with C14, which costs a little gain at the lower end of the passband, and C20, which is a low-pass
+above the vibrations. Poles and quality factor are those of ideal amplifiers, so that they can be
+compared with the article's.
 """
 
 from __future__ import annotations
@@ -17,34 +19,54 @@ import numpy as np
 from fingertip.board.circuits.network import Value, build_network
 from fingertip.board.circuits.transfer_function import Rational, Stage, find_stages, multiply
 from fingertip.board.parts.circuit import Circuit
-from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ENVELOPE, FILTERED, RECT_OUT, TACTILE
+from fingertip.board.parts.nets import (
+    ADC_ENVELOPE,
+    ADC_FILTERED,
+    ENVELOPE,
+    FILTERED,
+    RECT_OUT,
+    TACTILE,
+)
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import SECTION_QUALITY
 from fingertip.design.parameters.electronics import Board
 from fingertip.foundation.numerics import Array, bisect, bisect_arrays, find_maximum_arrays
 
 RECTIFYING_DIODE = "D1"
-"""Diode that conducts while the filtered signal is positive, on every board that has a rectifier."""
+"""Diode that conducts while the filtered signal is positive, on every board that has a
+rectifier.
+"""
 Rectifier = Literal["diode", "precision", "software"]
-"""A diode that charges R_LP parallel to C_LP (article), amplifiers that rectify and follow with one pole, or neither:
-then software computes the envelope, with the design's pole and a gain of 1."""
+"""A diode that charges R_LP parallel to C_LP (article), amplifiers that rectify and follow with one
+pole, or neither: then software computes the envelope, with the design's pole and a gain of 1.
+"""
 
 
 def find_rectifier(circuit: Circuit) -> Rectifier:
     nets = set(circuit.net_by_pin.values())
-    return "precision" if RECT_OUT in nets else "diode" if ENVELOPE in nets else "software"
+    if RECT_OUT in nets:
+        return "precision"
+    if ENVELOPE in nets:
+        return "diode"
+
+    return "software"
 
 
 _STEPS_PER_DECADE = 6
 _START_RATIO = 4.0
-"""Ratio of the lower pole to the frequency at which the search starts; for many boards, of the nominal cutoff, and of
-the frequency at which the search ends to that of the nominal maximum."""
+"""Ratio of the lower pole to the frequency at which the search starts; for many boards, of the
+nominal cutoff, and of the frequency at which the search ends to that of the nominal maximum.
+"""
 _END_RATIO = 100.0
 """Ratio of the highest frequency at which the maximum is searched to the higher pole."""
 _FINE_GOLDEN_STEPS = 29
-"""Golden-section steps around the peak of one board: its frequency is then exact to 1e-6, its gain to 1e-12."""
+"""Golden-section steps around the peak of one board: its frequency
+is then exact to 1e-6, its gain to 1e-12.
+"""
 _GOLDEN_STEPS = 24
-"""Golden-section steps around the peak of many boards: its frequency is then exact to 1e-5, its gain to 1e-10."""
+"""Golden-section steps around the peak of many boards: its frequency
+is then exact to 1e-5, its gain to 1e-10.
+"""
 _HALVINGS = 36
 """Halvings of the step that contains the cutoff of many boards, which is then exact to 1e-11."""
 
@@ -70,7 +92,9 @@ class FrequencyResponse:
 
 @dataclass(frozen=True)
 class Passband:
-    """First maximum of the gain above the poles, from tactile voltage to rectifier, and its -3.0103 dB frequencies."""
+    """First maximum of the gain above the poles, from tactile voltage
+    to rectifier, and its -3.0103 dB frequencies.
+    """
 
     gain: float
     peak_hz: float
@@ -80,27 +104,34 @@ class Passband:
 
 @dataclass(frozen=True)
 class EnvelopeModel:
-    """Transfer function of the envelope for any component values: the network's quantities are its symbols."""
+    """Transfer function of the envelope for any component values:
+    the network's quantities are its symbols.
+    """
 
     stage: Stage
-    """First-order low-pass: from the filtered voltage (variant article: from the diode's current) to the envelope."""
+    """First-order low-pass: from the filtered voltage (variant
+    article: from the diode's current) to the envelope.
+    """
 
     def decay_s(self, values: Mapping[str, Value]) -> Value:
         constant, slope = self.stage.evaluate(values).denominator
         return slope / constant
 
     def gain(self, values: Mapping[str, Value]) -> Value:
-        """Constant envelope for a constant input: a ratio of voltages; in variant article a resistance [ohm]."""
+        """Constant envelope for a constant input: a ratio of
+        voltages; in variant article a resistance [ohm].
+        """
         response = self.stage.evaluate(values)
         return response.numerator[0] / response.denominator[0]
 
 
 @dataclass(frozen=True)
 class FilterModel:
-    """Transfer functions of filter and envelope for any component values: the network's quantities are their symbols.
+    """Transfer functions of filter and envelope for any component values: the network's quantities
+    are their symbols.
 
-    The first stage of the article is in two: the pole of C1 and R1, and the amplifier. Last comes the Sallen-Key
-    section.
+    The first stage of the article is in two: the pole of C1 and R1, and the amplifier. Last comes
+    the Sallen-Key section.
     """
 
     ideal: tuple[Stage, ...]
@@ -123,14 +154,19 @@ class FilterModel:
         return (constant / square) ** 0.5 / math.tau, (constant * square) ** 0.5 / linear
 
     def passband(self, values: Mapping[str, Value]) -> Passband:
-        """Passband of one board, searched from well below to well above the poles of its high-pass filter."""
+        """Passband of one board, searched from well below to well
+        above the poles of its high-pass filter.
+        """
         poles = float(self.first_pole_hz(values)), float(self.section(values)[0])
-        return find_passband(self.transfer(values), (min(poles) / _START_RATIO, max(poles) * _END_RATIO))
+        return find_passband(
+            self.transfer(values), (min(poles) / _START_RATIO, max(poles) * _END_RATIO)
+        )
 
 
 def model_filter(circuit: Circuit) -> FilterModel:
     ideal, as_built = (
-        find_stages(build_network(circuit, bandwidth).drive(TACTILE), TACTILE, FILTERED) for bandwidth in (None, 1.0)
+        find_stages(build_network(circuit, bandwidth).drive(TACTILE), TACTILE, FILTERED)
+        for bandwidth in (None, 1.0)
     )
     return FilterModel(ideal, as_built, model_envelope(circuit))
 
@@ -140,32 +176,48 @@ def model_envelope(circuit: Circuit) -> EnvelopeModel | None:
     rectifier = find_rectifier(circuit)
     if rectifier == "software":
         return None
+
     if rectifier == "precision":
         network = build_network(circuit, conducting=[RECTIFYING_DIODE]).drive(FILTERED)
         return EnvelopeModel(*find_stages(network, FILTERED, ENVELOPE))
-    # Voltage over the diode's current. The pole ahead of the ADC, which loads it by a hundredth, is left out.
+
+    # Voltage over the diode's current. The pole ahead of the ADC, which loads it by a hundredth, is
+    # left out.
     terms = build_network(circuit.without("R7")).restrict(ENVELOPE).terms
     admittance = tuple(
-        tuple((term.factor, (term.quantity,)) for term in terms if term.net == ENVELOPE and term.order == order)
+        tuple(
+            (term.factor, (term.quantity,))
+            for term in terms
+            if term.net == ENVELOPE and term.order == order
+        )
         for order in (0, 1)
     )
     return EnvelopeModel(Stage((((1.0, ()),),), admittance))
 
 
 def find_envelope_pin(circuit: Circuit) -> str:
-    """Find the pin of the ADC with the envelope, or with the filtered signal from which software computes it."""
+    """Find the pin of the ADC with the envelope, or with the
+    filtered signal from which software computes it.
+    """
     return ADC_FILTERED if find_rectifier(circuit) == "software" else ADC_ENVELOPE
 
 
-def find_envelope_gain(model: FilterModel, circuit: Circuit, values: Mapping[str, Value]) -> float | None:
-    """Find the gain from the positive half waves to the envelope; None for a bare diode, which has a dead zone."""
+def find_envelope_gain(
+    model: FilterModel, circuit: Circuit, values: Mapping[str, Value]
+) -> float | None:
+    """Find the gain from the positive half waves to the envelope;
+    None for a bare diode, which has a dead zone.
+    """
     if model.envelope is None:
         return 1.0
+
     return None if find_rectifier(circuit) == "diode" else float(model.envelope.gain(values))
 
 
 def model_software_envelope(cutoff_hz: float) -> EnvelopeModel:
-    """Model the envelope that software computes from the filtered signal: gain 1, and one pole [Hz]."""
+    """Model the envelope that software computes from the
+    filtered signal: gain 1, and one pole [Hz].
+    """
     pole: Stage = Stage((((1.0, ()),),), (((1.0, ()),), ((1.0 / (math.tau * cutoff_hz), ()),)))
     return EnvelopeModel(pole)
 
@@ -182,25 +234,36 @@ def find_passband(transfer: Rational, band_hz: tuple[float, float]) -> Passband:
     grid = [log_power(first), log_power(first + step)]
     while len(grid) <= count and grid[-1] >= grid[-2]:
         grid.append(log_power(first + len(grid) * step))
+
     peak = len(grid) - 2
     low, high = (np.array(first + (peak + side) * step) for side in (-1, 1))
-    place, found = find_maximum_arrays(lambda x: np.array(log_power(float(x))), low, high, _FINE_GOLDEN_STEPS)
+    place, found = find_maximum_arrays(
+        lambda x: np.array(log_power(float(x))), low, high, _FINE_GOLDEN_STEPS
+    )
     maximum = max(float(found), grid[peak])
     level = maximum - math.log(2.0)
 
     def find_cutoff(i: int, direction: int) -> float:
-        """Step from grid point i until the gain is below the level, and find the crossing within that step."""
+        """Step from grid point i until the gain is below the level,
+        and find the crossing within that step.
+        """
         while log_power(first + i * step) >= level:
             i += direction
+
         ends = sorted((first + (i - direction) * step, first + i * step))
-        return math.exp(bisect(lambda x: (log_power(x) < level) == (direction < 0), *ends)[0]) / math.tau
+        return (
+            math.exp(bisect(lambda x: (log_power(x) < level) == (direction < 0), *ends)[0])
+            / math.tau
+        )
 
     peak_hz = math.exp(float(place)) / math.tau
     return Passband(math.exp(0.5 * maximum), peak_hz, find_cutoff(peak, -1), find_cutoff(peak, 1))
 
 
 def find_passbands(transfer: Rational, nominal: Passband) -> tuple[Array, Array]:
-    """Find maximum gain and lower cutoff frequency [Hz] of many boards at once, as `find_passband` does for one."""
+    """Find maximum gain and lower cutoff frequency [Hz] of many
+    boards at once, as `find_passband` does for one.
+    """
     power_gain = transfer.power_gain()
 
     def power(x: Array) -> Array:
@@ -209,13 +272,17 @@ def find_passbands(transfer: Rational, nominal: Passband) -> tuple[Array, Array]
     first, step, count = _grid((nominal.low_hz / _START_RATIO, nominal.peak_hz * _START_RATIO))
     grid = np.array([power(np.array(first + i * step)) for i in range(count + 1)])
     peak = np.clip(grid.argmax(axis=0), 1, count - 1)
-    _, found = find_maximum_arrays(power, first + (peak - 1) * step, first + (peak + 1) * step, _GOLDEN_STEPS)
+    _, found = find_maximum_arrays(
+        power, first + (peak - 1) * step, first + (peak + 1) * step, _GOLDEN_STEPS
+    )
     maximum = np.maximum(found, grid.max(axis=0))
 
-    # The last grid point before the peak that lies below half the maximum power brackets the cutoff.
+    # The last grid point before the peak that lies below half the maximum power brackets the
+    # cutoff.
     index = np.arange(count + 1).reshape(-1, *(1,) * peak.ndim)
     low = first + step * np.where((grid < 0.5 * maximum) & (index < peak), index, 0).max(axis=0)
     _, cutoff = bisect_arrays(lambda x: power(x) < 0.5 * maximum, low, low + step, _HALVINGS)
+
     return np.sqrt(maximum), np.exp(cutoff) / math.tau
 
 
@@ -231,13 +298,20 @@ def _grid(band_hz: tuple[float, float]) -> tuple[float, float, int]:
 
 
 def compute_response(
-    model: FilterModel, values: Mapping[str, Value], gain_bandwidth_hz: float, envelope_cutoff_hz: float
+    model: FilterModel,
+    values: Mapping[str, Value],
+    gain_bandwidth_hz: float,
+    envelope_cutoff_hz: float,
 ) -> FrequencyResponse:
-    """Compute the response of a board. `envelope_cutoff_hz` is the pole in software of one without an envelope."""
+    """Compute the response of a board.
+
+    `envelope_cutoff_hz` is the pole in software of one without an envelope.
+    """
     section_hz, quality = model.section(values)
     passband = model.passband(values)
     envelope = model.envelope or model_software_envelope(envelope_cutoff_hz)
     decay_s = float(envelope.decay_s(values))
+
     return FrequencyResponse(
         passband_gain=passband.gain,
         passband_gain_db=decibel(passband.gain),

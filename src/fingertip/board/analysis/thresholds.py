@@ -31,11 +31,15 @@ class ComparatorLevels:
     max_bias_v: float
     """Typical and maximum increase of the mean by the comparator's input bias current."""
     threshold_bias_v: float
-    """Typical increase of the ON threshold by the current of the other input, if both inputs draw the same."""
+    """Typical increase of the ON threshold by the current of the
+    other input, if both inputs draw the same.
+    """
     averaging_tau_s: float
 
 
-def compute_comparator_levels(circuit: Circuit, rails: dict[str, float], signal_ground: str) -> ComparatorLevels:
+def compute_comparator_levels(
+    circuit: Circuit, rails: dict[str, float], signal_ground: str
+) -> ComparatorLevels:
 
     def threshold_v(is_on: bool, trimmer_ratio: float = 0.5) -> float:
         network = build_network(circuit, trimmer_ratio=trimmer_ratio)
@@ -48,7 +52,10 @@ def compute_comparator_levels(circuit: Circuit, rails: dict[str, float], signal_
     (stage,) = find_stages(averaging, ENVELOPE, MEAN)
     constant, slope = stage.evaluate(averaging.values).denominator
     source_ohm = averaging.restrict(MEAN).constant_transfers(MEAN)[MEAN]
-    threshold_ohm = build_network(circuit).restrict(THRESHOLD).constant_transfers(THRESHOLD)[THRESHOLD]
+    threshold_ohm = (
+        build_network(circuit).restrict(THRESHOLD).constant_transfers(THRESHOLD)[THRESHOLD]
+    )
+
     return ComparatorLevels(
         on_v=threshold_v(is_on=False),
         off_v=threshold_v(is_on=True),
@@ -60,22 +67,30 @@ def compute_comparator_levels(circuit: Circuit, rails: dict[str, float], signal_
     )
 
 
-# Envelope offset: the output offset after a precision rectifier, due to the offset voltages of the amplifiers.
+# Envelope offset: the output offset after a precision rectifier, due to the offset voltages of the
+# amplifiers.
 #
-# Without a signal the offsets decide which diode of the rectifier conducts. While the positive one (D1) does, the
-# envelope is the sum of the offsets of the Sallen-Key stage, the rectifier and the envelope's low-pass times their
-# gains, 1, -2 and 2. While the other one (D4) does, the Sallen-Key stage is cut off, and the gains are smaller. The
-# envelope offset is therefore at most five offset voltages upwards, and little more than one downwards.
+# Without a signal the offsets decide which diode of the rectifier conducts. While the positive one
+# (D1) does, the envelope is the sum of the offsets of the Sallen-Key stage, the rectifier and the
+# envelope's low-pass times their gains, 1, -2 and 2. While the other one (D4) does, the Sallen-Key
+# stage is cut off, and the gains are smaller. The envelope offset is therefore at most five offset
+# voltages upwards, and little more than one downwards.
 
 BLOCKING_DIODE = "D4"
-"""Diode that conducts while the filtered signal is negative, and cuts the rectifier off from the filter."""
+"""Diode that conducts while the filtered signal is negative, and
+cuts the rectifier off from the filter.
+"""
 _FILTER_AND_RECTIFIER = ("U1", "U3")
-"""Amplifiers whose offsets count. That of the buffer of VMID moves envelope and signal ground alike."""
+"""Amplifiers whose offsets count.
+That of the buffer of VMID moves envelope and signal ground alike.
+"""
 
 
 @dataclass(frozen=True)
 class OutputOffset:
-    """Envelope offset above signal ground [V] due to the amplifiers' offsets, at 25 degrees Celsius."""
+    """Envelope offset above signal ground [V] due to the
+    amplifiers' offsets, at 25 degrees Celsius.
+    """
 
     min_v: float
     max_v: float
@@ -88,11 +103,15 @@ class OutputOffset:
     """Maximum with that amplifier."""
 
 
-def compute_output_offset(circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str) -> OutputOffset:
+def compute_output_offset(
+    circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str
+) -> OutputOffset:
     conducting, blocked = (
-        _offset_gains(circuit, gain_bandwidth_hz, signal_ground, diode) for diode in (RECTIFYING_DIODE, BLOCKING_DIODE)
+        _offset_gains(circuit, gain_bandwidth_hz, signal_ground, diode)
+        for diode in (RECTIFYING_DIODE, BLOCKING_DIODE)
     )
-    worst_gain, amplifier = math.fsum(map(abs, conducting)), AMPLIFIERS[circuit.component("U3").symbol.name]
+    worst_gain = math.fsum(map(abs, conducting))
+    amplifier = AMPLIFIERS[circuit.component("U3").symbol.name]
     return OutputOffset(
         min_v=-math.fsum(map(abs, blocked)) * amplifier.max_offset_v,
         max_v=worst_gain * amplifier.max_offset_v,
@@ -102,24 +121,40 @@ def compute_output_offset(circuit: Circuit, gain_bandwidth_hz: float, signal_gro
     )
 
 
-def _offset_gains(circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str, diode: str) -> list[float]:
-    """Constant gains from the offset voltage of each amplifier to the envelope above the signal ground."""
-    network = build_network(circuit, gain_bandwidth_hz, conducting=[diode]).restrict(ENVELOPE, signal_ground)
+def _offset_gains(
+    circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str, diode: str
+) -> list[float]:
+    """Constant gains from the offset voltage of each amplifier to
+    the envelope above the signal ground.
+    """
+    network = build_network(circuit, gain_bandwidth_hz, conducting=[diode]).restrict(
+        ENVELOPE, signal_ground
+    )
     transfers = network.constant_transfers(ENVELOPE, signal_ground)
-    outputs = (output.net for output in list_amplifiers(circuit) if output.reference in _FILTER_AND_RECTIFIER)
+    outputs = (
+        output.net
+        for output in list_amplifiers(circuit)
+        if output.reference in _FILTER_AND_RECTIFIER
+    )
+
     return [transfers.get(net, 0.0) for net in outputs]
 
 
-# Mean and worst case of the comparator's threshold: offsets, currents and tolerances from 0 to 50 degrees Celsius.
+# Mean and worst case of the comparator's threshold: offsets, currents and tolerances from 0 to 50
+# degrees Celsius.
 #
-# The threshold is referred to the envelope: it is the averaged envelope at which the output turns ON. All shifts are
-# transfers of one circuit to the difference of the comparator's inputs.
+# The threshold is referred to the envelope: it is the averaged envelope at which the output turns
+# ON. All shifts are transfers of one circuit to the difference of the comparator's inputs.
 
-_WARMING_K = max(formulas.MAX_TEMPERATURE_C - formulas.DATA_SHEET_C, formulas.DATA_SHEET_C - formulas.MIN_TEMPERATURE_C)
+_WARMING_K = max(
+    formulas.MAX_TEMPERATURE_C - formulas.DATA_SHEET_C,
+    formulas.DATA_SHEET_C - formulas.MIN_TEMPERATURE_C,
+)
 _LEAKAGE_DOUBLES_K = 10.0
 """Rise in temperature that doubles a diode's reverse current [K]."""
 TOLERANCES = "tolerances of R19 to R21 and RV1"
-_TRIMMER, _RESISTORS = ("RV1a", "RV1b"), ("R19", "R20", "R21")
+_TRIMMER = ("RV1a", "RV1b")
+_RESISTORS = ("R19", "R20", "R21")
 
 
 @dataclass(frozen=True)
@@ -132,20 +167,26 @@ class ThresholdShift:
 
 @dataclass(frozen=True)
 class ThresholdSpread:
-    """Mean and worst case of a comparator's threshold above the signal ground [V], with the trimmer at its midpoint."""
+    """Mean and worst case of a comparator's threshold above the signal
+    ground [V], with the trimmer at its midpoint.
+    """
 
     mean_v: float
     """Threshold with typical currents; offsets and tolerances have no preferred sign."""
     min_v: float
     max_v: float
     trim_v: float
-    """Largest shift in either direction that the trimmer can take back: to the nearer end of its range."""
+    """Largest shift in either direction that the trimmer can take
+    back: to the nearer end of its range.
+    """
     shifts: tuple[ThresholdShift, ...]
     """Largest shift by each cause; their sum is half of the range."""
 
     @property
     def to_trim_v(self) -> float:
-        """Sum of the shifts that trimming takes back [V]; tolerances scale the threshold and the range alike."""
+        """Sum of the shifts that trimming takes back [V]; tolerances
+        scale the threshold and the range alike.
+        """
         return math.fsum(shift.worst_v for shift in self.shifts if shift.cause != TOLERANCES)
 
 
@@ -157,26 +198,43 @@ def compute_threshold_spread(
     resistor_percent: float,
 ) -> ThresholdSpread:
     network = build_network(circuit, gain_bandwidth_hz, conducting=[RECTIFYING_DIODE])
-    transfers, offset_v = network.constant_transfers(MEAN, THRESHOLD), 0.0
+    transfers = network.constant_transfers(MEAN, THRESHOLD)
+    offset_v = 0.0
+
     for output in list_amplifiers(circuit):
-        if data := output.data:
-            offset_v += abs(transfers[output.net]) * (data.max_offset_v + data.drift_v_per_k * _WARMING_K)
+        data = output.data
+        if data:
+            offset_v += abs(transfers[output.net]) * (
+                data.max_offset_v + data.drift_v_per_k * _WARMING_K
+            )
+
     comparator_v = formulas.MAX_COMPARATOR_OFFSET_V + formulas.COMPARATOR_DRIFT_V_PER_K * _WARMING_K
-    leakage_a = MAX_SUPPRESSOR_A * 2.0 ** ((formulas.MAX_TEMPERATURE_C - formulas.DATA_SHEET_C) / _LEAKAGE_DOUBLES_K)
+    leakage_a = MAX_SUPPRESSOR_A * 2.0 ** (
+        (formulas.MAX_TEMPERATURE_C - formulas.DATA_SHEET_C) / _LEAKAGE_DOUBLES_K
+    )
     input_ohm = abs(transfers[MEAN]), abs(transfers[THRESHOLD])
     mean_v = levels.on_v - formulas.BIAS_A * (input_ohm[0] - input_ohm[1])
     shifts = (
         ThresholdShift("offsets of the amplifiers", offset_v),
         ThresholdShift("offset of the comparator", comparator_v),
-        ThresholdShift("input currents of the comparator", (formulas.HOT_BIAS_A - formulas.BIAS_A) * max(input_ohm)),
         ThresholdShift(
-            "leakage of the suppressors", leakage_a * (abs(transfers[ADC_ENVELOPE]) + abs(transfers[ADC_TACTILE]))
+            "input currents of the comparator",
+            (formulas.HOT_BIAS_A - formulas.BIAS_A) * max(input_ohm),
+        ),
+        ThresholdShift(
+            "leakage of the suppressors",
+            leakage_a * (abs(transfers[ADC_ENVELOPE]) + abs(transfers[ADC_TACTILE])),
         ),
         ThresholdShift(TOLERANCES, _tolerance_v(network, rails, resistor_percent / 100.0)),
     )
     worst_v = math.fsum(shift.worst_v for shift in shifts)
+
     return ThresholdSpread(
-        mean_v, mean_v - worst_v, mean_v + worst_v, min(levels.max_on_v - levels.on_v, levels.on_v), shifts
+        mean_v=mean_v,
+        min_v=mean_v - worst_v,
+        max_v=mean_v + worst_v,
+        trim_v=min(levels.max_on_v - levels.on_v, levels.on_v),
+        shifts=shifts,
     )
 
 
@@ -187,19 +245,28 @@ def _tolerance_v(network: Network, rails: Mapping[str, float], tolerance: float)
     def threshold_v(values: Mapping[str, Value]) -> float:
         return part.with_values(values).operating_point(rails)[THRESHOLD]
 
-    nominal_v, total_v = threshold_v({}), 0.0
-    for names, ratio in (*(((name,), tolerance) for name in _RESISTORS), (_TRIMMER, formulas.TRIMMER_TOLERANCE)):
+    nominal_v = threshold_v({})
+    total_v = 0.0
+    for names, ratio in (
+        *(((name,), tolerance) for name in _RESISTORS),
+        (_TRIMMER, formulas.TRIMMER_TOLERANCE),
+    ):
         changed = {name: part.values[name] / (1.0 + ratio) for name in names}
         total_v += abs(threshold_v(changed) - nominal_v)
+
     return total_v
 
 
 def describe_threshold_spread(spread: ThresholdSpread) -> str:
     largest = max(spread.shifts, key=lambda shift: shift.worst_v)
     return (
-        f"with the trimmer at its midpoint the threshold of a board is {1e3 * spread.mean_v:.1f} mV on average and "
-        f"between {round(1e3 * spread.min_v, 1) + 0.0:.1f} and {1e3 * spread.max_v:.1f} mV in the worst case from "
-        f"{formulas.MIN_TEMPERATURE_C:g} to {formulas.MAX_TEMPERATURE_C:g} C (largest part: {largest.cause}, "
-        f"{1e3 * largest.worst_v:.1f} mV); the trimmer can shift it by {1e3 * spread.trim_v:.1f} mV, and offsets "
+        f"with the trimmer at its midpoint the threshold of a board is {1e3 * spread.mean_v:.1f} "
+        "mV on average and "
+        f"between {round(1e3 * spread.min_v, 1) + 0.0:.1f} and {1e3 * spread.max_v:.1f} mV in the "
+        "worst case from "
+        f"{formulas.MIN_TEMPERATURE_C:g} to {formulas.MAX_TEMPERATURE_C:g} C (largest part: "
+        f"{largest.cause}, "
+        f"{1e3 * largest.worst_v:.1f} mV); the trimmer can shift it by {1e3 * spread.trim_v:.1f} "
+        "mV, and offsets "
         f"and currents need {1e3 * spread.to_trim_v:.1f} mV"
     )

@@ -1,7 +1,7 @@
 """Effect of component tolerances on the filter: Monte Carlo spread and worst case.
 
-C1, C2 and C3 may differ, as purchased capacitors do. Gain, cutoff, poles and quality factor come from the transfer
-function of the circuit, evaluated for thousands of boards at once.
+C1, C2 and C3 may differ, as purchased capacitors do. Gain, cutoff, poles and quality factor come
+from the transfer function of the circuit, evaluated for thousands of boards at once.
 """
 
 from __future__ import annotations
@@ -41,15 +41,21 @@ class TolerancedFilter:
         values = dict(self.values)
         for name, ratio in zip(self.names, np.moveaxis(1.0 + deviations, -1, 0), strict=True):
             # A network's quantity is the conductance of a resistor.
-            values[name] = self.values[name] / ratio if name.startswith("R") else self.values[name] * ratio
+            values[name] = (
+                self.values[name] / ratio if name.startswith("R") else self.values[name] * ratio
+            )
+
         return values
 
     def quantities(self, deviations: Array) -> dict[str, Array]:
         """Compute `QUANTITIES` for relative deviations of the components, (..., components)."""
         values = self.deviate(deviations)
-        gain, cutoff_hz = find_passbands(self.model.transfer(values), self.model.passband(self.values))
+        gain, cutoff_hz = find_passbands(
+            self.model.transfer(values), self.model.passband(self.values)
+        )
         section_hz, quality = self.model.section(values)
         found = (cutoff_hz, quality, gain, self.model.first_pole_hz(values), section_hz)
+
         return dict(zip(QUANTITIES, map(np.asarray, found), strict=True))
 
 
@@ -72,22 +78,31 @@ class Spread:
 def monte_carlo(
     board: TolerancedFilter, tolerances: Mapping[str, float], boards: int = 10_000, seed: int = 1
 ) -> dict[str, Spread]:
-    """Compute the spread of each quantity over boards with independent, uniform component values; `tolerances` [%]."""
-    limits, count = _limits(board, tolerances), len(board.names)
+    """Compute the spread of each quantity over boards with independent,
+    uniform component values; `tolerances` [%].
+    """
+    limits = _limits(board, tolerances)
+    count = len(board.names)
     drawn = board.quantities(draw_deviations(board, tolerances, boards, seed))
     corners = board.quantities(limits * np.array(list(product((-1.0, 1.0), repeat=count))))
     exact = board.quantities(np.zeros(count))
     result = {}
+
     for name, values in drawn.items():
         low, high = np.quantile(values, BAND_QUANTILES).tolist()
         worst = corners[name]
         middle = float(exact[name]), float(values.mean()), float(values.std(ddof=1))
         result[name] = Spread(*middle, low, high, float(worst.min()), float(worst.max()))
+
     return result
 
 
-def draw_deviations(board: TolerancedFilter, tolerances: Mapping[str, float], boards: int, seed: int) -> Array:
-    """Draw relative deviations, (boards, components), independent and uniform within these tolerances [%]."""
+def draw_deviations(
+    board: TolerancedFilter, tolerances: Mapping[str, float], boards: int, seed: int
+) -> Array:
+    """Draw relative deviations, (boards, components), independent
+    and uniform within these tolerances [%].
+    """
     uniform = np.random.default_rng(seed).uniform(-1.0, 1.0, (boards, len(board.names)))
     deviations: Array = _limits(board, tolerances) * uniform
     return deviations
@@ -100,19 +115,33 @@ def _limits(board: TolerancedFilter, tolerances: Mapping[str, float]) -> Array:
 def component_tolerances(circuit: Circuit) -> dict[str, float]:
     """Tolerance [%] of each of `COMPONENTS` that a circuit has, as its parts are bought."""
     requirements = {component.reference: component.requirement for component in circuit.components}
-    return {name: found.tolerance_percent for name in COMPONENTS if (found := requirements.get(name))}
+    return {
+        name: found.tolerance_percent for name in COMPONENTS if (found := requirements.get(name))
+    }
 
 
-YIELD_BOARDS, YIELD_RATIO, LEAST_YIELD = 4000, 0.1, 0.99
-"""Boards that are drawn for a yield, deviation from the design within which a board counts, and share that must."""
+YIELD_BOARDS = 4000
+YIELD_RATIO = 0.1
+LEAST_YIELD = 0.99
+"""Boards that are drawn for a yield, deviation from the design within
+which a board counts, and share that must.
+"""
 
 
 def compute_yields(
-    model: FilterModel, values: Mapping[str, Value], circuit: Circuit, board: Board, boards: int = YIELD_BOARDS
+    model: FilterModel,
+    values: Mapping[str, Value],
+    circuit: Circuit,
+    board: Board,
+    boards: int = YIELD_BOARDS,
 ) -> dict[str, float]:
     """Compute the share of boards within `YIELD_RATIO` of the design's cutoff, and of its gain."""
     toleranced = TolerancedFilter(model, values)
     deviations = draw_deviations(toleranced, component_tolerances(circuit), boards, seed=1)
     found = toleranced.quantities(deviations)
     wanted = {"cutoff_hz": board.cutoff_hz, "passband_gain": board.passband_gain}
-    return {name: float(np.mean(np.abs(found[name] / v - 1.0) <= YIELD_RATIO)) for name, v in wanted.items()}
+
+    return {
+        name: float(np.mean(np.abs(found[name] / v - 1.0) <= YIELD_RATIO))
+        for name, v in wanted.items()
+    }

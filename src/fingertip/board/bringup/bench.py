@@ -1,9 +1,10 @@
-"""The bench: what replaces the sensor while a board is brought up, the tone that a controller feeds in, and the
-resistances that a meter reads ahead of the first current.
+"""The bench: what replaces the sensor while a board is brought up, the tone that a controller feeds
+in, and the resistances that a meter reads ahead of the first current.
 
-A resistor in place of the sensor stands for a force, the same on every day. A pin of the controller that switches
-between 0 and its supply reaches the sensor's socket through a capacitor and a large resistor, so that some millivolts
-at TACTILE result, as from a slip. Its fundamental and its odd harmonics are known exactly.
+A resistor in place of the sensor stands for a force, the same on every day. A pin of the controller
+that switches between 0 and its supply reaches the sensor's socket through a capacitor and a large
+resistor, so that some millivolts at TACTILE result, as from a slip. Its fundamental and its odd
+harmonics are known exactly.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ from fingertip.foundation.numerics import Array
 
 TONE = "TONE"
 """Net that the controller's pin drives, above ground."""
-COUPLING_OHM, COUPLING_F = "R99", "C99"
+COUPLING_OHM = "R99"
+COUPLING_F = "C99"
 COUPLING_FARAD = 100e-9
 TONE_PIN = 4
 """Pin that is neither A0 nor A1 of a listed controller: GPIO2 of an ESP32-S3 is A1."""
@@ -36,7 +38,9 @@ SAMPLE_HZ = 6000
 HARMONICS = tuple(range(1, 32, 2))
 """Harmonics that a meter sees; further ones add less than 0.1 %."""
 _SWING_SHARE = 0.5
-"""Peak of the filtered fundamental as a share of the filter's swing. Edges of a square wave reach half as much more."""
+"""Peak of the filtered fundamental as a share of the filter's swing.
+Edges of a square wave reach half as much more.
+"""
 _TONE_RATIOS = (0.6, 1.0, 2.0)
 """Frequencies of the tone as multiples of the cutoff: well below, at, and well above it."""
 _TOP_SAMPLES = 6
@@ -48,7 +52,9 @@ class Bench:
     dummy_ohm: tuple[float, float]
     """Resistors in place of the sensor: for the lighter and the firmer of two forces."""
     coupling_ohm: float
-    """Resistor between the controller's pin and the sensor's socket, in series with `COUPLING_FARAD`."""
+    """Resistor between the controller's pin and the sensor's
+    socket, in series with `COUPLING_FARAD`.
+    """
     periods: tuple[int, ...]
     """Samples in a period of each tone; the frequency rises."""
 
@@ -57,28 +63,52 @@ class Bench:
         return tuple(SAMPLE_HZ / samples for samples in self.periods)
 
 
-def set_up_bench(circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float, swing_v: float) -> Bench:
-    # Values of E24 are in any kit of resistors; the expected readings follow from the values that are used.
+def set_up_bench(
+    circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float, swing_v: float
+) -> Bench:
+    # Values of E24 are in any kit of resistors; the expected readings follow from the values that
+    # are used.
     light_ohm, firm_ohm = (
-        nearest_value(1.0 / sensor_conductance_s(force_n), "E24") for force_n, _ in ARTICLE_POINTS[1:]
+        nearest_value(1.0 / sensor_conductance_s(force_n), "E24")
+        for force_n, _ in ARTICLE_POINTS[1:]
     )
-    periods = (2 * max(round(SAMPLE_HZ / (2.0 * ratio * cutoff_hz)), _TOP_SAMPLES // 2) for ratio in _TONE_RATIOS)
-    # The current into the socket is the tone over this resistor, which is far larger than what it meets there.
+    periods = (
+        2 * max(round(SAMPLE_HZ / (2.0 * ratio * cutoff_hz)), _TOP_SAMPLES // 2)
+        for ratio in _TONE_RATIOS
+    )
+    # The current into the socket is the tone over this resistor, which is far larger than what it
+    # meets there.
     trial = Bench((light_ohm, firm_ohm), 1e6, (*periods, _TOP_SAMPLES))
     path = feed_tone(circuit, trial, gain_bandwidth_hz).restrict(nets.FILTERED)
     gain = float(level(path, trial.tones_hz[2], nets.FILTERED)[0])
     wanted = _SWING_SHARE * swing_v / (math.sqrt(2.0) * TONE_V)
+
     return replace(trial, coupling_ohm=nearest_value(trial.coupling_ohm * gain / wanted, "E24"))
 
 
 def feed_tone(circuit: Circuit, bench: Bench, gain_bandwidth_hz: float) -> Network:
-    """Feed a tone to the sensor's pin through the coupling parts, with the lighter resistor in place of the sensor."""
+    """Feed a tone to the sensor's pin through the coupling parts, with
+    the lighter resistor in place of the sensor.
+    """
     resistor = Component(
-        COUPLING_OHM, f"{bench.coupling_ohm:.10g}", RESISTOR, R_0603, "test: from the controller's pin to the sensor"
+        reference=COUPLING_OHM,
+        value=f"{bench.coupling_ohm:.10g}",
+        symbol=RESISTOR,
+        footprint=R_0603,
+        role="test: from the controller's pin to the sensor",
     )
-    capacitor = Component(COUPLING_F, f"{COUPLING_FARAD:.10g}", CAPACITOR, C_0603, "test: blocks direct current")
+    capacitor = Component(
+        reference=COUPLING_F,
+        value=f"{COUPLING_FARAD:.10g}",
+        symbol=CAPACITOR,
+        footprint=C_0603,
+        role="test: blocks direct current",
+    )
     middle = "TONE_MIDDLE"
-    toned = circuit.connect(resistor, {"1": middle, "2": nets.SENSOR}).connect(capacitor, {"1": TONE, "2": middle})
+    toned = circuit.connect(resistor, {"1": middle, "2": nets.SENSOR}).connect(
+        capacitor, {"1": TONE, "2": middle}
+    )
+
     return build_network(toned, gain_bandwidth_hz, sensor_s=1.0 / bench.dummy_ohm[0]).drive(TONE)
 
 
@@ -94,29 +124,43 @@ def square_level(network: Network, hz: float, net: str) -> Array:
 
 
 def resistance_between(circuit: Circuit, first: str, second: str) -> float:
-    """Resistance between two nets of a board without power [ohm]; infinite if no resistors join them.
+    """Resistance between two nets of a board without power [ohm]; infinite if no resistors join
+    them.
 
-    The resistors around a part lower it, and count; capacitors and semiconductors do not conduct at a meter's voltage.
+    The resistors around a part lower it, and count; capacitors and semiconductors do not conduct at
+    a meter's voltage.
     """
     edges = []
     for part in circuit.components:
         far_pin = {"R": "2", "R_Potentiometer": "3"}.get(part.symbol.name)
         if far_pin and part.reference != GAIN_RESISTOR:
-            ends = circuit.net_by_pin[part.reference, "1"], circuit.net_by_pin[part.reference, far_pin]
+            ends = (
+                circuit.net_by_pin[part.reference, "1"],
+                circuit.net_by_pin[part.reference, far_pin],
+            )
             edges.append((*ends, 1.0 / parse_component_value(part.value)))
-    reached, grew = {first}, True
+
+    reached = {first}
+    grew = True
     while grew:
-        added = {net for a, b, _ in edges for net in (a, b) if a in reached or b in reached} - reached
-        reached, grew = reached | added, bool(added)
+        added = {
+            net for a, b, _ in edges for net in (a, b) if a in reached or b in reached
+        } - reached
+        reached = reached | added
+        grew = bool(added)
+
     if second not in reached:
         return math.inf
+
     nets = sorted(reached - {second})
     G = np.zeros((len(nets), len(nets)))
     row = {net: i for i, net in enumerate(nets)}
+
     for a, b, siemens in edges:
         for one, other in ((a, b), (b, a)):
             if one in row:
                 G[row[one], row[one]] += siemens
                 if other in row:
                     G[row[one], row[other]] -= siemens
+
     return float(np.linalg.inv(G)[row[first], row[first]])

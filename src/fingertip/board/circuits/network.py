@@ -1,16 +1,17 @@
 """Equations of a circuit: one linear equation for each net, from its components, pins and nets.
 
-Modified nodal analysis (C.-W. Ho, A. Ruehli, P. Brennan, IEEE Trans. Circuits Syst. 22 (1975) 504). The equation of a
-net is Kirchhoff's current law, or, where an amplifier drives the net, the amplifier's own equation. No current is
-therefore an unknown, and the equations read
+Modified nodal analysis (C.-W. Ho, A. Ruehli, P. Brennan, IEEE Trans. Circuits Syst. 22 (1975) 504).
+The equation of a net is Kirchhoff's current law, or, where an amplifier drives the net, the
+amplifier's own equation. No current is therefore an unknown, and the equations read
 
     (G + s C) v + (G_in + s C_in) v_in = 0
 
-with the voltages v of the nets and the given voltages v_in of the inputs. Frequency response, passband, noise, offsets,
-operating point, tolerances and the simulation in time all start from these equations.
+with the voltages v of the nets and the given voltages v_in of the inputs. Frequency response,
+passband, noise, offsets, operating point, tolerances and the simulation in time all start from
+these equations.
 
-Amplifiers are ideal, or as built: finite gain and bandwidth, and capacitance of their inputs. Their outputs have no
-resistance. Diodes conduct or block as stated.
+Amplifiers are ideal, or as built: finite gain and bandwidth, and capacitance of their inputs. Their
+outputs have no resistance. Diodes conduct or block as stated.
 """
 
 from __future__ import annotations
@@ -36,12 +37,17 @@ Value: TypeAlias = "float | Array"
 
 UNITY = ""
 """Quantity whose value is 1."""
-INVERSE_GAIN, INVERSE_BANDWIDTH = "1/A0", "1/GBW"
+INVERSE_GAIN = "1/A0"
+INVERSE_BANDWIDTH = "1/GBW"
 """Quantities of an amplifier, after its name: 1 / A0, and 1 / (2 pi GBW) [s]."""
 CONDUCTING_S = 1.0
-"""Conductance of a diode that conducts [S]. It lies within the loop of an amplifier, which compensates its drop."""
+"""Conductance of a diode that conducts [S].
+It lies within the loop of an amplifier, which compensates its drop.
+"""
 MAX_SWITCH_OHM = 0.085
-"""Largest resistance of the MOSFET that protects the supply, at 2.5 V from gate to source [ohm] (its data sheet)."""
+"""Largest resistance of the MOSFET that protects the supply, at 2.5 V
+from gate to source [ohm] (its data sheet).
+"""
 _TRIMMER_END_OHM = 1e-3
 """Resistance that remains between a trimmer's wiper and the end to which it is turned [ohm]."""
 
@@ -67,7 +73,9 @@ class Term(NamedTuple):
     net: str
     """Net or input whose voltage it contains."""
     quantity: str
-    """Name of a value, such as "R1"; its value is a conductance [S], a capacitance [F], or `UNITY`."""
+    """Name of a value, such as "R1"; its value is a conductance [S], a capacitance [F],
+    or `UNITY`.
+    """
     factor: float
     order: int
     """0 for G, 1 for C."""
@@ -104,11 +112,16 @@ class Network:
 
     def ground(self, *nets: str) -> Network:
         """Network in which the voltages of these nets are 0."""
-        terms = tuple(term for term in self.terms if term.equation not in nets and term.net not in nets)
-        return replace(self, terms=terms, inputs=tuple(name for name in self.inputs if name not in nets))
+        terms = tuple(
+            term for term in self.terms if term.equation not in nets and term.net not in nets
+        )
+        return replace(
+            self, terms=terms, inputs=tuple(name for name in self.inputs if name not in nets)
+        )
 
     def restrict(self, *outputs: str) -> Network:
-        """Part of the network that determines the voltages of some nets: they and all that their equations contain.
+        """Part of the network that determines the voltages of some nets: they and all that their
+        equations contain.
 
         An amplifier isolates its output: what only loads an output does not determine it.
         """
@@ -117,10 +130,13 @@ class Network:
 
     def trace(self, names: Iterable[str]) -> set[str]:
         """Find these names and all nets and inputs that determine their voltages."""
-        found, needed = set[str](), set(names)
+        found = set[str]()
+        needed = set(names)
+
         while needed:
             found |= needed
             needed = set().union(*(self.contents.get(name, ()) for name in needed)) - found
+
         return found
 
     @functools.cached_property
@@ -129,6 +145,7 @@ class Network:
         contents: dict[str, set[str]] = {name: set() for name in self.nets}
         for term in self.terms:
             contents[term.equation].add(term.net)
+
         return contents
 
     def with_values(self, values: Mapping[str, Value]) -> Network:
@@ -136,41 +153,54 @@ class Network:
 
     @functools.cached_property
     def matrices(self) -> tuple[Array, Array]:
-        """Matrices (G, G_in) and (C, C_in) side by side, (..., nets, nets + inputs), batched like the values."""
+        """Matrices (G, G_in) and (C, C_in) side by side, (..., nets,
+        nets + inputs), batched like the values.
+        """
         row = {name: i for i, name in enumerate(self.nets)}
         column = {name: i for i, name in enumerate((*self.nets, *self.inputs))}
-        batch = np.broadcast_shapes(*(np.shape(self.values[t.quantity]) for t in self.terms if t.quantity), ())
+        batch = np.broadcast_shapes(
+            *(np.shape(self.values[t.quantity]) for t in self.terms if t.quantity), ()
+        )
         G, C = np.zeros((2, *batch, len(row), len(column)))
+
         for equation, net, quantity, factor, order in self.terms:
             value = self.values[quantity] if quantity else 1.0
             (C if order else G)[..., row[equation], column[net]] += factor * value
+
         G.flags.writeable = C.flags.writeable = False
         return G, C
 
     def response(self, f_hz: Array, inputs: Mapping[str, float], *nets: str) -> Spectrum:
-        """Voltages of nets at frequencies [Hz] for voltages of the inputs, (frequencies, nets); other inputs are 0.
+        """Voltages of nets at frequencies [Hz] for voltages of the inputs, (frequencies, nets);
+        other inputs are 0.
 
-        Values may be arrays: of many boards at one frequency, or of quantities that vary with the frequency.
+        Values may be arrays: of many boards at one frequency, or of quantities that vary with the
+        frequency.
         """
-        n, s = len(self.nets), 2j * math.pi * f_hz[:, None, None]
+        n = len(self.nets)
+        s = 2j * math.pi * f_hz[:, None, None]
         G, C = self.matrices
         given = np.array([inputs.get(name, 0.0) for name in self.inputs])
         right = -(G[..., n:] @ given + s[:, :, 0] * (C[..., n:] @ given))
         solution = np.linalg.solve(G[..., :n] + s * C[..., :n], right[:, :, None])[:, :, 0]
+
         return np.asarray(solution[:, [self.nets.index(net) for net in nets]], dtype=np.complex128)
 
     def transfers(self, f_hz: Array, net: str) -> Spectrum:
         """Voltage at a net for 1 on the right-hand side of each equation, (frequencies, equations).
 
-        That is 1 A into a net, or 1 V at the input of an amplifier times its gain. One solution of the transposed
-        equations serves all of them (adjoint method).
+        That is 1 A into a net, or 1 V at the input of an amplifier times its gain. One solution of
+        the transposed equations serves all of them (adjoint method).
         """
         n = len(self.nets)
         G, C = self.matrices
         matrices = G[:, :n] + 2j * math.pi * f_hz[:, None, None] * C[:, :n]
         selector = np.zeros((len(f_hz), n, 1))
         selector[:, self.nets.index(net)] = 1.0
-        return np.asarray(np.linalg.solve(matrices.transpose(0, 2, 1), selector)[:, :, 0], dtype=np.complex128)
+
+        return np.asarray(
+            np.linalg.solve(matrices.transpose(0, 2, 1), selector)[:, :, 0], dtype=np.complex128
+        )
 
     def operating_point(self, inputs: Mapping[str, float]) -> dict[str, float]:
         """Voltages [V] of all nets for constant voltages of the inputs [V]."""
@@ -178,10 +208,13 @@ class Network:
         return dict(zip(self.nets, volts, strict=True)) | dict(inputs)
 
     def constant_transfers(self, net: str, ground: str = GND) -> dict[str, float]:
-        """Voltage of a net above another one for a constant 1 on the right-hand side of each equation."""
+        """Voltage of a net above another one for a constant 1 on
+        the right-hand side of each equation.
+        """
         volts = self.transfers(np.zeros(1), net)[0].real
         if ground in self.nets:
             volts = volts - self.transfers(np.zeros(1), ground)[0].real
+
         return dict(zip(self.nets, volts.tolist(), strict=True))
 
     def steady_state(self) -> Array:
@@ -190,22 +223,26 @@ class Network:
         G, _ = self.matrices
         volts = np.linalg.solve(G[..., :n], -G[..., n:])
         charge = self.state_space.charge
+
         return np.asarray(charge[..., :n] @ volts + charge[..., n:])
 
     @functools.cached_property
     def state_space(self) -> StateSpace:
         """State equations of the network. Raises LinAlgError.
 
-        The states are the charges of the nets with capacitances, each divided by its own net's capacitance, so that
-        their unit is the volt; and the outputs of amplifiers of finite bandwidth.
+        The states are the charges of the nets with capacitances, each divided by its own net's
+        capacitance, so that their unit is the volt; and the outputs of amplifiers of finite
+        bandwidth.
         """
         n = len(self.nets)
         G, C = self.matrices
         has_state = [any(t.order and t.equation == name for t in self.terms) for name in self.nets]
-        state, algebraic = np.flatnonzero(has_state), np.flatnonzero(~np.array(has_state))
+        state = np.flatnonzero(has_state)
+        algebraic = np.flatnonzero(~np.array(has_state))
         own = C[..., state, state][..., None]
         charge = C[..., state, :] / own
-        # The voltages follow from the states, x = charge v + charge_in v_in, and the equations without capacitance.
+        # The voltages follow from the states, x = charge v + charge_in v_in, and the equations
+        # without capacitance.
         left = np.concatenate((charge[..., :n], G[..., algebraic, :n]), axis=-2)
         given = -np.concatenate((charge[..., n:], G[..., algebraic, n:]), axis=-2)
         unit = np.broadcast_to(np.eye(n)[:, : len(state)], (*left.shape[:-1], len(state)))
@@ -213,7 +250,10 @@ class Network:
         # Then the equations with capacitance give the rates of the states.
         rates = -(G[..., state, :n] @ volts) / own
         rates[..., len(state) :] -= G[..., state, n:] / own
-        rows = {name: np.asarray(volts[..., i, :], dtype=np.float64) for i, name in enumerate(self.nets)}
+        rows = {
+            name: np.asarray(volts[..., i, :], dtype=np.float64) for i, name in enumerate(self.nets)
+        }
+
         return StateSpace(rates[..., : len(state)], rates[..., len(state) :], rows, charge)
 
 
@@ -228,24 +268,33 @@ def build_network(
 ) -> Network:
     """Build the equations of a circuit, with the rails as inputs.
 
-    With a resistive supply the positive rail is no input: Kirchhoff's law holds for it and for the outputs of the
-    amplifiers together, as these draw their current from it.
+    With a resistive supply the positive rail is no input: Kirchhoff's law holds for it and for the
+    outputs of the amplifiers together, as these draw their current from it.
     """
     nets = circuit.net_by_pin
     equations = _Equations(circuit, gain_bandwidth_hz, is_supply_resistive)
+
     for component in circuit.components:
-        symbol, name = component.symbol.name, component.reference
+        symbol = component.symbol.name
+        name = component.reference
         pins = {pin.number: nets[name, pin.number] for pin in component.symbol.pins}
+
         if symbol == "R" and pins["1"] in equations.gain_nets:
-            equations.values[name] = 1.0 / parse_component_value(component.value)  # part of its amplifier's gain
+            equations.values[name] = 1.0 / parse_component_value(
+                component.value
+            )  # part of its amplifier's gain
         elif symbol == "R":
             equations.add(name, 1.0 / parse_component_value(component.value), pins["1"], pins["2"])
         elif symbol == "C":
-            equations.add(name, parse_component_value(component.value), pins["1"], pins["2"], order=1)
+            equations.add(
+                name, parse_component_value(component.value), pins["1"], pins["2"], order=1
+            )
         elif symbol == "R_Potentiometer":
             ohm = parse_component_value(component.value)
             for end, pin, ratio in (("a", "1", 1.0 - trimmer_ratio), ("b", "3", trimmer_ratio)):
-                equations.add(f"{name}{end}", 1.0 / max(ohm * ratio, _TRIMMER_END_OHM), pins[pin], pins["2"])
+                equations.add(
+                    f"{name}{end}", 1.0 / max(ohm * ratio, _TRIMMER_END_OHM), pins[pin], pins["2"]
+                )
         elif component.value == "FSR":
             (_, sensor), (_, ground) = circuit.list_wires(component)
             equations.add(name, sensor_s, sensor, ground)
@@ -261,88 +310,224 @@ def build_network(
             equations.add_instrumentation_amplifier(pins)
         elif symbol in front_end.AMPLIFIERS:
             equations.add_amplifiers(name, front_end.AMPLIFIERS[symbol], pins)
+
     return Network(tuple(equations.terms), equations.values, equations.rails)
 
 
 class _Equations:
     """Terms of the equations of a circuit's nets, to which each component adds its own."""
 
-    def __init__(self, circuit: Circuit, gain_bandwidth_hz: float | None, is_supply_resistive: bool) -> None:
+    def __init__(
+        self, circuit: Circuit, gain_bandwidth_hz: float | None, is_supply_resistive: bool
+    ) -> None:
         nets = circuit.net_by_pin
         driven = {output.net for output in list_amplifiers(circuit)}
         amplifiers = [c.reference for c in circuit.components if c.symbol.name == "AD623ARMZ"]
         self.gain_nets = {nets[name, pin] for name in amplifiers for pin in "18"}
         self.rails = tuple(rail for rail in RAILS if rail != VCC or not is_supply_resistive)
         without_law = {*self.rails, *driven, *self.gain_nets}
-        self._law = {n: n for n in nets.values() if n not in without_law and not n.startswith(UNCONNECTED)}
-        """Net -> net whose equation takes its current. What an amplifier drives has the equation of the amplifier."""
+        self._law = {
+            n: n for n in nets.values() if n not in without_law and not n.startswith(UNCONNECTED)
+        }
+        """Net -> net whose equation takes its current.
+        What an amplifier drives has the equation of the amplifier.
+        """
         self._law |= dict.fromkeys(driven if is_supply_resistive else (), VCC)
         self._bandwidth_hz = gain_bandwidth_hz
         self.terms: list[Term] = []
         self.values: dict[str, Value] = {}
 
-    def add(self, quantity: str, value: float, first: str, second: str | None, order: int = 0) -> None:
-        """Add an admittance between two nets, or from one to ground, to the current laws of both."""
+    def add(
+        self,
+        quantity: str,
+        value: float,
+        first: str,
+        second: str | None,
+        order: int = 0,
+    ) -> None:
+        """Add an admittance between two nets, or from one to ground, to the current
+        laws of both.
+        """
         self.values[quantity] = value
         for net, other in ((first, second), (second, first)):
             if net in self._law:
-                self.terms.append(Term(self._law[net], net, quantity, 1.0, order))
+                self.terms.append(
+                    Term(
+                        equation=self._law[net],
+                        net=net,
+                        quantity=quantity,
+                        factor=1.0,
+                        order=order,
+                    )
+                )
                 if other is not None:
-                    self.terms.append(Term(self._law[net], other, quantity, -1.0, order))
+                    self.terms.append(
+                        Term(
+                            equation=self._law[net],
+                            net=other,
+                            quantity=quantity,
+                            factor=-1.0,
+                            order=order,
+                        )
+                    )
 
     def add_instrumentation_amplifier(self, pins: Mapping[str, str]) -> None:
-        """Add v_out (1 + s A / (2 pi GBW)) = A (v_plus - v_minus) + v_ref with A = 1 + 100 kohm / R_gain."""
+        """Add v_out (1 + s A / (2 pi GBW)) = A (v_plus - v_minus)
+        + v_ref with A = 1 + 100 kohm / R_gain.
+        """
         out = pins["6"]
-        for quantity, factor in ((UNITY, 1.0), (front_end.GAIN_RESISTOR, front_end.GAIN_CONSTANT_OHM)):
-            self.terms += [Term(out, pins["3"], quantity, factor, 0), Term(out, pins["2"], quantity, -factor, 0)]
+        for quantity, factor in (
+            (UNITY, 1.0),
+            (front_end.GAIN_RESISTOR, front_end.GAIN_CONSTANT_OHM),
+        ):
+            self.terms += [
+                Term(
+                    equation=out,
+                    net=pins["3"],
+                    quantity=quantity,
+                    factor=factor,
+                    order=0,
+                ),
+                Term(
+                    equation=out,
+                    net=pins["2"],
+                    quantity=quantity,
+                    factor=-factor,
+                    order=0,
+                ),
+            ]
             if self._bandwidth_hz is not None:
-                self.terms.append(Term(out, out, quantity, -factor / (math.tau * front_end.AD623_BANDWIDTH_HZ), 1))
-        self.terms += [Term(out, pins["5"], UNITY, 1.0, 0), Term(out, out, UNITY, -1.0, 0)]
+                self.terms.append(
+                    Term(
+                        equation=out,
+                        net=out,
+                        quantity=quantity,
+                        factor=-factor / (math.tau * front_end.AD623_BANDWIDTH_HZ),
+                        order=1,
+                    )
+                )
+
+        self.terms += [
+            Term(
+                equation=out,
+                net=pins["5"],
+                quantity=UNITY,
+                factor=1.0,
+                order=0,
+            ),
+            Term(
+                equation=out,
+                net=out,
+                quantity=UNITY,
+                factor=-1.0,
+                order=0,
+            ),
+        ]
 
     def add_amplifiers(self, reference: str, data: Amplifier, pins: Mapping[str, str]) -> None:
-        """Add v_out / A = v_plus - v_minus of each unit, with 1 / A = 0, or as built 1 / A0 + s / (2 pi GBW)."""
+        """Add v_out / A = v_plus - v_minus of each unit, with 1 / A
+        = 0, or as built 1 / A0 + s / (2 pi GBW).
+        """
         for unit, (plus, minus, out) in data.units.items():
-            net, name = pins[out], f"{reference}{unit}"
-            gain, bandwidth = f"{name} {INVERSE_GAIN}", f"{name} {INVERSE_BANDWIDTH}"
-            self.terms += [Term(net, pins[plus], UNITY, 1.0, 0), Term(net, pins[minus], UNITY, -1.0, 0)]
+            net = pins[out]
+            name = f"{reference}{unit}"
+            gain = f"{name} {INVERSE_GAIN}"
+            bandwidth = f"{name} {INVERSE_BANDWIDTH}"
+            self.terms += [
+                Term(
+                    equation=net,
+                    net=pins[plus],
+                    quantity=UNITY,
+                    factor=1.0,
+                    order=0,
+                ),
+                Term(
+                    equation=net,
+                    net=pins[minus],
+                    quantity=UNITY,
+                    factor=-1.0,
+                    order=0,
+                ),
+            ]
+
             if self._bandwidth_hz is not None:
                 self.values[gain] = 1.0 / OPEN_LOOP_GAIN
                 self.values[bandwidth] = 1.0 / (math.tau * self._bandwidth_hz)
-                self.terms += [Term(net, net, gain, -1.0, 0), Term(net, net, bandwidth, -1.0, 1)]
+                self.terms += [
+                    Term(
+                        equation=net,
+                        net=net,
+                        quantity=gain,
+                        factor=-1.0,
+                        order=0,
+                    ),
+                    Term(
+                        equation=net,
+                        net=net,
+                        quantity=bandwidth,
+                        factor=-1.0,
+                        order=1,
+                    ),
+                ]
                 for pin in dict.fromkeys((plus, minus)):
                     self.add(f"{name} C{pin}", data.input_f, pins[pin], None, order=1)
 
 
 def filter_quantities(components: Mapping[str, float], amplifier: Amplifier) -> dict[str, Value]:
-    """Quantities of a network for other component values [ohm, F], by reference, and another amplifier U1."""
-    values: dict[str, Value] = {name: 1.0 / v if name.startswith("R") else v for name, v in components.items()}
+    """Quantities of a network for other component values [ohm, F],
+    by reference, and another amplifier U1.
+    """
+    values: dict[str, Value] = {
+        name: 1.0 / v if name.startswith("R") else v for name, v in components.items()
+    }
     for unit, (plus, minus, _) in amplifier.units.items():
         values[f"U1{unit} {INVERSE_BANDWIDTH}"] = 1.0 / (math.tau * amplifier.bandwidth_hz)
         values |= {f"U1{unit} C{pin}": amplifier.input_f for pin in (plus, minus)}
+
     return values
 
 
 def add_second_poles(network: Network, circuit: Circuit, f_hz: Array) -> Network:
     """Add the second pole of each amplifier at these frequencies [Hz].
 
-    The equations hold 1 / A = 1 / A0 + s / (2 pi GBW). The second pole multiplies it by 1 + s / (2 pi f2), and the
-    product's term in s^2 is a real one that falls with the frequency.
+    The equations hold 1 / A = 1 / A0 + s / (2 pi GBW). The second pole multiplies it by 1 + s / (2
+    pi f2), and the product's term in s^2 is a real one that falls with the frequency.
     """
     values: dict[str, Value] = {}
     for output in list_amplifiers(circuit):
         if output.data:
-            gain, bandwidth = (f"{output.amplifier} {name}" for name in (INVERSE_GAIN, INVERSE_BANDWIDTH))
+            gain, bandwidth = (
+                f"{output.amplifier} {name}" for name in (INVERSE_GAIN, INVERSE_BANDWIDTH)
+            )
             second_s = 1.0 / (math.tau * output.data.second_pole_hz)
-            values[gain] = network.values[gain] - network.values[bandwidth] * second_s * (math.tau * f_hz) ** 2
+            values[gain] = (
+                network.values[gain] - network.values[bandwidth] * second_s * (math.tau * f_hz) ** 2
+            )
             values[bandwidth] = network.values[bandwidth] + network.values[gain] * second_s
+
     return network.with_values(values)
 
 
 def list_amplifiers(circuit: Circuit) -> Iterator[AmplifierOutput]:
-    """Yield each amplifier of a circuit with the net that it drives, in the order of the components."""
+    """Yield each amplifier of a circuit with the net that it
+    drives, in the order of the components.
+    """
     for component in circuit.components:
-        reference, data = component.reference, front_end.AMPLIFIERS.get(component.symbol.name)
-        units = data.units if data else {"": ("3", "2", "6")} if component.symbol.name == "AD623ARMZ" else {}
+        reference = component.reference
+        data = front_end.AMPLIFIERS.get(component.symbol.name)
+        if data:
+            units = data.units
+        elif component.symbol.name == "AD623ARMZ":
+            units = {"": ("3", "2", "6")}
+        else:
+            units = {}
+
         for unit, pins in units.items():
             plus, minus, out = (circuit.net_by_pin[reference, pin] for pin in pins)
-            yield AmplifierOutput(f"{reference}{unit}", reference, out, (plus, minus), data)
+            yield AmplifierOutput(
+                amplifier=f"{reference}{unit}",
+                reference=reference,
+                net=out,
+                inputs=(plus, minus),
+                data=data,
+            )

@@ -1,10 +1,12 @@
-"""Transfer function of a network as a ratio of polynomials in s, with the component values as symbols.
+"""Transfer function of a network as a ratio of polynomials in s, with the component values as
+symbols.
 
-Cramer's rule gives each voltage as a ratio of two determinants, whose expansions are sums of products of admittances.
-The network is split into stages first: groups of nets that determine each other, such as a Sallen-Key section. Each
-follows from the one before it, because an amplifier isolates its output, so their transfer functions multiply. The
-expansion is done once for a circuit; evaluating it for other values, or for thousands of boards at once, takes some
-hundred products. On every board all products of a coefficient are positive, so no difference of nearly equal numbers
+Cramer's rule gives each voltage as a ratio of two determinants, whose expansions are sums of
+products of admittances. The network is split into stages first: groups of nets that determine each
+other, such as a Sallen-Key section. Each follows from the one before it, because an amplifier
+isolates its output, so their transfer functions multiply. The expansion is done once for a circuit;
+evaluating it for other values, or for thousands of boards at once, takes some hundred products. On
+every board all products of a coefficient are positive, so no difference of nearly equal numbers
 occurs, and all coefficients are exact to rounding.
 """
 
@@ -22,7 +24,9 @@ from fingertip.board.circuits.network import Network, Term, Value
 Polynomial = dict[tuple[int, tuple[str, ...]], float]
 """Power of s and sorted symbols of each product -> its factor."""
 SymbolicPolynomial = tuple[tuple[tuple[float, tuple[str, ...]], ...], ...]
-"""Coefficients of a polynomial in s, from the constant one upwards, each a sum of products as (factor, symbols)."""
+"""Coefficients of a polynomial in s, from the constant one upwards,
+each a sum of products as (factor, symbols).
+"""
 Coefficients = list[Value]
 """Coefficients of a polynomial in s, from the constant one upwards."""
 
@@ -33,12 +37,16 @@ class Rational:
     denominator: Coefficients
 
     def __mul__(self, other: Rational) -> Rational:
-        return Rational(_convolve(self.numerator, other.numerator), _convolve(self.denominator, other.denominator))
+        return Rational(
+            _convolve(self.numerator, other.numerator),
+            _convolve(self.denominator, other.denominator),
+        )
 
     def power_gain(self) -> Callable[[Value], Value]:
         """Function of the angular frequency [rad/s] that gives the squared magnitude.
 
-        With x = omega^2 a polynomial is even(x) + j omega odd(x), whose coefficients alternate in sign.
+        With x = omega^2 a polynomial is even(x) + j omega odd(x), whose coefficients alternate in
+        sign.
         """
         (top_even, top_odd), (even, odd) = (
             (_alternate(polynomial[::2]), _alternate(polynomial[1::2]))
@@ -47,8 +55,12 @@ class Rational:
 
         def power_gain(omega: Value) -> Value:
             x = omega * omega
-            a, b, c, d = _horner(top_even, x), _horner(top_odd, x), _horner(even, x), _horner(odd, x)
+            a = _horner(top_even, x)
+            b = _horner(top_odd, x)
+            c = _horner(even, x)
+            d = _horner(odd, x)
             result: Value = (a * a + x * b * b) / (c * c + x * d * d)
+
             return result
 
         return power_gain
@@ -75,6 +87,7 @@ def find_stages(network: Network, source: str, output: str) -> tuple[Stage, ...]
     unaffected = [name for name in network.nets if source not in reach[name]]
     network = network.ground(*unaffected)
     stages = []
+
     while output != source:
         group = sorted(name for name in reach[output] if output in reach.get(name, ()))
         terms = [term for term in network.terms if term.equation in group]
@@ -84,6 +97,7 @@ def find_stages(network: Network, source: str, output: str) -> tuple[Stage, ...]
         sign = math.copysign(1.0, next(iter(denominator.values())))  # of all its products
         stages.append(Stage(_by_power(numerator, -sign), _by_power(denominator, sign)))
         output = feed
+
     return tuple(reversed(stages))
 
 
@@ -95,22 +109,29 @@ def _determinant(terms: Sequence[Term], rows: Sequence[str], columns: Sequence[s
     """Expand a determinant along its rows; minors that occur again are expanded once."""
     entries: defaultdict[tuple[str, str], Polynomial] = defaultdict(lambda: defaultdict(float))
     for term in terms:
-        entries[term.equation, term.net][term.order, (term.quantity,) if term.quantity else ()] += term.factor
+        entries[term.equation, term.net][term.order, (term.quantity,) if term.quantity else ()] += (
+            term.factor
+        )
 
     @functools.cache
     def minor(row: int, left: tuple[int, ...]) -> Polynomial:
         if row == len(rows):
             return {(0, ()): 1.0}
+
         total: Polynomial = defaultdict(float)
         for position, column in enumerate(left):
-            if entry := entries.get((rows[row], columns[column])):
+            entry = entries.get((rows[row], columns[column]))
+            if entry:
                 rest = minor(row + 1, left[:position] + left[position + 1 :])
                 sign = -1.0 if position % 2 else 1.0
                 for (order, symbols), factor in entry.items():
                     for (other_order, other), other_factor in rest.items():
                         key = (order + other_order, tuple(sorted(symbols + other)))
                         total[key] += sign * factor * other_factor
-        return {key: factor for key, factor in total.items() if factor}  # products of opposite signs cancel exactly
+
+        return {
+            key: factor for key, factor in total.items() if factor
+        }  # products of opposite signs cancel exactly
 
     return minor(0, tuple(range(len(columns))))
 
@@ -118,7 +139,11 @@ def _determinant(terms: Sequence[Term], rows: Sequence[str], columns: Sequence[s
 def _by_power(polynomial: Polynomial, sign: float) -> SymbolicPolynomial:
     degree = max((order for order, _ in polynomial), default=0)
     return tuple(
-        tuple((sign * factor, symbols) for (order, symbols), factor in polynomial.items() if order == power)
+        tuple(
+            (sign * factor, symbols)
+            for (order, symbols), factor in polynomial.items()
+            if order == power
+        )
         for power in range(degree + 1)
     )
 
@@ -130,8 +155,11 @@ def _evaluate(polynomial: SymbolicPolynomial, values: Mapping[str, Value]) -> Co
         for product, symbols in products:
             for symbol in symbols:
                 product = product * values[symbol]  # type: ignore[assignment]
+
             total = total + product
+
         coefficients.append(total)
+
     return coefficients
 
 
@@ -140,6 +168,7 @@ def _convolve(a: Coefficients, b: Coefficients) -> Coefficients:
     for i, x in enumerate(a):
         for j, y in enumerate(b):
             result[i + j] = result[i + j] + x * y
+
     return result
 
 
@@ -151,4 +180,5 @@ def _horner(coefficients: Coefficients, x: Any) -> Any:
     total = 0.0
     for coefficient in coefficients:
         total = total * x + coefficient
+
     return total

@@ -1,4 +1,5 @@
-"""Selection of preferred values (IEC 60063): next to a computed one, in a range, and for the filter.
+"""Selection of preferred values (IEC 60063): next to a computed one, in a range, and for the
+filter.
 
 Nearest means nearest by ratio. Capacitors come from a series, or are only values that are sold.
 """
@@ -30,7 +31,8 @@ SOLD = "preferred"
 """Name of the series of values that are sold."""
 USUAL_SERIES = "E6"
 """Series of capacitors that every board selects itself."""
-FILTER_PACKAGE, SMALL_PACKAGE = "1206", "0603"
+FILTER_PACKAGE = "1206"
+SMALL_PACKAGE = "0603"
 """Sizes of the filter's capacitors and of all others of the signal path."""
 
 
@@ -42,9 +44,13 @@ def neighbouring_values(
     return (low,) if low == high else (low, high)
 
 
-def nearest_value(value: float, series: str, minimum: float = MIN_OHM, maximum: float = MAX_OHM) -> float:
+def nearest_value(
+    value: float, series: str, minimum: float = MIN_OHM, maximum: float = MAX_OHM
+) -> float:
     """Find the preferred value nearest to `value` by ratio; of two, the lower."""
-    return min(neighbouring_values(value, series, minimum, maximum), key=lambda v: abs(math.log(v / value)))
+    return min(
+        neighbouring_values(value, series, minimum, maximum), key=lambda v: abs(math.log(v / value))
+    )
 
 
 def values_around(value: float, series: str) -> tuple[float, ...]:
@@ -53,14 +59,18 @@ def values_around(value: float, series: str) -> tuple[float, ...]:
 
 
 def values_in_range(low: float, high: float, series: str) -> tuple[float, ...]:
-    """List the preferred values from `low` to `high`, or the one nearest to `low` where there is none between."""
+    """List the preferred values from `low` to `high`, or the one
+    nearest to `low` where there is none between.
+    """
     return _list_values(low, high, series) or (nearest_value(low, series, 1e-12, 1e-3),)
 
 
 def _list_values(low: float, high: float, series: str) -> tuple[float, ...]:
     exponents = range(math.floor(math.log10(low)) - 2, math.floor(math.log10(high)) + 1)
     # Read as a decimal number, a value has no rounding error.
-    return _within(low, high, (float(f"{mantissa}e{e}") for e in exponents for mantissa in MANTISSAS[series]))
+    return _within(
+        low, high, (float(f"{mantissa}e{e}") for e in exponents for mantissa in MANTISSAS[series])
+    )
 
 
 def _within(low: float, high: float, values: Iterable[float]) -> tuple[float, ...]:
@@ -69,22 +79,31 @@ def _within(low: float, high: float, values: Iterable[float]) -> tuple[float, ..
 
 
 def nearest_capacitance(farad: float, series: str, package: str = SMALL_PACKAGE) -> float:
-    """Find the capacitance [F] nearest by ratio: of those that are sold, or else of the usual series."""
+    """Find the capacitance [F] nearest by ratio: of those that
+    are sold, or else of the usual series.
+    """
     if series == SOLD:
         return min(list_capacitances(package), key=lambda f: abs(math.log(f / farad)))
+
     return nearest_value(farad, USUAL_SERIES, 1e-12, 1e-3)
 
 
-def capacitances_in_range(low_f: float, high_f: float, series: str, package: str) -> tuple[float, ...]:
-    """List the capacitances [F] of a series from `low_f` to `high_f`, or the one nearest to the range if none is."""
+def capacitances_in_range(
+    low_f: float, high_f: float, series: str, package: str
+) -> tuple[float, ...]:
+    """List the capacitances [F] of a series from `low_f` to `high_f`,
+    or the one nearest to the range if none is.
+    """
     if series != SOLD:
         return values_in_range(low_f, high_f, series)
+
     found = _within(low_f, high_f, list_capacitances(package))
     return found or (nearest_capacitance(math.sqrt(low_f * high_f), series, package),)
 
 
-# Components of filter and envelope (article, eqs. 2, 8, 10; it writes omega where j omega is meant in eqs. 1, 3, 4, 9
-# and 11). With `board.resistor_choice` "joint", R1, R2 and R3 are chosen together, with "apart" each for itself.
+# Components of filter and envelope (article, eqs. 2, 8, 10; it writes omega where j omega is meant
+# in eqs. 1, 3, 4, 9 and 11). With `board.resistor_choice` "joint", R1, R2 and R3 are chosen
+# together, with "apart" each for itself.
 
 
 @dataclass(frozen=True)
@@ -114,13 +133,26 @@ class FilterSelection:
         """Value of each fitted component [ohm, F] by its reference designator."""
         c = self.preferred
         values = {
-            "R1": c.r1_ohm, "R2": c.r2_ohm, "R3": c.r3_ohm, "R4": c.r4_ohm, "R5": c.r5_ohm, "R6": c.r_lp_ohm,
-            "C1": c.c_f, "C2": c.c_f, "C3": c.c_f, "C4": c.c_lp_f,
-        }  # fmt: skip
+            "R1": c.r1_ohm,
+            "R2": c.r2_ohm,
+            "R3": c.r3_ohm,
+            "R4": c.r4_ohm,
+            "R5": c.r5_ohm,
+            "R6": c.r_lp_ohm,
+            "C1": c.c_f,
+            "C2": c.c_f,
+            "C3": c.c_f,
+            "C4": c.c_lp_f,
+        }
+
         if self.capacitors is not None:
-            values |= {"C14": self.capacitors.series_capacitor_f, "C20": self.capacitors.limiting_capacitor_f}
+            values |= {
+                "C14": self.capacitors.series_capacitor_f,
+                "C20": self.capacitors.limiting_capacitor_f,
+            }
         if self.rectifier_ohm is not None:
             values |= {"R15": self.rectifier_ohm, "R16": self.rectifier_ohm, "R17": c.r_lp_ohm}
+
         return values
 
 
@@ -129,15 +161,23 @@ def select_filter(board: Board) -> FilterSelection:
     preferred = select_resistors(ideal, board.series, jointly=board.resistor_choice == "joint")
     if board.variant == "article":
         return FilterSelection(ideal, preferred, None, None)
-    c20_f = nearest_capacitance(pole_hz(preferred.r5_ohm, board.band_limit_hz), board.capacitor_series)
-    # C14 in series with R4 is the smallest whose corner frequency is at least a decade below the cutoff. For the
-    # article's 1.5k and 67 Hz this is 16 uF, and 22 uF is the available value. If none is large enough, it is the
-    # largest.
+
+    c20_f = nearest_capacitance(
+        pole_hz(preferred.r5_ohm, board.band_limit_hz), board.capacitor_series
+    )
+    # C14 in series with R4 is the smallest whose corner frequency is at least a decade below the
+    # cutoff. For the article's 1.5k and 67 Hz this is 16 uF, and 22 uF is the available value. If
+    # none is large enough, it is the largest.
     cutoff_hz = pole_hz(preferred.r1_ohm, preferred.c_f)
     min_uf = 1e6 * formulas.MIN_CUTOFF_RATIO / (math.tau * preferred.r4_ohm * cutoff_hz)
-    c14_uf = next((c for c in formulas.SERIES_CAPACITORS_UF if c >= min_uf), formulas.SERIES_CAPACITORS_UF[-1])
-    capacitors = FirstStageCapacitors(formulas.to_farads(c14_uf), c20_f, pole_hz(preferred.r5_ohm, c20_f))
+    c14_uf = next(
+        (c for c in formulas.SERIES_CAPACITORS_UF if c >= min_uf), formulas.SERIES_CAPACITORS_UF[-1]
+    )
+    capacitors = FirstStageCapacitors(
+        formulas.to_farads(c14_uf), c20_f, pole_hz(preferred.r5_ohm, c20_f)
+    )
     rectifier_ohm = select_rectifier_ohm(choose_amplifier(board)) if board.has_envelope else None
+
     return FilterSelection(ideal, preferred, capacitors, rectifier_ohm)
 
 
@@ -149,8 +189,11 @@ def pole_hz(r_ohm: float, c_f: float) -> float:
 def select_resistors(ideal: FilterComponents, series: str, *, jointly: bool) -> FilterComponents:
     """Select preferred resistors for ideal ones; the capacitors keep the values that they have."""
     ohm = ideal.r1_ohm, ideal.r2_ohm, ideal.r3_ohm
-    r1_ohm, r2_ohm, r3_ohm = choose_jointly(ohm, series)[0] if jointly else (nearest_value(r, series) for r in ohm)
+    r1_ohm, r2_ohm, r3_ohm = (
+        choose_jointly(ohm, series)[0] if jointly else (nearest_value(r, series) for r in ohm)
+    )
     r5_ohm = nearest_value(ideal.r5_ohm, series)
+
     return replace(
         ideal,
         r1_ohm=r1_ohm,
@@ -164,25 +207,36 @@ def select_resistors(ideal: FilterComponents, series: str, *, jointly: bool) -> 
 
 
 def select_capacitors(board: Board) -> Board:
-    """Return the parameters with the fitted capacitors: as given, or selected from `board.capacitor_series`."""
+    """Return the parameters with the fitted capacitors: as given, or selected from
+    `board.capacitor_series`.
+    """
     if board.capacitor_series == "given":
         return board
-    c_f, c_lp_f = select_filter_capacitor(board), _select_envelope_capacitor(board)
-    return board.model_copy(update={"capacitor_uf": _microfarads(c_f), "envelope_capacitor_uf": _microfarads(c_lp_f)})
+
+    c_f = select_filter_capacitor(board)
+    c_lp_f = _select_envelope_capacitor(board)
+    return board.model_copy(
+        update={"capacitor_uf": _microfarads(c_f), "envelope_capacitor_uf": _microfarads(c_lp_f)}
+    )
 
 
 def _selectable_range_f(cutoff_hz: float, range_ohm: tuple[float, float]) -> tuple[float, float]:
-    """Range of the selectable capacitances [F] for which 1 / (C omega) lies in a range [ohm] at a cutoff [Hz]."""
+    """Range of the selectable capacitances [F] for which 1 / (C
+    omega) lies in a range [ohm] at a cutoff [Hz].
+    """
     values = (1.0 / (math.tau * cutoff_hz * ohm) for ohm in reversed(range_ohm))
-    low_f, high_f = (min(max(c_f, formulas.MIN_SELECTABLE_F), formulas.MAX_SELECTABLE_F) for c_f in values)
+    low_f, high_f = (
+        min(max(c_f, formulas.MIN_SELECTABLE_F), formulas.MAX_SELECTABLE_F) for c_f in values
+    )
     return low_f, high_f
 
 
 def select_filter_capacitor(board: Board) -> float:
-    """Select C1 = C2 = C3 [F] with the smallest error among those that give R1 within `SELECTABLE_R1_OHM`.
+    """Select C1 = C2 = C3 [F] with the smallest error among those that give R1 within
+    `SELECTABLE_R1_OHM`.
 
-    For each C the resistors are the best that exist. No combination of the two series within that range is therefore
-    better. Of equal errors the smaller capacitor is selected.
+    For each C the resistors are the best that exist. No combination of the two series within that
+    range is therefore better. Of equal errors the smaller capacitor is selected.
     """
     range_f = _selectable_range_f(board.cutoff_hz, formulas.SELECTABLE_R1_OHM)
     capacitors = capacitances_in_range(*range_f, board.capacitor_series, FILTER_PACKAGE)
@@ -192,25 +246,33 @@ def select_filter_capacitor(board: Board) -> float:
 def filter_error(c_f: float, board: Board) -> float:
     """Error of the filter with this C [F] and the best preferred resistors.
 
-    It is the deviation from a Butterworth response where the resistors are chosen together, else the hypot of the
-    logarithms of f0, Q and the first pole over their ideal values. With x and y the logarithms of R2 and R3 over their
-    ideal values, ln(f0' / f0) = -(x + y) / 2 and ln(Q' / Q) = (y - x) / 2. The sum of their squares is (x^2 + y^2) / 2,
-    so each resistor can be selected alone.
+    It is the deviation from a Butterworth response where the resistors are chosen together, else
+    the hypot of the logarithms of f0, Q and the first pole over their ideal values. With x and y
+    the logarithms of R2 and R3 over their ideal values, ln(f0' / f0) = -(x + y) / 2 and ln(Q' / Q)
+    = (y - x) / 2. The sum of their squares is (x^2 + y^2) / 2, so each resistor can be selected
+    alone.
     """
     ideal = formulas.ideal_components(board.model_copy(update={"capacitor_uf": 1e6 * c_f}))
     ohm = ideal.r1_ohm, ideal.r2_ohm, ideal.r3_ohm
     if board.resistor_choice == "joint":
         return choose_jointly(ohm, board.series)[1]
+
     first, x, y = (math.log(nearest_value(r, board.series) / r) for r in ohm)
     return math.hypot(first, math.hypot(x, y) / math.sqrt(2.0))
 
 
 def _select_envelope_capacitor(board: Board) -> float:
-    """Select C_LP [F] whose preferred R_LP gives the pole nearest to the envelope's, R_LP in `SELECTABLE_R_LP_OHM`."""
+    """Select C_LP [F] whose preferred R_LP gives the pole nearest to
+    the envelope's, R_LP in `SELECTABLE_R_LP_OHM`.
+    """
     target_hz = board.envelope_cutoff_hz
 
     def error(c_f: float) -> float:
-        return abs(math.log(pole_hz(nearest_value(r_lp_ohm(target_hz, c_f), board.series), c_f) / target_hz))
+        return abs(
+            math.log(
+                pole_hz(nearest_value(r_lp_ohm(target_hz, c_f), board.series), c_f) / target_hz
+            )
+        )
 
     range_f = _selectable_range_f(target_hz, formulas.SELECTABLE_R_LP_OHM)
     return min(
@@ -224,48 +286,69 @@ def _microfarads(farads: float) -> float:
     return float(f"{farads * 1e6:.6g}")
 
 
-# Joint choice of R1, R2 and R3: the preferred values whose response together deviates least from a Butterworth one.
+# Joint choice of R1, R2 and R3: the preferred values whose response together deviates least from a
+# Butterworth one.
 #
-# With w = f / f_c and x = w^2 the ideal magnitude is x^3 / (1 + x^3), squared. The first stage with p = R1 C omega_c
-# has p^2 x / (1 + p^2 x), and the Sallen-Key section with q = 2 R2 C omega_c and r = R2 R3 (C omega_c)^2 has r^2 x^2 /
-# ((1 - r x)^2 + q^2 x). The deviation is the largest difference of the magnitudes [dB] at any frequency of
-# `DEVIATION_BAND`. Errors of the three values that cancel in the product count little, which a choice of each value
-# alone does not see.
+# With w = f / f_c and x = w^2 the ideal magnitude is x^3 / (1 + x^3), squared. The first stage with
+# p = R1 C omega_c has p^2 x / (1 + p^2 x), and the Sallen-Key section with q = 2 R2 C omega_c and r
+# = R2 R3 (C omega_c)^2 has r^2 x^2 / ((1 - r x)^2 + q^2 x). The deviation is the largest difference
+# of the magnitudes [dB] at any frequency of `DEVIATION_BAND`. Errors of the three values that
+# cancel in the product count little, which a choice of each value alone does not see.
 
 DEVIATION_BAND = 0.5, 4.0
-"""Band in which the deviation counts [cutoffs]: from 18 dB below the passband to beyond the vibrations."""
+"""Band in which the deviation counts [cutoffs]: from 18 dB below
+the passband to beyond the vibrations.
+"""
 SEARCH_RATIOS = {"E12": 1.8, "E24": 1.5, "E96": 1.15}
-"""Largest ratio of a candidate to its ideal value by series. A wider search finds nothing better; a test shows it."""
-_DIGITS, _ROUNDING_DB = 9, 1e-8
+"""Largest ratio of a candidate to its ideal value by series.
+A wider search finds nothing better; a test shows it.
+"""
+_DIGITS = 9
+_ROUNDING_DB = 1e-8
 """Decimals of a deviation [dB]; differences below them are rounding."""
-_COARSE, _FINE = 7, 6
-"""Number of frequencies at which every combination is compared, and of intervals between two of them for those left."""
+_COARSE = 7
+_FINE = 6
+"""Number of frequencies at which every combination is compared, and of
+intervals between two of them for those left.
+"""
 
 
 @functools.lru_cache(maxsize=256)
-def choose_jointly(ideal_ohm: tuple[float, float, float], series: str) -> tuple[tuple[float, float, float], float]:
+def choose_jointly(
+    ideal_ohm: tuple[float, float, float], series: str
+) -> tuple[tuple[float, float, float], float]:
     """Choose R1, R2 and R3 [ohm] from a series, and return them with their deviation [dB].
 
-    Of equal deviations the smaller resistors are chosen. Every combination is compared at a few frequencies of the
-    band. What is worse there than a known combination is in the whole band cannot be the best, and is left out.
+    Of equal deviations the smaller resistors are chosen. Every combination is compared at a few
+    frequencies of the band. What is worse there than a known combination is in the whole band
+    cannot be the best, and is left out.
     """
     ratio = SEARCH_RATIOS[series]
     candidates = [
-        _list_values(max(ohm / ratio, MIN_OHM), min(ohm * ratio, MAX_OHM), series) or (nearest_value(ohm, series),)
+        _list_values(max(ohm / ratio, MIN_OHM), min(ohm * ratio, MAX_OHM), series)
+        or (nearest_value(ohm, series),)
         for ohm in ideal_ohm
     ]
-    first, second, third = (np.array(values) / ohm for values, ohm in zip(candidates, ideal_ohm, strict=True))
+    first, second, third = (
+        np.array(values) / ohm for values, ohm in zip(candidates, ideal_ohm, strict=True)
+    )
     x = _squared_frequencies()
     coarse = x[::_FINE]
-    stage, section = _stage_db(first, coarse), _section_db(second[:, None], third[None, :], coarse)
+    stage = _stage_db(first, coarse)
+    section = _section_db(second[:, None], third[None, :], coarse)
     lower_bound = np.abs(stage[:, None, None, :] + section).max(axis=-1)
 
     likely = np.unravel_index(lower_bound.argmin(), lower_bound.shape)
-    known_db = _deviations_db(*(values[[i]] for values, i in zip((first, second, third), likely, strict=True)))
+    known_db = _deviations_db(
+        *(values[[i]] for values, i in zip((first, second, third), likely, strict=True))
+    )
     i, j, k = np.nonzero(lower_bound <= known_db + _ROUNDING_DB)
     deviations = np.round(_deviations_db(first[i], second[j], third[k]), _DIGITS)
     best = int(deviations.argmin())  # the first of equal ones has the smallest resistors
-    return (candidates[0][i[best]], candidates[1][j[best]], candidates[2][k[best]]), float(deviations[best])
+
+    return (candidates[0][i[best]], candidates[1][j[best]], candidates[2][k[best]]), float(
+        deviations[best]
+    )
 
 
 def _deviations_db(first: Array, second: Array, third: Array) -> Array:
@@ -282,12 +365,15 @@ def _squared_frequencies() -> Array:
 
 
 def _stage_db(first: Array, x: Array) -> Array:
-    """Magnitude of the first stage over that of the ideal filter [dB], for R1 over its ideal value."""
+    """Magnitude of the first stage over that of the ideal filter [dB], for R1 over its
+    ideal value.
+    """
     p2x = first[..., None] ** 2 * x
     return np.asarray(10.0 * np.log10(p2x / (1.0 + p2x) * (1.0 + x**3) / x**3))
 
 
 def _section_db(second: Array, third: Array, x: Array) -> Array:
     """Magnitude of the Sallen-Key section [dB], for R2 and R3 over their ideal values."""
-    q2x, rx = second[..., None] ** 2 * x, (second * third)[..., None] * x
+    q2x = second[..., None] ** 2 * x
+    rx = (second * third)[..., None] * x
     return np.asarray(10.0 * np.log10(rx**2 / ((1.0 - rx) ** 2 + q2x)))

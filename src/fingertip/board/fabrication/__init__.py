@@ -1,6 +1,8 @@
-"""Files for board house and assembly house: gerbers, bill of materials, placement, and what they were made from.
+"""Files for board house and assembly house: gerbers, bill of materials, placement, and what they
+were made from.
 
-A circuit and its placement come in; the content of the files goes out. Gerbers and renderings need KiCad.
+A circuit and its placement come in; the content of the files goes out. Gerbers and renderings need
+KiCad.
 
 >>> from fingertip.board.fabrication.bom import find_rotation
 >>> find_rotation("Package_TO_SOT_SMD:SOT-23").rotation_deg

@@ -1,7 +1,8 @@
-"""Print on the back of a board: below the board's name, a list of the values of resistors, capacitors and the trimmer.
+"""Print on the back of a board: below the board's name, a list of the values of resistors,
+capacitors and the trimmer.
 
-The front has no room for all references at a legible height, so whoever solders or repairs a board reads here what
-belongs where.
+The front has no room for all references at a legible height, so whoever solders or repairs a board
+reads here what belongs where.
 """
 
 from __future__ import annotations
@@ -12,16 +13,24 @@ from dataclasses import replace
 from fingertip.board.circuits.channels import split_name
 from fingertip.board.kicad.placement import Box, Placement, PrintedText
 from fingertip.board.kicad.sexpr import Node, Span, find_word, first, number, quote
-from fingertip.board.parts.circuit import Circuit, format_component_value, parse_component_value, reference_sort_key
+from fingertip.board.parts.circuit import (
+    Circuit,
+    format_component_value,
+    parse_component_value,
+    reference_sort_key,
+)
 from fingertip.foundation.errors import BoardError
 
-_LISTED, _DIGITS = ("C", "R", "RV"), 3
+_LISTED = ("C", "R", "RV")
+_DIGITS = 3
 """Letters of the references in the list, and significant digits of their values."""
 _EDGE_MM = 0.6
 _STEP_MM = 0.5
-_ROW_MM, _FIRST_ROW_MM = 1.45, 1.7
+_ROW_MM = 1.45
+_FIRST_ROW_MM = 1.7
 """Distance of rows, and that below the first, whose letters may reach down."""
-_COLUMN_GAP_MM, _GAP_MM = 0.6, 0.59
+_COLUMN_GAP_MM = 0.6
+_GAP_MM = 0.59
 """Clearance of columns, and of texts on one line, which is smaller by a rounding error."""
 _PAD_CLEARANCE_MM = 0.15
 """Least distance of silkscreen from pads: the usual minimum of board houses."""
@@ -29,65 +38,113 @@ _PAD_CLEARANCE_MM = 0.15
 _TEXT_HEIGHT_MM = 1.0
 """Height of a printed capital letter: the usual minimum of board houses."""
 _ADVANCE_RATIO = 0.92
-"""Width of a character relative to the text height, averaged over any word of KiCad's font that is printed here."""
+"""Width of a character relative to the text height, averaged over any
+word of KiCad's font that is printed here.
+"""
 _LINE_RATIO = 1.25
 """Height of a line of text, with the width of its strokes, relative to the text height."""
 _DESCENT_RATIO = 0.3
 """Length of the parts of letters below that, relative to the text height."""
 _DESCENDING = frozenset("gjpqy,")
 _CENTRING_MM = 0.045
-"""Distance by which KiCad must print a text lower, so that its strokes are inside its box. KiCad centres a line of text
-with more room below than above; only Q reaches down there, and is not printed here."""
+"""Distance by which KiCad must print a text lower, so that its strokes are inside its box. KiCad
+centres a line of text with more room below than above; only Q reaches down there, and is not
+printed here.
+"""
 
 
-def print_values(layout: str, board: Node, circuit: Circuit, placement: Placement) -> dict[Span, str]:
-    """Change the values printed on the back of a layout, and their places, to a circuit's. Raises BoardError."""
+def print_values(
+    layout: str, board: Node, circuit: Circuit, placement: Placement
+) -> dict[Span, str]:
+    """Change the values printed on the back of a layout, and their places, to a circuit's.
+
+    Raises BoardError.
+    """
     texts = {item.text.partition(" ")[0]: item for item in list_back_texts(circuit, placement)}
     changes: dict[Span, str] = {}
+
     for printed in board.children("gr_text"):
         reference, _, value = printed.words[1].partition(" ")
         if value and (item := texts.pop(reference, None)):
-            x, y = placement.corner[0] + item.x, placement.corner[1] + item.y + _CENTRING_MM
+            x = placement.corner[0] + item.x
+            y = placement.corner[1] + item.y + _CENTRING_MM
             place = first(printed, "at")
             changes[find_word(layout, printed, 1)] = quote(item.text)
             changes[place.start, place.end] = f"(at {number(x)} {number(y)} 0)"
+
     if texts:
-        raise BoardError(f"the layout prints no value of {', '.join(texts)} on its back; add a text there in KiCad.")
+        raise BoardError(
+            f"the layout prints no value of {', '.join(texts)} on its back; add a text there in "
+            "KiCad."
+        )
+
     return changes
 
 
 def list_back_texts(circuit: Circuit, placement: Placement) -> list[PrintedText]:
-    """List the printed values with their places, clear of holes, pins and the other texts. Raises BoardError."""
+    """List the printed values with their places, clear of holes, pins and the other texts.
+
+    Raises BoardError.
+    """
     entries = list_values(circuit)
     listed = {entry.partition(" ")[0] for entry in entries}
     others = (PrintedText(t.text, t.x, t.y - _CENTRING_MM) for t in placement.back)
     boxes = (find_text_box(text) for text in others if text.text.partition(" ")[0] not in listed)
-    taken = [*_list_obstacles(placement), *((b[0] - _GAP_MM, b[1], b[2] + _GAP_MM, b[3]) for b in boxes)]
+    taken = [
+        *_list_obstacles(placement),
+        *((b[0] - _GAP_MM, b[1], b[2] + _GAP_MM, b[3]) for b in boxes),
+    ]
     top = _EDGE_MM + _TEXT_HEIGHT_MM * _LINE_RATIO / 2
-    rows = [top, *(top + _FIRST_ROW_MM + _ROW_MM * i for i in range(int(placement.height / _ROW_MM)))]
+    rows = [
+        top,
+        *(top + _FIRST_ROW_MM + _ROW_MM * i for i in range(int(placement.height / _ROW_MM))),
+    ]
     column = max(map(_text_width, entries)) + _COLUMN_GAP_MM
-    # Pins at the edge may cut the first column off, so the columns begin where all values have room.
-    for start in (placement.width - _EDGE_MM - _STEP_MM * i for i in range(int(placement.width / _STEP_MM))):
+
+    # Pins at the edge may cut the first column off, so the columns begin where all values have
+    # room.
+    for start in (
+        placement.width - _EDGE_MM - _STEP_MM * i for i in range(int(placement.width / _STEP_MM))
+    ):
         slots = ((start - column * i, y) for i in range(int(start / column) + 1) for y in rows)
         texts = []
         for entry in entries:
             place = _first_free((PrintedText(entry, x, y) for x, y in slots), taken, placement)
             texts += [place] if place else []
+
         if len(texts) == len(entries):
             return texts
-    raise BoardError("the back of the board has no room for the list of values; enlarge the board's outline.")
+
+    raise BoardError(
+        "the back of the board has no room for the list of values; enlarge the board's outline."
+    )
 
 
 def list_values(circuit: Circuit) -> list[str]:
-    """List resistors, capacitors and trimmer by reference and value, such as "R4 1.5k"; equal channels once."""
+    """List resistors, capacitors and trimmer by reference and
+    value, such as "R4 1.5k"; equal channels once.
+    """
     listed = [c for c in circuit.components if c.reference.rstrip("0123456789") in _LISTED]
-    once = (replace(c, reference=own) for c in listed for channel, own in [split_name(c.reference)] if channel < 2)
-    values = {c.reference: parse_component_value(c.value) for c in sorted(once, key=reference_sort_key)}
-    return [f"{name} {format_component_value(float(f'{value:.{_DIGITS}g}'))}" for name, value in values.items()]
+    once = (
+        replace(c, reference=own)
+        for c in listed
+        for channel, own in [split_name(c.reference)]
+        if channel < 2
+    )
+    values = {
+        c.reference: parse_component_value(c.value) for c in sorted(once, key=reference_sort_key)
+    }
+
+    return [
+        f"{name} {format_component_value(float(f'{value:.{_DIGITS}g}'))}"
+        for name, value in values.items()
+    ]
 
 
 def find_text_box(item: PrintedText) -> Box:
-    """Box of a text as seen from the front, where it extends to the left; letters such as y extend it further down."""
+    """Box of a text as seen from the front, where it extends to the
+    left; letters such as y extend it further down.
+    """
     half = _TEXT_HEIGHT_MM * _LINE_RATIO / 2
     descent = _TEXT_HEIGHT_MM * _DESCENT_RATIO if _DESCENDING & set(item.text) else 0.0
     return (item.x - _text_width(item.text), item.y - half, item.x, item.y + half + descent)
@@ -102,17 +159,27 @@ def _list_obstacles(placement: Placement) -> Iterator[Box]:
     c = _PAD_CLEARANCE_MM
     for part in placement.parts.values():
         for pad in part.pads:
-            (x, y), r, (left, top, right, bottom) = pad.centre, part.courtyard_radius, pad.box
+            (x, y) = pad.centre
+            r = part.courtyard_radius
+            (left, top, right, bottom) = pad.box
+
             if not pad.is_plated:
                 yield (x - r, y - r, x + r, y + r)
             elif pad.drill:
                 yield (left - c, top - c, right + c, bottom + c)
 
 
-def _first_free(places: Iterable[PrintedText], taken: Sequence[Box], placement: Placement) -> PrintedText | None:
+def _first_free(
+    places: Iterable[PrintedText], taken: Sequence[Box], placement: Placement
+) -> PrintedText | None:
     for place in places:
         left, top, right, bottom = find_text_box(place)
-        is_inside = min(left, top, placement.width - right, placement.height - bottom) >= _EDGE_MM - 1e-9
-        if is_inside and not any(left < b[2] and b[0] < right and top < b[3] and b[1] < bottom for b in taken):
+        is_inside = (
+            min(left, top, placement.width - right, placement.height - bottom) >= _EDGE_MM - 1e-9
+        )
+        if is_inside and not any(
+            left < b[2] and b[0] < right and top < b[3] and b[1] < bottom for b in taken
+        ):
             return place
+
     return None

@@ -1,7 +1,7 @@
 """Placement of a board's parts, as its layout states it [mm]; the y axis points down.
 
-The boards are 40 x 25 mm, `comparator` 42 x 26 mm, with all components on the front. Sensor and supply enter on the
-left, signals leave on the right.
+The boards are 40 x 25 mm, `comparator` 42 x 26 mm, with all components on the front. Sensor and
+supply enter on the left, signals leave on the right.
 """
 
 from __future__ import annotations
@@ -39,9 +39,12 @@ class Pad:
     @property
     def box(self) -> Box:
         """Edges as it is turned."""
-        (x, y), width, height = self.centre, self.width, self.height
+        (x, y) = self.centre
+        width = self.width
+        height = self.height
         if self.turned_deg % 180.0 == 90.0:
             width, height = height, width
+
         return x - width / 2, y - height / 2, x + width / 2, y + height / 2
 
     @property
@@ -52,7 +55,9 @@ class Pad:
 
 @dataclass(frozen=True)
 class PlacedPart:
-    """Component on the board: its footprint, the origin of that, and its anticlockwise rotation [degree]."""
+    """Component on the board: its footprint, the origin of that,
+    and its anticlockwise rotation [degree].
+    """
 
     footprint: str
     x: float
@@ -116,20 +121,26 @@ def view_channel(placement: Placement, channel: int) -> Placement:
                 if n in (0, channel)
             )
             parts[own] = replace(part, pads=tuple(pads))
+
     return replace(placement, parts=parts)
 
 
 def read_placement(board: Node) -> Placement:
-    edges = [item for item in board.children("gr_line", "gr_arc") if item.word("layer") == "Edge.Cuts"]
+    edges = [
+        item for item in board.children("gr_line", "gr_arc") if item.word("layer") == "Edge.Cuts"
+    ]
     ends = [numbers(first(item, end)) for item in edges for end in ("start", "end")]
     left, top = (min(end[axis] for end in ends) for axis in (0, 1))
     right, bottom = (max(end[axis] for end in ends) for axis in (0, 1))
-    parts, fiducials = {}, 0
+    parts = {}
+    fiducials = 0
+
     for footprint in board.children("footprint"):
         if "board_only" in first(footprint, "attr").words:
             fiducials += 1
         else:
             parts[read_reference(footprint)] = _read_part(footprint, (left, top))
+
     back = [
         PrintedText(item.words[1], round(x - left, 6), round(y - top, 6))
         for item in board.children("gr_text")
@@ -137,18 +148,20 @@ def read_placement(board: Node) -> Placement:
         for x, y, _ in (find_place(item),)
     ]
     narrowest_mm = min(float(segment.word("width")) for segment in board.children("segment"))
-    via_mm, via_drill_mm = min((float(via.word("size")), float(via.word("drill"))) for via in board.children("via"))
+    via_mm, via_drill_mm = min(
+        (float(via.word("size")), float(via.word("drill"))) for via in board.children("via")
+    )
     return Placement(
-        right - left,
-        bottom - top,
-        (left, top),
-        parts,
-        fiducials,
-        tuple(back),
-        float(first(board, "general").word("thickness")),
-        narrowest_mm,
-        via_mm,
-        via_drill_mm,
+        width=right - left,
+        height=bottom - top,
+        corner=(left, top),
+        parts=parts,
+        fiducials=fiducials,
+        back=tuple(back),
+        thickness_mm=float(first(board, "general").word("thickness")),
+        narrowest_mm=narrowest_mm,
+        via_mm=via_mm,
+        via_drill_mm=via_drill_mm,
     )
 
 
@@ -156,27 +169,36 @@ def _read_part(footprint: Node, corner: Point) -> PlacedPart:
     x, y, angle = find_place(footprint)
     reference = find_reference(footprint)
     circles = [item for item in footprint.children("fp_circle") if item.word("layer") == "F.CrtYd"]
-    radius = math.dist(*(numbers(first(circles[0], end)) for end in ("center", "end"))) if circles else 0.0
+    radius = (
+        math.dist(*(numbers(first(circles[0], end)) for end in ("center", "end")))
+        if circles
+        else 0.0
+    )
+
     return PlacedPart(
-        footprint.words[1],
-        round(x - corner[0], 6),
-        round(y - corner[1], 6),
-        round(angle) % 360,
-        reference is not None and reference.word("layer") == "F.SilkS",
-        tuple(list_pads(footprint, corner)),
-        _read_body(footprint, corner),
-        radius,
+        footprint=footprint.words[1],
+        x=round(x - corner[0], 6),
+        y=round(y - corner[1], 6),
+        angle=round(angle) % 360,
+        is_labelled=reference is not None and reference.word("layer") == "F.SilkS",
+        pads=tuple(list_pads(footprint, corner)),
+        body=_read_body(footprint, corner),
+        courtyard_radius=radius,
     )
 
 
 def _read_body(footprint: Node, corner: Point) -> Box | None:
-    outline = next((item for item in footprint.children("fp_rect") if item.word("layer") == "F.Fab"), None)
+    outline = next(
+        (item for item in footprint.children("fp_rect") if item.word("layer") == "F.Fab"), None
+    )
     if outline is None:
         return None
+
     x, y, angle = find_place(footprint)
     ends = (numbers(first(outline, end)) for end in ("start", "end"))
     turned = (turn(px, py, angle) for px, py in ends)
     (x0, y0), (x1, y1) = ((x + dx - corner[0], y + dy - corner[1]) for dx, dy in turned)
+
     return min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)
 
 
@@ -188,9 +210,22 @@ def list_pads(footprint: Node, corner: Point = (0.0, 0.0)) -> Iterator[Pad]:
         dx, dy = turn(px, py, angle)
         name, kind, shape = pad.words[1:4]
         width, height = numbers(first(pad, "size"))
-        rounding, drill = float(pad.word("roundrect_rratio") or 0), float(pad.word("drill") or 0)
-        centre, net = (x + dx - corner[0], y + dy - corner[1]), pad.word("net", 2).removeprefix("/")
-        yield Pad(name, kind, shape, centre, width, height, own, rounding, drill, net)
+        rounding = float(pad.word("roundrect_rratio") or 0)
+        drill = float(pad.word("drill") or 0)
+        centre = (x + dx - corner[0], y + dy - corner[1])
+        net = pad.word("net", 2).removeprefix("/")
+        yield Pad(
+            name=name,
+            kind=kind,
+            shape=shape,
+            centre=centre,
+            width=width,
+            height=height,
+            turned_deg=own,
+            rounding=rounding,
+            drill=drill,
+            net=net,
+        )
 
 
 def read_reference(part: Node) -> str:

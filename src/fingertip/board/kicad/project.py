@@ -1,9 +1,10 @@
 """KiCad projects of the boards, one for each variant, routed and stored as KiCad opens them.
 
-The archives in `projects` hold the values of the default design. What a design changes is entered: values, fields of
-the parts, symbols of another amplifier, and the values printed on the back. `python -m tools.boards` in the repository
-unpacks a project for KiCad, and stores it again. The project beside the layout holds design rules and severities of
-KiCad's checks, and names the folder of the 3D models.
+The archives in `projects` hold the values of the default design. What a design changes is entered:
+values, fields of the parts, symbols of another amplifier, and the values printed on the back.
+`python -m tools.boards` in the repository unpacks a project for KiCad, and stores it again. The
+project beside the layout holds design rules and severities of KiCad's checks, and names the folder
+of the 3D models.
 """
 
 from __future__ import annotations
@@ -31,12 +32,14 @@ SEVERAL = "channels"
 
 IGNORED_IN_SCHEMATIC = {
     "lib_symbol_mismatch": "symbols have the pins of KiCad's libraries, but lines of their own",
-    "lib_symbol_issues": "the libraries of the symbols need not be installed: the schematic holds its symbols",
+    "lib_symbol_issues": "the libraries of the symbols need not be installed: the schematic holds "
+    "its symbols",
     "footprint_link_issues": "nor need those of the footprints: the layout holds its footprints",
 }
 """Electrical rules that the projects switch off, by KiCad's name, with the reason."""
 IGNORED_ON_BOARD = {
-    "lib_footprint_mismatch": "footprints have the pads of KiCad's libraries, but outlines and silkscreen of their own",
+    "lib_footprint_mismatch": "footprints have the pads of KiCad's libraries, but outlines and "
+    "silkscreen of their own",
     "lib_footprint_issues": "the libraries of the footprints need not be installed",
 }
 """Design rules that the projects switch off, by KiCad's name, with the reason."""
@@ -59,9 +62,10 @@ def read_archive(name: str) -> dict[str, bytes]:
 def model_files() -> dict[str, bytes]:
     """3D model of every package, by its path below the folder of the models.
 
-    Each is a STEP file of boxes with the outline and the height of the package. They stand in for the models of KiCad's
-    own libraries, which take gigabytes and are often not installed. They have the folders and the names of KiCad's, so
-    that one variable of the project selects the ones or the others.
+    Each is a STEP file of boxes with the outline and the height of the package. They stand in for
+    the models of KiCad's own libraries, which take gigabytes and are often not installed. They have
+    the folders and the names of KiCad's, so that one variable of the project selects the ones or
+    the others.
     """
     return read_archive("models")
 
@@ -79,7 +83,9 @@ class StoredProject:
 
     @functools.cached_property
     def board(self) -> sexpr.Node:
-        """Lists of the layout without its zones, which come last: their fills are a third of the file."""
+        """Lists of the layout without its zones, which come
+        last: their fills are a third of the file.
+        """
         return sexpr.read_expression(self.layout.partition("(zone")[0] + ")")
 
     @functools.cached_property
@@ -99,32 +105,59 @@ class StoredProject:
 
     @functools.cached_property
     def symbols(self) -> dict[str, str]:
-        """Symbol of each component in the schematic, as library:name. A channel's sheet has those of the first one."""
+        """Symbol of each component in the schematic, as library:name.
+
+        A channel's sheet has those of the first one.
+        """
         symbols = dict[str, str]()
         for part in (part for sheet in self.sheets.values() for part in sheet.children("symbol")):
-            if not (reference := read_reference(part)).startswith("#"):
+            reference = read_reference(part)
+            if not reference.startswith("#"):
                 channel, own = find_symbol(reference)
                 names = [name_part(own, k + 1) for k in range(PLACES)] if channel else [own]
                 symbols |= dict.fromkeys(names, part.word("lib_id"))
+
         return symbols
 
     def enter(self, circuit: Circuit) -> dict[str, bytes]:
-        """Enter a circuit into its project, and return the files by name. Raises BoardError if a field is missing."""
+        """Enter a circuit into its project, and return the files by name.
+
+        Raises BoardError if a field is missing.
+        """
         changes = _enter_fields(self.layout, self.board, circuit)
         changes |= print_values(self.layout, self.board, circuit, self.placement)
         files = {LAYOUT: sexpr.replace_spans(self.layout, changes).encode()}
-        drawn = {component.reference: library_id(component.symbol) for component in circuit.components}
-        empty = {name_sheet(split_name(part.reference)[0]) for part in circuit.components if not part.is_fitted}
+        drawn = {
+            component.reference: library_id(component.symbol) for component in circuit.components
+        }
+        empty = {
+            name_sheet(split_name(part.reference)[0])
+            for part in circuit.components
+            if not part.is_fitted
+        }
+
         for file, sheet in self.sheets.items():
             text = self.schematics[file]
             changes = _enter_fields(text, sheet, circuit)
             for own in sheet.children("sheet"):
-                if any(entry.words[1] == "Sheetname" and entry.words[2] in empty for entry in own.children("property")):
+                if any(
+                    entry.words[1] == "Sheetname" and entry.words[2] in empty
+                    for entry in own.children("property")
+                ):
                     changes |= _mark_empty(text, own)
+
             if drawn != self.symbols:
-                parts = [name for part in sheet.children("symbol") if (name := read_reference(part)) in drawn]
-                changes |= _draw_symbols(text, sheet, {drawn[part]: self.symbols[part] for part in parts})
+                parts = [
+                    name
+                    for part in sheet.children("symbol")
+                    if (name := read_reference(part)) in drawn
+                ]
+                changes |= _draw_symbols(
+                    text, sheet, {drawn[part]: self.symbols[part] for part in parts}
+                )
+
             files[file] = sexpr.replace_spans(text, changes).encode()
+
         return files | {PROJECT: self.project}
 
 
@@ -136,7 +169,9 @@ def load_project(variant: str, channels: int = 1) -> StoredProject:
 
 
 def make_project(name: str, files: Mapping[str, bytes]) -> StoredProject:
-    sheets = {file: data.decode() for file, data in files.items() if file.endswith(Path(SCHEMATIC).suffix)}
+    sheets = {
+        file: data.decode() for file, data in files.items() if file.endswith(Path(SCHEMATIC).suffix)
+    }
     return StoredProject(name, files[LAYOUT].decode(), sheets, files[PROJECT])
 
 
@@ -152,27 +187,41 @@ def _enter_fields(text: str, root: sexpr.Node, circuit: Circuit) -> dict[sexpr.S
     """
     components = {component.reference: component for component in circuit.components}
     changes: dict[sexpr.Span, str] = {}
+
     for part in root.children("footprint", "symbol"):
-        if component := components.get(read_reference(part)):
+        component = components.get(read_reference(part))
+        if component:
             changes |= _enter_part(text, part, component)
+
     return changes
 
 
 def _enter_part(text: str, part: sexpr.Node, component: Component) -> dict[sexpr.Span, str]:
-    fields = {"Value": component.value, "Description": component.symbol.description, **symbol_fields(component)}
+    fields = {
+        "Value": component.value,
+        "Description": component.symbol.description,
+        **symbol_fields(component),
+    }
     changes: dict[sexpr.Span, str] = {}
     for entry in part.children("property"):
         if entry.words[1] in fields:
             changes |= sexpr.change_property(text, entry, fields.pop(entry.words[1]))
+
     if fields:
-        raise BoardError(f"{component.reference} has no field {', '.join(sorted(fields))} in its KiCad project.")
+        raise BoardError(
+            f"{component.reference} has no field {', '.join(sorted(fields))} in its KiCad project."
+        )
+
     for item in part.children("descr"):
         changes[sexpr.find_word(text, item, 1)] = sexpr.quote(component.role)
+
     for item in part.children("lib_id"):
         changes[sexpr.find_word(text, item, 1)] = sexpr.quote(library_id(component.symbol))
+
     if not component.is_fitted:
         changes |= _mark_empty(text, part)
         changes |= {(item.end - 1, item.end - 1): " dnp" for item in part.children("attr")}
+
     return changes
 
 
@@ -181,15 +230,24 @@ def _mark_empty(text: str, item: sexpr.Node) -> dict[sexpr.Span, str]:
     return {sexpr.find_word(text, mark, 1): "yes" for mark in item.children("dnp")}
 
 
-def _draw_symbols(text: str, schematic: sexpr.Node, drawn_as: dict[str, str]) -> dict[sexpr.Span, str]:
-    """Draw the symbols that a schematic uses in its library: each as the stored one that it stands in for."""
+def _draw_symbols(
+    text: str, schematic: sexpr.Node, drawn_as: dict[str, str]
+) -> dict[sexpr.Span, str]:
+    """Draw the symbols that a schematic uses in its library: each
+    as the stored one that it stands in for.
+    """
     nodes = list(sexpr.first(schematic, "lib_symbols").children("symbol"))
     stored = {node.words[1]: text[node.start : node.end] for node in nodes}
     used = {name: symbol for name, symbol in stored.items() if name.startswith(_POWER)}
+
     for new, old in drawn_as.items():
-        old_name, new_name = old.partition(":")[2], new.partition(":")[2]
+        old_name = old.partition(":")[2]
+        new_name = new.partition(":")[2]
         # The units and the value in the library bear the name too.
-        used[new] = stored[old].replace(f'"{old}"', f'"{new}"').replace(f'"{old_name}', f'"{new_name}')
+        used[new] = (
+            stored[old].replace(f'"{old}"', f'"{new}"').replace(f'"{old_name}', f'"{new_name}')
+        )
+
     # As in the stored projects, the power symbols come last.
     ordered = sorted(used, key=lambda name: (name.startswith(_POWER), name.split(":")))
     gap = text[nodes[0].end : nodes[1].start]

@@ -16,11 +16,14 @@ def quote(word: str) -> str:
     """Return a word in double quotes, escaped."""
     if word.isprintable() and '"' not in word and "\\" not in word:
         return f'"{word}"'
+
     return json.dumps(word, ensure_ascii=False)
 
 
 def number(value: float) -> str:
-    """Format a length [mm] or an angle as KiCad does: at most six decimals, no trailing zeros, no minus zero."""
+    """Format a length [mm] or an angle as KiCad does: at most six
+    decimals, no trailing zeros, no minus zero.
+    """
     text = f"{value:.6f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
 
@@ -30,15 +33,21 @@ MAX_LINE = 110
 
 
 def format_expression(expression: Expression, indent: str = "") -> str:
-    """Format an expression: on one line if it is short, else with each inner list on a line of its own."""
+    """Format an expression: on one line if it is short, else with
+    each inner list on a line of its own.
+    """
     return "\n".join(_lines(expression, indent)[1])
 
 
 def _lines(expression: Expression, indent: str) -> tuple[str, list[str]]:
-    """Text of an expression on one line, and its lines. Both come from one pass: layouts have thousands of lists."""
+    """Text of an expression on one line, and its lines.
+
+    Both come from one pass: layouts have thousands of lists.
+    """
     flats: list[str] = []
     inner: list[list[str]] = []
     words = 0
+
     for item in expression:
         if isinstance(item, str):
             flats.append(item)
@@ -47,21 +56,25 @@ def _lines(expression: Expression, indent: str) -> tuple[str, list[str]]:
             flat, lines = _lines(item, indent + "  ")
             flats.append(flat)
             inner.append(lines)
+
     flat = f"({' '.join(flats)})"
     # Where words follow a list, their order matters.
     if not inner or len(indent) + len(flat) <= MAX_LINE or words + len(inner) < len(flats):
         return flat, [indent + flat]
+
     divided = [f"{indent}({' '.join(flats[:words])}"]
     for lines in inner:
         divided += lines
+
     divided[-1] += ")"
     return flat, divided
 
 
-# Reader and editor of s-expressions: it reads a file of KiCad as lists that know their place in the text.
+# Reader and editor of s-expressions: it reads a file of KiCad as lists that know their place in the
+# text.
 #
-# A replaced word changes its own characters, and every other character of the file stays: spaces, line ends, the order
-# of lists, and lists that this program does not know.
+# A replaced word changes its own characters, and every other character of the file stays: spaces,
+# line ends, the order of lists, and lists that this program does not know.
 
 _TOKEN = re.compile(r'[()]|"(?:[^"\\]|\\.)*"|[^\s()"]+|"', re.DOTALL)
 """Bracket, quoted word, word, or a quote that is never closed."""
@@ -104,7 +117,9 @@ class Node:
 
 def read_expression(text: str) -> Node:
     """Read the first list of a text. Raises ValueError."""
-    node, outer = Node(), list[Node]()
+    node = Node()
+    outer = list[Node]()
+
     for match in _TOKEN.finditer(text):
         token = match.group()
         if token == "(":
@@ -114,44 +129,60 @@ def read_expression(text: str) -> Node:
         elif token == ")":
             if not outer:
                 raise ValueError("a closing bracket has no opening one")
+
             node.end = match.end()
             if len(outer) == 1:
                 return node
+
             node = outer.pop()
         elif token == '"':
             break
         else:
             node.items.append(_unquote(token) if token[0] == '"' else token)
+
     raise ValueError("it has no complete list")
 
 
 def _unquote(quoted: str) -> str:
     """Return the word within double quotes, without its escapes."""
     word = quoted[1:-1]
-    return _ESCAPE.sub(lambda match: _ESCAPED.get(match[1], match[1]), word) if "\\" in word else word
+    return (
+        _ESCAPE.sub(lambda match: _ESCAPED.get(match[1], match[1]), word) if "\\" in word else word
+    )
 
 
 def find_word(text: str, node: Node, index: int) -> Span:
-    """Find where a word of a list stands in the text, its quotes included. No list stands before it."""
+    """Find where a word of a list stands in the text, its quotes included.
+
+    No list stands before it.
+    """
     return next(islice(_TOKEN.finditer(text, node.start + 1), index, None)).span()
 
 
 def replace_spans(text: str, changes: Mapping[Span, str]) -> str:
-    pieces, position = [], 0
+    pieces = []
+    position = 0
     for (start, end), new in sorted(changes.items()):
         pieces += [text[position:start], new]
         position = end
+
     return "".join([*pieces, text[position:]])
 
 
 def change_property(text: str, entry: Node, word: str) -> dict[Span, str]:
-    """Change the text of a field, and divide a list that stood on one line where that becomes too long."""
+    """Change the text of a field, and divide a list that stood on
+    one line where that becomes too long.
+    """
     (start, end), line = find_word(text, entry, 2), text.rfind("\n", 0, entry.start) + 1
     changes = {(start, end): quote(word)}
     length = len(text[line:].partition("\n")[0]) + len(quote(word)) - (end - start)
+
     if length > MAX_LINE and "\n" not in text[entry.start : entry.end]:
         indent = "\n" + " " * (entry.start - line + 2)
-        changes |= {(item.start - 1, item.start): indent for item in entry.items if isinstance(item, Node)}
+        changes |= {
+            (item.start - 1, item.start): indent for item in entry.items if isinstance(item, Node)
+        }
+
     return changes
 
 
@@ -182,5 +213,6 @@ def find_place(node: Node) -> tuple[float, float, float]:
 
 def turn(x: float, y: float, angle_deg: float) -> Point:
     """Turn a point counter-clockwise as seen, with y pointing down."""
-    cos, sin = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
+    cos = math.cos(math.radians(angle_deg))
+    sin = math.sin(math.radians(angle_deg))
     return x * cos + y * sin, y * cos - x * sin

@@ -1,4 +1,7 @@
-"""A circuit as data: components, pins and nets. The netlist, schematic, layout and SPICE deck all derive from it."""
+"""A circuit as data: components, pins and nets.
+
+The netlist, schematic, layout and SPICE deck all derive from it.
+"""
 
 from __future__ import annotations
 
@@ -26,6 +29,7 @@ class ResistorRequirement:
         power = f"{self.power_w:g} W"
         if self.drift_ppm_per_k is None:
             return f"{_format_tolerance(self.tolerance_percent)}, {power}"
+
         return f"{self.tolerance_percent:g} %, {self.drift_ppm_per_k:g} ppm/K, {power}"
 
 
@@ -38,7 +42,10 @@ class CapacitorRequirement:
 
     @property
     def rating(self) -> str:
-        return f"{' or '.join(self.dielectrics)} {self.voltage_v:g} V, {_format_tolerance(self.tolerance_percent)}"
+        return (
+            f"{' or '.join(self.dielectrics)} {self.voltage_v:g} V, "
+            f"{_format_tolerance(self.tolerance_percent)}"
+        )
 
 
 Requirement = ResistorRequirement | CapacitorRequirement
@@ -48,7 +55,10 @@ def _format_tolerance(percent: float) -> str:
     return f"{percent:g} % or better" if percent else "tightest available"
 
 
-SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR, SLIP_CONNECTOR = "J1", "J2", "J3", "J4"
+SENSOR_CONNECTOR = "J1"
+SUPPLY_CONNECTOR = "J2"
+HOST_CONNECTOR = "J3"
+SLIP_CONNECTOR = "J4"
 
 
 @dataclass(frozen=True)
@@ -80,7 +90,9 @@ class Component:
     footprint: str
     """Footprint as library:name, of KiCad's own libraries."""
     role: str
-    """Function on this board, in words. It includes the article's name where that differs from the reference."""
+    """Function on this board, in words.
+    It includes the article's name where that differs from the reference.
+    """
     rating: str = ""
     """Requirements for purchase, without a manufacturer's name. Empty for what is not purchased."""
     requirement: Requirement | None = None
@@ -116,19 +128,38 @@ class Circuit:
         for component in self.components:
             if component.reference == reference:
                 return component
+
         raise KeyError(reference)
 
     def list_wires(self, component: Component) -> list[tuple[str, str]]:
-        """List number and net of each pin in order, without those that only hold the component or are open."""
-        nets = ((pin.number, self.net_by_pin[component.reference, pin.number]) for pin in component.symbol.pins)
-        return [(number, net) for number, net in nets if number.isdigit() and not net.startswith(UNCONNECTED)]
+        """List number and net of each pin in order, without those
+        that only hold the component or are open.
+        """
+        nets = (
+            (pin.number, self.net_by_pin[component.reference, pin.number])
+            for pin in component.symbol.pins
+        )
+        return [
+            (number, net)
+            for number, net in nets
+            if number.isdigit() and not net.startswith(UNCONNECTED)
+        ]
 
     def without(self, *references: str) -> Circuit:
-        nets = (Net(n.name, tuple(node for node in n.nodes if node[0] not in references)) for n in self.nets)
-        return Circuit(self.name, tuple(c for c in self.components if c.reference not in references), tuple(nets))
+        nets = (
+            Net(n.name, tuple(node for node in n.nodes if node[0] not in references))
+            for n in self.nets
+        )
+        return Circuit(
+            self.name,
+            tuple(c for c in self.components if c.reference not in references),
+            tuple(nets),
+        )
 
     def replace(self, reference: str, value: str, symbol: Symbol | None = None) -> Circuit:
-        """The circuit with another value of one component, and with another symbol if one is given."""
+        """The circuit with another value of one component, and with another symbol if one
+        is given.
+        """
         components = (
             replace(c, value=value, symbol=symbol or c.symbol) if c.reference == reference else c
             for c in self.components
@@ -136,11 +167,16 @@ class Circuit:
         return replace(self, components=tuple(components))
 
     def connect(self, component: Component, pins: Mapping[str, str]) -> Circuit:
-        """The circuit with one more component, by pin number -> net name; a net that does not exist is made."""
+        """The circuit with one more component, by pin number -> net
+        name; a net that does not exist is made.
+        """
         nodes = {net.name: net.nodes for net in self.nets}
         for number, net in pins.items():
             nodes[net] = (*nodes.get(net, ()), (component.reference, number))
-        return Circuit(self.name, (*self.components, component), tuple(Net(*each) for each in nodes.items()))
+
+        return Circuit(
+            self.name, (*self.components, component), tuple(Net(*each) for each in nodes.items())
+        )
 
 
 def build_circuit(name: str, wiring: Mapping[Component, Mapping[str, str]]) -> Circuit:
@@ -149,7 +185,10 @@ def build_circuit(name: str, wiring: Mapping[Component, Mapping[str, str]]) -> C
     for component, pins in wiring.items():
         for number, net in pins.items():
             nodes.setdefault(net, []).append((component.reference, number))
-    return Circuit(name, tuple(wiring), tuple(Net(net, tuple(members)) for net, members in nodes.items()))
+
+    return Circuit(
+        name, tuple(wiring), tuple(Net(net, tuple(members)) for net, members in nodes.items())
+    )
 
 
 def reference_sort_key(component: Component) -> tuple[str, int]:
@@ -158,11 +197,21 @@ def reference_sort_key(component: Component) -> tuple[str, int]:
     return letters, int(component.reference[len(letters) :])
 
 
-_SCALES = {"M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12}
+_SCALES = {
+    "M": 1e6,
+    "k": 1e3,
+    "": 1.0,
+    "m": 1e-3,
+    "u": 1e-6,
+    "n": 1e-9,
+    "p": 1e-12,
+}
 
 
 def format_component_value(value: float) -> str:
-    """Format a value with an SI prefix and at most ten digits, as in a schematic: 4700 -> "4.7k", 2.2e-6 -> "2.2u"."""
+    """Format a value with an SI prefix and at most ten digits, as in a
+    schematic: 4700 -> "4.7k", 2.2e-6 -> "2.2u".
+    """
     prefix = next((name for name, scale in _SCALES.items() if value >= scale * (1 - 1e-12)), "p")
     return f"{value / _SCALES[prefix]:.10g}{prefix}"
 

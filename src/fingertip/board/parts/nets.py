@@ -41,5 +41,7 @@ UNCONNECTED = "unconnected-("
 
 
 def kicad_net_name(net: str) -> str:
-    """Name of a net in KiCad: with the path of its sheet, here "/", unless power symbols or global labels name it."""
+    """Name of a net in KiCad: with the path of its sheet, here "/",
+    unless power symbols or global labels name it.
+    """
     return net if net in (*RAILS, VMID) or net.startswith(UNCONNECTED) else f"/{net}"

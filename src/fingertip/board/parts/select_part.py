@@ -1,4 +1,6 @@
-"""Selection of the part for a component of the circuit, and of an alternate, from the parts table."""
+"""Selection of the part for a component of the circuit, and of an alternate, from the
+parts table.
+"""
 
 from __future__ import annotations
 
@@ -15,13 +17,21 @@ from fingertip.board.parts.circuit import (
     format_component_value,
     parse_component_value,
 )
-from fingertip.board.parts.table import UNCONFIRMED, ChipCapacitor, ChipResistor, NamedPart, Part, load_table
+from fingertip.board.parts.table import (
+    UNCONFIRMED,
+    ChipCapacitor,
+    ChipResistor,
+    NamedPart,
+    Part,
+    load_table,
+)
 from fingertip.design.formulas.filter import MAX_1206_F, find_preferred_neighbours
 
 # Part numbers of chip resistors by their makers' published ordering codes.
 #
-# The resistance is written with its letter R, K or M in the place of the decimal point, and zeros after it are left
-# out: 120 ohm is 120R, 1.24 kohm is 1K24, 10 kohm is 10K (the data sheets in `sources.csv`).
+# The resistance is written with its letter R, K or M in the place of the decimal point, and zeros
+# after it are left out: 120 ohm is 120R, 1.24 kohm is 1K24, 10 kohm is 10K (the data sheets in
+# `sources.csv`).
 
 
 @dataclass(frozen=True)
@@ -44,12 +54,29 @@ class OrderingCode:
     def is_made(self, ohm: float) -> bool:
         if not self.min_ohm <= ohm <= self.max_ohm:
             return False
-        return any(low == high for low, high in (find_preferred_neighbours(ohm, series) for series in self.series))
+
+        return any(
+            low == high
+            for low, high in (find_preferred_neighbours(ohm, series) for series in self.series)
+        )
 
     def compose(self, ohm: float) -> ChipResistor:
         number = f"{self.prefix}{resistance_code(ohm)}{self.suffix}"
-        part = Part(self.manufacturer, number, "", self.price, (self.source,))
-        return ChipResistor(ohm, self.tolerance_percent, self.drift_ppm_per_k, self.power_w, self.package, part)
+        part = Part(
+            manufacturer=self.manufacturer,
+            number=number,
+            lcsc="",
+            price=self.price,
+            sources=(self.source,),
+        )
+        return ChipResistor(
+            ohm=ohm,
+            tolerance_percent=self.tolerance_percent,
+            drift_ppm_per_k=self.drift_ppm_per_k,
+            power_w=self.power_w,
+            package=self.package,
+            part=part,
+        )
 
 
 def resistance_code(ohm: float) -> str:
@@ -57,6 +84,7 @@ def resistance_code(ohm: float) -> str:
     text = format_component_value(ohm)
     digits, letter = (text[:-1], text[-1].upper()) if text[-1] in "kM" else (text, "R")
     whole, _, fraction = digits.partition(".")
+
     return f"{whole}{letter}{fraction}"
 
 
@@ -73,66 +101,118 @@ class Selection:
     part: Part | None
     alternate: Part | None
     reason: str
-    """Reason why the number of the assembly house is missing or unsure; empty if two documents agree on it."""
+    """Reason why the number of the assembly house is missing or
+    unsure; empty if two documents agree on it.
+    """
 
     @property
     def note(self) -> str:
-        """Task before ordering; empty for a part that is only to be ordered, or soldered by hand."""
+        """Task before ordering; empty for a part that is only to be ordered, or
+        soldered by hand.
+        """
         if not self.part or not self.reason:
             return self.reason
-        look = f"what the house shows for {self.part.lcsc} must be" if self.part.lcsc else "search the house for"
+
+        look = (
+            f"what the house shows for {self.part.lcsc} must be"
+            if self.part.lcsc
+            else "search the house for"
+        )
         return f"{UNCONFIRMED}: {self.reason}; {look} {self.part.number}"
 
     @property
     def fields(self) -> dict[str, str]:
         """Fields of the symbol in the schematic; empty where there is no number."""
-        part = self.part or Part("", "", "", "", ())
+        part = self.part or Part(
+            manufacturer="",
+            number="",
+            lcsc="",
+            price="",
+            sources=(),
+        )
         return {"Manufacturer": part.manufacturer, "MPN": part.number, "LCSC": part.lcsc}
 
 
 @functools.cache
 def select_part(component: Component) -> Selection:
-    """Select the part for a purchased component. The function never raises; a missing part has its reason."""
+    """Select the part for a purchased component.
+
+    The function never raises; a missing part has its reason.
+    """
     reason = ""
     match component.requirement:
         case ResistorRequirement() as requirement:
             resistors = find_resistors(parse_component_value(component.value), requirement)
             # The loosest that will do is the cheapest.
-            found = [item.part for item in sorted(resistors, key=lambda item: -item.tolerance_percent)]
+            found = [
+                item.part for item in sorted(resistors, key=lambda item: -item.tolerance_percent)
+            ]
         case CapacitorRequirement() as capacitor:
-            value, package = parse_component_value(component.value), find_package(component.footprint)
+            value = parse_component_value(component.value)
+            package = find_package(component.footprint)
             found = [item.part for item in find_capacitors(value, package, capacitor)]
             reason = "" if found else _explain_missing(component.value, package, capacitor)
         case None:
             named = [
                 item
                 for item in load_table(NamedPart, "named_parts.csv")
-                if (item.value, item.footprint) == (component.value, component.footprint.split(":")[1])
+                if (item.value, item.footprint)
+                == (component.value, component.footprint.split(":")[1])
             ]
             found = [item.part for item in named if item.part]
             reason = next((item.reason for item in named if item.reason), "")
+
     if not found:
-        return Selection(None, None, reason or f"the parts table has no {component.value} with {component.rating}")
-    part, alternate = found[0], found[1] if len(found) > 1 else None
+        return Selection(
+            None,
+            None,
+            reason or f"the parts table has no {component.value} with {component.rating}",
+        )
+
+    part = found[0]
+    alternate = found[1] if len(found) > 1 else None
     unsure = ONE_SOURCE if len(part.sources) < 2 else ""
     return Selection(part, alternate, unsure if part.lcsc else reason or NO_LCSC)
 
 
 def find_resistors(ohm: float, requirement: ResistorRequirement) -> Iterator[ChipResistor]:
-    """Find the chip resistors that meet a requirement, each once: the table's, then those with an ordering code."""
-    listed = [item for item in load_table(ChipResistor, "resistors.csv") if abs(item.ohm / ohm - 1.0) < _ROUNDING]
-    composed = [code.compose(ohm) for code in load_table(OrderingCode, "ordering_codes.csv") if code.is_made(ohm)]
+    """Find the chip resistors that meet a requirement, each once: the
+    table's, then those with an ordering code.
+    """
+    listed = [
+        item
+        for item in load_table(ChipResistor, "resistors.csv")
+        if abs(item.ohm / ohm - 1.0) < _ROUNDING
+    ]
+    composed = [
+        code.compose(ohm)
+        for code in load_table(OrderingCode, "ordering_codes.csv")
+        if code.is_made(ohm)
+    ]
     numbers: set[str] = set()
+
     for item in (*listed, *composed):
         is_precise = item.tolerance_percent <= requirement.tolerance_percent * (1.0 + _ROUNDING)
-        is_stable = requirement.drift_ppm_per_k is None or item.drift_ppm_per_k <= requirement.drift_ppm_per_k
-        if is_precise and is_stable and item.power_w >= requirement.power_w and item.part.number not in numbers:
+        is_stable = (
+            requirement.drift_ppm_per_k is None
+            or item.drift_ppm_per_k <= requirement.drift_ppm_per_k
+        )
+        if (
+            is_precise
+            and is_stable
+            and item.power_w >= requirement.power_w
+            and item.part.number not in numbers
+        ):
             numbers.add(item.part.number)
             yield item
 
 
-def find_capacitors(farad: float, package: str, requirement: CapacitorRequirement) -> Iterator[ChipCapacitor]:
-    """Find the chip capacitors of the table that meet a requirement, in a package by its inch code."""
+def find_capacitors(
+    farad: float, package: str, requirement: CapacitorRequirement
+) -> Iterator[ChipCapacitor]:
+    """Find the chip capacitors of the table that meet a requirement, in a package by its
+    inch code.
+    """
     for item in load_table(ChipCapacitor, "capacitors.csv"):
         if (
             abs(item.farad / farad - 1.0) < _ROUNDING
@@ -151,22 +231,33 @@ def find_package(footprint: str) -> str:
 
 
 def _explain_missing(value: str, package: str, requirement: CapacitorRequirement) -> str:
-    """Explain why the table has no capacitor, with a remedy: a looser tolerance, or values that it has."""
+    """Explain why the table has no capacitor, with a remedy: a
+    looser tolerance, or values that it has.
+    """
     looser = replace(requirement, tolerance_percent=math.inf)
     sold = next(find_capacitors(parse_component_value(value), package, looser), None)
-    what = f"{value} {' or '.join(requirement.dielectrics)} {requirement.voltage_v:g} V in {package}"
+    what = (
+        f"{value} {' or '.join(requirement.dielectrics)} {requirement.voltage_v:g} V in {package}"
+    )
+
     if sold:
         return (
-            f"the parts table has {what} with {sold.tolerance_percent:g} %, not {requirement.tolerance_percent:g} %; "
+            f"the parts table has {what} with {sold.tolerance_percent:g} %, not "
+            f"{requirement.tolerance_percent:g} %; "
             "board.capacitor_tolerance_percent=0 accepts the tolerance that is sold"
         )
-    return f"the parts table has no {what}; board.capacitor_series=preferred selects values that it has"
+
+    return (
+        f"the parts table has no {what}; board.capacitor_series=preferred selects values that "
+        "it has"
+    )
 
 
-# Capacitors of the board: which dielectric a value needs, which tolerance is sold, and which values the table has.
+# Capacitors of the board: which dielectric a value needs, which tolerance is sold, and which values
+# the table has.
 #
-# C0G is made up to some capacitance in each size. Above it X7R is required, whose capacitance falls with direct
-# voltage and age, and which is sold with 10 %. Capacitors of 5 % are C0G.
+# C0G is made up to some capacitance in each size. Above it X7R is required, whose capacitance falls
+# with direct voltage and age, and which is sold with 10 %. Capacitors of 5 % are C0G.
 
 MAX_C0G_F = {"1206": 100e-9, "0603": 10e-9}
 """Largest capacitance [F] that each size is made with as C0G."""
@@ -175,32 +266,53 @@ SOLD_PERCENT = {"C0G": 5.0, "X7R": 10.0, "X5R": 20.0}
 
 _C0G = CapacitorRequirement(("C0G",), 25.0, 0.0)
 _X7R = CapacitorRequirement(("X7R",), 16.0, 0.0)
-_LARGE, _LARGEST = CapacitorRequirement(("X7R",), 6.3, 0.0), CapacitorRequirement(("X5R", "X7R"), 6.3, 0.0)
-"""Large capacitors have no direct voltage across them and set no cutoff. From `_MAX_X7R_F` on, X5R is all there is."""
+_LARGE = CapacitorRequirement(("X7R",), 6.3, 0.0)
+_LARGEST = CapacitorRequirement(("X5R", "X7R"), 6.3, 0.0)
+"""Large capacitors have no direct voltage across them and set no cutoff.
+From `_MAX_X7R_F` on, X5R is all there is.
+"""
 _MAX_X7R_F = 22e-6
 SUPPLY_CAPACITOR = CapacitorRequirement(("X7R",), 25.0, 10.0)
 BULK_CAPACITOR = CapacitorRequirement(("X7R",), 16.0, 10.0)
-"""Large capacitors at the entry of the supply and across dividers, whose capacitance matters little. Voltages of the
-dividers are amplified: X5R, which is the better microphone, is left out."""
+"""Large capacitors at the entry of the supply and across dividers, whose capacitance matters
+little. Voltages of the dividers are amplified: X5R, which is the better microphone, is left out.
+"""
 
 
-def require_capacitor(farad: float, package: str, stated_percent: float = 0.0) -> CapacitorRequirement:
+def require_capacitor(
+    farad: float, package: str, stated_percent: float = 0.0
+) -> CapacitorRequirement:
     """Return the requirement for a capacitor of the signal path. Units: `farad` [F]."""
     if farad > MAX_1206_F * (1.0 + _ROUNDING):
         large = _LARGE if farad <= _MAX_X7R_F * (1.0 + _ROUNDING) else _LARGEST
         return replace(large, tolerance_percent=find_sold_percent(farad, package, large))
+
     kind = _C0G if farad <= MAX_C0G_F[package] * (1.0 + _ROUNDING) else _X7R
-    return replace(kind, tolerance_percent=stated_percent or find_sold_percent(farad, package, kind))
+    return replace(
+        kind, tolerance_percent=stated_percent or find_sold_percent(farad, package, kind)
+    )
 
 
 def find_sold_percent(farad: float, package: str, kind: CapacitorRequirement) -> float:
-    """Find the tolerance [%] with which a capacitor [F] is sold: the table's, or that of its dielectric."""
+    """Find the tolerance [%] with which a capacitor [F] is sold:
+    the table's, or that of its dielectric.
+    """
     found = next(find_capacitors(farad, package, replace(kind, tolerance_percent=math.inf)), None)
-    return found.tolerance_percent if found else max(SOLD_PERCENT[name] for name in kind.dielectrics)
+    return (
+        found.tolerance_percent if found else max(SOLD_PERCENT[name] for name in kind.dielectrics)
+    )
 
 
 @functools.cache
 def list_capacitances(package: str) -> tuple[float, ...]:
-    """List the capacitances [F] of the signal path that the table has in a package, in ascending order."""
-    farads = {item.farad for item in load_table(ChipCapacitor, "capacitors.csv") if item.package == package}
-    return tuple(sorted(f for f in farads if any(find_capacitors(f, package, require_capacitor(f, package)))))
+    """List the capacitances [F] of the signal path that the table
+    has in a package, in ascending order.
+    """
+    farads = {
+        item.farad
+        for item in load_table(ChipCapacitor, "capacitors.csv")
+        if item.package == package
+    }
+    return tuple(
+        sorted(f for f in farads if any(find_capacitors(f, package, require_capacitor(f, package))))
+    )

@@ -1,6 +1,7 @@
 """Symbols and footprints used, by their long-standing names in KiCad's own libraries.
 
-`symbols.json` is a copy of the pins, so that writing a netlist does not need KiCad. A test compares it with KiCad 9.
+`symbols.json` is a copy of the pins, so that writing a netlist does not need KiCad. A test compares
+it with KiCad 9.
 """
 
 from __future__ import annotations
@@ -11,7 +12,9 @@ from pathlib import Path
 from fingertip.board.parts.circuit import Pin, Symbol
 
 SYMBOLS = {
-    row["name"]: Symbol(row["library"], row["name"], row["description"], tuple(Pin(*pin) for pin in row["pins"]))
+    row["name"]: Symbol(
+        row["library"], row["name"], row["description"], tuple(Pin(*pin) for pin in row["pins"])
+    )
     for row in json.loads((Path(__file__).parent / "symbols.json").read_text("utf-8"))
 }
 RESISTOR = SYMBOLS["R"]

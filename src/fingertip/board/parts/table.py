@@ -1,6 +1,8 @@
-"""Parts of the table, read from the package's data: resistors, capacitors, parts bought by name, mating parts, sources.
+"""Parts of the table, read from the package's data: resistors, capacitors, parts bought by name,
+mating parts, sources.
 
-Every number is copied from the source that is named beside it. Nothing here can tell what is in stock.
+Every number is copied from the source that is named beside it. Nothing here can tell what is in
+stock.
 """
 
 from __future__ import annotations
@@ -18,7 +20,9 @@ from fingertip.foundation.tables import Row
 FOLDER = Path(__file__).parent
 
 PRICES = {"a": (0.0, 0.05), "b": (0.05, 0.5), "c": (0.5, 5.0)}
-"""Price of one piece [US dollar], by class: estimates of November 2026, most of them after the house's own prices."""
+"""Price of one piece [US dollar], by class: estimates of November
+2026, most of them after the house's own prices.
+"""
 UNCONFIRMED = "confirm before ordering"
 BASIC_SOURCE = "kicad_library"
 """Key of the document that lists the house's basic and preferred parts."""
@@ -42,7 +46,9 @@ class Part:
     """Name of the manufacturer; empty where the source names none."""
     number: str
     lcsc: str
-    """Number of the distributor LCSC, which is the assembly house's too; empty where no source gives it."""
+    """Number of the distributor LCSC, which is the assembly
+    house's too; empty where no source gives it.
+    """
     price: str
     """Class of `PRICES`."""
     sources: tuple[str, ...]
@@ -99,7 +105,10 @@ def read_rows(name: str) -> Iterator[dict[str, str]]:
 
 
 def load_table(kind: type[Row], name: str) -> tuple[Row, ...]:
-    """Load the rows of one of the table's files once. Of several that fit, the first is to be preferred."""
+    """Load the rows of one of the table's files once.
+
+    Of several that fit, the first is to be preferred.
+    """
     return _load_table(kind, name)  # type: ignore[arg-type]  # mypy takes no class for hashable
 
 
@@ -111,6 +120,7 @@ def _load_table(kind: type[Any], name: str) -> tuple[Any, ...]:
         if "number" in row:
             part = {column: row.pop(column) for column in _PART}
             row["part"] = tables.load_table(Part, [part])[0] if part["number"] else None
+
         return row
 
     return tables.load_table(kind, map(join, read_rows(name)))
@@ -152,7 +162,8 @@ class PlugWire:
     def description(self) -> str:
         """Gauge and diameter as text."""
         return (
-            f"AWG {self.min_awg} to {self.max_awg} with {self.min_insulation_mm:g} to {self.max_insulation_mm:g} mm "
+            f"AWG {self.min_awg} to {self.max_awg} with {self.min_insulation_mm:g} to "
+            f"{self.max_insulation_mm:g} mm "
             "over the insulation"
         )
 
@@ -160,13 +171,24 @@ class PlugWire:
 def list_mating_parts(component: Component) -> tuple[MatingPart, ...]:
     """List what to buy for the cable of a connector."""
     name = component.footprint.split(":")[1]
-    return tuple(mating for mating in load_table(MatingPart, "mating_parts.csv") if mating.footprint == name)
+    return tuple(
+        mating for mating in load_table(MatingPart, "mating_parts.csv") if mating.footprint == name
+    )
 
 
 def find_plug_wire(component: Component) -> PlugWire | None:
-    """Find the wires that the plug of a connector takes; None for pin headers, of which no maker is named."""
+    """Find the wires that the plug of a connector takes; None for
+    pin headers, of which no maker is named.
+    """
     name = component.footprint.split(":")[1].replace("_", " ")
-    return next((wire for wire in load_table(PlugWire, "plug_wires.csv") if name.startswith(f"{wire.series} ")), None)
+    return next(
+        (
+            wire
+            for wire in load_table(PlugWire, "plug_wires.csv")
+            if name.startswith(f"{wire.series} ")
+        ),
+        None,
+    )
 
 
 def list_connectors(circuit: Circuit) -> Iterator[Component]:
@@ -175,9 +197,13 @@ def list_connectors(circuit: Circuit) -> Iterator[Component]:
 
 
 def group_plug_wires(circuit: Circuit) -> dict[PlugWire, list[str]]:
-    """Group the connectors by the wires that their plugs take; those of which no plug is named are left out."""
+    """Group the connectors by the wires that their plugs take;
+    those of which no plug is named are left out.
+    """
     found: dict[PlugWire, list[str]] = {}
     for connector in list_connectors(circuit):
-        if wire := find_plug_wire(connector):
+        wire = find_plug_wire(connector)
+        if wire:
             found.setdefault(wire, []).append(connector.reference)
+
     return found

@@ -1,4 +1,6 @@
-"""File formats of parts: STL, 3MF, STEP and CadQuery scripts. A mesh or a solid comes in, and bytes go out.
+"""File formats of parts: STL, 3MF, STEP and CadQuery scripts.
+
+A mesh or a solid comes in, and bytes go out.
 
 Files hold no date, path or random identifier: the same part gives the same bytes.
 

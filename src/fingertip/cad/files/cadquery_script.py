@@ -1,4 +1,6 @@
-"""Parts as a CadQuery script, which gives the same solids as the STEP files where cadquery alone is installed."""
+"""Parts as a CadQuery script, which gives the same solids as the
+STEP files where cadquery alone is installed.
+"""
 
 from __future__ import annotations
 
@@ -25,19 +27,25 @@ from fingertip.design.search import RULES
 from fingertip.foundation.numerics import bisect
 
 _CARRIED = {
-    "cq_numbers": Path(profile.__file__), "cq_outlines": Path(outlines.__file__),
+    "cq_numbers": Path(profile.__file__),
+    "cq_outlines": Path(outlines.__file__),
     "cq_parameters": Path(script_parameters.__file__),
     "cq_solids": Path(__file__).parents[1] / "kernel" / "cadquery_primitives.py",
-}  # fmt: skip
-"""Files of the modules that scripts carry. That of the primitives is not imported: it would load cadquery."""
+}
+"""Files of the modules that scripts carry.
+That of the primitives is not imported: it would load cadquery.
+"""
 _REPLACED = {
     r"  # (fmt|noqa): .*": "",
-    r"from fingertip\.foundation\.numerics import bisect": f"import itertools\n\n\n{inspect.getsource(bisect)}",
+    r"from fingertip\.foundation\.numerics import bisect": "import "
+    f"itertools\n\n\n{inspect.getsource(bisect)}",
     r"from fingertip\.design\.geometry\.solids .*": (
-        "from cq_solids import box as Box, cone as Cone, prism as Prism, union  # noqa\n\nAxis, Solid = str, object"
+        "from cq_solids import box as Box, cone as Cone, prism as Prism, union  # noqa\n\nAxis, "
+        "Solid = str, object"
     ),
     r"if TYPE_CHECKING:\n(    .*\n)+": (
-        "from collections.abc import Callable\n\nArray, Pair = Sequence[float], tuple[float, float]\n"
+        "from collections.abc import Callable\n\nArray, Pair = Sequence[float], tuple[float, "
+        "float]\n"
     ),
     r"TYPE_CHECKING, ": "",
 }
@@ -74,7 +82,7 @@ elif __name__ == "__main__":
     size = {part}.val().BoundingBox()
     print(f"{part}: {{size.xlen:.3f}} x {{size.ylen:.3f}} x {{size.zlen:.3f}} mm, {{volume({part}.val()):.3f}} mm3")
     cq.exporters.export({part}, "{part}.step")
-'''
+'''  # noqa: E501
 _FINGER = '''"""The finger {design} in its closed mold, by scripts beside it: the core lies where the bone will."""
 
 import sys
@@ -113,58 +121,91 @@ elif __name__ == "__main__":
         scaled = part.val().scale(1.0 if name in ("skin", "sensor") else SCALE)
         cq.exporters.export(scaled, str(out / f"{{name}}.stl"), tolerance=0.01, angularTolerance=0.1)
     print(f"{{out}}: {design}.step, and .step and .stl of {{', '.join(parts)}}")
-'''
+'''  # noqa: E501
 
 
 def write_script(design: Design, part: str) -> bytes:
-    """Write a part, or the sensor, as a script: parameters, derived lengths, and a statement for each solid."""
-    trace, modules = Trace(design, PARTS[part].solid if part in PARTS else sensor_body), write_functions(design)
-    held = {name[:-3]: {*re.findall(r"(?m)^(?:def )?(\w+)(?:\(| = )", text.decode())} for name, text in modules.items()}
-    text, ranges = Text(trace, part, set().union(*held.values())), find_ranges(design)
-    made, imports = "\n".join(text.write_statements()), []
+    """Write a part, or the sensor, as a script: parameters, derived
+    lengths, and a statement for each solid.
+    """
+    trace = Trace(design, PARTS[part].solid if part in PARTS else sensor_body)
+    modules = write_functions(design)
+    held = {
+        name[:-3]: {*re.findall(r"(?m)^(?:def )?(\w+)(?:\(| = )", text.decode())}
+        for name, text in modules.items()
+    }
+    text = Text(trace, part, set().union(*held.values()))
+    ranges = find_ranges(design)
+    made = "\n".join(text.write_statements())
+    imports = []
     words = find_words(made) | {"settle", "volume"}
+
     for module, names in held.items():
-        if listed := ", ".join(sorted(names & words)):
-            imports += wrap_code(f"from {module} import {f'({listed})' if len(listed) > WIDTH // 2 else listed}")
+        listed = ", ".join(sorted(names & words))
+        if listed:
+            imports += wrap_code(
+                f"from {module} import {f'({listed})' if len(listed) > WIDTH // 2 else listed}"
+            )
+
         words -= names
+
     return _SCRIPT.format(
-        title=part.replace("_", " ").capitalize(), design=design.name, part=part, statements=made.lstrip(),
+        title=part.replace("_", " ").capitalize(),
+        design=design.name,
+        part=part,
+        statements=made.lstrip(),
         math="import math\n\n" * ("math" in words),
-        imports="\n".join(imports), parameters="\n".join(text.write_atoms(words, ranges)),
+        imports="\n".join(imports),
+        parameters="\n".join(text.write_atoms(words, ranges)),
         fixed="\n".join([*_describe_choices(design, part), *text.write_atoms(words)]),
-    ).encode()  # fmt: skip
+    ).encode()
 
 
 def write_functions(design: Design) -> dict[str, bytes]:
-    """Write the modules that the scripts of a design carry: functions, bounds of parameters, outlines of letters."""
+    """Write the modules that the scripts of a design carry: functions,
+    bounds of parameters, outlines of letters.
+    """
     texts: dict[str, str] = {}
     for name, path in _CARRIED.items():
         texts[name] = path.read_text(encoding="utf-8")
         for pattern, replacement in _REPLACED.items():
             texts[name] = re.sub(pattern, replacement, texts[name])
+
     for word in (LABEL, design.name):
         letters = wrap_code(f"{name_letters(word)} = {letter_outlines(word, STROKE_WIDTH)}")
         texts["cq_outlines"] += "\n".join(("", *letters, ""))
+
     ranges = find_ranges(design).items()
-    rows = (f'    "{path}": ({low:g}, {value!r}, {high:g}),\n' for path, (value, low, high, *_) in ranges)
+    rows = (
+        f'    "{path}": ({low:g}, {value!r}, {high:g}),\n'
+        for path, (value, low, high, *_) in ranges
+    )
     texts["cq_parameters"] = texts["cq_parameters"].replace("= {}", f"= {{\n{''.join(rows)}}}", 1)
     return {f"{name}.py": text.encode() for name, text in texts.items()}
 
 
 @lru_cache(8)
 def find_ranges(design: Design) -> dict[str, tuple[float, ...]]:
-    """Find value and bounds of each number that shapes parts, and from where to where it may change alone."""
-    named, found = name_sensor(design), {}
+    """Find value and bounds of each number that shapes parts, and
+    from where to where it may change alone.
+    """
+    named = name_sensor(design)
+    found = {}
+
     for path in shapes_of_parameters(named):
-        if isinstance(value := named.value(path), float):
+        value = named.value(path)
+        if isinstance(value, float):
             bounds = find_bounds(PARAMETERS[path])
             ends = bounds.minimum or 0.0, bounds.maximum or 0.0
             found[path] = (value, *ends, *(_find_last(named, path, end) for end in ends))
+
     return found
 
 
 def _find_last(design: Design, path: str, end: float) -> float:
-    """Find the last number on the way to an end of its bounds with which a design passes all rules, to 0.001."""
+    """Find the last number on the way to an end of its bounds with
+    which a design passes all rules, to 0.001.
+    """
     value = design.value(path)
 
     def at(share: float) -> float:
@@ -173,16 +214,22 @@ def _find_last(design: Design, path: str, end: float) -> float:
     def passes(share: float) -> bool:
         return not any(find_violations(RULES, design.with_values({path: at(share)})))
 
-    return end if passes(0.999) else at(bisect(passes, 0.0, 1.0, halvings=17)[0])  # 0 itself may be another shape
+    return (
+        end if passes(0.999) else at(bisect(passes, 0.0, 1.0, halvings=17)[0])
+    )  # 0 itself may be another shape
 
 
 def drop_unused(files: Mapping[str, bytes]) -> dict[str, bytes]:
     """Leave out of the files of a design the functions that none of them calls."""
-    text, before = "\f".join(each.decode() for each in files.values()), ""
+    text = "\f".join(each.decode() for each in files.values())
+    before = ""
+
     while text != before:
-        before, defined = text, re.findall(r"\ndef (\w+)", text)
+        before = text
+        defined = re.findall(r"\ndef (\w+)", text)
         once = "|".join(name for name in defined if len(re.findall(rf"\b{name}\b", text)) == 1)
         text = re.sub(rf"\n\n\ndef ({once})\((.|\n)*?(?=\n\n\n|\n*(\f|\Z))", "", before)
+
     return dict(zip(files, map(str.encode, text.split("\f")), strict=True))
 
 
@@ -190,16 +237,26 @@ def write_finger(design: Design) -> dict[str, bytes]:
     """Write the script of the whole finger with its mold, and that of its sensor."""
     parts = parts_by_name(design)
     colours = {name: part.colour for name, part in parts.items()}
-    colours |= {item.name: item.colour for item in hardware(design, ("bone",)) if item.name == "sensor"}
+    colours |= {
+        item.name: item.colour for item in hardware(design, ("bone",)) if item.name == "sensor"
+    }
     lines = "\n".join(f'    "{name}": {colour},' for name, colour in colours.items())
     tools = " ".join(name for name, part in parts.items() if part.is_tool)
-    text = _FINGER.format(design=design.name, colours=lines, tools=tools, scale=design.printer.scale_percent / 100.0)
+    text = _FINGER.format(
+        design=design.name,
+        colours=lines,
+        tools=tools,
+        scale=design.printer.scale_percent / 100.0,
+    )
+
     return {"finger.cq.py": text.encode(), "sensor.cq.py": write_script(design, "sensor")}
 
 
 def _describe_choices(design: Design, part: str) -> Iterator[str]:
     """Describe the choices, of which other ones give other statements."""
     read = (path for path, names in shapes_of_parameters(design).items() if part in names)
-    chosen = [f"{path} = {value}" for path in read if not isinstance(value := design.value(path), float)]
+    chosen = [
+        f"{path} = {value}" for path in read if not isinstance(value := design.value(path), float)
+    ]
     text = f"# What follows holds for {', '.join(chosen)}" * bool(chosen)
     yield from textwrap.wrap(text, WIDTH, subsequent_indent="# ")

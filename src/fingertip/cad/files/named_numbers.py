@@ -11,13 +11,19 @@ NOTED: list[Term] = []
 
 
 class Term:
-    """Expression: an operation (a sign, "name", "constant", "call", "item", "tuple"...) and its operands."""
+    """Expression: an operation (a sign, "name", "constant",
+    "call", "item", "tuple"...) and its operands.
+    """
 
     def __init__(self, operation: str, *operands: Any, length: int = 0) -> None:
-        self.operation, self.operands, self.length = operation, operands, length
+        self.operation = operation
+        self.operands = operands
+        self.length = length
         inner = (each.atoms for each in operands if isinstance(each, Term))
         self.atoms: set[str] = {operands[0]} if operation == "name" else set().union(*inner)
-        self._key = hash((operation, *(each if isinstance(each, Term) else repr(each) for each in operands)))
+        self._key = hash(
+            (operation, *(each if isinstance(each, Term) else repr(each) for each in operands))
+        )
 
     def __hash__(self) -> int:
         return self._key
@@ -32,14 +38,22 @@ def term_of(value: Any) -> Term:
         return value.term
     if not isinstance(value, tuple | list):
         return value if isinstance(value, Term) else Term("constant", value)
+
     terms = [term_of(each) for each in value]
     whole = terms[0].operands[0] if terms and terms[0].operation == "item" else None
-    if whole and whole.length == len(terms) and all(t == Term("item", whole, i) for i, t in enumerate(terms)):
+    if (
+        whole
+        and whole.length == len(terms)
+        and all(t == Term("item", whole, i) for i, t in enumerate(terms))
+    ):
         return whole  # type: ignore[no-any-return]
+
     return Term("tuple", *terms)
 
 
-def _operators(sign: str, compute: Callable[[float, float], float], neutral: float | None) -> tuple[Any, Any]:
+def _operators(
+    sign: str, compute: Callable[[float, float], float], neutral: float | None
+) -> tuple[Any, Any]:
     """Return the methods of an operator for a named number on its left, and on its right."""
 
     def combine(left: Any, right: Any) -> Any:
@@ -47,10 +61,18 @@ def _operators(sign: str, compute: Callable[[float, float], float], neutral: flo
             return NotImplemented
         if not isinstance(right, Named) and (right == neutral or (right == 0.0 and sign == "*")):
             return left if right == neutral else 0.0
+
         if not isinstance(left, Named) and (left == 0.0 or (left == neutral and sign in "+*")):
-            return right if left == neutral and sign != "-" else -right if sign == "-" else 0.0
+            if left == neutral and sign != "-":
+                return right
+            if sign == "-":
+                return -right
+
+            return 0.0
+
         if not isinstance(left, Named) and left == -1.0 and sign == "*":
             return -right
+
         return Named(compute(float(left), float(right)), Term(sign, term_of(left), term_of(right)))
 
     return combine, lambda right, left: combine(left, right)
@@ -60,6 +82,7 @@ def _comparison(sign: str, opposite: str, compute: Callable[[float, float], bool
     def compare(left: Any, right: Any) -> Any:
         if not isinstance(right, float | int):
             return NotImplemented
+
         outcome = compute(float(left), float(right))
         NOTED.append(Term(sign if outcome else opposite, term_of(left), term_of(right)))
         return outcome
@@ -82,9 +105,12 @@ class Named(float):
     __mul__, __rmul__ = _operators("*", operator.mul, 1.0)
     __truediv__, __rtruediv__ = _operators("/", operator.truediv, 1.0)
     __pow__, __rpow__ = _operators("**", operator.pow, None)
-    __lt__, __ge__ = _comparison("<", ">=", operator.lt), _comparison(">=", "<", operator.ge)
-    __gt__, __le__ = _comparison(">", "<=", operator.gt), _comparison("<=", ">", operator.le)
-    __eq__, __ne__ = _comparison("==", "!=", operator.eq), _comparison("!=", "==", operator.ne)
+    __lt__ = _comparison("<", ">=", operator.lt)
+    __ge__ = _comparison(">=", "<", operator.ge)
+    __gt__ = _comparison(">", "<=", operator.gt)
+    __le__ = _comparison("<=", ">", operator.le)
+    __eq__ = _comparison("==", "!=", operator.eq)
+    __ne__ = _comparison("!=", "==", operator.ne)
 
     def __bool__(self) -> bool:
         return bool(self != 0.0)
@@ -92,6 +118,7 @@ class Named(float):
     def __neg__(self) -> Named:
         if self.term.operation == "negative":
             return Named(-float(self), self.term.operands[0])
+
         return Named(-float(self), Term("negative", self.term))
 
     def __abs__(self) -> Named:
@@ -99,12 +126,15 @@ class Named(float):
 
 
 def is_named(value: Any) -> bool:
-    return isinstance(value, Named) or (isinstance(value, tuple | list) and any(map(is_named, value)))
+    return isinstance(value, Named) or (
+        isinstance(value, tuple | list) and any(map(is_named, value))
+    )
 
 
 def plain(value: Any) -> Any:
     if isinstance(value, tuple | list):
         return _rebuild(value, map(plain, value))
+
     return float(value) if isinstance(value, Named) else value
 
 
@@ -113,6 +143,7 @@ def wrap(value: Any, term: Term) -> Any:
     if isinstance(value, tuple | list):
         whole = Term(term.operation, *term.operands, length=len(value))
         return _rebuild(value, (wrap(each, Term("item", whole, i)) for i, each in enumerate(value)))
+
     return Named(float(value), term) if isinstance(value, float | int) else value
 
 

@@ -1,7 +1,9 @@
-"""STEP files of a design, made by a process of its own, and a handle that starts it and waits for it.
+"""STEP files of a design, made by a process of its own, and a handle that starts it and waits for
+it.
 
-There are three reasons for that. The B-rep kernel can hang or crash. It numbers products through the life of a process,
-and the numbers would end up in the files. It takes seconds to load, during which this process makes the meshes.
+There are three reasons for that. The B-rep kernel can hang or crash. It numbers products through
+the life of a process, and the numbers would end up in the files. It takes seconds to load, during
+which this process makes the meshes.
 """
 
 from __future__ import annotations
@@ -36,7 +38,9 @@ class StepJob:
     tools: tuple[str, ...] = ()
     """Names of parts that the assembly leaves out."""
     also: tuple[tuple[str, Callable[[Any], Any]], ...] = ()
-    """Name of a part, and a function of the evaluator: what else is computed by the process that makes the part."""
+    """Name of a part, and a function of the evaluator: what else is
+    computed by the process that makes the part.
+    """
 
 
 @dataclass(frozen=True)
@@ -48,7 +52,9 @@ class BrepMeasurements:
 
 
 Measured = tuple[dict[str, BrepMeasurements], dict[str, float], dict[str, Any]]
-"""Measurements of the parts, volumes of the other solids [mm3], and what else was computed, by name."""
+"""Measurements of the parts, volumes of the other solids [mm3],
+and what else was computed, by name.
+"""
 
 
 @dataclass(frozen=True)
@@ -78,11 +84,15 @@ class StepProcess:
             yield cls(job, folder, worker)
 
     def result(
-        self, time_limit_s: float = TIME_LIMIT_S, *, advance: Callable[[float], None] = lambda _: None
+        self,
+        time_limit_s: float = TIME_LIMIT_S,
+        *,
+        advance: Callable[[float], None] = lambda _: None,
     ) -> StepFiles:
         """Wait for the files. Raises GeometryError or MissingLibraryError."""
         steps = len(("starting", "loading", "hardware", "assembly"))
         steps += 2 * len(self.job.parts) + len(self.job.measured_solids) + len(self.job.also)
+
         try:
             measured: Measured = self.worker.receive_within(
                 time_limit_s, lambda: advance(len(self.worker.steps) / steps)
@@ -97,34 +107,48 @@ class StepProcess:
         except Exception as error:
             problem = f"crashed ({type(error).__name__}: {error})"
         else:
-            return StepFiles({path.name: path.read_bytes() for path in sorted(self.folder.glob("*.step"))}, *measured)
+            return StepFiles(
+                {path.name: path.read_bytes() for path in sorted(self.folder.glob("*.step"))},
+                *measured,
+            )
+
         raise GeometryError(Issue("STEP", f"the B-rep kernel {problem}; use --formats stl,3mf."))
 
 
 def run_job(job: StepJob, folder: Path) -> Measured:
-    """Write `<part>.step` for each part and `assembly.step`, and measure parts and solids, as the process does it.
+    """Write `<part>.step` for each part and `assembly.step`, and measure parts and solids, as the
+    process does it.
 
-    On Linux half of the parts are made in a forked process: the halves share little, and most machines have two cores.
-    The fork precedes every boolean, because the kernel's threads do not survive it.
+    On Linux half of the parts are made in a forked process: the halves share little, and most
+    machines have two cores. The fork precedes every boolean, because the kernel's threads do not
+    survive it.
 
     Raises MissingLibraryError or GeometryError.
     """
     report_step("loading Open CASCADE")
     from fingertip.cad.kernel import brep  # raises MissingLibraryError if OCP cannot be loaded  # noqa: PLC0415
 
-    own_job, other_job = _split_job(job) if sys.platform == "linux" else (job, StepJob(job.title, ()))
+    own_job, other_job = (
+        _split_job(job) if sys.platform == "linux" else (job, StepJob(job.title, ()))
+    )
+
     with _run_beside(other_job, folder) as receive:
         evaluator, solids = _make_solids(own_job)
         _write_parts(solids, folder)
         report_step("making the hardware")
         bought = [(name, evaluator.solid(solid), colour) for name, solid, colour in job.hardware]
         receive(_SAVED)
-        solids_beside = [(name, brep.load(folder / f"{name}.brep"), colour) for name, _, colour in other_job.parts]
+        solids_beside = [
+            (name, brep.load(folder / f"{name}.brep"), colour)
+            for name, _, colour in other_job.parts
+        ]
         assembled = [solid for solid in solids + solids_beside if solid[0] not in job.tools]
         report_step("writing the assembly")
         from fingertip.cad.files import step_writer  # noqa: PLC0415
 
-        step_writer.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", assembled + bought)
+        step_writer.write_assembly(
+            folder / "assembly.step", f"fingertip_{job.title}", assembled + bought
+        )
         measured = _measure(own_job, evaluator, solids)
         parts, volumes, also = receive(None) or ({}, {}, {})
         return measured[0] | parts, measured[1] | volumes, measured[2] | also
@@ -132,25 +156,36 @@ def run_job(job: StepJob, folder: Path) -> Measured:
 
 def _split_job(job: StepJob) -> tuple[StepJob, StepJob]:
     """Split a job into two halves; neighbouring parts stay together, because they share solids."""
-    parts, measured = len(job.parts) // 2, (len(job.measured_solids) + 1) // 2
-    halves = (job.parts[:parts], job.measured_solids[:measured]), (job.parts[parts:], job.measured_solids[measured:])
+    parts = len(job.parts) // 2
+    measured = (len(job.measured_solids) + 1) // 2
+    halves = (
+        (job.parts[:parts], job.measured_solids[:measured]),
+        (job.parts[parts:], job.measured_solids[measured:]),
+    )
     own, other = (
-        StepJob(job.title, *half, also=tuple(one for one in job.also if one[0] in {name for name, _, _ in half[0]}))
+        StepJob(
+            job.title,
+            *half,
+            also=tuple(one for one in job.also if one[0] in {name for name, _, _ in half[0]}),
+        )
         for half in halves
     )
+
     return own, other
 
 
 @contextlib.contextmanager
 def _run_beside(job: StepJob, folder: Path) -> Iterator[Callable[[str | None], Any]]:
-    """Do a job in a forked process; what is provided waits for one of its steps, or for its measurements.
+    """Do a job in a forked process; what is provided waits for one of its steps, or for its
+    measurements.
 
-    The process saves its solids as `<part>.brep`. While this process writes the assembly from them, it writes their
-    STEP files, measures them and draws them.
+    The process saves its solids as `<part>.brep`. While this process writes the assembly from them,
+    it writes their STEP files, measures them and draws them.
     """
     if not job.parts:
         yield lambda _: None
         return
+
     with Worker(is_fork=True) as worker:
         worker.send(_run_other_job, job, folder)
 
@@ -171,6 +206,7 @@ def _run_other_job(job: StepJob, folder: Path) -> Measured:
     evaluator, solids = _make_solids(job)
     for name, solid, _ in solids:
         brep.save(solid, folder / f"{name}.brep")
+
     report_step(_SAVED)
     _write_parts(solids, folder)
     return _measure(job, evaluator, solids)
@@ -180,10 +216,13 @@ def _make_solids(job: StepJob) -> tuple[Any, list[Any]]:
     """Evaluate the parts; returns the evaluator, and name, solid and colour of each part."""
     from fingertip.cad.kernel import brep  # noqa: PLC0415
 
-    evaluator, solids = brep.BrepEvaluator(), []
+    evaluator = brep.BrepEvaluator()
+    solids = []
+
     for name, solid, colour in job.parts:
         report_step(f"making {name}")
         solids.append((name, evaluator.solid(solid), colour))
+
     return evaluator, solids
 
 
@@ -202,9 +241,13 @@ def _measure(job: StepJob, evaluator: Any, solids: list[Any]) -> Measured:
     for name, solid in job.measured_solids:
         report_step(f"measuring {name}")
         volumes[name] = brep.volume(evaluator.shape(solid))
-    parts = {name: BrepMeasurements(brep.volume(solid), brep.genus(solid)) for name, solid, _ in solids}
+
+    parts = {
+        name: BrepMeasurements(brep.volume(solid), brep.genus(solid)) for name, solid, _ in solids
+    }
     also = {}
     for name, compute in job.also:
         report_step(f"drawing {name}")
         also[name] = compute(evaluator)
+
     return parts, volumes, also

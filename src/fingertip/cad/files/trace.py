@@ -1,9 +1,10 @@
 """Solids whose numbers remember how they follow from the parameters of a design.
 
-A part is built once more with such numbers in place of plain ones. It is the same, bit by bit, and becomes a term that
-can be written: of solids, and of numbers made of parameters, constants of the program, arithmetic, and calls of the
-math module or of `FUNCTIONS`, which scripts hold as they stand. A comparison of such numbers decides which solid is
-made: it is noted, and the script asks again.
+A part is built once more with such numbers in place of plain ones. It is the same, bit by bit, and
+becomes a term that can be written: of solids, and of numbers made of parameters, constants of the
+program, arithmetic, and calls of the math module or of `FUNCTIONS`, which scripts hold as they
+stand. A comparison of such numbers decides which solid is made: it is noted, and the script asks
+again.
 """
 
 from __future__ import annotations
@@ -28,9 +29,11 @@ from fingertip.design.geometry.solids import Difference, Intersection, Scaled, S
 from fingertip.design.parameters import PARAMETERS
 
 FUNCTIONS = {
-    name: each for module in (profile, outlines) for name, each in vars(module).items()
+    name: each
+    for module in (profile, outlines)
+    for name, each in vars(module).items()
     if inspect.isfunction(each) and each.__module__ == module.__name__
-}  # fmt: skip
+}
 """Functions of plain numbers, which scripts carry as they stand."""
 _MODULES = ("fingertip.cad.shapes.", "fingertip.design.interfaces.", "fingertip.design.geometry")
 """Modules that make solids of parameters."""
@@ -63,13 +66,17 @@ class Trace:
         design = name_sensor(design)
         values = {
             path: self._atom(name_parameter(path), value, declared.description or "", True)
-            for path, declared in PARAMETERS.items() if isinstance(value := design.value(path), float)
-        }  # fmt: skip
+            for path, declared in PARAMETERS.items()
+            if isinstance(value := design.value(path), float)
+        }
+
         with _LOCK, self._replaced(), self._watched():
             NOTED.clear()
             self.design = design.with_values(values)
-            solid, self.conditions = maker(self.design), list(NOTED)
+            solid = maker(self.design)
+            self.conditions = list(NOTED)
             self.part = self.term(solid)
+
         for solid, name, meaning in self._found:
             self.variables.setdefault(self.term(solid), name)
             if meaning.startswith("Build "):
@@ -79,6 +86,7 @@ class Trace:
         """Return the term of a solid."""
         if id(solid) in self._calls:
             return self._calls[id(solid)][1]
+
         match solid:
             case Union(solids):
                 return Term("union", *map(self.term, solids))
@@ -88,12 +96,20 @@ class Trace:
                 return reduce(lambda *both: Term("intersect", *both), map(self.term, solids))
             case Scaled(inner, factor):
                 return Term("solid", "scaled", self.term(inner), term_of(factor))
+
         name, arguments = call_of(solid)
         return Term("solid", name, *map(term_of, arguments))
 
-    def _atom(self, name: str, value: Any, meaning: str, is_parameter: bool = False) -> Any:
+    def _atom(
+        self,
+        name: str,
+        value: Any,
+        meaning: str,
+        is_parameter: bool = False,
+    ) -> Any:
         while self.atoms.setdefault(name, Atom(value, meaning, is_parameter)).value != value:
             name += "_"
+
         return wrap(value, Term("name", name))
 
     @contextlib.contextmanager
@@ -102,21 +118,32 @@ class Trace:
 
         Another thread that meets them computes the same numbers.
         """
-        functions = {name: self._traced(each, f"math.{name}") for name, each in vars(math).items() if callable(each)}
+        functions = {
+            name: self._traced(each, f"math.{name}")
+            for name, each in vars(math).items()
+            if callable(each)
+        }
         new: dict[int, Any] = {id(math): SimpleNamespace(**vars(math) | functions)}
         new |= {id(each): self._traced(each, name) for name, each in FUNCTIONS.items()}
         new[id(letter_outlines)] = self._outline_letters
         modules = [each for name, each in sorted(sys.modules.items()) if name.startswith(_MODULES)]
         before = {module: dict(vars(module)) for module in modules}
         meanings = {key: text for module in before for key, text in read_meanings(module).items()}
+
         for module, names in before.items():
             for name, value in names.items():
                 first = value[0] if isinstance(value, tuple) and value else value
                 if id(value) in new:
                     setattr(module, name, new[id(value)])
                 elif name.isupper() and isinstance(first, float):
-                    setattr(module, name, self._atom(name.strip("_"), value, meanings.get((name, value), "")))
+                    setattr(
+                        module,
+                        name,
+                        self._atom(name.strip("_"), value, meanings.get((name, value), "")),
+                    )
+
             vars(module).update(min=self._traced(min, "min"), max=self._traced(max, "max"))
+
         try:
             yield
         finally:
@@ -128,6 +155,7 @@ class Trace:
         def call(*given: Any, **by_name: Any) -> Any:
             if not any(map(is_named, (*given, *by_name.values()))):
                 return function(*given, **by_name)
+
             arguments = given
             if name in FUNCTIONS:
                 signature = inspect.signature(function)
@@ -135,14 +163,20 @@ class Trace:
                 defaults = [each.default for each in signature.parameters.values()]
                 while not is_named(arguments[-1]) and arguments[-1] == defaults[len(arguments) - 1]:
                     arguments = arguments[:-1]
-            value, term = function(*map(plain, arguments)), Term("call", name, *map(term_of, arguments))
+
+            value = function(*map(plain, arguments))
+            term = Term("call", name, *map(term_of, arguments))
             if isinstance(value, Solid):
                 self._calls[id(value)] = value, Term("solid", *term.operands)
                 return value
+
             if isinstance(value, tuple) and isinstance(value[0], Solid):
                 whole = Term("solids", *term.operands)
-                self._calls |= {id(each): (each, Term("member", whole, i)) for i, each in enumerate(value)}
+                self._calls |= {
+                    id(each): (each, Term("member", whole, i)) for i, each in enumerate(value)
+                }
                 return value
+
             return wrap(value, term)
 
         return call
@@ -156,30 +190,54 @@ class Trace:
         returned: list[tuple[Solid, str, str]] = []
 
         def watch(frame: FrameType, event: str, result: Any) -> None:
-            module, name = frame.f_globals.get("__name__", ""), frame.f_code.co_name
+            module = frame.f_globals.get("__name__", "")
+            name = frame.f_code.co_name
             is_ours = module.startswith(_MODULES) and not module.endswith(".solids")
-            if event != "return" or not is_ours or name[0] == "<" or name[:2] == "__" or name in _UNSAID:
+
+            if (
+                event != "return"
+                or not is_ours
+                or name[0] == "<"
+                or name[:2] == "__"
+                or name in _UNSAID
+            ):
                 return
-            owner, meaning = frame.f_locals.get("self"), getattr(frame.f_globals.get(name), "__doc__", "") or ""
+
+            owner = frame.f_locals.get("self")
+            meaning = getattr(frame.f_globals.get(name), "__doc__", "") or ""
             declared = getattr(type(owner), name, None)
+
             if isinstance(declared, cached_property | property) and not is_dataclass(owner):
                 if isinstance(result, conic.ConicBody):
                     self.derived.setdefault(term_of(result.spans), (f"{name}_spans", ""))
+
                 for key, each in _list_named(name, result):
-                    self.derived.setdefault(term_of(each), (key, declared.__doc__ or "" if each is result else ""))
-            name = getattr(owner, "name", name) if name == "shapes" else name.strip("_").removeprefix("add_")
+                    self.derived.setdefault(
+                        term_of(each), (key, declared.__doc__ or "" if each is result else "")
+                    )
+
+            name = (
+                getattr(owner, "name", name)
+                if name == "shapes"
+                else name.strip("_").removeprefix("add_")
+            )
             for variable, value in frame.f_locals.items():
                 if isinstance(value, Solid) and variable != "self":
                     self._found.append((value, variable, ""))
                 elif variable != "self":
                     long = variable if len(variable) > _SHORT else f"{name}_{variable}"
                     for key, each in _list_named(long, value):
-                        self.variables[term_of(each)] = key if each is value else self.variables.get(term_of(each), key)
+                        self.variables[term_of(each)] = (
+                            key if each is value else self.variables.get(term_of(each), key)
+                        )
+
             if is_named(result):
                 self.variables.setdefault(term_of(result), name)
+
             results = result if isinstance(result, tuple) else (result,)
             if isinstance(result, tuple):
                 name = name[:-2] if name.endswith("ches") else re.sub("(?<!s)s$", "", name)
+
             returned.extend((each, name, meaning) for each in results if isinstance(each, Solid))
 
         before = sys.getprofile()
@@ -211,6 +269,7 @@ def _list_named(name: str, value: Any) -> Iterator[tuple[str, Any]]:
     if is_dataclass(value) or hasattr(value, "_fields"):
         for key, each in (vars(value) if is_dataclass(value) else value._asdict()).items():
             yield from _list_named(f"{name}_{key}", each)
+
     if is_named(value):
         yield name, value
 

@@ -1,6 +1,8 @@
-"""Geometry kernels: two independent programs that evaluate solids, as triangle meshes or as exact B-reps.
+"""Geometry kernels: two independent programs that evaluate solids, as triangle meshes or as exact
+B-reps.
 
-In: an expression of `design.geometry.solids`. Out: a `Mesh` or a `manifold3d.Manifold`, or a shape of Open CASCADE.
+In: an expression of `design.geometry.solids`. Out: a `Mesh` or a `manifold3d.Manifold`, or a shape
+of Open CASCADE.
 
 >>> from fingertip.cad.kernel.mesh import MeshEvaluator
 >>> from fingertip.design.geometry.solids import Box

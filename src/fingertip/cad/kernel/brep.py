@@ -1,14 +1,15 @@
 """Boundary-representation (B-rep) kernel: evaluates solids exactly with Open CASCADE.
 
-A B-rep describes a solid by its faces, each a piece of an exact surface, and by the edges where they meet; STEP files
-hold the same description. Superconic bodies become rational Bezier faces, sewn into a solid. All other faces are
-planes, cylinders, cones and tori. Lofts and fillets are not used, because the kernel sometimes returns wrong solids for
-them without an error.
+A B-rep describes a solid by its faces, each a piece of an exact surface, and by the edges where
+they meet; STEP files hold the same description. Superconic bodies become rational Bezier faces,
+sewn into a solid. All other faces are planes, cylinders, cones and tori. Lofts and fillets are not
+used, because the kernel sometimes returns wrong solids for them without an error.
 
-The primitives are cadquery's, made by `kernel.cadquery_primitives`, and stand there once: scripts of
-`fingertip build --formats cq` hold the same functions. Booleans are Open CASCADE's own (`kernel.occ`), with several
-operands at once and in one thread. This module, these two, `cad.files.step_writer` and `drawing.hidden_lines` import
-cadquery or its bindings (OCP) at the top. Import them only where exact solids are needed, and this module first.
+The primitives are cadquery's, made by `kernel.cadquery_primitives`, and stand there once: scripts
+of `fingertip build --formats cq` hold the same functions. Booleans are Open CASCADE's own
+(`kernel.occ`), with several operands at once and in one thread. This module, these two,
+`cad.files.step_writer` and `drawing.hidden_lines` import cadquery or its bindings (OCP) at the top.
+Import them only where exact solids are needed, and this module first.
 """
 
 from __future__ import annotations
@@ -35,8 +36,8 @@ try:
 except ImportError as error:
     extras.require("STEP", "cadquery", alternative="leave STEP out with --formats stl,3mf")
     message = (
-        f"Open CASCADE cannot be loaded ({error}); on Debian or Ubuntu: apt-get install libgl1 libx11-6 libexpat1, or "
-        "leave STEP out with --formats stl,3mf."
+        f"Open CASCADE cannot be loaded ({error}); on Debian or Ubuntu: "
+        "apt-get install libgl1 libx11-6 libexpat1, or leave STEP out with --formats stl,3mf."
     )
     raise MissingLibraryError(Issue("STEP", message)) from error
 
@@ -50,16 +51,23 @@ class BrepEvaluator:
     def shape(self, solid: Solid) -> TopoDS_Shape:
         if solid not in self._evaluated:
             self._evaluated[solid] = self._evaluate(solid)
+
         return self._evaluated[solid]
 
     def solid(self, solid: Solid) -> TopoDS_Shape:
         """Evaluate a solid as one valid solid. Raises GeometryError."""
         shape = self.shape(solid)
-        bodies, is_valid = occ.list_shapes(shape, TopAbs_SOLID), BRepCheck_Analyzer(shape).IsValid()
+        bodies = occ.list_shapes(shape, TopAbs_SOLID)
+        is_valid = BRepCheck_Analyzer(shape).IsValid()
+
         if len(bodies) != 1 or not is_valid:
             found = f"{len(bodies)} solids, {'valid' if is_valid else 'invalid'}"
-            message = f"the B-rep kernel returned {found}; one valid solid was expected; use --formats stl,3mf."
+            message = (
+                f"the B-rep kernel returned {found}; one valid solid was expected; use "
+                "--formats stl,3mf."
+            )
             raise GeometryError(Issue("", message))
+
         return bodies[0]
 
     def _evaluate(self, solid: Solid) -> TopoDS_Shape:
@@ -77,32 +85,41 @@ class BrepEvaluator:
             case _:
                 name, arguments = call_of(solid)
                 return (
-                    occ.placed(*arguments) if name == "placed" else getattr(primitives, name)(*arguments).val().wrapped
+                    occ.placed(*arguments)
+                    if name == "placed"
+                    else getattr(primitives, name)(*arguments).val().wrapped
                 )
 
 
 def genus(solid: TopoDS_Shape) -> int:
-    """Count the through holes G of a solid by the Euler-Poincare formula V - E + F - (L - F) = 2 (1 - G).
+    """Count the through holes G of a solid by the Euler-Poincare formula V - E + F - (L - F) = 2 (1
+    - G).
 
-    V, E, F and L are the numbers of vertices, edges, faces and loops (edge cycles that bound faces). Cycles that touch
-    in a vertex, such as a bore tangent to the seam between two faces, bound a simply connected face and count as one.
-    Degenerate edges, which have no length and occur at the tip's apex, are not counted.
+    V, E, F and L are the numbers of vertices, edges, faces and loops (edge cycles that bound
+    faces). Cycles that touch in a vertex, such as a bore tangent to the seam between two faces,
+    bound a simply connected face and count as one. Degenerate edges, which have no length and occur
+    at the tip's apex, are not counted.
     """
     edges = [TopoDS.Edge_s(edge) for edge in occ.list_shapes(solid, TopAbs_EDGE)]
     real_edges = sum(not BRep_Tool.Degenerated_s(edge) for edge in edges)
     faces = occ.list_shapes(solid, TopAbs_FACE)
     loops = sum(_count_loops(face) for face in faces)
-    return 1 - (len(occ.list_shapes(solid, TopAbs_VERTEX)) - real_edges + 2 * len(faces) - loops) // 2
+
+    return (
+        1 - (len(occ.list_shapes(solid, TopAbs_VERTEX)) - real_edges + 2 * len(faces) - loops) // 2
+    )
 
 
 def _count_loops(face: TopoDS_Shape) -> int:
     """Count the connected pieces of a face's boundary."""
     numbers = TopTools_IndexedMapOfShape()
     pieces: list[set[int]] = []
+
     for wire in occ.list_shapes(face, TopAbs_WIRE):
         vertices = {numbers.Add(vertex) for vertex in occ.list_shapes(wire, TopAbs_VERTEX)}
         touched = [piece for piece in pieces if piece & vertices]
         pieces = [piece for piece in pieces if piece not in touched] + [vertices.union(*touched)]
+
     return len(pieces)
 
 

@@ -1,6 +1,7 @@
 """Primitives of parts as cadquery workplanes, from plain numbers [mm].
 
-The B-rep kernel makes the STEP files of them; the scripts of `fingertip build --formats cq` hold this file.
+The B-rep kernel makes the STEP files of them; the scripts of `fingertip build --formats cq` hold
+this file.
 """
 
 from __future__ import annotations
@@ -9,7 +10,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import cadquery as cq
-from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_Sewing
+from OCP.BRepBuilderAPI import (
+    BRepBuilderAPI_MakeEdge,
+    BRepBuilderAPI_MakeFace,
+    BRepBuilderAPI_Sewing,
+)
 from OCP.BRepGProp import BRepGProp
 from OCP.Geom import Geom_BezierCurve, Geom_BezierSurface
 from OCP.gp import gp_Pnt
@@ -26,12 +31,14 @@ SEWING_MM = 1e-6
 def volume(shape: Any) -> float:
     """Compute the volume [mm3] of a shape by adaptive Gauss-Kronrod quadrature.
 
-    On a straight superconic prism with an arc of weight 4 the result is exact to 1e-10 mm3 of 4259 mm3. There the
-    kernel's plain quadrature (cadquery's `Volume()`) is off by 0.3 mm3, and its adaptive Gauss quadrature with a stated
-    tolerance of 1e-6 by 11 mm3.
+    On a straight superconic prism with an arc of weight 4 the result is exact to 1e-10 mm3 of 4259
+    mm3. There the kernel's plain quadrature (cadquery's `Volume()`) is off by 0.3 mm3, and its
+    adaptive Gauss quadrature with a stated tolerance of 1e-6 by 11 mm3.
     """
-    properties, shape = GProp_GProps(), getattr(shape, "wrapped", shape)
+    properties = GProp_GProps()
+    shape = getattr(shape, "wrapped", shape)
     BRepGProp.VolumePropertiesGK_s(shape, properties, 1e-6, False, True, False, False, False)
+
     return float(properties.Mass())
 
 
@@ -41,27 +48,33 @@ def bezier_face(quadrant: Any, span: Any) -> Any:
     rows = rows[::2] if span.is_straight else rows
     poles = TColgp_Array2OfPnt(1, len(quadrant), 1, len(rows))
     weights = TColStd_Array2OfReal(1, len(quadrant), 1, len(rows))
+
     for i, (x, y, w) in enumerate(quadrant, 1):
         for j, (z, scale, palmar_scale, v) in enumerate(rows, 1):
             poles.SetValue(i, j, gp_Pnt(x * scale, y * (palmar_scale if y < 0 else scale), z))
             weights.SetValue(i, j, w * v)
+
     return BRepBuilderAPI_MakeFace(Geom_BezierSurface(poles, weights), SEWING_MM).Face()
 
 
 def bezier_edge(row: Sequence[tuple[float, float, float]], z: float) -> Any:
     """Make an edge in the plane at height z from control points (x, y, weight)."""
-    poles, weights = TColgp_Array1OfPnt(1, len(row)), TColStd_Array1OfReal(1, len(row))
+    poles = TColgp_Array1OfPnt(1, len(row))
+    weights = TColStd_Array1OfReal(1, len(row))
+
     for i, (x, y, w) in enumerate(row, 1):
         poles.SetValue(i, gp_Pnt(x, y, z))
         weights.SetValue(i, w)
+
     return BRepBuilderAPI_MakeEdge(Geom_BezierCurve(poles, weights)).Edge()
 
 
 def superconic(section: Sequence[float], spans: Any) -> cq.Workplane:
-    """Sew four faces for each span along z, and flat ends where it has a width, from a section of four conic arcs.
+    """Sew four faces for each span along z, and flat ends where it has a width, from a section of
+    four conic arcs.
 
-    The section holds its half width, the heights of its palmar and dorsal half, and the weights of their arcs: 0.707
-    for an ellipse, more for a squarer one.
+    The section holds its half width, the heights of its palmar and dorsal half, and the weights of
+    their arcs: 0.707 for an ellipse, more for a squarer one.
     """
     a, palmar, dorsal, palmar_weight, dorsal_weight = section
     quadrants = [  # counter-clockwise
@@ -71,49 +84,86 @@ def superconic(section: Sequence[float], spans: Any) -> cq.Workplane:
         ((0, -palmar, 1), (a, -palmar, palmar_weight), (a, 0, 1)),
     ]
     faces = [bezier_face(quadrant, span) for quadrant in quadrants for span in spans]
+
     for span, end in ((spans[0], 0), (spans[-1], 2)):
-        z, scale, palmar_scale = span.z[end], span.scale[end], span.palmar[end]
+        z = span.z[end]
+        scale = span.scale[end]
+        palmar_scale = span.palmar[end]
+
         if scale:
-            rows = [[(x * scale, y * (palmar_scale if y < 0 else scale), w) for x, y, w in arc] for arc in quadrants]
+            rows = [
+                [(x * scale, y * (palmar_scale if y < 0 else scale), w) for x, y, w in arc]
+                for arc in quadrants
+            ]
             outline = cq.Wire.assembleEdges([cq.Edge(bezier_edge(row, z)) for row in rows])
             faces.append(cq.Face.makeFromWires(outline).wrapped)
+
     sewing = BRepBuilderAPI_Sewing(SEWING_MM)
     for face in faces:
         sewing.Add(face)
+
     sewing.Perform()
     shell = TopoDS.Shell_s(sewing.SewedShape())
     solid = ShapeFix_Solid().SolidFromShell(shell)
     # The shell may have been sewn with its faces pointing inwards.
-    solid = solid if volume(solid) > 0 else ShapeFix_Solid().SolidFromShell(TopoDS.Shell_s(shell.Reversed()))
+    solid = (
+        solid
+        if volume(solid) > 0
+        else ShapeFix_Solid().SolidFromShell(TopoDS.Shell_s(shell.Reversed()))
+    )
+
     return cq.Workplane(cq.Solid(solid))
 
 
 def point(axis: str, across: Sequence[float], along: float) -> cq.Vector:
-    """Place a point by a number along an axis and two across it: (y, z) for x, (z, x) for y, (x, y) for z."""
+    """Place a point by a number along an axis and two across it:
+    (y, z) for x, (z, x) for y, (x, y) for z.
+    """
     u, v = across
     return cq.Vector(*{"x": (along, u, v), "y": (v, along, u), "z": (u, v, along)}[axis])
 
 
 def box(low: Sequence[float], high: Sequence[float]) -> cq.Workplane:
     """Make a box between two opposite corners (x, y, z)."""
-    return cq.Workplane(cq.Solid.makeBox(*(b - a for a, b in zip(low, high, strict=True)), cq.Vector(*low)))
+    return cq.Workplane(
+        cq.Solid.makeBox(*(b - a for a, b in zip(low, high, strict=True)), cq.Vector(*low))
+    )
 
 
-def cylinder(axis: str, centre: Sequence[float], low: float, high: float, radius: float) -> cq.Workplane:
+def cylinder(
+    axis: str,
+    centre: Sequence[float],
+    low: float,
+    high: float,
+    radius: float,
+) -> cq.Workplane:
     """Make a cylinder about an axis through `centre`, from `low` to `high` along it."""
-    base, direction = point(axis, centre, low), point(axis, (0.0, 0.0), 1.0)
+    base = point(axis, centre, low)
+    direction = point(axis, (0.0, 0.0), 1.0)
     return cq.Workplane(cq.Solid.makeCylinder(radius, high - low, base, direction))
 
 
 def cone(
-    axis: str, centre: Sequence[float], low: float, high: float, low_radius: float, high_radius: float
+    axis: str,
+    centre: Sequence[float],
+    low: float,
+    high: float,
+    low_radius: float,
+    high_radius: float,
 ) -> cq.Workplane:
     """Make the frustum of a cone with different radii at `low` and `high`."""
-    base, direction = point(axis, centre, low), point(axis, (0.0, 0.0), 1.0)
+    base = point(axis, centre, low)
+    direction = point(axis, (0.0, 0.0), 1.0)
     return cq.Workplane(cq.Solid.makeCone(low_radius, high_radius, high - low, base, direction))
 
 
-def prism(axis: str, corners: Any, low: float, high: float, holes: Any = ()) -> cq.Workplane:
+def prism(
+    axis: str,
+    corners: Any,
+    low: float,
+    high: float,
+    holes: Any = (),
+) -> cq.Workplane:
     """Extrude a polygon, with holes, along an axis; its corners are in the order of `point`."""
     rings = [[point(axis, corner, low) for corner in ring] for ring in (corners, *holes)]
     outline, *inner = (cq.Wire.makePolygon(ring, close=True) for ring in rings)
@@ -121,14 +171,28 @@ def prism(axis: str, corners: Any, low: float, high: float, holes: Any = ()) -> 
 
 
 def elbow_tube(
-    start_y: float, start_z: float, exit_z: float, end_y: float, bend_radius: float, radius: float
+    start_y: float,
+    start_z: float,
+    exit_z: float,
+    end_y: float,
+    bend_radius: float,
+    radius: float,
 ) -> cq.Workplane:
-    """Make a round tube at x = 0 from (start_y, start_z) along -z, a bend, then along +y to (end_y, exit_z)."""
-    turn_y, turn_z, down = start_y + bend_radius, exit_z + bend_radius, cq.Vector(0, 0, -1)
+    """Make a round tube at x = 0 from (start_y, start_z) along -z,
+    a bend, then along +y to (end_y, exit_z).
+    """
+    turn_y = start_y + bend_radius
+    turn_z = exit_z + bend_radius
+    down = cq.Vector(0, 0, -1)
     first = cq.Solid.makeCylinder(radius, start_z - turn_z, cq.Vector(0, start_y, start_z), down)
     circle = cq.Wire.makeCircle(radius, cq.Vector(0, start_y, turn_z), down)
-    bend = cq.Solid.revolve(circle, [], 90, cq.Vector(-1, turn_y, turn_z), cq.Vector(1, turn_y, turn_z))
-    last = cq.Solid.makeCylinder(radius, end_y - turn_y, cq.Vector(0, turn_y, exit_z), cq.Vector(0, 1, 0))
+    bend = cq.Solid.revolve(
+        circle, [], 90, cq.Vector(-1, turn_y, turn_z), cq.Vector(1, turn_y, turn_z)
+    )
+    last = cq.Solid.makeCylinder(
+        radius, end_y - turn_y, cq.Vector(0, turn_y, exit_z), cq.Vector(0, 1, 0)
+    )
+
     return cq.Workplane(first.fuse(bend, last))
 
 

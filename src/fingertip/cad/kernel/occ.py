@@ -1,4 +1,6 @@
-"""Operations of Open CASCADE on shapes. The primitives of parts are made by cadquery, in `cadquery_primitives`.
+"""Operations of Open CASCADE on shapes.
+
+The primitives of parts are made by cadquery, in `cadquery_primitives`.
 
 The order of what a boolean combines decides the order of the faces in STEP files.
 """
@@ -37,6 +39,7 @@ def bounds(shape: TopoDS_Shape) -> tuple[Point3, Point3]:
     box = Bnd_Box()
     BRepBndLib.AddOptimal_s(shape, box)
     x, y, z, *high = box.Get()
+
     return (x, y, z), (high[0], high[1], high[2])
 
 
@@ -57,14 +60,19 @@ def _members(shape: TopoDS_Shape) -> list[TopoDS_Shape]:
     """List what a boolean has returned, which is a compound."""
     if shape.ShapeType() != TopAbs_COMPOUND:
         return [shape]
-    members, iterator = [], TopoDS_Iterator(shape)
+
+    members = []
+    iterator = TopoDS_Iterator(shape)
     while iterator.More():
         members.append(iterator.Value())
         iterator.Next()
+
     return members
 
 
-def _combine(operation: Any, arguments: Iterable[TopoDS_Shape], tools: Iterable[TopoDS_Shape]) -> TopoDS_Shape:
+def _combine(
+    operation: Any, arguments: Iterable[TopoDS_Shape], tools: Iterable[TopoDS_Shape]
+) -> TopoDS_Shape:
     operation.SetArguments(_list_of_shapes(arguments))
     operation.SetTools(_list_of_shapes(tools))
     operation.Build()
@@ -75,6 +83,7 @@ def _list_of_shapes(shapes: Iterable[TopoDS_Shape]) -> TopTools_ListOfShape:
     listed = TopTools_ListOfShape()
     for shape in shapes:
         listed.Append(shape)
+
     return listed
 
 
@@ -83,7 +92,9 @@ def transform(shape: TopoDS_Shape, transformation: gp_Trsf) -> TopoDS_Shape:
 
 
 def placed(brep: bytes, rows: Sequence[Sequence[float]]) -> TopoDS_Shape:
-    shape, motion = TopoDS_Shape(), gp_Trsf()
+    shape = TopoDS_Shape()
+    motion = gp_Trsf()
     BinTools.Read_s(shape, io.BytesIO(brep))
     motion.SetValues(*(number for row in rows for number in row))
+
     return transform(shape, motion)

@@ -2,8 +2,9 @@
 
 Every vertex lies on the exact surface, and no facet deviates from it by more than the tolerance.
 
-Circles and conics are sampled as rational Bezier arcs, with additions, multiplications, divisions and square roots
-only. IEEE 754 defines these as correctly rounded, so the same design gives the same bytes on every machine.
+Circles and conics are sampled as rational Bezier arcs, with additions, multiplications, divisions
+and square roots only. IEEE 754 defines these as correctly rounded, so the same design gives the
+same bytes on every machine.
 """
 
 from __future__ import annotations
@@ -26,7 +27,9 @@ Point2: TypeAlias = tuple[float, float]
 
 
 def tessellate(solid: solids.Primitive, tolerance_mm: float) -> tuple[Array, Triangles]:
-    """Tessellate a primitive: points (n, 3) [mm], and indices (m, 3) of triangles counter-clockwise from outside."""
+    """Tessellate a primitive: points (n, 3) [mm], and indices (m, 3)
+    of triangles counter-clockwise from outside.
+    """
     match solid:
         case solids.Box(low, high):
             ring = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]
@@ -44,34 +47,49 @@ def tessellate(solid: solids.Primitive, tolerance_mm: float) -> tuple[Array, Tri
 
 
 def arc_segments(a: float, b: float, weight: float, tolerance: float) -> int:
-    """Count the chords needed on a conic arc so that none deviates from it by more than `tolerance` [mm].
+    """Count the chords needed on a conic arc so that none deviates from it by more than `tolerance`
+    [mm].
 
-    The arc runs from (`a`, 0) to (0, `b`). The deviation of a chord falls with the square of the number of chords. The
-    count is therefore extrapolated from a measured deviation, and measured again until it is sufficient.
+    The arc runs from (`a`, 0) to (0, `b`). The deviation of a chord falls with the square of the
+    number of chords. The count is therefore extrapolated from a measured deviation, and measured
+    again until it is sufficient.
     """
     return _count_chords((a, a, 0.0), (0.0, b, b), weight, tolerance)
 
 
 @lru_cache(maxsize=1024)
 def _count_chords(first: Control, second: Control, weight: float, tolerance: float) -> int:
-    """Count the chords that a conic arc between three control points, given by their coordinates, needs."""
+    """Count the chords that a conic arc between three control
+    points, given by their coordinates, needs.
+    """
     n = 2
     while (deviation := _chord_deviation(first, second, weight, n)) > tolerance:
         n = math.floor(n * math.sqrt(deviation / tolerance)) + 1
+
     return n
 
 
 def _chord_deviation(first: Control, second: Control, weight: float, n: int) -> float:
     """Measure the largest distance [mm] between the arc and any of its `n` chords."""
-    worst, start = 0.0, conic_point(0.0, weight, first, second)
+    worst = 0.0
+    start = conic_point(0.0, weight, first, second)
+
     for i in range(1, n + 1):
         end = conic_point(i / n, weight, first, second)
-        dx, dy = end[0] - start[0], end[1] - start[1]
+        dx = end[0] - start[0]
+        dy = end[1] - start[1]
         length = math.hypot(dx, dy)
-        for fraction in (0.35, 0.5, 0.65):  # a short conic arc is farthest from its chord near the middle
+
+        for fraction in (
+            0.35,
+            0.5,
+            0.65,
+        ):  # a short conic arc is farthest from its chord near the middle
             mx, my = conic_point((i - 1 + fraction) / n, weight, first, second)
             worst = max(worst, abs((mx - start[0]) * dy - (my - start[1]) * dx) / length)
+
         start = end
+
     return worst
 
 
@@ -90,23 +108,35 @@ def _cone(c: solids.Cone, tolerance: float) -> tuple[Array, Triangles]:
     unit = _circle(1.0, tolerance / max(c.low_radius, c.high_radius, c.around_radius))
     u0, v0 = c.centre
     ends = ((c.low, c.low_radius), (c.high, c.high_radius))
-    return _connect_rings([[solids.axis_point(c.axis, u0 + r * u, v0 + r * v, w) for u, v in unit] for w, r in ends])
+    return _connect_rings(
+        [[solids.axis_point(c.axis, u0 + r * u, v0 + r * v, w) for u, v in unit] for w, r in ends]
+    )
 
 
 def _prism(p: solids.Prism) -> tuple[Array, Triangles]:
-    """Tessellate a prism: manifold3d triangulates the end polygons without adding vertices, every edge gets a wall."""
+    """Tessellate a prism: manifold3d triangulates the end polygons
+    without adding vertices, every edge gets a wall.
+    """
     from manifold3d import triangulate  # noqa: PLC0415
 
     rings = [p.corners, *p.holes]
     end = triangulate([np.array(ring, dtype=np.float64) for ring in rings]).astype(np.int64)
     n = sum(map(len, rings))
-    faces, start = [end[:, ::-1], end + n], 0
+    faces = [end[:, ::-1], end + n]
+    start = 0
+
     for ring in rings:
         i = start + np.arange(len(ring))
         j = start + (np.arange(len(ring)) + 1) % len(ring)
         faces += [np.column_stack((i, j, j + n)), np.column_stack((i, j + n, i + n))]
         start += len(ring)
-    points = [solids.axis_point(p.axis, u, v, w) for w in (p.low, p.high) for ring in rings for u, v in ring]
+
+    points = [
+        solids.axis_point(p.axis, u, v, w)
+        for w in (p.low, p.high)
+        for ring in rings
+        for u, v in ring
+    ]
     return np.array(points, dtype=np.float64), np.concatenate(faces)
 
 
@@ -115,25 +145,35 @@ def _elbow(e: solids.ElbowTube, tolerance: float) -> tuple[Array, Triangles]:
     ring = _circle(e.radius, tolerance / 2)
     outer = e.bend_radius + e.radius
     n = arc_segments(outer, outer, ELLIPSE, tolerance / 2)
-    centre_y, centre_z = e.start_y + e.bend_radius, e.exit_z + e.bend_radius
-    # Centre (y, z) of each ring and the unit vector in the plane x = 0 that its first axis points along.
+    centre_y = e.start_y + e.bend_radius
+    centre_z = e.exit_z + e.bend_radius
+    # Centre (y, z) of each ring and the unit vector in the plane x = 0 that its first axis points
+    # along.
     frames: list[tuple[Point2, Point2]] = [((e.start_y, e.start_z), (1.0, 0.0))]
+
     for i in range(n + 1):
         c, s = arc_point(i / n, ELLIPSE)
         frames.append(((centre_y - e.bend_radius * c, centre_z - e.bend_radius * s), (c, s)))
+
     frames.append(((e.end_y, e.exit_z), (0.0, 1.0)))
-    return _connect_rings([[(u, y + v * ny, z + v * nz) for v, u in ring] for (y, z), (ny, nz) in frames])
+    return _connect_rings(
+        [[(u, y + v * ny, z + v * nz) for v, u in ring] for (y, z), (ny, nz) in frames]
+    )
 
 
 def _superconic(body: ConicBody, tolerance: float) -> tuple[Array, Triangles]:
-    section, largest = body.section, max(scale for _, scale in body.stations)
+    section = body.section
+    largest = max(scale for _, scale in body.stations)
     a = section.half_width * largest
     halves = ((section.palmar, section.palmar_weight), (section.dorsal, section.dorsal_weight))
-    share = tolerance / 2 if body.tip else tolerance  # on the tip the deviations of both directions add up
+    share = (
+        tolerance / 2 if body.tip else tolerance
+    )  # on the tip the deviations of both directions add up
     n = max(arc_segments(a, b * largest, w, share) for b, w in halves)
     dorsal = list_arc_points(n, section.dorsal_weight)
     palmar = list_arc_points(n, section.palmar_weight)
-    # Outline at scale 1, counter-clockwise from the right: dorsal right, dorsal left, palmar left, palmar right.
+    # Outline at scale 1, counter-clockwise from the right: dorsal right, dorsal left, palmar left,
+    # palmar right.
     unit = (
         [(section.half_width * x, section.dorsal * y) for x, y in dorsal]
         + [(-section.half_width * x, section.dorsal * y) for x, y in dorsal[-2::-1]]
@@ -142,20 +182,32 @@ def _superconic(body: ConicBody, tolerance: float) -> tuple[Array, Triangles]:
     )
     # Rings at the ends of straight spans, and along curved ones as many as their profile needs.
     levels = [(body.spans[0].z[0], body.spans[0].scale[0], body.spans[0].palmar[0])]
+
     for span in body.spans:
         rows = 1 if span.is_straight else _count_rows(section, span, share)
         levels += [span.evaluate(i / rows) for i in range(1, rows)]
         levels.append((span.z[2], span.scale[2], span.palmar[2]))
+
     if body.tip:
         levels.pop()
+
     rings = [[(s * x, (c if y < 0.0 else s) * y, z) for x, y in unit] for z, s, c in levels]
     return _connect_rings(rings, (0.0, 0.0, body.tip.z) if body.tip else None)
 
 
 def _count_rows(section: CrossSection, span: Span, tolerance: float) -> int:
-    """Count the chords needed on a curved span so that none of its profiles deviates by more than `tolerance` [mm]."""
-    profiles = (section.half_width, span.scale), (section.dorsal, span.scale), (section.palmar, span.palmar)
-    return max(_count_chords((r * s[0], r * s[1], r * s[2]), span.z, span.weight, tolerance) for r, s in profiles)
+    """Count the chords needed on a curved span so that none of its
+    profiles deviates by more than `tolerance` [mm].
+    """
+    profiles = (
+        (section.half_width, span.scale),
+        (section.dorsal, span.scale),
+        (section.palmar, span.palmar),
+    )
+    return max(
+        _count_chords((r * s[0], r * s[1], r * s[2]), span.z, span.weight, tolerance)
+        for r, s in profiles
+    )
 
 
 def _connect_rings(
@@ -163,11 +215,13 @@ def _connect_rings(
 ) -> tuple[Array, Triangles]:
     """Connect rings of equal length by triangles and close both ends with fans of triangles.
 
-    The first fan meets in the centre of the first ring, the last one in `apex` or in the centre of the last ring. The
-    direction along a ring crossed with the direction to the next ring must point outwards. A pole is a single vertex,
-    not a ring of zero length, so that no triangle is degenerate.
+    The first fan meets in the centre of the first ring, the last one in `apex` or in the centre of
+    the last ring. The direction along a ring crossed with the direction to the next ring must point
+    outwards. A pole is a single vertex, not a ring of zero length, so that no triangle is
+    degenerate.
     """
-    m, k = len(rings[0]), len(rings)
+    m = len(rings[0])
+    k = len(rings)
     poles = [_bounding_box_centre(rings[0]), apex or _bounding_box_centre(rings[-1])]
     vertices = np.array([point for ring in rings for point in ring] + poles, dtype=np.float64)
     i = np.arange(m)
@@ -179,6 +233,7 @@ def _connect_rings(
     faces[1:-1] = (square + m * np.arange(k - 1)[:, None, None, None]).reshape(-1, m, 3)
     last = (k - 1) * m
     faces[-1] = np.stack((last + i, last + j, np.full(m, m * k + 1)), axis=1)
+
     return vertices, faces.reshape(-1, 3)
 
 

@@ -1,4 +1,5 @@
-"""Preparation of parts for printing: poses on the bed, plates, places of supports, overhangs and print time.
+"""Preparation of parts for printing: poses on the bed, plates, places of supports, overhangs and
+print time.
 
 In: a design and the meshes of its parts. Out: files for the printer, with the settings of a slicer.
 

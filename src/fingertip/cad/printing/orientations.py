@@ -1,4 +1,6 @@
-"""Orientation of each printed part on the build plate, and the places where its supports may stand."""
+"""Orientation of each printed part on the build plate, and the places where its supports
+may stand.
+"""
 
 from __future__ import annotations
 
@@ -21,10 +23,11 @@ class Orientation:
 
 
 def print_orientations(design: Design) -> dict[str, Orientation]:
-    """Choose the orientation of each printed part, such that no support touches a surface for silicone or sensor.
+    """Choose the orientation of each printed part, such that no support touches a surface for
+    silicone or sensor.
 
-    The halves of the cup stand on their foot, the core on its plate. The bone stands upright: its palmar flat is then a
-    wall, on which no layer ends.
+    The halves of the cup stand on their foot, the core on its plate. The bone stands upright: its
+    palmar flat is then a wall, on which no layer ends.
     """
     standing = Orientation(180.0, "the foot, rim up")
     orientations = {
@@ -33,28 +36,41 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
         "mold_dorsal": standing,
         "core": Orientation(0.0, "the plate, with its name"),
     }
+
     if PARTS["stand"].exists_in(design):
-        lies = print_scale(design, PARTS["stand"]) * bench.socket_ceiling_mm(design) <= MAX_BRIDGE_MM
-        orientations["stand"] = Orientation(-90.0, "a flat side") if lies else Orientation(0.0, "the end of its handle")
+        lies = (
+            print_scale(design, PARTS["stand"]) * bench.socket_ceiling_mm(design) <= MAX_BRIDGE_MM
+        )
+        orientations["stand"] = (
+            Orientation(-90.0, "a flat side") if lies else Orientation(0.0, "the end of its handle")
+        )
+
     if PARTS["pin"].exists_in(design):
         orientations["pin"] = Orientation(0.0, "one end")
     if PARTS["hand_stub"].exists_in(design):
         orientations["hand_stub"] = Orientation(-90.0, "its back, the tendon's slots up")
+
     return orientations
 
 
 def build_volume_excess(design: Design, mesh: Mesh, rotate_x_deg: float = 0.0) -> float:
-    """Measure how far a part, turned on the bed or not, exceeds the build volume [mm]; negative if it fits."""
-    printer, (x, y, height) = design.printer, bed_pose(mesh, rotate_x_deg).size(mesh)
+    """Measure how far a part, turned on the bed or not, exceeds the
+    build volume [mm]; negative if it fits.
+    """
+    printer = design.printer
+    (x, y, height) = bed_pose(mesh, rotate_x_deg).size(mesh)
     bed = sorted((printer.bed_x_mm, printer.bed_y_mm))
     excess = [size - limit for size, limit in zip(sorted((x, y)), bed, strict=True)]
+
     return max(*excess, height - printer.bed_z_mm)
 
 
 @dataclass(frozen=True)
 class Supports:
     places: tuple[Solid, ...]
-    """Regions of air in which they may stand, in the part's own coordinates; none for a part without supports."""
+    """Regions of air in which they may stand, in the part's own
+    coordinates; none for a part without supports.
+    """
     may_stand: str
     """Places in words."""
     none_on: str
@@ -73,14 +89,20 @@ def supports_by_part(design: Design) -> dict[str, Supports]:
     every = dict.fromkeys(orientations, _NONE)
     if design.prints_without_supports:
         return every
+
     # Those of the bone: proximal to the skin, on the outside.
     interface = interface_of(design)
     under = interface.supports_below + interface.supports_inside
     section = design.dimensions.collar.section
-    reach = 2 * max(section.half_width, section.palmar + section.dorsal, design.bone.flange_width_mm)
+    reach = 2 * max(
+        section.half_width, section.palmar + section.dorsal, design.bone.flange_width_mm
+    )
     below = interface.low_z(design) - design.bone.post_length_mm - reach
     outside = difference(
-        Box((-reach, -reach, below), (reach, reach, 0.0)), finger.sensor_recess(design), finger.cable_channel(design)
+        Box((-reach, -reach, below), (reach, reach, 0.0)),
+        finger.sensor_recess(design),
+        finger.cable_channel(design),
     )
     none_on = "anything else above the collar; the seat of the sensor; the channel of the cables"
+
     return every | {"bone": Supports((outside,), under, none_on)}

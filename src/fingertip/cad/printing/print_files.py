@@ -1,4 +1,6 @@
-"""Files of the printed parts as they lie on the bed: an STL file each, and plates as 3MF with slicer settings."""
+"""Files of the printed parts as they lie on the bed: an STL file
+each, and plates as 3MF with slicer settings.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +37,9 @@ class Placed:
     depth: float
 
     def distance(self, other: Placed) -> float:
-        """Measure the gap to another part along x or y, the larger of both; negative if they overlap."""
+        """Measure the gap to another part along x or y, the
+        larger of both; negative if they overlap.
+        """
         along_x = max(other.x - self.x - self.width, self.x - other.x - other.width)
         along_y = max(other.y - self.y - self.depth, self.y - other.y - other.depth)
         return max(along_x, along_y)
@@ -44,29 +48,59 @@ class Placed:
 Plate = tuple[Placed, ...]
 
 
-def arrange(footprints: Mapping[str, tuple[float, float]], bed: tuple[float, float], gap: float) -> tuple[Plate, ...]:
-    """Place parts [mm] on as few plates as a simple search finds, mid-bed; those that are too large stand alone."""
+def arrange(
+    footprints: Mapping[str, tuple[float, float]], bed: tuple[float, float], gap: float
+) -> tuple[Plate, ...]:
+    """Place parts [mm] on as few plates as a simple search finds,
+    mid-bed; those that are too large stand alone.
+    """
     # Large parts come first. Turns are tried from none to all, until everything lies on one plate.
     names = sorted(footprints, key=lambda name: (-footprints[name][0] * footprints[name][1], name))
     best: list[list[Placed]] = []
+
     for turns in islice(product((False, True), repeat=len(names)), _TURNS_TRIED):
         plates: list[list[Placed]] = []
         for name, is_turned in zip(names, turns, strict=True):
             width, depth = footprints[name][::-1] if is_turned else footprints[name]
-            _place_part(plates, Placed(name, is_turned, 0.0, 0.0, width, depth), bed, gap)
+            _place_part(
+                plates,
+                Placed(
+                    name=name,
+                    is_turned=is_turned,
+                    x=0.0,
+                    y=0.0,
+                    width=width,
+                    depth=depth,
+                ),
+                bed,
+                gap,
+            )
+
         if not best or len(plates) < len(best):
             best = plates
         if len(best) <= 1:
             break
+
     return tuple(_centred(plate, bed) for plate in best)
 
 
-def _place_part(plates: list[list[Placed]], part: Placed, bed: tuple[float, float], gap: float) -> None:
-    """Place a part on the first plate with room, as near to its front left corner as possible; else on a new one."""
+def _place_part(
+    plates: list[list[Placed]], part: Placed, bed: tuple[float, float], gap: float
+) -> None:
+    """Place a part on the first plate with room, as near to its front
+    left corner as possible; else on a new one.
+    """
     for plate in plates:
         # At the left or the front edge of the bed, or right of or behind another part.
         spots = (
-            Placed(part.name, part.is_turned, x, y, part.width, part.depth)
+            Placed(
+                name=part.name,
+                is_turned=part.is_turned,
+                x=x,
+                y=y,
+                width=part.width,
+                depth=part.depth,
+            )
             for x in (0.0, *(other.x + other.width + gap for other in plate))
             for y in (0.0, *(other.y + other.depth + gap for other in plate))
         )
@@ -80,13 +114,19 @@ def _place_part(plates: list[list[Placed]], part: Placed, bed: tuple[float, floa
         if free:
             plate.append(min(free, key=lambda spot: (spot.y + spot.depth, spot.x)))
             return
+
     plates.append([part])
 
 
 def _centred(plate: Sequence[Placed], bed: tuple[float, float]) -> Plate:
     """Move the parts of a plate together to the middle of the bed."""
-    right, back = max(part.x + part.width for part in plate), max(part.y + part.depth for part in plate)
-    dx, dy = (round((size - used) / 2, _SHIFT_DIGITS) for size, used in zip(bed, (right, back), strict=True))
+    right = max(part.x + part.width for part in plate)
+    back = max(part.y + part.depth for part in plate)
+    dx, dy = (
+        round((size - used) / 2, _SHIFT_DIGITS)
+        for size, used in zip(bed, (right, back), strict=True)
+    )
+
     return tuple(replace(part, x=part.x + dx, y=part.y + dy) for part in plate)
 
 
@@ -107,26 +147,54 @@ def parts_on_plates(design: Design) -> tuple[str, ...]:
 def make_print_files(
     design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], with_stl: bool
 ) -> PrintFiles:
-    """Make the files of the printed parts; plates only if all parts are there, so that none leaves out a part."""
+    """Make the files of the printed parts; plates only if all parts
+    are there, so that none leaves out a part.
+    """
     orientations = print_orientations(design)
-    poses = {name: bed_pose(meshes[name], orientations[name].rotate_x_deg) for name in orientations if name in meshes}
-    contents, plates = {}, {}
+    poses = {
+        name: bed_pose(meshes[name], orientations[name].rotate_x_deg)
+        for name in orientations
+        if name in meshes
+    }
+    contents = {}
+    plates = {}
+
     if with_stl:
         for name, pose in poses.items():
             contents[f"{name}.stl"] = stl.to_bytes(pose.apply(meshes[name]), name)
+
     if not set(orientations) <= set(encoded):
         return PrintFiles(contents, {})
-    kind, supports, material = choose_plate_kind(design), supports_by_part(design), design.strength.material
+
+    kind = choose_plate_kind(design)
+    supports = supports_by_part(design)
+    material = design.strength.material
     footprints = {name: poses[name].size(meshes[name])[:2] for name in parts_on_plates(design)}
     arranged = arrange(footprints, (design.printer.bed_x_mm, design.printer.bed_y_mm), kind.gap_mm)
+
     for file, plate in zip(kind.file_names(len(arranged)), arranged, strict=True):
         items = []
         for placed in plate:
-            name, pose = placed.name, poses[placed.name].turned() if placed.is_turned else poses[placed.name]
+            name, pose = (
+                placed.name,
+                poses[placed.name].turned() if placed.is_turned else poses[placed.name],
+            )
             on_bed = pose.on_bed(meshes[name], placed.x, placed.y)
             printed = (kind, name, orientations[name], supports[name])
-            note, settings = describe_part(*printed, material), slicer_settings(*printed)
-            items.append(Item(name, encoded[name], note, on_bed.rotation, on_bed.shift, settings))
+            note = describe_part(*printed, material)
+            settings = slicer_settings(*printed)
+            items.append(
+                Item(
+                    name=name,
+                    mesh=encoded[name],
+                    note=note,
+                    rotation=on_bed.rotation,
+                    shift=on_bed.shift,
+                    settings=settings,
+                )
+            )
+
         contents[file] = write_items(f"{design.name} {file.removesuffix('.3mf')}", items)
         plates[file] = tuple(placed.name for placed in plate)
+
     return PrintFiles(contents, plates)

@@ -1,6 +1,8 @@
-"""Registry of the fingertip's parts, bought hardware as plain solids for the assembly, and what parameters shape them.
+"""Registry of the fingertip's parts, bought hardware as plain solids for the assembly, and what
+parameters shape them.
 
-Threads of the hardware are cylinders of their nominal diameter. No check of a part reads these solids.
+Threads of the hardware are cylinders of their nominal diameter. No check of a part reads these
+solids.
 """
 
 from __future__ import annotations
@@ -41,29 +43,80 @@ class Part:
         return "" if self.is_printed else "cast in silicone, not to be printed"
 
 
-_PIN, _STEEL, _FILM = (0.88, 0.80, 0.45), (0.55, 0.56, 0.58), (0.20, 0.22, 0.25)
+_PIN = (0.88, 0.80, 0.45)
+_STEEL = (0.55, 0.56, 0.58)
+_FILM = (0.20, 0.22, 0.25)
 PARTS: dict[str, Part] = {
     part.name: part
     for part in (
-        Part("bone", finger.bone, finger.genus, (0.93, 0.89, 0.80), True, is_in_finger=True),
-        Part("skin", finger.skin, lambda design: 0, (0.87, 0.62, 0.52), False, is_in_finger=True),
-        Part("mold_palmar", mold.mold_palmar, lambda design: 0, (0.45, 0.58, 0.70), True),
-        Part("mold_dorsal", mold.mold_dorsal, lambda design: 0, (0.62, 0.72, 0.80), True),
-        Part("core", mold.core, lambda design: 0, (0.70, 0.78, 0.62), True),
         Part(
-            "stand", bench.stand, lambda design: 2, (0.78, 0.72, 0.58), True,
-            exists_in=lambda design: design.bone.interface == "post", is_tool=True,
+            name="bone",
+            solid=finger.bone,
+            genus=finger.genus,
+            colour=(0.93, 0.89, 0.80),
+            is_printed=True,
+            is_in_finger=True,
         ),
         Part(
-            "pin", bench.pin, lambda design: 0, _PIN, True,
-            exists_in=lambda design: design.bone.interface == "clevis" and design.hand.pin == "printed", is_tool=True,
+            name="skin",
+            solid=finger.skin,
+            genus=lambda design: 0,
+            colour=(0.87, 0.62, 0.52),
+            is_printed=False,
+            is_in_finger=True,
         ),
         Part(
-            "hand_stub", bench.hand_stub, bench.stub_genus, (0.74, 0.74, 0.70), True,
-            exists_in=lambda design: design.bone.interface == "clevis", is_tool=True,
+            name="mold_palmar",
+            solid=mold.mold_palmar,
+            genus=lambda design: 0,
+            colour=(0.45, 0.58, 0.70),
+            is_printed=True,
+        ),
+        Part(
+            name="mold_dorsal",
+            solid=mold.mold_dorsal,
+            genus=lambda design: 0,
+            colour=(0.62, 0.72, 0.80),
+            is_printed=True,
+        ),
+        Part(
+            name="core",
+            solid=mold.core,
+            genus=lambda design: 0,
+            colour=(0.70, 0.78, 0.62),
+            is_printed=True,
+        ),
+        Part(
+            name="stand",
+            solid=bench.stand,
+            genus=lambda design: 2,
+            colour=(0.78, 0.72, 0.58),
+            is_printed=True,
+            exists_in=lambda design: design.bone.interface == "post",
+            is_tool=True,
+        ),
+        Part(
+            name="pin",
+            solid=bench.pin,
+            genus=lambda design: 0,
+            colour=_PIN,
+            is_printed=True,
+            exists_in=lambda design: (
+                design.bone.interface == "clevis" and design.hand.pin == "printed"
+            ),
+            is_tool=True,
+        ),
+        Part(
+            name="hand_stub",
+            solid=bench.hand_stub,
+            genus=bench.stub_genus,
+            colour=(0.74, 0.74, 0.70),
+            is_printed=True,
+            exists_in=lambda design: design.bone.interface == "clevis",
+            is_tool=True,
         ),
     )
-}  # fmt: skip
+}
 
 
 def parts_by_name(design: Design) -> dict[str, Part]:
@@ -77,7 +130,9 @@ def exact_parts(design: Design, names: Iterable[str]) -> tuple[str, ...]:
 
 
 def print_scale(design: Design, part: Part) -> float:
-    """Return the scale of a part's STL and 3MF files: the printer's compensation, or 1 for cast parts."""
+    """Return the scale of a part's STL and 3MF files: the
+    printer's compensation, or 1 for cast parts.
+    """
     return design.printer.scale_percent / 100.0 if part.is_printed else 1.0
 
 
@@ -94,17 +149,32 @@ def hardware(design: Design, parts: Collection[str]) -> tuple[HardwareItem, ...]
     items: list[HardwareItem] = []
     if "bone" in parts:
         items.append(HardwareItem("sensor", sensor_body(design), _FILM))
+
     if "bone" in parts and (joint := design.dimensions.joint):
-        radius, half = joint.printed_pin_radius, design.dimensions.pin_length / 2
-        solid = cylinder("x", (joint.axis_y, joint.axis_z), -half, half, radius)
-        items.append(HardwareItem("joint_pin", solid, _PIN if design.hand.pin == "printed" else _STEEL))
+        radius = joint.printed_pin_radius
+        half = design.dimensions.pin_length / 2
+        solid = cylinder(
+            "x",
+            centre=(joint.axis_y, joint.axis_z),
+            low=-half,
+            high=half,
+            radius=radius,
+        )
+        items.append(
+            HardwareItem("joint_pin", solid, _PIN if design.hand.pin == "printed" else _STEEL)
+        )
+
     return tuple(items)
 
 
 def find_frames(design: Design) -> dict[str, Point3]:
-    """Find the origins [mm] of the interface to the hand, the tip of the skin and the middle of the active area."""
-    dims, joint = design.dimensions, design.dimensions.joint
+    """Find the origins [mm] of the interface to the hand, the tip of
+    the skin and the middle of the active area.
+    """
+    dims = design.dimensions
+    joint = design.dimensions.joint
     y, z = (joint.axis_y, joint.axis_z) if joint else (middle_y(dims), -design.bone.base_length_mm)
+
     return {
         "interface": (0.0, y, z),
         "tip": (0.0, 0.0, design.skin.length_mm),
@@ -113,19 +183,30 @@ def find_frames(design: Design) -> dict[str, Point3]:
 
 
 def tagged_faces(design: Design, part: str) -> dict[str, tuple[str | float, ...]]:
-    """Find what selects flat faces one after the other, by tag: cadquery's selectors, and planes across y [mm]."""
+    """Find what selects flat faces one after the other, by tag:
+    cadquery's selectors, and planes across y [mm].
+    """
     dims = design.dimensions
     if part != "bone":
         return {"parting": (0.0,)} if part.startswith("mold") else {}
-    ends = {"cheek_left": ("<Z", "<X"), "cheek_right": ("<Z", ">X")} if dims.joint else {"post": ("<Z",)}
-    return {**ends, "flat": (-dims.flat_depth,), "pocket": (dims.pocket_depth - dims.platform_depth,)}
+
+    ends = (
+        {"cheek_left": ("<Z", "<X"), "cheek_right": ("<Z", ">X")}
+        if dims.joint
+        else {"post": ("<Z",)}
+    )
+    return {
+        **ends,
+        "flat": (-dims.flat_depth,),
+        "pocket": (dims.pocket_depth - dims.platform_depth,),
+    }
 
 
 def shapes_of_parameters(design: Design) -> Mapping[str, tuple[str, ...]]:
     """Find the parts and bought items whose shape reads each parameter, by its name.
 
-    What is read is recorded while a shape is made: a parameter that this design does not use moves nothing, and is left
-    out.
+    What is read is recorded while a shape is made: a parameter that this design does not use moves
+    nothing, and is left out.
     """
     moved: dict[str, tuple[str, ...]] = {}
 
@@ -136,7 +217,9 @@ def shapes_of_parameters(design: Design) -> Mapping[str, tuple[str, ...]]:
         tables, reads = record_reads(design)
         part.solid(cast(Design, tables))
         add(name, reads)
+
     tables, reads = record_reads(design)
     for item in hardware(cast(Design, tables), ("bone",)):
         add(item.name, reads)
+
     return moved

@@ -1,7 +1,8 @@
 """Checks of the assembly: overlaps, demolding, and volume balances between the parts.
 
-A volume balance states that volumes which must add up do so, such as core + skin = cavity. The balances are checked on
-the meshes, and again on the volumes of the B-rep solids, which involve no mesh.
+A volume balance states that volumes which must add up do so, such as core + skin = cavity. The
+balances are checked on the meshes, and again on the volumes of the B-rep solids, which involve no
+mesh.
 """
 
 from __future__ import annotations
@@ -28,7 +29,9 @@ _PULL_DISTANCES_MM = (0.02, 0.2, 1.0, 4.0, 12.0)
 LIFT_MM = RIDGE_HEIGHT_MM + 0.5
 """Height by which a core is lifted out of its grooves before the dorsal half comes off [mm]."""
 _BREP_VOLUME_ERROR = 2e-6
-"""Relative error allowed in volumes of the B-rep kernel, whose quadrature has a tolerance of 1e-6."""
+"""Relative error allowed in volumes of the B-rep kernel, whose quadrature has a
+tolerance of 1e-6.
+"""
 
 
 @CHECKS.register()
@@ -36,28 +39,41 @@ def check_assembly(design: Design, solids: Solids) -> Iterator[Check]:
     evaluator = solids.evaluator
     parts = {name: solid for name, solid in solids.parts.items() if not PARTS[name].is_tool}
     if "skin" in parts:
-        growth, silicone = design.dimensions.shrinkage**3, evaluator.manifold(parts["skin"]).volume()
+        growth = design.dimensions.shrinkage**3
+        silicone = evaluator.manifold(parts["skin"]).volume()
         room = evaluator.manifold(cavity(design)).volume()
         core = evaluator.manifold(intersection(cavity(design), core_within_skin(design))).volume()
-        yield Check.zero_volume("volume_balance.cavity", abs(float(room - core - growth * silicone)))
+        yield Check.zero_volume(
+            "volume_balance.cavity", abs(float(room - core - growth * silicone))
+        )
+
     inside = {name: solid for name, solid in parts.items() if name not in HALVES}
     # The bone does not lie in the mold, and the skin that does is larger by its shrinkage.
     inside.pop("bone", None)
     if "skin" in inside:
         inside["skin"] = scaled(inside["skin"], design.dimensions.shrinkage)
+
     halves = {name: solid for name, solid in parts.items() if name in HALVES}
     yield from _check_overlaps(evaluator, inside, halves)
     if inside:
         whole = evaluator.manifold(union(*inside.values()))
         for name, half in halves.items():
-            solid, direction = evaluator.manifold(half), -1.0 if name == HALVES[0] else 1.0
-            # The palmar half comes off first. Then core and skin are lifted, and the third ridge leaves its groove.
+            solid = evaluator.manifold(half)
+            direction = -1.0 if name == HALVES[0] else 1.0
+            # The palmar half comes off first. Then core and skin are lifted, and the third ridge
+            # leaves its groove.
             lift = LIFT_MM if name == HALVES[1] else 0.0
-            pulled = (solid.translate((0.0, direction * distance, lift)) for distance in _PULL_DISTANCES_MM)
+            pulled = (
+                solid.translate((0.0, direction * distance, lift))
+                for distance in _PULL_DISTANCES_MM
+            )
             overlap = max(float((position ^ whole).volume()) for position in pulled)
             yield Check.zero_volume(f"demolding_overlap.{name}", overlap)
+
     if len(halves) == 2:
-        yield Check.zero_volume("volume_balance.mold", _mold_imbalance(design, evaluator, halves.values()))
+        yield Check.zero_volume(
+            "volume_balance.mold", _mold_imbalance(design, evaluator, halves.values())
+        )
 
 
 def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[str, Solid], ...]:
@@ -65,9 +81,14 @@ def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[s
     solids: list[tuple[str, Solid]] = []
     if "skin" in parts:
         room = cavity(design)
-        solids += [("cavity", room), ("core_in_cavity", intersection(room, core_within_skin(design)))]
+        solids += [
+            ("cavity", room),
+            ("core_in_cavity", intersection(room, core_within_skin(design))),
+        ]
+
     if set(HALVES) <= set(parts):
         solids.append(("hollow", intersection(mold.hollow(design), mold.block(design))))
+
     return tuple(solids)
 
 
@@ -76,19 +97,24 @@ def check_brep_assembly(
 ) -> Iterator[Check]:
     if "cavity" in volumes_mm3:
         growth = design.dimensions.shrinkage**3
-        skin, whole = parts["skin"].volume_mm3, volumes_mm3["cavity"]
+        skin = parts["skin"].volume_mm3
+        whole = volumes_mm3["cavity"]
         imbalance = abs(whole - volumes_mm3["core_in_cavity"] - growth * skin)
         yield Check("step.volume_balance.cavity", imbalance, _BREP_VOLUME_ERROR * whole, "mm3")
+
     if "hollow" in volumes_mm3:
         outline = mold.block(design)
         block = math.prod(high - low for low, high in zip(outline.low, outline.high, strict=True))
-        # The letters in closed form save B-rep booleans. Their holes run clockwise, and count as negative.
+        # The letters in closed form save B-rep booleans. Their holes run clockwise, and count as
+        # negative.
         rings = (ring for letter in mold.label(design) for ring in (letter.corners, *letter.holes))
         letters = design.mold.engraving_depth_mm * sum(map(signed_area, rings))
         filled = volumes_mm3["hollow"] + letters + sum(parts[half].volume_mm3 for half in HALVES)
         filled += sum(map(_volume_below_parting_plane_mm3, mold.key_sockets(design)))
         filled -= sum(map(_volume_below_parting_plane_mm3, mold.key_frustums(design)))
-        yield Check("step.volume_balance.mold", abs(block - filled), _BREP_VOLUME_ERROR * block, "mm3")
+        yield Check(
+            "step.volume_balance.mold", abs(block - filled), _BREP_VOLUME_ERROR * block, "mm3"
+        )
 
 
 def _check_overlaps(
@@ -96,40 +122,59 @@ def _check_overlaps(
 ) -> Iterator[Check]:
     """Check that no two parts overlap: those inside the mold, and these with a half.
 
-    Parts inside the mold share surfaces. The intersection of such solids takes four times as long as their union, so
-    their overlap is computed as |A & B| = |A| + |B| - |A + B|. Against a half they are tested all at once in the same
-    way, and one by one only if the union overlaps it.
+    Parts inside the mold share surfaces. The intersection of such solids takes four times as long
+    as their union, so their overlap is computed as |A & B| = |A| + |B| - |A + B|. Against a half
+    they are tested all at once in the same way, and one by one only if the union overlaps it.
     """
 
     def volume(solid: Solid) -> float:
         return float(evaluator.manifold(solid).volume())
 
     for (first, one), (second, other) in combinations(inside.items(), 2):
-        yield Check.zero_volume(f"overlap.{first}.{second}", volume(one) + volume(other) - volume(union(one, other)))
+        yield Check.zero_volume(
+            f"overlap.{first}.{second}", volume(one) + volume(other) - volume(union(one, other))
+        )
+
     cast = union(*inside.values()) if inside else None
     for half, solid in halves.items():
         together = volume(cast) + volume(solid) - volume(union(cast, solid)) if cast else 0.0
         for name, one in inside.items():
-            alone = together if together <= VOLUME_TOLERANCE_MM3 else volume(intersection(one, solid))
+            alone = (
+                together if together <= VOLUME_TOLERANCE_MM3 else volume(intersection(one, solid))
+            )
             yield Check.zero_volume(f"overlap.{name}.{half}", alone)
+
     if len(halves) == 2:
-        yield Check.zero_volume(f"overlap.{'.'.join(halves)}", volume(intersection(*halves.values())))
+        yield Check.zero_volume(
+            f"overlap.{'.'.join(halves)}", volume(intersection(*halves.values()))
+        )
 
 
 def _mold_imbalance(design: Design, evaluator: MeshEvaluator, halves: Iterable[Solid]) -> float:
-    """Compute |block - halves - hollow - cut-outs| [mm3]; hollow and cut-outs are evaluated apart from the halves."""
+    """Compute |block - halves - hollow - cut-outs| [mm3]; hollow and
+    cut-outs are evaluated apart from the halves.
+    """
     cuts = union(*mold.belts(design), *mold.label(design))
-    block, hollow = mold.block(design), union(mold.hollow(design), cuts)
-    filled = sum(evaluator.manifold(solid).volume() for solid in (intersection(hollow, block), *halves))
+    block = mold.block(design)
+    hollow = union(mold.hollow(design), cuts)
+    filled = sum(
+        evaluator.manifold(solid).volume() for solid in (intersection(hollow, block), *halves)
+    )
     below = evaluator.manifold(block).trim_by_plane((0.0, -1.0, 0.0), 0.0)
+
     for socket, key in zip(mold.key_sockets(design), mold.key_frustums(design), strict=True):
-        filled += (evaluator.manifold(socket) ^ below).volume() - (evaluator.manifold(key) ^ below).volume()
+        filled += (evaluator.manifold(socket) ^ below).volume() - (
+            evaluator.manifold(key) ^ below
+        ).volume()
+
     return abs(float(evaluator.manifold(block).volume() - filled))
 
 
 def _volume_below_parting_plane_mm3(key: Solid) -> float:
     """Compute the volume [mm3] of the frustum of a key below the parting plane."""
     assert isinstance(key, Cone)
-    top, height = key.low_radius, -key.low
+    top = key.low_radius
+    height = -key.low
     root = top + (key.high_radius - top) * height / (key.high - key.low)
+
     return math.pi * height / 3.0 * (top * top + top * root + root * root)

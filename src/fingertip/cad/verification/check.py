@@ -1,8 +1,8 @@
 """Arguments and answers of checks, their register, and measurements that several of them need.
 
-A check is a function of a design and its solids that yields records of a value and its limit. It registers by the
-decorator of the `Checks` of its module, which `cad.verification.verify` lists; checks of other packages come by the
-entry points of the group "fingertip.checks".
+A check is a function of a design and its solids that yields records of a value and its limit. It
+registers by the decorator of the `Checks` of its module, which `cad.verification.verify` lists;
+checks of other packages come by the entry points of the group "fingertip.checks".
 """
 
 from __future__ import annotations
@@ -23,14 +23,20 @@ from fingertip.foundation.files import round_for_output
 from fingertip.foundation.validation import Comparison
 
 VOLUME_TOLERANCE_MM3 = 1e-3
-"""Largest volume that counts as zero [mm3]. Rounding 10 000 mm2 of surface to a grid of 8 nm stays below it."""
+"""Largest volume that counts as zero [mm3].
+Rounding 10 000 mm2 of surface to a grid of 8 nm stays below it.
+"""
 PLANE_OFFSET_MM = 0.02
 """Distance of a cut from a plane on which solids end [mm]. In the plane itself they would touch."""
 
 _REACH_GROWTH = 1.25
-"""Factor from one search for a distance to the next. The time of a search grows with about the cube of its reach."""
+"""Factor from one search for a distance to the next.
+The time of a search grows with about the cube of its reach.
+"""
 _MIN_REACH_MM = 0.1
-"""Reach of a search for a distance of nothing or less, which a coarse mesh leaves of a limit [mm]."""
+"""Reach of a search for a distance of nothing or less, which a coarse mesh leaves of a
+limit [mm].
+"""
 _MAX_REACH_MM = 500.0
 """Reach of a search that exceeds the size of every design [mm]."""
 
@@ -53,9 +59,23 @@ class Check(Comparison):
         return cls(name, volume_mm3, VOLUME_TOLERANCE_MM3, "mm3")
 
     @classmethod
-    def min_distance(cls, name: str, first: Manifold, second: Manifold, min_mm: float) -> Check:
-        """Check that two solids are at least `min_mm` apart: on both sides of a wall, they give its thickness."""
-        return cls(name, measure_gap(first, second, 2.0 * min_mm), min_mm, "mm", "at least")
+    def min_distance(
+        cls,
+        name: str,
+        first: Manifold,
+        second: Manifold,
+        min_mm: float,
+    ) -> Check:
+        """Check that two solids are at least `min_mm` apart: on both
+        sides of a wall, they give its thickness.
+        """
+        return cls(
+            name=name,
+            value=measure_gap(first, second, 2.0 * min_mm),
+            limit=min_mm,
+            unit="mm",
+            relation="at least",
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry of this check in report.json."""
@@ -104,10 +124,14 @@ class RegisteredCheck:
     parts: frozenset[str]
     """Parts without which there is nothing to check."""
     change: Mapping[str, tuple[str, ...]]
-    """Pattern of names -> parameters to change if one fails; the first pattern that matches counts."""
+    """Pattern of names -> parameters to change if one fails; the first pattern that
+    matches counts.
+    """
 
     def find_change(self, name: str) -> tuple[str, ...]:
-        return next((change for names, change in self.change.items() if fnmatchcase(name, names)), ())
+        return next(
+            (change for names, change in self.change.items() if fnmatchcase(name, names)), ()
+        )
 
 
 class Checks(list[RegisteredCheck]):
@@ -116,7 +140,9 @@ class Checks(list[RegisteredCheck]):
     def register(
         self, *parts: str, change: Mapping[str, tuple[str, ...]] = MappingProxyType({})
     ) -> Callable[[CheckFunction], CheckFunction]:
-        """Register the decorated function, for builds with these parts, and what to change if a check of it fails."""
+        """Register the decorated function, for builds with these
+        parts, and what to change if a check of it fails.
+        """
 
         def add(run: CheckFunction) -> CheckFunction:
             self.append(RegisteredCheck(run, frozenset(parts), change))
@@ -128,7 +154,9 @@ class Checks(list[RegisteredCheck]):
 def count_checks(checks: Sequence[Check]) -> str:
     """Say how many checks failed, or that all passed."""
     failed = sum(not check.passed for check in checks)
-    return f"{failed} of {len(checks)} checks failed" if failed else f"all {len(checks)} checks passed"
+    return (
+        f"{failed} of {len(checks)} checks failed" if failed else f"all {len(checks)} checks passed"
+    )
 
 
 def measure_gap(first: Manifold, second: Manifold, first_reach_mm: float) -> float:
@@ -136,19 +164,29 @@ def measure_gap(first: Manifold, second: Manifold, first_reach_mm: float) -> flo
 
 
 def search_distance(measure: Callable[[float], float], first_reach_mm: float) -> float:
-    """Measure a distance [mm] by a search that takes longer the farther it reaches. Units: `measure` [mm]."""
+    """Measure a distance [mm] by a search that takes longer the farther it reaches.
+
+    Units: `measure` [mm].
+    """
     reach_mm = max(first_reach_mm, _MIN_REACH_MM)
     while (distance := measure(reach_mm)) >= reach_mm and reach_mm < _MAX_REACH_MM:
         reach_mm *= _REACH_GROWTH
+
     return distance
 
 
 def complement(evaluator: MeshEvaluator, solid: Solid) -> Manifold:
-    """Evaluate the complement of a solid within a box that extends past it on all sides by the solid's width."""
+    """Evaluate the complement of a solid within a box that extends
+    past it on all sides by the solid's width.
+    """
     inner = evaluator.manifold(solid)
     low_x, low_y, low_z, high_x, high_y, high_z = inner.bounding_box()
     margin = high_x - low_x
-    box = Box((low_x - margin, low_y - margin, low_z - margin), (high_x + margin, high_y + margin, high_z + margin))
+    box = Box(
+        (low_x - margin, low_y - margin, low_z - margin),
+        (high_x + margin, high_y + margin, high_z + margin),
+    )
+
     return evaluator.manifold(difference(box, solid))
 
 

@@ -1,4 +1,6 @@
-"""Checks of mesh files that any program wrote: alone, as one of two mold halves, and as the part of a design."""
+"""Checks of mesh files that any program wrote: alone, as one of two
+mold halves, and as the part of a design.
+"""
 
 from __future__ import annotations
 
@@ -28,17 +30,25 @@ _PULL_MM = (1.0, 5.0)
 _PARTNERS = {"mold_palmar": ("mold_dorsal", -1.0), "mold_dorsal": ("mold_palmar", 1.0)}
 """Name of a mold half -> that of the other, and the direction along y in which it comes off."""
 _SEAM_MM = 0.02
-"""Distance from the parting plane at which the two halves are cut [mm]. Halves that are farther apart do not meet."""
+"""Distance from the parting plane at which the two halves are cut [mm].
+Halves that are farther apart do not meet.
+"""
 _KEY_GAP_MM = 0.5
-"""Half the width of the widest gap around a key that is closed before two cuts are compared [mm]."""
+"""Half the width of the widest gap around a key that is closed before two cuts are
+compared [mm].
+"""
 _MAX_SEAM_MM2 = 1.0
-"""Largest area that the cuts on both sides of the seam may differ by [mm2]. A shift of 0.02 mm leaves 1.4."""
+"""Largest area that the cuts on both sides of the seam may differ by [mm2].
+A shift of 0.02 mm leaves 1.4.
+"""
 _SIZE_ROUNDING_MM = 0.005
 """Difference in size that is left to the rounding of another program [mm]."""
 _UNITS_MM = {"inches": 25.4, "centimetres": 10.0, "metres": 1000.0}
 """Units in which other programs export [mm]."""
 _SHELL_SHARE = 1.5
-"""Thickness of a piece between two meshes of one surface, over their tolerance, that counts as none."""
+"""Thickness of a piece between two meshes of one surface, over
+their tolerance, that counts as none.
+"""
 _SAME_SHARE = 1e-3
 """Largest difference of two shares that counts as none."""
 _UNIT_SHARE = 0.05
@@ -62,18 +72,24 @@ class MeshFile:
         return all(check.passed for check in self.checks)
 
 
-def check_mesh_file(path: Path, design: Design | None = None, tolerance_mm: float = 0.01) -> MeshFile:
+def check_mesh_file(
+    path: Path, design: Design | None = None, tolerance_mm: float = 0.01
+) -> MeshFile:
     """Check a mesh file, and half of a mold beside the other half in the same folder.
 
-    With a design, a file that has the name of a part is compared with that part. Raises InputFileError, GeometryError
-    or MissingLibraryError.
+    With a design, a file that has the name of a part is compared with that part. Raises
+    InputFileError, GeometryError or MissingLibraryError.
     """
     data = read_input(path, BODY_LIMIT, "a mesh")
     read = read_mesh(str(path), data)
     mesh = _read_stl(path, data) or Mesh(
         np.asarray(read.vertices, dtype=np.float64), np.asarray(read.faces, dtype=np.int64)
     )
-    checks = [*check_triangles("", mesh), *compare_readings("mesh", read, mesh), *_check_halves(path, mesh)]
+    checks = [
+        *check_triangles("", mesh),
+        *compare_readings("mesh", read, mesh),
+        *_check_halves(path, mesh),
+    ]
 
     name = name_part(path)
     if design is None or name not in parts_by_name(design):
@@ -94,13 +110,15 @@ def _read_stl(path: Path, data: bytes) -> Mesh | None:
     """Read a binary STL file; None for another format, or STL as text."""
     if path.suffix.lower() != ".stl":
         return None
+
     try:
         return stl.from_bytes(data)
     except FingertipError:
         return None
 
 
-# --- two halves of one mold -------------------------------------------------------------------------------------------
+# --- two halves of one mold
+# -------------------------------------------------------------------------------------------
 
 
 def _check_halves(path: Path, mesh: Mesh) -> Iterator[Check]:
@@ -115,7 +133,8 @@ def _check_halves(path: Path, mesh: Mesh) -> Iterator[Check]:
     other_half = to_manifold(read.vertices, read.faces)
 
     overlaps = [
-        float((half.translate((0.0, way * distance, 0.0)) ^ other_half).volume()) for distance in (0.0, *_PULL_MM)
+        float((half.translate((0.0, way * distance, 0.0)) ^ other_half).volume())
+        for distance in (0.0, *_PULL_MM)
     ]
     yield Check.zero_volume(f"{other}.overlap", overlaps[0])
     yield Check.zero_volume(f"{other}.pull_overlap", max(overlaps[1:]))
@@ -125,15 +144,19 @@ def _check_halves(path: Path, mesh: Mesh) -> Iterator[Check]:
 def measure_seam_mm2(half: Manifold, other_half: Manifold) -> float:
     """Measure by how much two mold halves differ where they meet, in the parting plane y = 0 [mm2].
 
-    Both halves together are cut just palmar and just dorsal of the plane, where a mold that is one looks the same:
+    Both halves together are cut just palmar and just dorsal of the plane, where a mold that is one
+    looks the same:
 
         dorsal    |#####|       |#####|   <- cut
         y = 0     =======       =======
         palmar    |#####|       |#####|   <- cut
 
-    The gap around a key is closed first. A half that is shifted, of another design, or away from the plane differs.
+    The gap around a key is closed first. A half that is shifted, of another design, or away from
+    the plane differs.
     """
-    dorsal, palmar = (_close_gaps(_cut(half, y) + _cut(other_half, y)) for y in (_SEAM_MM, -_SEAM_MM))
+    dorsal, palmar = (
+        _close_gaps(_cut(half, y) + _cut(other_half, y)) for y in (_SEAM_MM, -_SEAM_MM)
+    )
     return float((dorsal - palmar).area() + (palmar - dorsal).area())
 
 
@@ -148,11 +171,14 @@ def _close_gaps(section: Any) -> Any:
     return grown.offset(-_KEY_GAP_MM, JoinType.Miter, 2.0)
 
 
-# --- a part of a design -----------------------------------------------------------------------------------------------
+# --- a part of a design
+# -----------------------------------------------------------------------------------------------
 
 
 def _part_like(design: Design, name: str, mesh: Mesh, tolerance_mm: float) -> Mesh:
-    """Make the part of a design as it fits the others, or as it lies on the bed, whichever the mesh is nearer to."""
+    """Make the part of a design as it fits the others, or as it lies
+    on the bed, whichever the mesh is nearer to.
+    """
     part = parts_by_name(design)[name]
     fitted = MeshEvaluator(tolerance_mm).mesh(scaled(part.solid(design), print_scale(design, part)))
     if not part.is_printed:
@@ -172,10 +198,11 @@ def _size(mesh: Mesh) -> Array:
 
 
 def _compare_with_part(mesh: Mesh, part: Mesh, tolerance_mm: float) -> Iterator[Check]:
-    """Compare size and surface with those of the part of a design; each has facets within the tolerance.
+    """Compare size and surface with those of the part of a design; each has facets within the
+    tolerance.
 
-    What only one of both fills falls into pieces. Between two meshes of one surface they are thin shells; a piece that
-    is thicker shows another bore, groove or letter, however small.
+    What only one of both fills falls into pieces. Between two meshes of one surface they are thin
+    shells; a piece that is thicker shows another bore, groove or letter, however small.
     """
     difference = float(abs(_size(mesh) - _size(part)).max())
     yield Check("design.size_difference", difference, 2.0 * tolerance_mm + _SIZE_ROUNDING_MM, "mm")
@@ -188,10 +215,13 @@ def _compare_with_part(mesh: Mesh, part: Mesh, tolerance_mm: float) -> Iterator[
         for piece in pieces
         if piece.volume() > VOLUME_TOLERANCE_MM3
     ]
-    yield Check("design.surface_distance", max(thickness, default=0.0), _SHELL_SHARE * tolerance_mm, "mm")
+    yield Check(
+        "design.surface_distance", max(thickness, default=0.0), _SHELL_SHARE * tolerance_mm, "mm"
+    )
 
 
-# --- what to do about it ----------------------------------------------------------------------------------------------
+# --- what to do about it
+# ----------------------------------------------------------------------------------------------
 
 
 def describe_mesh_cause(file: MeshFile, check: Check) -> str:
@@ -200,9 +230,12 @@ def describe_mesh_cause(file: MeshFile, check: Check) -> str:
     if subject == "design":
         return _describe_other_part(file)
     if what == "seam":
-        return f"export both halves of one design, without moving them apart ({subject} is the other)"
+        return (
+            f"export both halves of one design, without moving them apart ({subject} is the other)"
+        )
     if what in ("overlap", "pull_overlap"):
         return f"export both halves of one design, each in its place ({subject} is the other)"
+
     return "export one body" if what.endswith("bodies") else "repair the mesh"
 
 
@@ -214,6 +247,8 @@ def _describe_other_part(file: MeshFile) -> str:
 
     is_scaled = max(file.size_ratios) - min(file.size_ratios) < _SAME_SHARE
     if is_scaled and abs(ratio - 1.0) > _SAME_SHARE:
-        return f"it is {ratio:.4g} times as large as {file.part} of this design: make the part again"
+        return (
+            f"it is {ratio:.4g} times as large as {file.part} of this design: make the part again"
+        )
 
     return f"it is not {file.part} of this design, or lies in another place: make the part again"

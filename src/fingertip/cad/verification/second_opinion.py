@@ -27,9 +27,18 @@ def list_packages(formats: Iterable[str]) -> tuple[str, ...]:
 
 
 def second_opinions(contents: Mapping[str, bytes], meshes: Mapping[str, Mesh]) -> tuple[Check, ...]:
-    """Read the STL and 3MF file of each part with trimesh. Raises GeometryError or MissingLibraryError."""
-    files = ((f"{name}{suffix}", mesh) for name, mesh in meshes.items() for suffix in (".stl", ".3mf"))
-    found = (compare_readings(file, read_mesh(file, contents[file]), mesh) for file, mesh in files if file in contents)
+    """Read the STL and 3MF file of each part with trimesh.
+
+    Raises GeometryError or MissingLibraryError.
+    """
+    files = (
+        (f"{name}{suffix}", mesh) for name, mesh in meshes.items() for suffix in (".stl", ".3mf")
+    )
+    found = (
+        compare_readings(file, read_mesh(file, contents[file]), mesh)
+        for file, mesh in files
+        if file in contents
+    )
     return tuple(itertools.chain(*found))
 
 
@@ -46,20 +55,51 @@ def read_mesh(name: str, data: bytes) -> Any:
         if not np.isfinite(read.vertices).all():
             raise ValueError("it holds coordinates that are not finite")
     except Exception as error:
-        message = f"cannot be read as a mesh ({str(error) or type(error).__name__}); export it again, in mm."
+        message = (
+            f"cannot be read as a mesh ({str(error) or type(error).__name__}); export it "
+            "again, in mm."
+        )
         raise InputFileError(Issue(name, message)) from None
+
     return read
 
 
 def compare_readings(name: str, read: Any, mesh: Mesh) -> Iterator[Check]:
-    """Check a mesh as trimesh has read it, and compare it with the mesh that its file should hold."""
-    yield Check(f"{name}.trimesh.open", float(not read.is_watertight), 0, "", "exactly")
-    yield Check(f"{name}.trimesh.winding", float(not read.is_winding_consistent), 0, "", "exactly")
-    yield Check(f"{name}.trimesh.bodies", count_bodies(read), 1, "bodies", "exactly")
-    yield Check.zero_volume(f"{name}.trimesh.volume_difference", abs(float(read.volume) - mesh.volume()))
+    """Check a mesh as trimesh has read it, and compare it with the mesh that its file
+    should hold.
+    """
+    yield Check(
+        name=f"{name}.trimesh.open",
+        value=float(not read.is_watertight),
+        limit=0,
+        unit="",
+        relation="exactly",
+    )
+    yield Check(
+        name=f"{name}.trimesh.winding",
+        value=float(not read.is_winding_consistent),
+        limit=0,
+        unit="",
+        relation="exactly",
+    )
+    yield Check(
+        name=f"{name}.trimesh.bodies",
+        value=count_bodies(read),
+        limit=1,
+        unit="bodies",
+        relation="exactly",
+    )
+    yield Check.zero_volume(
+        f"{name}.trimesh.volume_difference", abs(float(read.volume) - mesh.volume())
+    )
 
     bounds = np.array([mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)])
-    yield Check(f"{name}.trimesh.bounds_difference", float(abs(read.bounds - bounds).max()), _ROUNDING_MM, "mm")
+    yield Check(
+        f"{name}.trimesh.bounds_difference",
+        float(abs(read.bounds - bounds).max()),
+        _ROUNDING_MM,
+        "mm",
+    )
 
 
 def count_bodies(read: Any) -> int:

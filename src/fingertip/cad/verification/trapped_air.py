@@ -1,8 +1,9 @@
 """Air that a rising surface of silicone shuts in around a core.
 
-Air gets out if it can go on sideways and upwards, never downwards, until it reaches the rim. Where it stays, the space
-has a summit: a place above which it has a roof, and from which it nowhere rises. Core and cup have the same summits
-while the core goes down. Where there is one, the volume of air below it is found on voxels, layer by layer.
+Air gets out if it can go on sideways and upwards, never downwards, until it reaches the rim. Where
+it stays, the space has a summit: a place above which it has a roof, and from which it nowhere
+rises. Core and cup have the same summits while the core goes down. Where there is one, the volume
+of air below it is found on voxels, layer by layer.
 """
 
 from __future__ import annotations
@@ -34,31 +35,44 @@ def _has_summit(free: Manifold, lean_deg: tuple[float, float]) -> bool:
     vertices, triangles = to_arrays(free)
     about_x, about_y = (math.radians(angle) for angle in lean_deg)
     upwards = -np.array(
-        [math.sin(about_y), math.cos(about_y) * math.sin(about_x), math.cos(about_y) * math.cos(about_x)]
+        [
+            math.sin(about_y),
+            math.cos(about_y) * math.sin(about_x),
+            math.cos(about_y) * math.cos(about_x),
+        ]
     )
     heights = vertices @ upwards
-    corners, beside, roof = vertices[triangles], np.full(len(vertices), -np.inf), np.zeros(len(vertices))
+    corners = vertices[triangles]
+    beside = np.full(len(vertices), -np.inf)
+    roof = np.zeros(len(vertices))
     facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) @ upwards
     np.maximum.at(beside, triangles, heights[triangles].max(axis=1, keepdims=True))
     np.add.at(roof, triangles, facing[:, None])
     is_summit = (beside <= heights + _LEVEL_MM) & (roof > 0.0) & (vertices[:, 2] > _AT_RIM_MM)
+
     return bool(is_summit.any())
 
 
 def _flood_mm3(free: Manifold, lean_deg: tuple[float, float]) -> float:
     turned = free.rotate((180.0, 0.0, 0.0)).rotate((*lean_deg, 0.0))  # the tip points down
     low, high = np.split(np.array(turned.bounding_box()), 2)
-    x, y, up = (np.arange(a + size / 2, b, size) for a, b, size in zip(low, high, VOXEL_MM, strict=True))
+    x, y, up = (
+        np.arange(a + size / 2, b, size) for a, b, size in zip(low, high, VOXEL_MM, strict=True)
+    )
     about_x, about_y = (math.radians(angle) for angle in lean_deg)
     # Component of each place along the axis of the cup, which is turned about x first.
     tilted = math.sin(about_y) * x[:, None] * math.cos(about_x) - math.sin(about_x) * y[None, :]
-    tilted, along = np.pad(tilted, 1), math.cos(about_x) * math.cos(about_y)
-    reached, trapped = np.zeros(tilted.shape, dtype=bool), 0
+    tilted = np.pad(tilted, 1)
+    along = math.cos(about_x) * math.cos(about_y)
+    reached = np.zeros(tilted.shape, dtype=bool)
+    trapped = 0
+
     for height in up[::-1]:
         layer = _fill(turned.slice(height).to_polygons(), x, y)
         is_open = along * height + tilted > -_AT_RIM_MM
         reached = _spread(layer & (is_open | reached), layer)
         trapped += int(layer.sum() - reached.sum())
+
     return trapped * math.prod(VOXEL_MM)
 
 
@@ -66,10 +80,12 @@ def _fill(outlines: list[Array], x: Array, y: Array) -> Mask:
     """Find the places inside outlines by the even-odd rule, within a border of places outside."""
     flips = np.zeros((len(x) + 2, len(y) + 2), dtype=np.int64)
     for ring in outlines:
-        (ax, ay), (bx, by) = np.asarray(ring).T, np.roll(ring, -1, axis=0).T
+        (ax, ay) = np.asarray(ring).T
+        (bx, by) = np.roll(ring, -1, axis=0).T
         edge, row = np.nonzero((ax[:, None] <= x) != (bx[:, None] <= x))
         at = ay[edge] + (x[row] - ax[edge]) / (bx - ax)[edge] * (by - ay)[edge]
         np.add.at(flips, (row + 1, np.searchsorted(y, at) + 1), 1)
+
     return np.asarray(np.cumsum(flips, axis=1) % 2 == 1)
 
 
@@ -79,6 +95,7 @@ def _spread(seeds: Mask, free: Mask) -> Mask:
         found = _along_rows(_along_rows(seeds, free).T, free.T).T
         if np.array_equal(found, seeds):
             return found
+
         seeds = found
 
 
@@ -87,4 +104,5 @@ def _along_rows(seeds: Mask, free: Mask) -> Mask:
     run = np.cumsum(~free).reshape(free.shape)  # borders keep the runs of two rows apart
     is_hit = np.zeros(run[-1, -1] + 1, dtype=bool)
     is_hit[run[seeds]] = True
+
     return np.asarray(free & is_hit[run])

@@ -30,8 +30,14 @@ from fingertip.foundation.progress import Work
 from fingertip.foundation.validation import Comparison, Relation
 
 CHECKS: tuple[RegisteredCheck, ...] = (
-    *assembly.CHECKS, *printing.CHECKS, *skin.CHECKS, *bone.CHECKS, *joint.CHECKS, *mold.CHECKS, *bone.STRENGTH_CHECKS,
-)  # fmt: skip
+    *assembly.CHECKS,
+    *printing.CHECKS,
+    *skin.CHECKS,
+    *bone.CHECKS,
+    *joint.CHECKS,
+    *mold.CHECKS,
+    *bone.STRENGTH_CHECKS,
+)
 """Checks of parts, in the order of a report."""
 
 
@@ -49,10 +55,22 @@ class VerifiedParts:
 
 
 def check(
-    design: Design, *, tolerance_mm: float = 0.01, progress: Callable[[str], None] = lambda message: None
+    design: Design,
+    *,
+    tolerance_mm: float = 0.01,
+    progress: Callable[[str], None] = lambda message: None,
 ) -> VerifiedParts:
-    """Check all parts of a design on meshes, as the command does. Raises DesignError or GeometryError."""
-    return verify(design, parts_by_name(design), ("stl",), MeshEvaluator(tolerance_mm), progress)
+    """Check all parts of a design on meshes, as the command does.
+
+    Raises DesignError or GeometryError.
+    """
+    return verify(
+        design,
+        parts=parts_by_name(design),
+        formats=("stl",),
+        evaluator=MeshEvaluator(tolerance_mm),
+        progress=progress,
+    )
 
 
 def verify(
@@ -62,74 +80,124 @@ def verify(
     evaluator: MeshEvaluator,
     progress: Callable[[str], None] = lambda message: None,
 ) -> VerifiedParts:
-    """Make the mesh files of the parts, read them back, and check parts and assembly. Raises GeometryError."""
+    """Make the mesh files of the parts, read them back, and check parts and assembly.
+
+    Raises GeometryError.
+    """
     codes = {name: import_module(code) for name in formats if (code := PART_FORMATS[name].code)}
     solids = Solids.of(design, evaluator, parts)
     stages = {f"mesh of {name}": 1.0 for name in solids.parts} | {"checks": 2.0 * len(solids.parts)}
-    meshes, work = {}, Work("", stages, progress)
+    meshes = {}
+    work = Work("", stages, progress)
+
     for name in solids.parts:
         work.begin(f"mesh of {name}")
         meshes[name] = solids.mesh(name)
+
     files = [(part_file(name, each), name, each) for name in meshes for each in codes]
-    contents = {file: codes[each].to_bytes(meshes[name], name, PARTS[name].note) for file, name, each in files}
-    encoded = {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()} if "3mf" in codes else {}
+    contents = {
+        file: codes[each].to_bytes(meshes[name], name, PARTS[name].note)
+        for file, name, each in files
+    }
+    encoded = (
+        {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()} if "3mf" in codes else {}
+    )
     prints = make_print_files(design, meshes, encoded, "stl" in codes)
     work.begin("checks")
     checks: list[Check] = []
     for file, name, each in files:
         checks += check_mesh_file(design, PARTS[name], codes[each].from_bytes(contents[file]), each)
+
     checks += check_print_files(design, meshes, encoded, prints)
     checks += run_checks(design, solids)
-    return VerifiedParts(meshes, contents, prints, tuple(checks), solids.strength if "bone" in meshes else None)
+    return VerifiedParts(
+        meshes=meshes,
+        contents=contents,
+        prints=prints,
+        checks=tuple(checks),
+        strength=solids.strength if "bone" in meshes else None,
+    )
 
 
 def run_checks(design: Design, solids: Solids) -> Iterator[Check]:
-    """Check those parts of a design that are there, together with what is wanted of them. Raises GeometryError."""
+    """Check those parts of a design that are there, together with what is wanted of them.
+
+    Raises GeometryError.
+    """
     names = set[str]()
     for registered in CHECKS:
         if registered.parts <= solids.parts.keys():
             for check in registered.run(design, solids):
                 names.add(check.name)
                 yield replace(check, change=registered.find_change(check.name))
+
     for check in call_plugins("fingertip.checks", design, solids):
         if not isinstance(check, Check) or check.name in names:
-            message = f"{check!r} is no Check with a name of its own; correct or remove the package that brings it."
+            message = (
+                f"{check!r} is no Check with a name of its own; correct or remove the "
+                "package that brings it."
+            )
             raise FingertipError(Issue("fingertip.checks", message))
+
         names.add(check.name)
         yield check
 
 
 def list_causes(check: str) -> tuple[str, ...]:
-    """List the parameters behind a check, by its name; none if its failure were a fault of the program."""
+    """List the parameters behind a check, by its name; none if
+    its failure were a fault of the program.
+    """
     return next(filter(None, (registered.find_change(check) for registered in CHECKS)), ())
 
 
 # Margins of a design: how near its checks and its rules are to their limits.
 
 _TRIED: tuple[tuple[float, Relation], ...] = ((0.7, "at least"), (1.3, "at most"))
-"""Shares of a value at which its rules are asked for their limits: what passes there too is not near."""
+"""Shares of a value at which its rules are asked for their
+limits: what passes there too is not near.
+"""
 
 _CHOSEN = 1e-4
 """Margin below which a value stands at a limit of a rule because it was chosen there [%]."""
 
 
 def list_margins(design: Design, checks: Iterable[Check]) -> list[Comparison]:
-    """List the checks and the rules of a design that compare a number with a limit, the nearest to it first."""
+    """List the checks and the rules of a design that compare a
+    number with a limit, the nearest to it first.
+    """
     limits = (one for one in _list_limits(design) if abs(one.margin_percent) > _CHOSEN)
     compared = (one for one in (*checks, *limits) if one.margin_percent < math.inf)
     return sorted(compared, key=lambda one: one.margin_percent)
 
 
 def _list_limits(design: Design) -> Iterator[Comparison]:
-    """List the limits that rules set to a length or the like while all others stay, as far as they are near it."""
-    for name in dict.fromkeys(rule.field for rule in RULES if isinstance(design.value(rule.field), float)):
-        value, unit, bounds = design.value(name), find_unit(PARAMETERS[name]), find_bounds(PARAMETERS[name])
+    """List the limits that rules set to a length or the like while
+    all others stay, as far as they are near it.
+    """
+    for name in dict.fromkeys(
+        rule.field for rule in RULES if isinstance(design.value(rule.field), float)
+    ):
+        value = design.value(name)
+        unit = find_unit(PARAMETERS[name])
+        bounds = find_bounds(PARAMETERS[name])
+
         for share, relation in _TRIED:
             tried = design.with_values({name: share * value})
             if not bounds.contain(share * value):
-                tried = design.with_values({name: bounds.minimum if share < 1.0 else bounds.maximum})
-            for broken in RuleChecker(tried).find_broken(rule for rule in RULES if rule.field == name):
+                tried = design.with_values(
+                    {name: bounds.minimum if share < 1.0 else bounds.maximum}
+                )
+
+            for broken in RuleChecker(tried).find_broken(
+                rule for rule in RULES if rule.field == name
+            ):
                 label = f"{name}: {broken.rule.check.__name__.replace('_', ' ')}"
                 for low, high in broken.violation.passing:
                     if low - SLACK <= value <= high + SLACK:
-                        yield Comparison(label, value, low if share < 1.0 else high, unit, relation)
+                        yield Comparison(
+                            name=label,
+                            value=value,
+                            limit=low if share < 1.0 else high,
+                            unit=unit,
+                            relation=relation,
+                        )

@@ -1,4 +1,5 @@
-"""Walls measured by rays: from points all over a part's surface into it, to the face on the other side.
+"""Walls measured by rays: from points all over a part's surface into it, to the face on the other
+side.
 
 The distance checks of the bone know which hollows they measure. Rays find what nobody thought of.
 """
@@ -47,29 +48,41 @@ class ThinWalls:
         away = np.eye(3)[np.argmin(np.abs(self.normals), axis=1)]
         u = np.cross(self.normals, away)
         u *= 0.5 * SPACING_MM / np.linalg.norm(u, axis=1, keepdims=True)
-        v, centre = np.cross(self.normals, u), self.points + _ABOVE_MM * self.normals
-        corners = np.stack([centre - u - v, centre + u - v, centre + u + v, centre - u + v], axis=1).reshape(-1, 3)
+        v = np.cross(self.normals, u)
+        centre = self.points + _ABOVE_MM * self.normals
+        corners = np.stack(
+            [centre - u - v, centre + u - v, centre + u + v, centre - u + v], axis=1
+        ).reshape(-1, 3)
         squares = 4 * np.arange(len(centre))[:, None, None] + np.array([[0, 1, 2], [0, 2, 3]])
+
         return Mesh(corners, squares.reshape(-1, 3))
 
 
 def find_thin_walls(design: Design, evaluator: MeshEvaluator, part: str) -> ThinWalls:
-    """Find where a part is thinner than its minimum. The rim beside the sensor's head has a minimum of its own."""
+    """Find where a part is thinner than its minimum.
+
+    The rim beside the sensor's head has a minimum of its own.
+    """
     minimum = design.skin.min_thickness_mm if part == "skin" else design.printer.min_wall_mm
     slack = 2 * evaluator.tolerance_mm  # both faces are off by the tolerance
     found = measure_walls(evaluator.manifold(PARTS[part].solid(design)), minimum - slack)
     if part != "bone":
         return found
-    dims, (_, y, z) = design.dimensions, found.points.T
+
+    dims = design.dimensions
+    (_, y, z) = found.points.T
     beside_sensor = (z > 0.0) & (y < dims.pocket_depth - dims.flat_depth)
     is_rim = beside_sensor & (found.thickness_mm > 0.95 * design.bone.rim_mm - slack)
     kept = ~is_rim
     area = found.area_mm2 * float(kept.sum()) / max(1, len(kept))
+
     return ThinWalls(found.points[kept], found.normals[kept], found.thickness_mm[kept], area)
 
 
 def measure_walls(solid: Manifold, limit_mm: float) -> ThinWalls:
-    """Cast rays into a solid from points spread over its surface, and keep those with a wall below a limit."""
+    """Cast rays into a solid from points spread over its surface,
+    and keep those with a wall below a limit.
+    """
     mesh = to_canonical_mesh(solid)  # in the same order, however the solid was made
     corners = mesh.vertices[mesh.triangles]
     edges = corners[:, 1:] - corners[:, :1]
@@ -82,10 +95,18 @@ def measure_walls(solid: Manifold, limit_mm: float) -> ThinWalls:
     points = corners[face, 0] + s[:, None] * edges[face, 0] + t[:, None] * edges[face, 1]
     normals = across[face] / np.linalg.norm(across[face], axis=1, keepdims=True)
     thickness = np.full(count, np.inf)
-    rays = zip((points - _INSIDE_MM * normals).tolist(), (points - limit_mm * normals).tolist(), strict=True)
+    rays = zip(
+        (points - _INSIDE_MM * normals).tolist(),
+        (points - limit_mm * normals).tolist(),
+        strict=True,
+    )
+
     for i, (start, end) in enumerate(rays):
         for hit in solid.ray_cast(start, end)[:1]:
             if np.dot(hit.normal, normals[i]) < _OPPOSITE:
                 thickness[i] = np.linalg.norm(points[i] - hit.position)
+
     thin = np.isfinite(thickness)
-    return ThinWalls(points[thin], normals[thin], thickness[thin], float(sums[-1] / count * thin.sum()))
+    return ThinWalls(
+        points[thin], normals[thin], thickness[thin], float(sums[-1] / count * thin.sum())
+    )

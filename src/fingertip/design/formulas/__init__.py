@@ -1,4 +1,5 @@
-"""Formulas in closed form that rules, checks and the board share: filter, amplifiers, supply, stress and knocks.
+"""Formulas in closed form that rules, checks and the board share: filter, amplifiers, supply,
+stress and knocks.
 
 In: numbers in the units that their names end in. Out: numbers.
 

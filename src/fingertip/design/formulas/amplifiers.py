@@ -1,7 +1,9 @@
-"""Choice of the board's dual amplifier, and what the filter demands of it: stability, currents, swing.
+"""Choice of the board's dual amplifier, and what the filter demands of it: stability, currents,
+swing.
 
-The rules refuse by these formulas, which are closed forms for ideal component values. `fingertip.board.analysis.gate`
-computes the same conditions from the circuit with its preferred values, and a test compares both.
+The rules refuse by these formulas, which are closed forms for ideal component values.
+`fingertip.board.analysis.gate` computes the same conditions from the circuit with its preferred
+values, and a test compares both.
 """
 
 from __future__ import annotations
@@ -26,11 +28,12 @@ def works_on_supply(amplifier: Amplifier, board: Board) -> bool:
 
 
 def choose_amplifier(board: Board) -> Amplifier:
-    """Return the dual amplifier of a board: the one it names, or for "auto" the one that fits the variant.
+    """Return the dual amplifier of a board: the one it names, or for "auto" the one that fits the
+    variant.
 
-    The article's own board has the article's amplifier. Variant comparator has a threshold of some millivolts in
-    hardware, and five offsets add up in its envelope, so it has an amplifier of low offset. A board of several fingers
-    has twenty amplifiers, so it has those of low supply current.
+    The article's own board has the article's amplifier. Variant comparator has a threshold of some
+    millivolts in hardware, and five offsets add up in its envelope, so it has an amplifier of low
+    offset. A board of several fingers has twenty amplifiers, so it has those of low supply current.
     """
     return electronics.AMPLIFIER_CATALOGUE[
         choose_automatically(board) if board.amplifier == electronics.AUTO else board.amplifier
@@ -42,7 +45,12 @@ def choose_automatically(board: Board) -> str:
         return electronics.ARTICLE_AMPLIFIER
     if board.variant == "comparator":
         return electronics.LOW_OFFSET_AMPLIFIER
-    return electronics.LOW_POWER_AMPLIFIER if board.channels > 1 else electronics.RAIL_TO_RAIL_AMPLIFIER
+
+    return (
+        electronics.LOW_POWER_AMPLIFIER
+        if board.channels > 1
+        else electronics.RAIL_TO_RAIL_AMPLIFIER
+    )
 
 
 def find_gain_bandwidth_hz(board: Board) -> float:
@@ -50,18 +58,25 @@ def find_gain_bandwidth_hz(board: Board) -> float:
 
 
 BAND_CUTOFFS = 3.0
-"""Band of vibrations that is kept, in cutoffs: slip of the embedded finger ends at 1.5, that of the bare sensor reaches
-about 3."""
+"""Band of vibrations that is kept, in cutoffs: slip of the embedded finger ends at 1.5, that of the
+bare sensor reaches about 3.
+"""
 RAIL_DISTANCE_V = 0.5
-"""Distance from the rails at which data sheets state the output current of rail-to-rail amplifiers [V]."""
+"""Distance from the rails at which data sheets state the output
+current of rail-to-rail amplifiers [V].
+"""
 MID_RAIL_RATIO = 2.0
-"""Ratio of the current that an output gives at mid-supply to that near a rail, which data sheets state (assumed)."""
+"""Ratio of the current that an output gives at mid-supply to that near
+a rail, which data sheets state (assumed).
+"""
 DIODE_V = 0.6
 """Forward voltage of a rectifier's diode for a large signal [V]."""
-_LOW_HZ, _HIGH_HZ = 1e3, 1e9
+_LOW_HZ = 1e3
+_HIGH_HZ = 1e9
 _POINTS_PER_DECADE = 24
 _PEAK_HZ = tuple(
-    10.0 ** (point / _POINTS_PER_DECADE) for point in range(4 * _POINTS_PER_DECADE, 8 * _POINTS_PER_DECADE + 1)
+    10.0 ** (point / _POINTS_PER_DECADE)
+    for point in range(4 * _POINTS_PER_DECADE, 8 * _POINTS_PER_DECADE + 1)
 )
 """Frequencies at which a resonance is searched, over four decades [Hz]."""
 _HALVINGS = 50
@@ -71,10 +86,17 @@ Feedback = Callable[[float], complex]
 
 
 def first_stage_feedback(board: Board, amplifier: Amplifier, r5_ohm: float) -> Feedback:
-    """Feedback of the first stage: R5, with C20 where the variant has it, against R4 and the input's capacitance."""
+    """Feedback of the first stage: R5, with C20 where the variant has
+    it, against R4 and the input's capacitance.
+    """
     r4_ohm = filter_components.r4_ohm(board.passband_gain, r5_ohm)
     has_c20 = board.variant != "article"
-    c20_f = filter_components.compute_limiting_capacitor_f(r5_ohm, board.band_limit_hz) if has_c20 else 0.0
+    c20_f = (
+        filter_components.compute_limiting_capacitor_f(r5_ohm, board.band_limit_hz)
+        if has_c20
+        else 0.0
+    )
+
     return divider(r5_ohm, c20_f, r4_ohm, amplifier.input_f)
 
 
@@ -83,22 +105,30 @@ def divider(upper_ohm: float, upper_f: float, lower_ohm: float, lower_f: float) 
 
     def feedback(f_hz: float) -> complex:
         s = 2j * math.pi * f_hz
-        upper, lower = 1.0 / upper_ohm + s * upper_f, 1.0 / lower_ohm + s * lower_f
+        upper = 1.0 / upper_ohm + s * upper_f
+        lower = 1.0 / lower_ohm + s * lower_f
         return upper / (upper + lower)
 
     return feedback
 
 
 def compute_phase_margin_deg(amplifier: Amplifier, feedback: Feedback) -> float:
-    """Compute the phase margin of a loop [degree]: its phase above -180 degrees where its gain falls to 1."""
+    """Compute the phase margin of a loop [degree]: its phase above
+    -180 degrees where its gain falls to 1.
+    """
 
     def loop_gain(log_hz: float) -> complex:
         return amplifier.open_loop_gain(math.exp(log_hz)) * feedback(math.exp(log_hz))
 
-    low, high = math.log(_LOW_HZ), math.log(_HIGH_HZ)
-    loop = loop_gain(bisect(lambda log_hz: abs(loop_gain(log_hz)) > 1.0, low, high, halvings=_HALVINGS)[0])
-    # All poles of the loop together lag by less than 270 degrees, so that the phase wraps once at most.
+    low = math.log(_LOW_HZ)
+    high = math.log(_HIGH_HZ)
+    loop = loop_gain(
+        bisect(lambda log_hz: abs(loop_gain(log_hz)) > 1.0, low, high, halvings=_HALVINGS)[0]
+    )
+    # All poles of the loop together lag by less than 270 degrees, so that the phase wraps once at
+    # most.
     phase = math.degrees(math.atan2(loop.imag, loop.real))
+
     return 180.0 + (phase if phase <= 0.0 else phase - 360.0)
 
 
@@ -109,41 +139,57 @@ GOOD_PHASE_MARGIN_DEG = 45.0
 
 
 def select_rectifier_ohm(amplifier: Amplifier) -> float:
-    """Select both resistors of the precision rectifier [ohm]: small ones where the input's capacitance is large."""
+    """Select both resistors of the precision rectifier [ohm]: small
+    ones where the input's capacitance is large.
+    """
 
     def margin_deg(ohm: float) -> float:
         return compute_phase_margin_deg(amplifier, divider(ohm, 0.0, ohm, amplifier.input_f))
 
-    return next((ohm for ohm in RECTIFIER_OHMS if margin_deg(ohm) >= GOOD_PHASE_MARGIN_DEG), RECTIFIER_OHMS[-1])
+    return next(
+        (ohm for ohm in RECTIFIER_OHMS if margin_deg(ohm) >= GOOD_PHASE_MARGIN_DEG),
+        RECTIFIER_OHMS[-1],
+    )
 
 
 def compute_peaking_db(amplifier: Amplifier, feedback: Feedback, passband_gain: float) -> float:
-    """Compute the ratio of the largest gain of both filter stages beyond the band to the passband's [dB]."""
+    """Compute the ratio of the largest gain of both filter stages
+    beyond the band to the passband's [dB].
+    """
     largest = 0.0
     for f_hz in _PEAK_HZ:
         gain = amplifier.open_loop_gain(f_hz)
         largest = max(largest, abs(gain / (1.0 + gain * feedback(f_hz)) * gain / (1.0 + gain)))
+
     return 20.0 * math.log10(largest / passband_gain)
 
 
 def input_swing_v(board: Board, amplifier: Amplifier) -> float:
-    """Smaller swing of a follower around the signal ground [V], typical: of its output or its input."""
+    """Smaller swing of a follower around the signal ground [V],
+    typical: of its output or its input.
+    """
     headroom_v = filter_components.smaller_headroom_v(board)
     return headroom_v - max(amplifier.output_from_rail_v, amplifier.input_from_lower_v[0])
 
 
 def loaded_swing_v(board: Board, amplifier: Amplifier) -> float:
-    """Amplitude for which output currents are compared [V]: no nearer to a rail than data sheets state them."""
-    return min(input_swing_v(board, amplifier), filter_components.smaller_headroom_v(board) - RAIL_DISTANCE_V)
+    """Amplitude for which output currents are compared [V]: no
+    nearer to a rail than data sheets state them.
+    """
+    return min(
+        input_swing_v(board, amplifier),
+        filter_components.smaller_headroom_v(board) - RAIL_DISTANCE_V,
+    )
 
 
 @functools.cache
 def section_currents() -> tuple[float, float, float]:
-    """Currents of the Sallen-Key section over (2 pi f_c C V), at most in the band of the vibrations.
+    """Currents of the Sallen-Key section over (2 pi f_c C V), at most in the band of the
+    vibrations.
 
-    Those of the first stage's output, of the second's, and of R3, for a first stage that swings by V in its passband.
-    With s = j f / f_c the section is s^2 / (1 + s + s^2), and the node between C2 and C3 stands (1 + 2 s) / (2 s) above
-    the amplifier's input.
+    Those of the first stage's output, of the second's, and of R3, for a first stage that swings by
+    V in its passband. With s = j f / f_c the section is s^2 / (1 + s + s^2), and the node between
+    C2 and C3 stands (1 + 2 s) / (2 s) above the amplifier's input.
     """
     largest = [0.0, 0.0, 0.0]
     for point in range(_POINTS_PER_DECADE):
@@ -153,26 +199,35 @@ def section_currents() -> tuple[float, float, float]:
         middle = output * (1.0 + 2.0 * s) / (2.0 * s)
         for i, current in enumerate((s * (first - middle), 2.0 * (output - middle), 0.5 * output)):
             largest[i] = max(largest[i], abs(current))
+
     return largest[0], largest[1], largest[2]
 
 
 def compute_filter_current_a(board: Board) -> float:
-    """Compute the larger output current of both filter amplifiers [A] for the largest signal, without the rectifier."""
+    """Compute the larger output current of both filter amplifiers [A]
+    for the largest signal, without the rectifier.
+    """
     amplitude_v = loaded_swing_v(board, choose_amplifier(board))
     first, second, _ = section_currents()
-    scale = math.tau * board.cutoff_hz * filter_components.to_farads(board.capacitor_uf) * amplitude_v
+    scale = (
+        math.tau * board.cutoff_hz * filter_components.to_farads(board.capacitor_uf) * amplitude_v
+    )
+
     return max(first * scale + amplitude_v / board.r5_ohm, second * scale)
 
 
 def compute_charging_current_a(peak_v: float, f_hz: float, ohm: float, farad: float) -> float:
-    """Compute the peak current of a peak detector in its steady state [A], for a sine behind a diode with a fixed drop.
+    """Compute the peak current of a peak detector in its steady state [A], for a sine behind a
+    diode with a fixed drop.
 
-    The capacitor keeps the peak less the drop, V, decays through the resistor, and is charged again from the angle at
-    which the sine less the drop meets it. The current, C dv/dt + v / R, is largest there or a little later.
+    The capacitor keeps the peak less the drop, V, decays through the resistor, and is charged again
+    from the angle at which the sine less the drop meets it. The current, C dv/dt + v / R, is
+    largest there or a little later.
     """
     top_v = peak_v - DIODE_V
     if top_v <= 0.0:
         return 0.0
+
     omega = math.tau * f_hz
 
     def is_kept(angle: float) -> bool:
@@ -181,11 +236,16 @@ def compute_charging_current_a(peak_v: float, f_hz: float, ohm: float, farad: fl
 
     low, _ = bisect(is_kept, math.asin(DIODE_V / peak_v), math.pi / 2.0, halvings=_HALVINGS)
     angles = (low + i / 8.0 * (math.pi / 2.0 - low) for i in range(9))
-    return max(farad * omega * peak_v * math.cos(a) + (peak_v * math.sin(a) - DIODE_V) / ohm for a in angles)
+    return max(
+        farad * omega * peak_v * math.cos(a) + (peak_v * math.sin(a) - DIODE_V) / ohm
+        for a in angles
+    )
 
 
 def compute_envelope_current_a(board: Board, c_lp_f: float) -> float:
-    """Compute the peak current into variant article's envelope capacitor [A] for the largest and fastest vibration."""
+    """Compute the peak current into variant article's envelope
+    capacitor [A] for the largest and fastest vibration.
+    """
     amplitude_v = loaded_swing_v(board, choose_amplifier(board))
     r_lp_ohm = filter_components.r_lp_ohm(board.envelope_cutoff_hz, c_lp_f)
     return compute_charging_current_a(amplitude_v, BAND_CUTOFFS * board.cutoff_hz, r_lp_ohm, c_lp_f)

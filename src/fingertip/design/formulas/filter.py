@@ -1,7 +1,8 @@
 """Formulas for the filter's component values and its supply, which the rules and the board share.
 
-The filter is a third-order Butterworth high-pass: a first-order stage (R1, C1) and a unity-gain Sallen-Key stage (C2,
-C3, R2, R3), with all three capacitors equal to C (article, eqs. 2, 5, 6, 7, 11) and omega_c = 2 pi f_c.
+The filter is a third-order Butterworth high-pass: a first-order stage (R1, C1) and a unity-gain
+Sallen-Key stage (C2, C3, R2, R3), with all three capacitors equal to C (article, eqs. 2, 5, 6, 7,
+11) and omega_c = 2 pi f_c.
 
 On a board for a controller its signals swing around the signal ground, in the middle of the supply.
 """
@@ -21,9 +22,13 @@ SECTION_QUALITY = math.sqrt(B2) / A2
 """Quality factor Q of the second-order section, eq. (8)."""
 
 MIN_OHM = 10.0
-"""Minimum resistance [ohm]. Below it the amplifier's output resistance and the tracks are no longer negligible."""
+"""Minimum resistance [ohm].
+Below it the amplifier's output resistance and the tracks are no longer negligible.
+"""
 MAX_OHM = 10e6
-"""Maximum resistance [ohm]. Above it leakage and the amplifier's input resistance are no longer negligible."""
+"""Maximum resistance [ohm].
+Above it leakage and the amplifier's input resistance are no longer negligible.
+"""
 
 
 @dataclass(frozen=True)
@@ -42,7 +47,9 @@ class FilterComponents:
 
 
 def r1_ohm(cutoff_hz: float, c_f: float) -> float:
-    """R1 = 1 / (a1 C omega_c) [ohm], eq. (5), for f_c [Hz] and C [F]; infinite where the product underflows."""
+    """R1 = 1 / (a1 C omega_c) [ohm], eq. (5), for f_c [Hz] and C
+    [F]; infinite where the product underflows.
+    """
     return _ratio(1.0, A1 * c_f * math.tau * cutoff_hz)
 
 
@@ -67,7 +74,10 @@ def r_lp_ohm(envelope_cutoff_hz: float, c_lp_f: float) -> float:
 
 
 def ideal_components(board: Board) -> FilterComponents:
-    """Compute the values by the formulas, with the design's capacitors and R5. The function never raises."""
+    """Compute the values by the formulas, with the design's capacitors and R5.
+
+    The function never raises.
+    """
     c_f = to_farads(board.capacitor_uf)
     c_lp_f = to_farads(board.envelope_capacitor_uf)
     return FilterComponents(
@@ -83,11 +93,18 @@ def ideal_components(board: Board) -> FilterComponents:
 
 
 MAX_1206_F = 10e-6
-"""Largest capacitor of the filter and the envelope [F]: the largest X7R for 16 V that is available in size 1206."""
-MIN_SELECTABLE_F, MAX_SELECTABLE_F = 100e-12, MAX_1206_F
-"""Range of the capacitors that the board selects itself [F]. The tracks' capacitance is not negligible below it."""
+"""Largest capacitor of the filter and the envelope [F]: the largest
+X7R for 16 V that is available in size 1206.
+"""
+MIN_SELECTABLE_F = 100e-12
+MAX_SELECTABLE_F = MAX_1206_F
+"""Range of the capacitors that the board selects itself [F].
+The tracks' capacitance is not negligible below it.
+"""
 SELECTABLE_R1_OHM = (2e3, 20e3)
-"""Range of R1 for a capacitor that the board selects: low for bias and noise, high enough for an amplifier to drive."""
+"""Range of R1 for a capacitor that the board selects: low for bias and
+noise, high enough for an amplifier to drive.
+"""
 SELECTABLE_R_LP_OHM = (1e3, 10e3)
 """Range of R_LP for a capacitor that the board selects. The diode or the rectifier drives it."""
 
@@ -101,28 +118,38 @@ def _ratio(numerator: float, denominator: float) -> float:
     return numerator / denominator if denominator else math.inf
 
 
-MIN_LIMITING_CAPACITOR_F, MAX_LIMITING_CAPACITOR_F = 10e-12, 1e-6
-"""Range of the capacitor across R5 [F]. Below it the resistor's own capacitance is not negligible, and above it there
-is no capacitor of its size."""
+MIN_LIMITING_CAPACITOR_F = 10e-12
+MAX_LIMITING_CAPACITOR_F = 1e-6
+"""Range of the capacitor across R5 [F]. Below it the resistor's own capacitance is not negligible,
+and above it there is no capacitor of its size.
+"""
 
 
 def compute_limiting_capacitor_f(r5_ohm: float, band_limit_hz: float) -> float:
-    """C = 1 / (omega R5) [F] across R5: above the band limit [Hz] the first stage's gain falls towards 1."""
+    """C = 1 / (omega R5) [F] across R5: above the band limit [Hz]
+    the first stage's gain falls towards 1.
+    """
     return 1.0 / (math.tau * r5_ohm * band_limit_hz)
 
 
 SERIES_CAPACITORS_UF = (1.0, 2.2, 4.7, 10.0, 22.0, 47.0, 100.0)
-"""Ceramic capacitors available in size 1206 [uF]; those above 10 uF for 6.3 V, with no direct voltage across them."""
+"""Ceramic capacitors available in size 1206 [uF]; those above 10 uF
+for 6.3 V, with no direct voltage across them.
+"""
 MIN_CUTOFF_RATIO = 10.0
-"""Minimum ratio of the cutoff to the corner frequency of R4 and its series capacitor. The gain at the cutoff is then
-reduced by at most 0.5 %."""
+"""Minimum ratio of the cutoff to the corner frequency of R4 and its series capacitor. The gain at
+the cutoff is then reduced by at most 0.5 %.
+"""
 
-VMID_TOP_OHM, VMID_BOTTOM_OHM = 51e3, 51e3
+VMID_TOP_OHM = 51e3
+VMID_BOTTOM_OHM = 51e3
 """Divider of VMID [ohm]. With its capacitor it filters the supply's ripple above 0.6 Hz."""
 
 
 def signal_ground_ratio(board: Board) -> float:
-    """Voltage of the signal ground above ground as a ratio of the supply voltage: 0 on a split supply."""
+    """Voltage of the signal ground above ground as a ratio of
+    the supply voltage: 0 on a split supply.
+    """
     return VMID_BOTTOM_OHM / (VMID_TOP_OHM + VMID_BOTTOM_OHM) if board.is_for_controller else 0.0
 
 
@@ -141,45 +168,64 @@ def filtered_range_v(board: Board, adc_range_v: float) -> float | None:
     """Largest deviation of the filtered signal from its rest that board and converter pass [V]."""
     if not board.is_for_controller:
         return None
+
     rest_v = signal_ground_ratio(board) * board.supply_v
     return min(rest_v, min(board.supply_v, adc_range_v) - rest_v)
 
 
-# Data-sheet figures of variant comparator's LMV331 and limits of the low-pass ahead of it, for rules and the board.
+# Data-sheet figures of variant comparator's LMV331 and limits of the low-pass ahead of it, for
+# rules and the board.
 
 MIN_COMPARATOR_V = 0.011
-"""Minimum threshold [V]. Lower thresholds would need a hysteresis resistor above 10 Mohm, and an offset of 7 mV would
-be most of the threshold."""
-BIAS_A, MAX_BIAS_A = 25e-9, 250e-9
-"""Input bias current out of the comparator [A], typical and maximum at 25 degrees Celsius. It raises the averaged
-envelope by the voltage across R18."""
-COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V = 1.7e-3, 7e-3
+"""Minimum threshold [V]. Lower thresholds would need a hysteresis resistor above 10 Mohm, and an
+offset of 7 mV would be most of the threshold.
+"""
+BIAS_A = 25e-9
+MAX_BIAS_A = 250e-9
+"""Input bias current out of the comparator [A], typical and maximum at 25 degrees Celsius. It
+raises the averaged envelope by the voltage across R18.
+"""
+COMPARATOR_OFFSET_V = 1.7e-3
+MAX_COMPARATOR_OFFSET_V = 7e-3
 """Input offset voltage of the comparator [V], typical and maximum."""
 MAX_BIAS_RATIO = 0.5
 """Maximum ratio of the voltage that the bias current causes to the threshold."""
 
 AVERAGING_OHM = 15e3
-"""Approximate R18 [ohm] of the averaging low-pass. A larger one raises the bias error, a smaller one needs a larger
-capacitor."""
+"""Approximate R18 [ohm] of the averaging low-pass. A larger one raises the bias error, a smaller
+one needs a larger capacitor.
+"""
 MAX_AVERAGING_F = 1e-6
 """Largest C17 of the averaging low-pass [F]: the largest X7R of size 0603."""
 
 
 def max_window_s(threshold_v: float) -> float:
-    """Longest window [s] that R18 and C17 can average at a threshold [V]: twice their largest time constant."""
+    """Longest window [s] that R18 and C17 can average at a
+    threshold [V]: twice their largest time constant.
+    """
     max_ohm = MAX_BIAS_RATIO * threshold_v / MAX_BIAS_A
     return 2.0 * max_ohm * MAX_AVERAGING_F
 
 
-HOT_BIAS_A, COMPARATOR_DRIFT_V_PER_K = 400e-9, 5e-6
-"""Maximum input bias current over temperature [A], and drift of the comparator's offset [V/K], average."""
+HOT_BIAS_A = 400e-9
+COMPARATOR_DRIFT_V_PER_K = 5e-6
+"""Maximum input bias current over temperature [A], and drift of
+the comparator's offset [V/K], average.
+"""
 TRIMMER_TOLERANCE = 0.2
 """Tolerance of the trimmer's resistance (a usual figure; unverified)."""
-MIN_TEMPERATURE_C, MAX_TEMPERATURE_C, DATA_SHEET_C = 0.0, 50.0, 25.0
-"""Range of temperatures for which worst cases are stated, and the temperature of data-sheet figures [C]."""
+MIN_TEMPERATURE_C = 0.0
+MAX_TEMPERATURE_C = 50.0
+DATA_SHEET_C = 25.0
+"""Range of temperatures for which worst cases are stated, and the
+temperature of data-sheet figures [C].
+"""
 
 # E96 is 10^(i/96) to three digits; E12 and E24 follow no formula throughout.
-_E24 = (10, 11, 12, 13, 15, 16, 18, 20, 22, 24, 27, 30, 33, 36, 39, 43, 47, 51, 56, 62, 68, 75, 82, 91)
+_E24 = (
+    10, 11, 12, 13, 15, 16, 18, 20, 22, 24, 27, 30,
+    33, 36, 39, 43, 47, 51, 56, 62, 68, 75, 82, 91,
+)  # fmt: skip
 MANTISSAS: dict[str, tuple[int, ...]] = {
     "E6": _E24[::4],
     "E12": _E24[::2],
@@ -195,10 +241,15 @@ _TOLERANCE = 1e-9
 
 
 def find_preferred_neighbours(value: float, series: str = CAPACITOR_SERIES) -> tuple[float, float]:
-    """Find the largest preferred value up to a positive one (any unit), and the smallest from it on."""
+    """Find the largest preferred value up to a positive one
+    (any unit), and the smallest from it on.
+    """
     decade = MANTISSAS[series]
     exponent = math.floor(math.log10(value)) - len(str(decade[0])) + 1
-    values = [_scale(mantissa, e) for e in (exponent - 1, exponent, exponent + 1) for mantissa in decade]
+    values = [
+        _scale(mantissa, e) for e in (exponent - 1, exponent, exponent + 1) for mantissa in decade
+    ]
+
     return (
         max(v for v in values if v <= value * (1.0 + _TOLERANCE)),
         min(v for v in values if v >= value * (1.0 - _TOLERANCE)),

@@ -1,10 +1,12 @@
-"""Formulas of strength: stress concentrations at a shoulder with a fillet and at a hole, and the force of a knock.
+"""Formulas of strength: stress concentrations at a shoulder with a fillet and at a hole, and the
+force of a knock.
 
-From W. C. Young, R. G. Budynas, A. M. Sadegh, Roark's Formulas for Stress and Strain, 8th ed., 2012: table 17.1 for
-shoulder and hole, chapter 16 for the knock. A mass that hits something hard is stopped by the pad and by the bone
-behind it, two springs in series. At a force F they have taken the energy F d / 3 + F^2 / (2 k), which is m v^2 / 2 at
-the largest force. The bone has the stiffness k; the pad's force grows with the square of its indentation d, as the
-layer model finds from 5 to 100 N. Nothing else gives way and nothing is damped, so the force is an upper bound.
+From W. C. Young, R. G. Budynas, A. M. Sadegh, Roark's Formulas for Stress and Strain, 8th ed.,
+2012: table 17.1 for shoulder and hole, chapter 16 for the knock. A mass that hits something hard is
+stopped by the pad and by the bone behind it, two springs in series. At a force F they have taken
+the energy F d / 3 + F^2 / (2 k), which is m v^2 / 2 at the largest force. The bone has the
+stiffness k; the pad's force grows with the square of its indentation d, as the layer model finds
+from 5 to 100 N. Nothing else gives way and nothing is damped, so the force is an upper bound.
 """
 
 from __future__ import annotations
@@ -12,48 +14,64 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-MIN_RATIO, MAX_RATIO = 0.25, 20.0
+MIN_RATIO = 0.25
+MAX_RATIO = 20.0
 """Range of the step's height over the fillet's radius in which the formula holds."""
 VON_MISES_SHEAR = math.sqrt(3.0)
 """Tensile stress that is equivalent to a shear stress of 1 (von Mises)."""
 
 
 def shoulder_in_bending(large_mm: float, small_mm: float, fillet_mm: float) -> float:
-    """Factor at a shoulder between two round shafts. It multiplies the stress of the thinner one."""
+    """Factor at a shoulder between two round shafts.
+
+    It multiplies the stress of the thinner one.
+    """
     h = (large_mm - small_mm) / 2
     if h <= 0.0:
         return 1.0
+
     q = min(max(h / fillet_mm if fillet_mm > 0.0 else math.inf, MIN_RATIO), MAX_RATIO)
     root = math.sqrt(q)
     if q <= 2.0:
-        c1, c2 = 0.927 + 1.149 * root - 0.086 * q, 0.015 - 3.281 * root + 0.837 * q
-        c3, c4 = 0.847 + 1.716 * root - 0.506 * q, -0.790 + 0.417 * root - 0.246 * q
+        c1 = 0.927 + 1.149 * root - 0.086 * q
+        c2 = 0.015 - 3.281 * root + 0.837 * q
+        c3 = 0.847 + 1.716 * root - 0.506 * q
+        c4 = -0.790 + 0.417 * root - 0.246 * q
     else:
-        c1, c2 = 1.225 + 0.831 * root - 0.010 * q, -3.790 + 0.958 * root - 0.257 * q
-        c3, c4 = 7.374 - 4.834 * root + 0.862 * q, -3.809 + 3.046 * root - 0.595 * q
+        c1 = 1.225 + 0.831 * root - 0.010 * q
+        c2 = -3.790 + 0.958 * root - 0.257 * q
+        c3 = 7.374 - 4.834 * root + 0.862 * q
+        c4 = -3.809 + 3.046 * root - 0.595 * q
+
     s = 2 * h / large_mm
     return max(1.0, c1 + s * (c2 + s * (c3 + s * c4)))
 
 
 def hole_in_tension(hole_mm: float, width_mm: float) -> float:
-    """Factor at a hole in the middle of a flat bar, on the stress of the section beside it; smaller in bending."""
+    """Factor at a hole in the middle of a flat bar, on the stress of
+    the section beside it; smaller in bending.
+    """
     s = min(hole_mm / width_mm, 1.0)
     return 3.0 - 3.13 * s + 3.66 * s * s - 1.53 * s**3
 
 
-PIN, PIN_IN_EYE, STEEL_IN_EYE, STEEL_MPA = "pin of the joint", 2.8, 3.65, 200e3
-"""Name of the place, the factors at the bore of an eye on which a pin of its own material pulls, and one of steel, on
-the stress of the section beside it at the end where the pin presses most, and the modulus of steel [MPa]. Own finite
-elements with contact (tests/cad/test_bone_elements.py) found 2.7 at bores of 0.29 to 0.31 times the height, and with
-steel 2.7 to 3.6 at those of 0.27 to 0.31."""
+PIN = "pin of the joint"
+PIN_IN_EYE = 2.8
+STEEL_IN_EYE = 3.65
+STEEL_MPA = 200e3
+"""Name of the place, the factors at the bore of an eye on which a pin of its own material pulls,
+and one of steel, on the stress of the section beside it at the end where the pin presses most, and
+the modulus of steel [MPa]. Own finite elements with contact (tests/cad/test_bone_elements.py) found
+2.7 at bores of 0.29 to 0.31 times the height, and with steel 2.7 to 3.6 at those of 0.27 to 0.31.
+"""
 
 
 def pin_peak(thickness_mm: float, pin_mm: float, stiffness: float = 1.0) -> float:
     """Largest pressure of a pin along a cheek that it pulls at one end, over the mean one.
 
-    The pin is a beam on an elastic bed, whose end stays straight in the part between the cheeks (M. Hetenyi, Beams on
-    elastic foundation, 1946, chapter 3). The bed is as stiff as the cheek's material; `stiffness` is the modulus of the
-    pin over that of the cheek.
+    The pin is a beam on an elastic bed, whose end stays straight in the part between the cheeks (M.
+    Hetenyi, Beams on elastic foundation, 1946, chapter 3). The bed is as stiff as the cheek's
+    material; `stiffness` is the modulus of the pin over that of the cheek.
     """
     x: float = 2 * thickness_mm / pin_mm * (16 / math.pi / stiffness) ** 0.25
     return x / 2 * (math.cosh(x) + math.cos(x) + 2) / (math.sinh(x) + math.sin(x))
@@ -70,19 +88,25 @@ class StressFactors:
         return StressFactors(max(self.width, other.width), max(self.height, other.height))
 
 
-AT_CORNER, CORNER_REACH_MM = StressFactors(1.6, 1.6), 1.0
+AT_CORNER = StressFactors(1.6, 1.6)
+CORNER_REACH_MM = 1.0
 """Stress concentration beside a corner that is not rounded, and how far it acts [mm].
 
-Own finite elements (tests/cad/test_bone_elements.py) found 1.4 to 1.6 at collars of 2 and 6 mm. Formulas of shoulders
-would give 2 to 2.5: they hold for shafts that stay thick.
+Own finite elements (tests/cad/test_bone_elements.py) found 1.4 to 1.6 at collars of 2 and 6 mm.
+Formulas of shoulders would give 2 to 2.5: they hold for shafts that stay thick.
 """
-FOOT_REACH, OF_CHORDS = 2.0, 1.15
-"""Length along which a fillet raises the stress, in radii from the root, and how much more its chords raise it than the
-arc would. Finite elements of posts found 1.07 to 1.12."""
+FOOT_REACH = 2.0
+OF_CHORDS = 1.15
+"""Length along which a fillet raises the stress, in radii from the root, and how much more its
+chords raise it than the arc would. Finite elements of posts found 1.07 to 1.12.
+"""
 
 
 def at_foot(
-    large_mm: tuple[float, float], small_mm: tuple[float, float], fillet_mm: float, from_root_mm: float
+    large_mm: tuple[float, float],
+    small_mm: tuple[float, float],
+    fillet_mm: float,
+    from_root_mm: float,
 ) -> StressFactors:
     """Find the factors at a distance from the root of a drawn fillet, in its thin part.
 
@@ -90,13 +114,18 @@ def at_foot(
     """
     if not 0.0 <= from_root_mm <= FOOT_REACH * fillet_mm:
         return StressFactors()
-    found = (shoulder_in_bending(*sizes, fillet_mm) for sizes in zip(large_mm, small_mm, strict=True))
+
+    found = (
+        shoulder_in_bending(*sizes, fillet_mm) for sizes in zip(large_mm, small_mm, strict=True)
+    )
     return StressFactors(*(OF_CHORDS * factor if factor > 1.0 else 1.0 for factor in found))
 
 
 @dataclass(frozen=True)
 class LocalStress:
-    """Stress at one place per newton of load on the fingertip, apart from that of cross-sections in bending."""
+    """Stress at one place per newton of load on the fingertip,
+    apart from that of cross-sections in bending.
+    """
 
     place: str
     z_mm: float
@@ -127,12 +156,18 @@ class Springs:
         return 1e-3 * (force_n * indentation_mm / 3 + force_n**2 / (2 * self.bone_n_per_mm))
 
     def force_n(self, mass_kg: float, speed_m_s: float) -> float:
-        """Find the largest force of a knock by Newton's method, from that without a pad, which is larger."""
+        """Find the largest force of a knock by Newton's method,
+        from that without a pad, which is larger.
+        """
         energy_j = mass_kg * speed_m_s**2 / 2
         force = speed_m_s * math.sqrt(1e3 * self.bone_n_per_mm * mass_kg)
+
         for _ in range(_STEPS):
-            slope = 1e-3 * (self.pad_mm * math.sqrt(force / PRESSED_N) / 2 + force / self.bone_n_per_mm)
+            slope = 1e-3 * (
+                self.pad_mm * math.sqrt(force / PRESSED_N) / 2 + force / self.bone_n_per_mm
+            )
             force -= (self.energy_j(force) - energy_j) / slope
+
         return force
 
     def speed_m_s(self, mass_kg: float, force_n: float) -> float:

@@ -1,9 +1,12 @@
-"""Geometry derived from the parameters, and the tables of a design with it: every length that parts and rules share.
+"""Geometry derived from the parameters, and the tables of a design with it: every length that parts
+and rules share.
 
-In: parameters within their own bounds, not yet checked by the rules. Out: lengths [mm], outlines and solids.
+In: parameters within their own bounds, not yet checked by the rules. Out: lengths [mm], outlines
+and solids.
 
 >>> from fingertip.design.geometry import DesignTables
->>> DesignTables().with_values({"skin.length_mm": 40.0, "sensor.distance_from_tip_mm": 12.0}).dimensions.sensor_z
+>>> changes = {"skin.length_mm": 40.0, "sensor.distance_from_tip_mm": 12.0}
+>>> DesignTables().with_values(changes).dimensions.sensor_z
 28.0
 """
 
@@ -28,9 +31,13 @@ class DesignTables(Tables):
         return MoldLayout(self, self.dimensions)
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Copy the tables with changes. What is derived is kept only if no table that it depends on changes."""
+        """Copy the tables with changes.
+
+        What is derived is kept only if no table that it depends on changes.
+        """
         copy = super().model_copy(update=update, deep=deep)
         if not ELECTRONIC_TABLES.issuperset(update or ()):
             for name in ("dimensions", "mold_layout"):
                 copy.__dict__.pop(name, None)
+
         return copy

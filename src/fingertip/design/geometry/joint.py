@@ -1,10 +1,10 @@
 """Joint of a clevis, and the anchor of its tendon.
 
-The fingertip turns on the pin of a clevis. The hand's knuckle, a tongue or a fork, is round about the pin within a
-clearance radius, and its shoulder is a plane at that distance behind the pin. The eyes of the bone are round about the
-pin too, but a joint clearance smaller. Two flats at the full radius meet the shoulder where the finger is straight and
-where it is bent to the end of its travel: they are its hard stops. Without stops the eyes are round all over, and
-narrower.
+The fingertip turns on the pin of a clevis. The hand's knuckle, a tongue or a fork, is round about
+the pin within a clearance radius, and its shoulder is a plane at that distance behind the pin. The
+eyes of the bone are round about the pin too, but a joint clearance smaller. Two flats at the full
+radius meet the shoulder where the finger is straight and where it is bent to the end of its travel:
+they are its hard stops. Without stops the eyes are round all over, and narrower.
 """
 
 from __future__ import annotations
@@ -28,13 +28,17 @@ class Joint:
     """Radius within which the hand's knuckle lies, and distance of its shoulder behind the axis."""
     clearance: float
     is_fork: bool
-    """True if the bone is a fork around the hand's tongue, false if it is a tongue in the hand's fork."""
+    """True if the bone is a fork around the hand's tongue, false
+    if it is a tongue in the hand's fork.
+    """
     half_width: float
     """Half the width between the bone's cheeks, or of its tongue."""
     travel_deg: float
     """Angle between the hard stops; 0 without stops."""
     foot: float
-    """Radius of the fillet at the root of the eyes; 0 where they are as wide and as high as the base."""
+    """Radius of the fillet at the root of the eyes; 0 where they
+    are as wide and as high as the base.
+    """
 
     @property
     def printed_pin_radius(self) -> float:
@@ -57,7 +61,9 @@ class Joint:
 HORN_RADIUS_MM = 4.0
 """Radius of the horns, over which the tendon turns from around the base towards the hand [mm]."""
 MIN_HORN_RADIUS_MM = 2.0
-"""Least radius of the horns, on a short or low base [mm]. Five times that of a tendon of 0.8 mm. An assumption."""
+"""Least radius of the horns, on a short or low base [mm].
+Five times that of a tendon of 0.8 mm. An assumption.
+"""
 BESIDE_LINE_MM = 0.4
 """Room along the finger beside the tendon in its groove [mm]."""
 
@@ -66,7 +72,8 @@ BESIDE_LINE_MM = 0.4
 class TendonAnchor:
     """Loop of the tendon around the base, in a groove behind the collar [mm].
 
-    Its strands come down both sides, turn over a round shoulder, the horn, and leave along the palmar corners.
+    Its strands come down both sides, turn over a round shoulder, the horn, and leave along the
+    palmar corners.
     """
 
     y: float
@@ -79,7 +86,9 @@ class TendonAnchor:
     low_z: float
     """Proximal wall of the groove, where the horns begin."""
     high_z: float
-    """Height at which the foot of the collar begins to slope outwards, so that it prints without supports."""
+    """Height at which the foot of the collar begins to slope
+    outwards, so that it prints without supports.
+    """
     horn_radius: float
 
     @property

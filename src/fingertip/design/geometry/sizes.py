@@ -1,7 +1,9 @@
-"""Sizes on a part's drawing: what is dimensioned, in which view, with which tolerance, and what to do if it is out.
+"""Sizes on a part's drawing: what is dimensioned, in which view, with which tolerance, and what to
+do if it is out.
 
-Both ends of a length are points in the frame of the part, taken from the dimensions of the design. The number on the
-sheet is what calipers read on the print: the distance between them, and what the printer adds to it.
+Both ends of a length are points in the frame of the part, taken from the dimensions of the design.
+The number on the sheet is what calipers read on the print: the distance between them, and what the
+printer adds to it.
 """
 
 from __future__ import annotations
@@ -15,11 +17,15 @@ from fingertip.design.parameters import Tables
 
 GENERAL = "ISO 2768-m"
 _GENERAL_MM = ((6.0, 0.1), (30.0, 0.2), (120.0, 0.3), (400.0, 0.5))
-"""Largest nominal size and its permissible deviation, class m of ISO 2768-1. Its first class begins at 0.5 mm."""
+"""Largest nominal size and its permissible deviation, class m of ISO 2768-1.
+Its first class begins at 0.5 mm.
+"""
 _SHARE = 0.5
 """Share of a clearance that a tolerance may take. An assumption."""
 MIN_TOLERANCE_MM = 0.05
-"""Least deviation that calipers tell apart on a print [mm]. An assumption: they are accurate to some 0.03 mm."""
+"""Least deviation that calipers tell apart on a print [mm].
+An assumption: they are accurate to some 0.03 mm.
+"""
 FIT = "fit, try"
 """Text in place of a tolerance that calipers cannot check."""
 
@@ -37,6 +43,7 @@ class Tolerance:
             return FIT
         if round(self.high + self.low, 2) == 0.0:
             return f"±{_deviation_text(self.high)}"
+
         upper, lower = (_deviation_text(d, "+" if d > 0.0 else "-") for d in (self.high, self.low))
         return f"{upper}/{lower}"
 
@@ -46,7 +53,9 @@ def size_text(value: float) -> str:
 
 
 def _deviation_text(deviation: float, sign: str = "") -> str:
-    """Write a deviation; what a hundredth cannot express is left out, so that the tolerance is never wider."""
+    """Write a deviation; what a hundredth cannot express is left
+    out, so that the tolerance is never wider.
+    """
     hundredths = math.floor(abs(deviation) * 100.0 + 1e-6)
     return f"{sign if hundredths else ''}{hundredths / 100.0:g}"
 
@@ -56,28 +65,42 @@ def symmetric(deviation: float) -> Tolerance:
 
 
 def general(size: float) -> Tolerance:
-    return symmetric(next((deviation for limit, deviation in _GENERAL_MM if size <= limit), _GENERAL_MM[-1][1]))
+    return symmetric(
+        next((deviation for limit, deviation in _GENERAL_MM if size <= limit), _GENERAL_MM[-1][1])
+    )
 
 
 def located(design: Tables, size: float) -> Tolerance:
-    """Tolerance of a size between two surfaces that locate bone or core: the play in the mold counts on it."""
+    """Tolerance of a size between two surfaces that locate bone or
+    core: the play in the mold counts on it.
+    """
     error = 2.0 * design.printer.surface_error_mm
     return symmetric(max(error, MIN_TOLERANCE_MM)) if error else general(size)
 
 
 def clearance(gap: float) -> Tolerance:
-    """Tolerance of a size that leaves a `gap` [mm] in the print to its counterpart, of which half must be left."""
+    """Tolerance of a size that leaves a `gap` [mm] in the print to
+    its counterpart, of which half must be left.
+    """
     return symmetric(_SHARE * max(gap, 0.0))
 
 
 def shared_clearance(gap: float) -> Tolerance:
-    """Tolerance of a size if its counterpart is printed too and takes as much of the `gap` [mm] in the print."""
+    """Tolerance of a size if its counterpart is printed too and
+    takes as much of the `gap` [mm] in the print.
+    """
     return clearance(gap / 2.0)
 
 
 def bore(design: Tables) -> Tolerance:
-    """Tolerance of a bore that is reamed to its pin: never wider than the print's error on both sides."""
-    return Tolerance(-2.0 * design.printer.surface_error_mm, 0.0) if design.printer.surface_error_mm else symmetric(0.1)
+    """Tolerance of a bore that is reamed to its pin: never wider
+    than the print's error on both sides.
+    """
+    return (
+        Tolerance(-2.0 * design.printer.surface_error_mm, 0.0)
+        if design.printer.surface_error_mm
+        else symmetric(0.1)
+    )
 
 
 ViewName = Literal["front", "dorsal", "palmar", "end", "section"]
@@ -85,10 +108,17 @@ Side = Literal["above", "below", "left", "right"]
 ARROW_DEG = 5.0
 """Angle between the end of an arc and the arrow that points to it."""
 AXES: dict[Axis, int] = {"x": 0, "y": 1, "z": 2}
-OUTER, INNER, STEP = 1.0, -1.0, 0.0
-"""Growth of a length between two faces that look outwards, inwards, or the same way; of one between two axes, 0."""
-BEHIND_FACE, BEFORE_FACE = 0.5, -0.5
-"""Growth of a length between a face and an axis that lies in the material behind it, or in the air before it."""
+OUTER = 1.0
+INNER = -1.0
+STEP = 0.0
+"""Growth of a length between two faces that look outwards, inwards,
+or the same way; of one between two axes, 0.
+"""
+BEHIND_FACE = 0.5
+BEFORE_FACE = -0.5
+"""Growth of a length between a face and an axis that lies in the
+material behind it, or in the air before it.
+"""
 FINISHED = 0.0
 """Growth of a hole that is drilled or reamed to its size."""
 SCALE_REMEDY = "correct printer.scale_percent"
@@ -113,7 +143,9 @@ class Length:
     action: str = ""
     """Remedy if the size is out of tolerance. Sizes with one are those to check."""
     is_reference: bool = False
-    """True if no surface lies at one of its ends, so that calipers cannot measure it: it stands in parentheses."""
+    """True if no surface lies at one of its ends, so that calipers
+    cannot measure it: it stands in parentheses.
+    """
     added_mm: float = 0.0
 
     @property
@@ -132,11 +164,15 @@ class Length:
 
 @dataclass(frozen=True)
 class Circle:
-    """Diameter of circles, or radius of an arc, seen along their axis; one of them is dimensioned."""
+    """Diameter of circles, or radius of an arc, seen along their axis; one of them is
+    dimensioned.
+    """
 
     name: str
     growth: float
-    """Share of printer.offset_mm that the print's diameter, or radius, is larger than the model's."""
+    """Share of printer.offset_mm that the print's diameter, or radius, is larger than
+    the model's.
+    """
     view: ViewName
     axis: Axis
     centre: Point3
@@ -146,7 +182,9 @@ class Circle:
     count: int = 1
     is_radius: bool = False
     hidden_deg: tuple[tuple[float, float], ...] = ()
-    """Ranges of directions in the view in which the part has no such edge, of an arc that is no circle."""
+    """Ranges of directions in the view in which the part has no
+    such edge, of an arc that is no circle.
+    """
     added_mm: float = 0.0
 
     @property
@@ -165,7 +203,9 @@ class Circle:
 
     def text(self) -> str:
         count = f"{self.count}× " if self.count > 1 else ""
-        return _with_tolerance(count + ("R" if self.is_radius else "Ø") + size_text(self.printed), self.tolerance)
+        return _with_tolerance(
+            count + ("R" if self.is_radius else "Ø") + size_text(self.printed), self.tolerance
+        )
 
 
 Size: TypeAlias = Length | Circle

@@ -1,4 +1,5 @@
-"""Dimensions of the skin and of the seat of its sensor: outer form with its crown, platform and ramp.
+"""Dimensions of the skin and of the seat of its sensor: outer form with its crown, platform and
+ramp.
 
 They are those of `Dimensions` that do not depend on the rest of the bone.
 """
@@ -18,7 +19,9 @@ if TYPE_CHECKING:
     from fingertip.design.parameters import Tables
 
 CROWN_FLANK = math.tan(math.radians(25.0))
-"""Slope at which a crown's arc ends towards the tip [mm per mm]: beyond the largest tilt at which a finger presses."""
+"""Slope at which a crown's arc ends towards the tip [mm per mm]: beyond
+the largest tilt at which a finger presses.
+"""
 _CROWN_SLACK_MM = 1e-6
 _MIN_BEYOND_CROWN_MM = 1.0
 """Length of the tip that is left beyond a crown's arc [mm]."""
@@ -35,11 +38,20 @@ class SkinDimensions:
         """Outline of the force-sensing resistor, from the catalogue or from [custom_sensor]."""
         if self._design.sensor.model != "custom":
             return SENSORS[self._design.sensor.model]
+
         own = self._design.custom_sensor
         return ForceSensor(
-            "custom", "custom sensor", own.active_diameter_mm, own.head_diameter_mm, own.thickness_mm, own.length_mm,
-            own.tail_width_mm, 2.54, "the design file", (),
-        )  # fmt: skip
+            model="custom",
+            label="custom sensor",
+            active_diameter_mm=own.active_diameter_mm,
+            head_diameter_mm=own.head_diameter_mm,
+            thickness_mm=own.thickness_mm,
+            length_mm=own.length_mm,
+            tail_width_mm=own.tail_width_mm,
+            tab_pitch_mm=2.54,
+            source="the design file",
+            unverified=(),
+        )
 
     @cached_property
     def sensor_z(self) -> float:
@@ -53,24 +65,33 @@ class SkinDimensions:
     def outer(self) -> ConicBody:
         skin = self._design.skin
         section = CrossSection(
-            skin.width_mm / 2,
-            skin.semi_axis_palmar_mm,
-            skin.semi_axis_dorsal_mm,
-            weight_of_fullness(skin.pulp_fullness),
-            weight_of_fullness(skin.nail_fullness),
+            half_width=skin.width_mm / 2,
+            palmar=skin.semi_axis_palmar_mm,
+            dorsal=skin.semi_axis_dorsal_mm,
+            palmar_weight=weight_of_fullness(skin.pulp_fullness),
+            dorsal_weight=weight_of_fullness(skin.nail_fullness),
         )
         stations = ((0.0, 1.0), (self.taper_end_z, skin.taper_ratio))
         tip = Tip(skin.length_mm, weight_of_fullness(skin.tip_fullness))
+
         return ConicBody(section, stations, tip, self.crown)
 
     @cached_property
     def crown(self) -> Crown | None:
-        """Crown of the pad; None without one, or where it does not fit between the skin's proximal end and its tip."""
-        skin, apex = self._design.skin, self.crown_apex_z
-        if not 0.0 < skin.crown_radius_mm <= self.max_crown_radius or not 0.0 < apex <= self.taper_end_z:
+        """Crown of the pad; None without one, or where it does not fit
+        between the skin's proximal end and its tip.
+        """
+        skin = self._design.skin
+        apex = self.crown_apex_z
+
+        if (
+            not 0.0 < skin.crown_radius_mm <= self.max_crown_radius
+            or not 0.0 < apex <= self.taper_end_z
+        ):
             return None
         if skin.crown_drop_mm > self.max_crown_drop + _CROWN_SLACK_MM:
             return None
+
         drop = min(skin.crown_drop_mm, self.max_crown_drop) / skin.semi_axis_palmar_mm
         return Crown(apex, skin.crown_radius_mm, drop, CROWN_FLANK)
 
@@ -86,7 +107,9 @@ class SkinDimensions:
 
     @cached_property
     def max_crown_drop(self) -> float:
-        """Largest drop whose two arcs fit between the crown's apex and the skin's proximal end, and are not steep."""
+        """Largest drop whose two arcs fit between the crown's apex and
+        the skin's proximal end, and are not steep.
+        """
         skin = self._design.skin
         return largest_drop(skin.crown_radius_mm, self.crown_apex_z, skin.semi_axis_palmar_mm)
 
@@ -98,9 +121,14 @@ class SkinDimensions:
 
     @cached_property
     def platform_depth(self) -> float:
-        """Depth of the plane around the sensor's head, at y = -platform_depth: the flat's, or that of a platform."""
+        """Depth of the plane around the sensor's head, at y =
+        -platform_depth: the flat's, or that of a platform.
+        """
         skin = self._design.skin
-        return skin.semi_axis_palmar_mm * self.outer.palmar_scale_at(self.sensor_z) - skin.thickness_palmar_mm
+        return (
+            skin.semi_axis_palmar_mm * self.outer.palmar_scale_at(self.sensor_z)
+            - skin.thickness_palmar_mm
+        )
 
     @cached_property
     def flat_depth(self) -> float:
@@ -114,9 +142,14 @@ class SkinDimensions:
 
     @cached_property
     def platform_radius(self) -> float:
-        """Radius of the platform: that of the pocket, or of a tail that is wider, and of the rim around it."""
+        """Radius of the platform: that of the pocket, or of a tail
+        that is wider, and of the rim around it.
+        """
         clearance = self._design.sensor.clearance_mm
-        widest = max(self.sensor.head_diameter_mm / 2 + clearance, math.hypot(self.tail_half_width, clearance))
+        widest = max(
+            self.sensor.head_diameter_mm / 2 + clearance,
+            math.hypot(self.tail_half_width, clearance),
+        )
         return widest + self._design.bone.rim_mm
 
     @cached_property
@@ -132,12 +165,15 @@ class SkinDimensions:
         return low, high
 
     def flat_depth_at(self, z: float) -> float:
-        """Return the depth of the flat, of the ramp, or of the platform at a height z [mm], in the middle plane."""
+        """Return the depth of the flat, of the ramp, or of the
+        platform at a height z [mm], in the middle plane.
+        """
         return ramp_depth(z, self.flat_depth, self.platform_depth, self.ramp[1])
 
     def platform_half_width_at(self, z: float) -> float:
         """Return half the width of platform or ramp at a height z [mm]; 0 without one."""
         if self._design.bone.platform_mm == 0.0 or z <= self.ramp[0]:
             return 0.0
+
         squared = self.platform_radius**2 - (z - self.sensor_z) ** 2
         return max(math.sqrt(max(0.0, squared)), self.neck_half_width if z < self.sensor_z else 0.0)

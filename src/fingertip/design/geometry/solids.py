@@ -1,8 +1,10 @@
-"""Constructive solid geometry: parts as trees of primitives and boolean operations, independent of any kernel.
+"""Constructive solid geometry: parts as trees of primitives and boolean operations, independent of
+any kernel.
 
-Each part is described once as a tree of the frozen dataclasses below. Two geometry kernels evaluate the tree and share
-no geometry code: `cad.kernel.mesh` (numpy and manifold3d) and `cad.kernel.brep` (Open CASCADE). All lengths are in mm
-and all axes are parallel to x, y or z. Solids compare and hash by value, so that a kernel evaluates equal solids once.
+Each part is described once as a tree of the frozen dataclasses below. Two geometry kernels evaluate
+the tree and share no geometry code: `cad.kernel.mesh` (numpy and manifold3d) and `cad.kernel.brep`
+(Open CASCADE). All lengths are in mm and all axes are parallel to x, y or z. Solids compare and
+hash by value, so that a kernel evaluates equal solids once.
 """
 
 from __future__ import annotations
@@ -23,7 +25,9 @@ _DECIMALS = 5
 
 
 def axis_point(axis: Axis, u: float, v: float, w: float) -> Point3:
-    """Return (x, y, z) at `w` along an axis and (`u`, `v`) across it, in cyclic order: (y, z), (z, x) or (x, y)."""
+    """Return (x, y, z) at `w` along an axis and (`u`, `v`) across it,
+    in cyclic order: (y, z), (z, x) or (x, y).
+    """
     return {"x": (w, u, v), "y": (v, w, u), "z": (u, v, w)}[axis]
 
 
@@ -39,7 +43,8 @@ class Box:
 class Cone:
     """Frustum of a cone about an axis-parallel line; a cylinder if both radii are equal.
 
-    `centre` holds the two coordinates of the line in cyclic order: (y, z) for x, (z, x) for y, (x, y) for z [mm].
+    `centre` holds the two coordinates of the line in cyclic order: (y, z) for x, (z, x) for y, (x,
+    y) for z [mm].
     """
 
     axis: Axis
@@ -49,22 +54,40 @@ class Cone:
     low_radius: float
     high_radius: float
     around_radius: float = 0.0
-    """Radius of a circle around it whose division a mesh takes over, so that a wall between both is even; 0: none."""
+    """Radius of a circle around it whose division a mesh takes over,
+    so that a wall between both is even; 0: none.
+    """
 
 
 def cylinder(
-    axis: Axis, centre: tuple[float, float], low: float, high: float, radius: float, around_radius: float = 0.0
+    axis: Axis,
+    centre: tuple[float, float],
+    low: float,
+    high: float,
+    radius: float,
+    around_radius: float = 0.0,
 ) -> Cone:
-    """Create a cylinder about an axis-parallel line [mm]; `centre` and `around_radius` as in `Cone`."""
-    return Cone(axis, centre, low, high, radius, radius, around_radius)
+    """Create a cylinder about an axis-parallel line [mm];
+    `centre` and `around_radius` as in `Cone`.
+    """
+    return Cone(
+        axis=axis,
+        centre=centre,
+        low=low,
+        high=high,
+        low_radius=radius,
+        high_radius=radius,
+        around_radius=around_radius,
+    )
 
 
 @dataclass(frozen=True)
 class Prism:
     """Polygon extruded along an axis from `low` to `high` [mm].
 
-    `corners` hold the two other coordinates in cyclic order, as in `Cone`, and run counter-clockwise in that order. For
-    the y axis this is (z, x), which is clockwise seen from the dorsal side. `holes` run clockwise.
+    `corners` hold the two other coordinates in cyclic order, as in `Cone`, and run
+    counter-clockwise in that order. For the y axis this is (z, x), which is clockwise seen from the
+    dorsal side. `holes` run clockwise.
     """
 
     axis: Axis
@@ -76,7 +99,9 @@ class Prism:
 
 @dataclass(frozen=True)
 class ElbowTube:
-    """Round tube at x = 0 from (`start_y`, `start_z`) along -z, a bend, then along +y to (`end_y`, `exit_z`) [mm]."""
+    """Round tube at x = 0 from (`start_y`, `start_z`) along -z, a
+    bend, then along +y to (`end_y`, `exit_z`) [mm].
+    """
 
     start_y: float
     start_z: float
@@ -95,17 +120,23 @@ class SuperconicSolid:
 
 @dataclass(frozen=True)
 class Placed:
-    """Body of a file, turned and moved by the rows of a matrix: each point (x, y, z, 1) is multiplied by them [mm]."""
+    """Body of a file, turned and moved by the rows of a matrix: each point (x, y, z, 1) is
+    multiplied by them [mm].
+    """
 
     body: Body
     rows: tuple[tuple[float, ...], ...]
 
     def move(self) -> Array:
-        """Move the corners of the body's mesh, (n, 3) [mm]. Rounding takes those in a plane of a part into it."""
+        """Move the corners of the body's mesh, (n, 3) [mm].
+
+        Rounding takes those in a plane of a part into it.
+        """
         x, y, z = self.body.vertices.T
         moved = self.body.vertices.copy()
         for i, (a, b, c, by) in enumerate(self.rows):
             moved[:, i] = (a * x + b * y + c * z + by).round(_DECIMALS)
+
         return moved
 
 
@@ -156,13 +187,16 @@ def scaled(solid: Solid, factor: float) -> Solid:
 
 
 def call_of(primitive: Primitive) -> tuple[str, tuple[Any, ...]]:
-    """Return name and arguments of the function of `cad.kernel.cadquery_primitives` that makes a primitive."""
+    """Return name and arguments of the function of
+    `cad.kernel.cadquery_primitives` that makes a primitive.
+    """
     match primitive:
         case Box(low, high):
             return "box", (low, high)
         case Cone(axis, centre, low, high, low_radius, high_radius):
             if low_radius == high_radius:  # the kernel's cones reject equal radii
                 return "cylinder", (axis, centre, low, high, low_radius)
+
             return "cone", (axis, centre, low, high, low_radius, high_radius)
         case Prism(axis, corners, low, high, holes):
             return "prism", (axis, corners, low, high, *([holes] if holes else []))

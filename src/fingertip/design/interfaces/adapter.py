@@ -1,7 +1,8 @@
 """Adapter: a body that another program has drawn, united with the base, and its rules.
 
-The datum plane of the file passes through a point, across the axis that points to the tip. It comes to lie on the
-proximal end of the base, the point in its middle. Past this plane the adapter stays within the base.
+The datum plane of the file passes through a point, across the axis that points to the tip. It comes
+to lie on the proximal end of the base, the point in its middle. Past this plane the adapter stays
+within the base.
 """
 
 from __future__ import annotations
@@ -32,11 +33,19 @@ _ROWS: Mapping[str, tuple[Point3, Point3, Point3]] = {
     "y": ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
     "z": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
 }
-"""Axis of the file that comes to lie along z -> rows of the rotation, which keeps the order of the axes."""
-_TOUCH_MM, _BESIDE_MM = 1e-5, 0.02
-"""Gap that counts as none, and length by which an adapter may stand out of the base past the datum plane [mm]."""
-_MIN_SHARE, _POINTS = 0.25, 64
-"""Least share of the end of the base that the adapter touches, and chords of a quarter of its outline."""
+"""Axis of the file that comes to lie along z -> rows of the
+rotation, which keeps the order of the axes.
+"""
+_TOUCH_MM = 1e-5
+_BESIDE_MM = 0.02
+"""Gap that counts as none, and length by which an adapter may stand
+out of the base past the datum plane [mm].
+"""
+_MIN_SHARE = 0.25
+_POINTS = 64
+"""Least share of the end of the base that the adapter touches,
+and chords of a quarter of its outline.
+"""
 
 
 def read_adapter(design: DesignTables) -> Body:
@@ -50,14 +59,25 @@ def place_adapter(design: DesignTables) -> Placed:
     """Place the adapter at the end of the base. Raises InputFileError or MissingLibraryError."""
     bone, turn = design.bone, math.radians(design.bone.adapter_turn_deg)
     # Rounded, so that quarter turns are exact, and all others are the same on every processor.
-    cos, sin, up = round(math.cos(turn), 12), round(math.sin(turn), 12), -1.0 if bone.adapter_axis[0] == "-" else 1.0
+    cos = round(math.cos(turn), 12)
+    sin = round(math.sin(turn), 12)
+    up = -1.0 if bone.adapter_axis[0] == "-" else 1.0
     turned = ((cos, -up * sin, 0.0), (sin, up * cos, 0.0), (0.0, 0.0, up))
     columns = (*zip(*_ROWS[bone.adapter_axis[-1]], strict=True),)
-    x, y, z = (tuple(sum(map(math.prod, zip(row, column, strict=True))) for column in columns) for row in turned)
+    x, y, z = (
+        tuple(sum(map(math.prod, zip(row, column, strict=True))) for column in columns)
+        for row in turned
+    )
     origin = bone.adapter_x_mm, bone.adapter_y_mm, bone.adapter_z_mm
     target = 0.0, interface.middle_y(design.dimensions), -bone.base_length_mm
-    moved = (at - sum(map(math.prod, zip(row, origin, strict=True))) for row, at in zip((x, y, z), target, strict=True))
-    return Placed(read_adapter(design), tuple((*row, by) for row, by in zip((x, y, z), moved, strict=True)))
+    moved = (
+        at - sum(map(math.prod, zip(row, origin, strict=True)))
+        for row, at in zip((x, y, z), target, strict=True)
+    )
+
+    return Placed(
+        read_adapter(design), tuple((*row, by) for row, by in zip((x, y, z), moved, strict=True))
+    )
 
 
 class Adapter(JointInterface):
@@ -71,9 +91,13 @@ class Adapter(JointInterface):
         return (place_adapter(design),), ()
 
     def genus(self, design: DesignTables) -> int:
-        """Count the holes of the file by Euler's formula; the base closes that of a ring on which both touch."""
-        body, touch = read_adapter(design), _measure(design)[2]
+        """Count the holes of the file by Euler's formula; the base
+        closes that of a ring on which both touch.
+        """
+        body = read_adapter(design)
+        touch = _measure(design)[2]
         pieces: int = sum(2 - piece.num_contour() for piece in touch.decompose())
+
         return pieces - (len(body.vertices) - len(body.triangles) // 2) // 2
 
     def low_z(self, design: DesignTables) -> float:
@@ -87,12 +111,17 @@ class Adapter(JointInterface):
 
     def moment_share(self, design: DesignTables, z: float) -> float:
         """The moment falls from where the hand begins to hold the adapter to nothing at its end."""
-        low, held = self.low_z(design), -design.bone.base_length_mm - design.bone.adapter_free_mm
+        low = self.low_z(design)
+        held = -design.bone.base_length_mm - design.bone.adapter_free_mm
         return min(1.0, max(0.0, (z - low) / (held - low))) if held > low else 1.0
 
     def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
-        """Find the factors at the corner where the base begins; those within the adapter are not known."""
-        return AT_CORNER if abs(z + design.bone.base_length_mm) <= CORNER_REACH_MM else StressFactors()
+        """Find the factors at the corner where the base begins;
+        those within the adapter are not known.
+        """
+        return (
+            AT_CORNER if abs(z + design.bone.base_length_mm) <= CORNER_REACH_MM else StressFactors()
+        )
 
 
 RULES = Ruleset(when=lambda design: design.bone.interface == "file")
@@ -102,26 +131,47 @@ RULES = Ruleset(when=lambda design: design.bone.interface == "file")
 def adapter_is_read(design: DesignTables) -> Violation | None:
     if not design.bone.adapter_file:
         return Violation("no file is named; add --set bone.adapter_file=PATH of a STEP or STL file")
+
     try:
         read_adapter(design)
     except FingertipError as error:
-        return Violation(f"{quote_value(design.bone.adapter_file)} {error.issues[0].message.removesuffix('.')}")
+        return Violation(
+            f"{quote_value(design.bone.adapter_file)} {error.issues[0].message.removesuffix('.')}"
+        )
+
     return None
 
 
 def _rule_along(axis: str) -> Rule:
-    """Add the rule, for one axis, that the adapter reaches the datum plane, and past it lies within the base."""
+    """Add the rule, for one axis, that the adapter reaches the datum
+    plane, and past it lies within the base.
+    """
 
-    @RULES.rule(f"bone.adapter_{axis}_mm", adapter_is_read, when=lambda design: design.bone.adapter_axis[-1] == axis)
+    @RULES.rule(
+        f"bone.adapter_{axis}_mm",
+        adapter_is_read,
+        when=lambda design: design.bone.adapter_axis[-1] == axis,
+    )
     def adapter_on_base(design: DesignTables) -> Violation | None:
         past_mm, beside_mm, *_ = _measure(design)
         if past_mm >= -_TOUCH_MM and not beside_mm:
             return None
-        at, up = design.value(f"bone.adapter_{axis}_mm"), -1.0 if design.bone.adapter_axis[0] == "-" else 1.0
+
+        at = design.value(f"bone.adapter_{axis}_mm")
+        up = -1.0 if design.bone.adapter_axis[0] == "-" else 1.0
         face = math.floor(100.0 * (up * at + past_mm + _TOUCH_MM / 2)) / 100.0
-        low, high = sorted((up * face, up * min(face, round(up * at + beside_mm, 2)) if beside_mm else -up * math.inf))
-        beside = f"lets the adapter reach {beside_mm:.4g} mm past the end of the base, beside it or wholly within it"
+        low, high = sorted(
+            (
+                up * face,
+                up * min(face, round(up * at + beside_mm, 2)) if beside_mm else -up * math.inf,
+            )
+        )
+        beside = (
+            f"lets the adapter reach {beside_mm:.4g} mm past the end of the base, beside it "
+            "or wholly within it"
+        )
         gap = f"leaves a gap of {-past_mm:.4g} mm between adapter and base"
+
         return Violation(f"{at:g} mm {beside if beside_mm else gap}", ((low, high),))
 
     return adapter_on_base
@@ -134,26 +184,43 @@ _ALONG = tuple(map(_rule_along, _ROWS))
 def adapter_touches_base(design: DesignTables) -> Violation | None:
     *_, share = _measure(design)
     what = f"touches {share:.0%} of the end of the base, less than {_MIN_SHARE:.0%}"
-    return None if share >= _MIN_SHARE else Violation(f"{what}; draw it wider there, or move its datum plane")
+    return (
+        None
+        if share >= _MIN_SHARE
+        else Violation(f"{what}; draw it wider there, or move its datum plane")
+    )
 
 
 def _measure(design: DesignTables) -> tuple[float, float, CrossSection, float]:
-    """Measure how far an adapter reaches past its datum plane [mm], negative with a gap, and how far beside the base.
+    """Measure how far an adapter reaches past its datum plane [mm], negative with a gap, and how
+    far beside the base.
 
-    One of which nothing is left outside the base counts as beside it. Also returns the section in which both touch,
-    and its share of the end of the base.
+    One of which nothing is left outside the base counts as beside it. Also returns the section in
+    which both touch, and its share of the end of the base.
     """
     from manifold3d import CrossSection, Manifold, Mesh64  # noqa: PLC0415
 
-    placed, end, section = place_adapter(design), -design.bone.base_length_mm, design.dimensions.bone_outline.section
+    placed = place_adapter(design)
+    end = -design.bone.base_length_mm
+    section = design.dimensions.bone_outline.section
     flat = design.dimensions.base_flat_depth
-    below = [(section.half_width_at(-flat * i / _POINTS), -flat * i / _POINTS) for i in range(_POINTS, 0, -1)]
+    below = [
+        (section.half_width_at(-flat * i / _POINTS), -flat * i / _POINTS)
+        for i in range(_POINTS, 0, -1)
+    ]
     right = [*below, *quarter_outline(section, True, _POINTS)]
     outline = CrossSection([[*right, *((-x, y) for x, y in reversed(right[:-1]))]])
     solid = Manifold(Mesh64(placed.move(), placed.body.triangles.astype("uint64")))
-    room = outline.offset(_BESIDE_MM).extrude(-design.bone.collar_length_mm - end).translate((0.0, 0.0, end))
+    room = (
+        outline.offset(_BESIDE_MM)
+        .extrude(-design.bone.collar_length_mm - end)
+        .translate((0.0, 0.0, end))
+    )
     beside = solid.trim_by_plane((0.0, 0.0, 1.0), end + _BESIDE_MM)
-    beside = beside - room if solid.bounding_box()[2] < end - _BESIDE_MM else beside  # something must stay outside
+    beside = (
+        beside - room if solid.bounding_box()[2] < end - _BESIDE_MM else beside
+    )  # something must stay outside
     beside_mm = beside.bounding_box()[5] - end if beside.volume() > 0.0 else 0.0
     touch = solid.slice(end - _BESIDE_MM / 2) ^ outline
+
     return solid.bounding_box()[5] - end, beside_mm, touch, touch.area() / outline.area()

@@ -1,7 +1,8 @@
-"""Solids of a clevis: the base with eyes and hard stops, the space that the hand needs, and the way of the tendon.
+"""Solids of a clevis: the base with eyes and hard stops, the space that the hand needs, and the way
+of the tendon.
 
-The base is as wide and high as the collar: the wider the cheeks and the longer the stop, the less the pin pulls at its
-bore at a knock.
+The base is as wide and high as the collar: the wider the cheeks and the longer the stop, the less
+the pin pulls at its bore at a knock.
 """
 
 from __future__ import annotations
@@ -35,13 +36,20 @@ _BACK_WAY_MM = 3.0
 
 
 def joint_base(design: DesignTables, joint: Joint, top: float) -> Solid:
-    """Build the base up to a height with its hard stops; palmar it is as wide down to the end of the bent stop."""
-    dims, collar = design.dimensions, design.dimensions.collar.section
-    low, half = joint.low_z - joint.radius, dims.joint_base_half_width
+    """Build the base up to a height with its hard stops; palmar it is
+    as wide down to the end of the bent stop.
+    """
+    dims = design.dimensions
+    collar = design.dimensions.collar.section
+    low = joint.low_z - joint.radius
+    half = dims.joint_base_half_width
     outline = SuperconicSolid(ConicBody(collar, ((low, 1.0), (top, 1.0))))
-    base = union(outline, Box((-half, -dims.joint_depth, joint.low_z - 1.0), (half, joint.axis_y, top)))
+    base = union(
+        outline, Box((-half, -dims.joint_depth, joint.low_z - 1.0), (half, joint.axis_y, top))
+    )
     if not joint.travel_deg:
         return base
+
     reach = 2 * (collar.half_width + collar.dorsal + collar.palmar)
     within = Box((-reach, stop_toe_y(design, joint, top), -reach), (reach, reach, reach))
     return intersection(base, eye_profile(joint, reach), within)
@@ -49,17 +57,25 @@ def joint_base(design: DesignTables, joint: Joint, top: float) -> Solid:
 
 def stop_toe_y(design: DesignTables, joint: Joint, top: float) -> float:
     """Palmar end of the stop of the bent finger, which is a wall thick there."""
-    angle, toe_z = math.radians(joint.travel_deg), top - design.bone.wall_mm - joint.axis_z
+    angle = math.radians(joint.travel_deg)
+    toe_z = top - design.bone.wall_mm - joint.axis_z
     toe_at_wall = joint.axis_y - (joint.radius + toe_z * math.cos(angle)) / math.sin(angle)
+
     return max(-design.dimensions.joint_depth, toe_at_wall)
 
 
 def stop_top_y(design: DesignTables, joint: Joint) -> float:
-    """Dorsal end of the stop of the straight finger. Cheeks end beside the gap, or where they would be an edge."""
+    """Dorsal end of the stop of the straight finger.
+
+    Cheeks end beside the gap, or where they would be an edge.
+    """
     collar = design.dimensions.collar
     if not joint.is_fork:
         return collar.section.dorsal
-    blunt = design.dimensions.blunt_up_to_y(joint.half_width, -design.bone.collar_length_mm / 2, collar)
+
+    blunt = design.dimensions.blunt_up_to_y(
+        joint.half_width, -design.bone.collar_length_mm / 2, collar
+    )
     return collar.section.dorsal_height_at(joint.half_width) if blunt is None else blunt
 
 
@@ -70,100 +86,201 @@ def stop_height_mm(design: DesignTables) -> float:
 
 
 def space(design: DesignTables, joint: Joint) -> Solid:
-    """Build the space that the hand needs: all but the eyes proximal to the base, and the gap between them."""
+    """Build the space that the hand needs: all but the eyes
+    proximal to the base, and the gap between them.
+    """
     section = design.dimensions.collar.section
     reach = 2 * (section.half_width + section.dorsal + section.palmar)
-    low, high = joint.low_z - reach, joint.shoulder_z
+    low = joint.low_z - reach
+    high = joint.shoulder_z
     beyond = Box((-reach, -reach, low), (reach, reach, high))
-    y, half = joint.axis_y, joint.half_width
-    line, end = foot_line(joint.foot, high, 1.0) if joint.foot else [], high + section.half_width
+    y = joint.axis_y
+    half = joint.half_width
+    line = foot_line(joint.foot, high, 1.0) if joint.foot else []
+    end = high + section.half_width
     eyes = [eye_profile(joint, reach)]
+
     if not joint.travel_deg:
-        eyes.append(flat_foot("x", y - joint.eye_radius, y + joint.eye_radius, line, end, reach))
+        eyes.append(
+            flat_foot(
+                "x",
+                low_side=y - joint.eye_radius,
+                high_side=y + joint.eye_radius,
+                foot=line,
+                end=end,
+                reach=reach,
+            )
+        )
+
     beside_eyes = difference(beyond, *eyes)
     if not joint.is_fork:
         tongue = Box((-half, -2 * reach, low - reach), (half, 2 * reach, end))
-        return union(beside_eyes, difference(beyond, tongue, flat_foot("y", -half, half, line, end, 2 * reach)))
+        return union(
+            beside_eyes,
+            difference(
+                beyond,
+                tongue,
+                flat_foot(
+                    "y",
+                    low_side=-half,
+                    high_side=half,
+                    foot=line,
+                    end=end,
+                    reach=2 * reach,
+                ),
+            ),
+        )
+
     gap = Box((-half, -reach, low), (half, reach, high))
     above_stop = Box((-reach, stop_top_y(design, joint), low), (reach, reach, high))
     return union(beside_eyes, gap, above_stop)
 
 
 def eye_profile(joint: Joint, reach: float) -> Solid:
-    """Build an eye of any width: round about the pin, and with the hard stops or narrower than the base."""
-    y, z = joint.axis_y, joint.axis_z
-    round_eye = cylinder("x", (y, z), -reach, reach, joint.eye_radius)
+    """Build an eye of any width: round about the pin, and with
+    the hard stops or narrower than the base.
+    """
+    y = joint.axis_y
+    z = joint.axis_z
+    round_eye = cylinder(
+        "x",
+        centre=(y, z),
+        low=-reach,
+        high=reach,
+        radius=joint.eye_radius,
+    )
+
     if joint.travel_deg:
-        stopped_profile = eye_corners((y, z), joint.radius, joint.eye_radius, joint.travel_deg, reach)
+        stopped_profile = eye_corners(
+            (y, z),
+            radius=joint.radius,
+            eye_radius=joint.eye_radius,
+            travel_deg=joint.travel_deg,
+            reach=reach,
+        )
         return union(Prism("x", stopped_profile, -reach, reach), round_eye)
+
     half = joint.eye_radius - TANGENT_STEP_MM
     return union(Box((-reach, y - half, z), (reach, y + half, z + reach)), round_eye)
 
 
 def pin_bore(joint: Joint, half_length: float) -> Solid:
-    return cylinder("x", (joint.axis_y, joint.axis_z), -half_length, half_length, joint.pin_radius)
+    return cylinder(
+        "x",
+        centre=(joint.axis_y, joint.axis_z),
+        low=-half_length,
+        high=half_length,
+        radius=joint.pin_radius,
+    )
 
 
 def collar_slope(design: DesignTables, anchor: TendonAnchor) -> Solid:
-    """Build the slope of 45 degrees between the tendon's groove and the collar, which prints without supports."""
-    section, foot = design.dimensions.collar.section, -design.bone.collar_length_mm
+    """Build the slope of 45 degrees between the tendon's groove and
+    the collar, which prints without supports.
+    """
+    section = design.dimensions.collar.section
+    foot = -design.bone.collar_length_mm
     share = min(1.0 - TANGENT_STEP_MM, (anchor.half_width + LEDGE_MM) / section.half_width)
-    return SuperconicSolid(ConicBody(section, ((anchor.high_z, share), (foot, 1.0), (foot / 2, 1.0))))
+
+    return SuperconicSolid(
+        ConicBody(section, ((anchor.high_z, share), (foot, 1.0), (foot / 2, 1.0)))
+    )
 
 
 def tendon_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> tuple[Solid, ...]:
-    """Build what is removed for the tendon: sides of its groove, corners below its horns, and a way on the back.
+    """Build what is removed for the tendon: sides of its groove, corners below its horns, and a way
+    on the back.
 
     On the back wires and rubber band run to the joint at the height of the groove's floor.
     """
-    section, foot = design.dimensions.collar.section, -design.bone.collar_length_mm
-    reach, inner = 2 * (section.half_width + section.dorsal + section.palmar), anchor.half_width
-    low, up = joint.low_z - reach, anchor.low_z + anchor.line / 2
+    section = design.dimensions.collar.section
+    foot = -design.bone.collar_length_mm
+    reach = 2 * (section.half_width + section.dorsal + section.palmar)
+    inner = anchor.half_width
+    low = joint.low_z - reach
+    up = anchor.low_z + anchor.line / 2
     corners = horn_corners((anchor.horn_y, anchor.horn_low_z), anchor.horn_radius, (low, up), reach)
-    slope, sides = collar_slope(design, anchor), ((inner, reach), (-reach, -inner))
+    slope = collar_slope(design, anchor)
+    sides = ((inner, reach), (-reach, -inner))
     right_groove, left_groove = (
-        difference(Box((low_x, -reach, anchor.low_z), (high_x, reach, foot)), slope) for low_x, high_x in sides
+        difference(Box((low_x, -reach, anchor.low_z), (high_x, reach, foot)), slope)
+        for low_x, high_x in sides
     )
     right_horn, left_horn = (Prism("x", corners, *side) for side in sides)
+
     return _back_way(design, anchor, joint), right_groove, right_horn, left_groove, left_horn
 
 
 def _back_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> Solid:
-    section, half = design.dimensions.bone_outline.section, _BACK_WAY_MM
-    low, high = joint.shoulder_z, anchor.low_z + anchor.line / 2
+    section = design.dimensions.bone_outline.section
+    half = _BACK_WAY_MM
+    low = joint.shoulder_z
+    high = anchor.low_z + anchor.line / 2
+
     if joint.is_fork:  # it opens into the gap
-        half, low = min(half, joint.half_width - TANGENT_STEP_MM), low - TANGENT_STEP_MM
+        half = min(half, joint.half_width - TANGENT_STEP_MM)
+        low = low - TANGENT_STEP_MM
+
     scale = 1.0 - TANGENT_STEP_MM / section.half_width
     floor = SuperconicSolid(ConicBody(section, ((low - 1.0, scale), (high + 1.0, scale))))
     return difference(Box((-half, 0.0, low), (half, 4 * section.dorsal, high)), floor)
 
 
 def strands(design: DesignTables, anchor: TendonAnchor, low_z: float) -> tuple[Solid, ...]:
-    """Build both strands of the tendon beside the base, and straight from their horns to `low_z`, for checks."""
-    radius, top = anchor.line / 2, design.dimensions.bone_outline.section.dorsal_height_at(anchor.half_width)
-    beside, along = (anchor.z, anchor.horn_y + anchor.horn_radius), (anchor.horn_low_z, low_z)
+    """Build both strands of the tendon beside the base, and straight
+    from their horns to `low_z`, for checks.
+    """
+    radius = anchor.line / 2
+    top = design.dimensions.bone_outline.section.dorsal_height_at(anchor.half_width)
+    beside = (anchor.z, anchor.horn_y + anchor.horn_radius)
+    along = (anchor.horn_low_z, low_z)
+
     return tuple(
         solid
         for x in (-anchor.strand_x, anchor.strand_x)
         for solid in (
-            cylinder("y", (beside[0], x), beside[1], top, radius),
-            cylinder("z", (x, anchor.y), along[1], along[0], radius),
+            cylinder(
+                "y",
+                centre=(beside[0], x),
+                low=beside[1],
+                high=top,
+                radius=radius,
+            ),
+            cylinder(
+                "z",
+                centre=(x, anchor.y),
+                low=along[1],
+                high=along[0],
+                radius=radius,
+            ),
         )
     )
 
 
 def knuckle(design: DesignTables, joint: Joint, *added: Solid) -> Solid:
-    """Build the hand's part of the joint as `[hand]` describes it: shoulder and knuckle, with what is added to that."""
-    hand, reach = design.hand, 4 * joint.radius
-    y, z, half = joint.axis_y, joint.axis_z, hand.width_mm / 2
+    """Build the hand's part of the joint as `[hand]` describes it:
+    shoulder and knuckle, with what is added to that.
+    """
+    hand = design.hand
+    reach = 4 * joint.radius
+    y = joint.axis_y
+    z = joint.axis_z
+    half = hand.width_mm / 2
     # The hand ends on its palmar side at the height from which its axis is measured.
     palmar = y - hand.axis_height_mm
     shoulder = Box((-reach, palmar, z - joint.radius - reach), (reach, y + reach, z - joint.radius))
     flat = joint.radius - TANGENT_STEP_MM
     neck = union(
         Box((-reach, y - flat, z - joint.radius - TANGENT_STEP_MM), (reach, y + flat, z)),
-        cylinder("x", (y, z), -reach, reach, joint.radius),
+        cylinder(
+            "x",
+            centre=(y, z),
+            low=-reach,
+            high=reach,
+            radius=joint.radius,
+        ),
         *added,
     )
     inner = Box((-half, y - reach, z - reach), (half, y + reach, z + reach))
+
     return union(shoulder, intersection(neck, inner) if joint.is_fork else difference(neck, inner))

@@ -1,4 +1,5 @@
-"""Interface of the bone to the proximal phalanx, and what each brings: shapes, sizes to check, strength and words.
+"""Interface of the bone to the proximal phalanx, and what each brings: shapes, sizes to check,
+strength and words.
 
 Its parameters stand in the table [bone], and its rules beside it.
 """
@@ -13,14 +14,26 @@ from fingertip.catalogues.hardware import select_thread, standard_length_mm
 from fingertip.design.formulas.stress_and_knock import LocalStress, StressFactors, hole_in_tension
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.dimensions import Dimensions
-from fingertip.design.geometry.sizes import BEHIND_FACE, INNER, OUTER, Circle, Length, Size, Tolerance, clearance
+from fingertip.design.geometry.sizes import (
+    BEHIND_FACE,
+    INNER,
+    OUTER,
+    Circle,
+    Length,
+    Size,
+    Tolerance,
+    clearance,
+)
 from fingertip.design.geometry.solids import Solid, cylinder
 from fingertip.design.rules.ruleset import SLACK
 
 _CIRCLE_POINTS = 64
 """Intervals at which half a circle is sampled."""
-MATING_PLAY_MM, MATING_WALL_MM = 0.2, 2.5
-"""Play between the interface and a printed mating part, and the wall of that [mm]. Recommendations."""
+MATING_PLAY_MM = 0.2
+MATING_WALL_MM = 2.5
+"""Play between the interface and a printed mating part, and the wall of that [mm].
+Recommendations.
+"""
 MIN_SHOULDER_MM = 0.1
 """Least height of the step from a post to the base, or from the base to a flange [mm]."""
 Shapes = tuple[tuple[Solid, ...], tuple[Solid, ...]]
@@ -52,7 +65,9 @@ class JointInterface:
     supports_inside = ""
     """Further places of supports, in words."""
     walled_hollow = ""
-    """Name of a hollow in the base around which checks measure the walls; the first solid that is removed."""
+    """Name of a hollow in the base around which checks measure the
+    walls; the first solid that is removed.
+    """
 
     def shapes(self, design: DesignTables) -> Shapes:
         """Build what the interface adds to the filled bone, and what it removes."""
@@ -86,15 +101,21 @@ class JointInterface:
         return low_z
 
     def moment_share(self, design: DesignTables, z: float) -> float:
-        """Fraction of the bending moment that a section carries, because the phalanx holds the interface."""
+        """Fraction of the bending moment that a section carries,
+        because the phalanx holds the interface.
+        """
         return 1.0
 
     def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
-        """Find the stress concentration factors at a height; a shoulder acts half the thinner side's height far."""
+        """Find the stress concentration factors at a height; a
+        shoulder acts half the thinner side's height far.
+        """
         return StressFactors()
 
     def local_stresses(self, design: DesignTables, load_z: float) -> Iterator[LocalStress]:
-        """Yield stresses besides those of bent cross-sections, under a load at a height of the finger."""
+        """Yield stresses besides those of bent cross-sections,
+        under a load at a height of the finger.
+        """
         yield from ()
 
     def bolt(self, design: DesignTables) -> Bolt | None:
@@ -113,8 +134,17 @@ def base_size(dims: Dimensions) -> tuple[float, float]:
 
 def base_length_size(design: DesignTables) -> Length:
     """Length of a base that ends in a plane."""
-    y, end = middle_y(design.dimensions), -design.bone.base_length_mm
-    return Length("length of the base", OUTER, "front", "below", "z", (0.0, y, end), (0.0, y, 0.0))
+    y = middle_y(design.dimensions)
+    end = -design.bone.base_length_mm
+    return Length(
+        name="length of the base",
+        growth=OUTER,
+        view="front",
+        side="below",
+        axis="z",
+        start=(0.0, y, end),
+        end=(0.0, y, 0.0),
+    )
 
 
 def bolt_clearance(design: DesignTables, hole_mm: float) -> Tolerance:
@@ -123,16 +153,21 @@ def bolt_clearance(design: DesignTables, hole_mm: float) -> Tolerance:
 
 
 def base_holds_circle(design: DesignTables, radius: float, half_height: float = math.inf) -> bool:
-    """Return whether a circle in the middle of the base, with flats at `half_height` [mm], stays inside its section."""
-    section, flat = design.dimensions.bone_outline.section, design.dimensions.base_flat_depth
+    """Return whether a circle in the middle of the base, with flats at
+    `half_height` [mm], stays inside its section.
+    """
+    section = design.dimensions.bone_outline.section
+    flat = design.dimensions.base_flat_depth
     middle = (section.dorsal - flat) / 2
     half_height = min(radius, half_height)
     if half_height >= (section.dorsal + flat) / 2:
         return False
+
     last = math.asin(half_height / radius) if radius > 0.0 else 0.0
     angles = (last * (2 * i / _CIRCLE_POINTS - 1) for i in range(_CIRCLE_POINTS + 1))
     return all(
-        radius * math.cos(angle) <= section.half_width_at(max(middle + radius * math.sin(angle), -flat)) + SLACK
+        radius * math.cos(angle)
+        <= section.half_width_at(max(middle + radius * math.sin(angle), -flat)) + SLACK
         for angle in angles
     )
 
@@ -150,28 +185,55 @@ class CrossBolted(JointInterface):
         dims = design.dimensions
         across = 2 * dims.bone_outline.section.half_width
         centre = (middle_y(dims), self.cross_bolt_z(design))
-        return cylinder("x", centre, -across, across, design.bone.cross_bolt_diameter_mm / 2)
+        return cylinder(
+            "x",
+            centre=centre,
+            low=-across,
+            high=across,
+            radius=design.bone.cross_bolt_diameter_mm / 2,
+        )
 
     def bolt_sizes(self, design: DesignTables, begin_z: float) -> list[Size]:
         """Place of the cross bolt's axis from a face of the interface, and its hole."""
-        dims, hole = design.dimensions, design.bone.cross_bolt_diameter_mm
-        y, z = middle_y(dims), self.cross_bolt_z(design)
+        dims = design.dimensions
+        hole = design.bone.cross_bolt_diameter_mm
+        y = middle_y(dims)
+        z = self.cross_bolt_z(design)
+
         return [
-            Length("axis of the cross bolt", BEHIND_FACE, "front", "above", "z", (0.0, y, begin_z), (0.0, y, z)),
-            Circle("hole of the cross bolt", INNER, "front", "x", (dims.bone_outline.section.half_width, y, z),
-                   hole / 2, bolt_clearance(design, hole)),
-        ]  # fmt: skip
+            Length(
+                name="axis of the cross bolt",
+                growth=BEHIND_FACE,
+                view="front",
+                side="above",
+                axis="z",
+                start=(0.0, y, begin_z),
+                end=(0.0, y, z),
+            ),
+            Circle(
+                name="hole of the cross bolt",
+                growth=INNER,
+                view="front",
+                axis="x",
+                centre=(dims.bone_outline.section.half_width, y, z),
+                radius=hole / 2,
+                tolerance=bolt_clearance(design, hole),
+            ),
+        ]
 
     def hole_factors(self, design: DesignTables, z: float, across_mm: float) -> StressFactors:
         """Factors at the hole of the cross bolt, through a bar of this width."""
         diameter = design.bone.cross_bolt_diameter_mm
         if abs(z - self.cross_bolt_z(design)) > diameter / 2:
             return StressFactors()
+
         factor = hole_in_tension(diameter, across_mm)
         return StressFactors(factor, factor)
 
     def choose_bolt(self, design: DesignTables, crossed_mm: float, beside_mm: float) -> Bolt:
-        """Choose a bolt with its nut that crosses the interface, and `beside_mm` of its mating part."""
+        """Choose a bolt with its nut that crosses the
+        interface, and `beside_mm` of its mating part.
+        """
         thread = select_thread(design.bone.cross_bolt_diameter_mm)
         length_mm = standard_length_mm(crossed_mm + beside_mm + thread.nut_height_mm)
         return Bolt(thread.diameter_mm, length_mm, round(crossed_mm, 1))

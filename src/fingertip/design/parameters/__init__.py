@@ -1,4 +1,6 @@
-"""Parameters of a design: all tables of a design file. Each parameter is declared once, with its own bounds.
+"""Parameters of a design: all tables of a design file.
+
+Each parameter is declared once, with its own bounds.
 
 In: the tables of a file. Out: frozen tables; the rules between parameters are checked later.
 
@@ -30,11 +32,26 @@ from fingertip.design.parameters.declaration import (
     text,
 )
 from fingertip.design.parameters.electronics import Board, Detector
-from fingertip.design.parameters.finger import ChosenSilicone, CustomSensor, ForceCurve, Sensor, Skin
+from fingertip.design.parameters.finger import (
+    ChosenSilicone,
+    CustomSensor,
+    ForceCurve,
+    Sensor,
+    Skin,
+)
 from fingertip.design.parameters.parts import Bone, Hand, Mold, Printer, Strength
 from fingertip.foundation.errors import DesignError, Issue
 
-__all__ = ["ELECTRONIC_TABLES", "PARAMETERS", "Above", "ParameterTable", "Tables", "choice", "quantity", "text"]
+__all__ = [
+    "ELECTRONIC_TABLES",
+    "PARAMETERS",
+    "Above",
+    "ParameterTable",
+    "Tables",
+    "choice",
+    "quantity",
+    "text",
+]
 
 ELECTRONIC_TABLES = frozenset({"force_curve", "board", "detector"})
 """Tables of the electronics, on which no part's shape depends."""
@@ -45,9 +62,18 @@ _MEASURED = frozenset({"sensor", "custom_sensor", "hand", "printer", "force_curv
 class Tables(Frozen):
     """Contents of a design file."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip design")
+    model_config = ConfigDict(
+        frozen=True,
+        extra="forbid",
+        strict=True,
+        title="fingertip design",
+    )
 
-    name: str = Field("fsr400", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="Name of the output folder.")
+    name: str = Field(
+        "fsr400",
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$",
+        description="Name of the output folder.",
+    )
     sensor: Sensor = Sensor()
     custom_sensor: CustomSensor = CustomSensor()
     bone: Bone = Bone()
@@ -71,36 +97,60 @@ class Tables(Frozen):
         return getattr(getattr(self, table), key) if table else getattr(self, key)
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
-        """Copy the tables with other values of some parameters, such as {"skin.width_mm": 18.0}, unchecked."""
+        """Copy the tables with other values of some parameters,
+        such as {"skin.width_mm": 18.0}, unchecked.
+        """
         update: dict[str, Any] = {}
         for path, value in values.items():
             table, _, key = path.rpartition(".")
             if table:
-                update[table] = update.get(table, getattr(self, table)).model_copy(update={key: value})
+                update[table] = update.get(table, getattr(self, table)).model_copy(
+                    update={key: value}
+                )
             else:
                 update[key] = value
+
         return self.model_copy(update=update)
 
     def identity(self) -> dict[str, Any]:
-        """Return all parameters, for the hash in a manifest: with the content of the adapter in place of its path."""
+        """Return all parameters, for the hash in a manifest: with the
+        content of the adapter in place of its path.
+        """
         data = self.with_bare_names().model_dump(mode="json")
         if self.bone.interface == "file":
             from fingertip.foundation.body_file import read_body  # starts processes  # noqa: PLC0415
 
-            data["bone"]["adapter_file"] = sha256(read_body(Path(self.bone.adapter_file)).data).hexdigest()
+            data["bone"]["adapter_file"] = sha256(
+                read_body(Path(self.bone.adapter_file)).data
+            ).hexdigest()
+
         return data
 
     def with_bare_names(self) -> Self:
-        """Copy the tables with the bare name of the adapter's file, as it stands in a design file beside it."""
+        """Copy the tables with the bare name of the adapter's file,
+        as it stands in a design file beside it.
+        """
         name = Path(self.bone.adapter_file).name
-        return self if name == self.bone.adapter_file else self.with_values({"bone.adapter_file": name})
+        return (
+            self
+            if name == self.bone.adapter_file
+            else self.with_values({"bone.adapter_file": name})
+        )
 
     def with_silicone(self, name: str | None) -> Self:
-        """Copy the tables with another silicone; the tables themselves if no name is given. Raises DesignError."""
+        """Copy the tables with another silicone; the tables themselves if no name is given.
+
+        Raises DesignError.
+        """
         if name is None or name == self.silicone.product:
             return self
-        if name not in (known := (*load_silicones(), OWN)):
-            raise DesignError(Issue("--material", f"there is no {name!r}; {suggest_name(name, known)}"))
+
+        known = (*load_silicones(), OWN)
+        if name not in known:
+            raise DesignError(
+                Issue("--material", f"there is no {name!r}; {suggest_name(name, known)}")
+            )
+
         return self.with_values({"silicone.product": name})
 
 
@@ -114,7 +164,12 @@ PARAMETERS: Mapping[str, FieldInfo] = {"name": Tables.model_fields["name"]} | {
 
 
 def find_kind(path: str) -> Literal["wish", "measurement", "derived"]:
-    """Return whether a parameter is stated as a wish or a measurement, or is derived from these unless it is stated."""
+    """Return whether a parameter is stated as a wish or a measurement,
+    or is derived from these unless it is stated.
+    """
     if find_follows(PARAMETERS[path]):
         return "derived"
-    return "measurement" if path.partition(".")[0] in _MEASURED and path != "sensor.model" else "wish"
+
+    return (
+        "measurement" if path.partition(".")[0] in _MEASURED and path != "sensor.model" else "wish"
+    )

@@ -1,4 +1,6 @@
-"""Declaration of one parameter in a single line of its table, and the messages if its value is not valid."""
+"""Declaration of one parameter in a single line of its table, and
+the messages if its value is not valid.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,14 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core.core_schema import CoreSchema, literal_schema
 
-from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, Issue, join_words, quote_value, shorten
+from fingertip.foundation.errors import (
+    MAX_VALUE_LENGTH,
+    DesignError,
+    Issue,
+    join_words,
+    quote_value,
+    shorten,
+)
 from fingertip.foundation.tables import read_rows
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -26,16 +35,26 @@ class Frozen(BaseModel):
     """Parameters that stay as they were loaded."""
 
     def __setattr__(self, name: str, value: Any) -> None:
-        table = re.sub("(?<=[a-z])(?=[A-Z])", "_", type(self).__name__).lower().removeprefix("chosen_")
+        table = (
+            re.sub("(?<=[a-z])(?=[A-Z])", "_", type(self).__name__).lower().removeprefix("chosen_")
+        )
         path = f"{table}.{name}" if isinstance(self, ParameterTable) else name
-        message = f"stays as it was loaded; load it again with changes={{{json.dumps(path)}: {quote_value(value)}}}."
+        message = (
+            f"stays as it was loaded; load it again with changes={{{json.dumps(path)}: "
+            f"{quote_value(value)}}}."
+        )
         raise DesignError(Issue(path, message))
 
 
 class ParameterTable(Frozen):
     """A table of a TOML file. It is frozen, and strict about the types and names it accepts."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        frozen=True,
+        extra="forbid",
+        strict=True,
+        allow_inf_nan=False,
+    )
 
 
 @dataclass(frozen=True)
@@ -78,21 +97,33 @@ def quantity(
 ) -> Any:
     """Declare a number with a unit and its lower and upper bound.
 
-    A number that follows from others, unless it is stated, has the range within which a fit may move it.
+    A number that follows from others, unless it is stated, has the range within which a fit may
+    move it.
     """
     low, high = bounds
     ge, gt = (None, low.bound) if isinstance(low, Above) else (low, None)
-    field: Any = Field(default, ge=ge, gt=gt, le=high, description=description, json_schema_extra={"unit": unit})
+    field: Any = Field(
+        default,
+        ge=ge,
+        gt=gt,
+        le=high,
+        description=description,
+        json_schema_extra={"unit": unit},
+    )
     if follows:
         field.metadata.append(Follows(*follows))
+
     return field
 
 
 class OneOf:
-    """Annotation of a text that is a name of a table; schema and messages are those of a `Literal` of these names."""
+    """Annotation of a text that is a name of a table; schema and
+    messages are those of a `Literal` of these names.
+    """
 
     def __init__(self, *names: str, explain: Callable[[str], str] = lambda word: "") -> None:
-        self.names, self.explain = names, explain
+        self.names = names
+        self.explain = explain
         """Names, and what explains why another word is none of them, with what to do."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
@@ -105,19 +136,30 @@ def choice(default: str | bool, description: str) -> Any:
 
 OWN = "own"
 """Name that stands for a silicone or a printing material of the user's own."""
-_MARKUP = r"|`<>\[\]$\\\u0000-\u001f\u007f-\u009f\u00ad\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff"
-"""Characters that a file may take for more than text: marks of Markdown and of formulas, and those that control."""
+_MARKUP = (
+    r"|`<>\[\]$\\\u0000-\u001f\u007f-\u009f\u00ad\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff"
+)
+"""Characters that a file may take for more than text: marks of
+Markdown and of formulas, and those that control.
+"""
 _LABEL = rf"^[^\s=+@\-{_MARKUP}][^{_MARKUP}]{{0,59}}$"
-_ALLOWED = "write up to 60 printable characters without | ` < > [ ] $ or a backslash, and none of = + - @ first"
+_ALLOWED = (
+    "write up to 60 printable characters without | ` < > [ ] $ or a backslash, and none of "
+    "= + - @ first"
+)
 
 
 def text(default: str, description: str, *, pattern: str = _LABEL, allowed: str = _ALLOWED) -> Any:
     """Declare a text that stands in sheets."""
-    return Field(default, pattern=pattern, description=description, json_schema_extra={"allowed": allowed})
+    return Field(
+        default, pattern=pattern, description=description, json_schema_extra={"allowed": allowed}
+    )
 
 
 def find_extra(field: FieldInfo, key: str) -> str:
-    """Return what the declaration of a field adds under a key, such as "unit"; "" where it adds nothing."""
+    """Return what the declaration of a field adds under a key,
+    such as "unit"; "" where it adds nothing.
+    """
     extra = field.json_schema_extra
     return str(extra.get(key, "")) if isinstance(extra, dict) else ""
 
@@ -130,13 +172,17 @@ def find_bounds(field: FieldInfo) -> Bounds:
     found: dict[str, float] = {}
     for constraint in field.metadata:
         for key, name in (("ge", "minimum"), ("gt", "above"), ("le", "maximum")):
-            if (bound := getattr(constraint, key, None)) is not None:
+            bound = getattr(constraint, key, None)
+            if bound is not None:
                 found[name] = bound
+
     return Bounds(**found)
 
 
 def find_follows(field: FieldInfo) -> Follows | None:
-    """Return the range in which a fit may move a derived parameter; None for a wish or a measurement."""
+    """Return the range in which a fit may move a derived
+    parameter; None for a wish or a measurement.
+    """
     return next((each for each in field.metadata if isinstance(each, Follows)), None)
 
 
@@ -144,6 +190,7 @@ def list_choices(field: FieldInfo) -> tuple[str, ...]:
     """Return the words that a parameter accepts; none for a number or free text."""
     if get_origin(field.annotation) is Literal:
         return get_args(field.annotation)
+
     return next((each.names for each in field.metadata if isinstance(each, OneOf)), ())
 
 
@@ -160,7 +207,9 @@ _MIN_SIMILARITY = 0.65
 _MAX_DESCRIBED = 300
 """Maximum number of problems that are described. A design has fewer parameters."""
 _MAX_LISTED = 100
-"""Maximum number of known names that are listed. A sweep of a design has more outputs, a table fewer parameters."""
+"""Maximum number of known names that are listed.
+A sweep of a design has more outputs, a table fewer parameters.
+"""
 _MAX_COMPARED_LENGTH = 60
 """Maximum length of a word that known names are compared with [characters]."""
 
@@ -176,26 +225,48 @@ def load_retired() -> Mapping[str, str]:
 
 
 def describe_retired(names: Iterable[str]) -> list[Issue]:
-    """Return one issue for each group of names that went, and for many the command that removes them."""
+    """Return one issue for each group of names that went, and
+    for many the command that removes them.
+    """
     groups: dict[str, list[str]] = {}
     for name in names:
         groups.setdefault(load_retired()[name], []).append(name)
+
     issues = [Issue(", ".join(group), instead) for instead, group in groups.items()]
     if len(groups) > _FEW:
-        issues.append(Issue("design", "`fingertip new NAME --from FILE` writes such a design anew, with its sizes."))
+        issues.append(
+            Issue(
+                "design",
+                "`fingertip new NAME --from FILE` writes such a design anew, with its sizes.",
+            )
+        )
+
     return issues
 
 
 def issues_from_pydantic(error: ValidationError, model: type[BaseModel]) -> list[Issue]:
-    """Return one issue for each problem of a `model`; only the first are described, thousands would take hours."""
-    located = {".".join(map(str, each["loc"])): each for each in error.errors(include_url=False, include_context=True)}
-    retired = [name for name in located if located[name]["type"] == "extra_forbidden" and name in load_retired()]
+    """Return one issue for each problem of a `model`; only the first
+    are described, thousands would take hours.
+    """
+    located = {
+        ".".join(map(str, each["loc"])): each
+        for each in error.errors(include_url=False, include_context=True)
+    }
+    retired = [
+        name
+        for name in located
+        if located[name]["type"] == "extra_forbidden" and name in load_retired()
+    ]
     found = [each for name, each in located.items() if name not in retired]
     rest = (".".join(map(str, details["loc"])) for details in found[_MAX_DESCRIBED:])
+
     return [
         *describe_retired(retired),
         *(_describe(details, model) for details in found[:_MAX_DESCRIBED]),
-        *(Issue(field, "is not valid either; correct what is listed above first.") for field in rest),
+        *(
+            Issue(field, "is not valid either; correct what is listed above first.")
+            for field in rest
+        ),
     ]
 
 
@@ -208,19 +279,29 @@ def parse_tables(model: type[Model], tables: Mapping[str, Any]) -> Model:
 
 
 def suggest_name(word: str, known: Sequence[str]) -> str:
-    """Return the remedy for an unknown name: the most similar known one, or else all of them, or the first of many."""
-    if similar := find_similar_name(word, known):
+    """Return the remedy for an unknown name: the most similar known
+    one, or else all of them, or the first of many.
+    """
+    similar = find_similar_name(word, known)
+    if similar:
         return f"did you mean {similar}?"
+
     rest = f" and {len(known) - _MAX_LISTED} more" if len(known) > _MAX_LISTED else ""
     return f"known names: {', '.join(known[:_MAX_LISTED])}{rest}."
 
 
 def find_similar_name(word: str, known: Sequence[str]) -> str | None:
-    """Find the known name that is most similar to a word, with or without units; None if none is really similar."""
+    """Find the known name that is most similar to a word, with or
+    without units; None if none is really similar.
+    """
 
     def similarity(name: str) -> float:
-        ours, theirs = ((each, each.rpartition("_")[0] or each) for each in (word, name))  # without a unit, too
-        return max(difflib.SequenceMatcher(None, *pair).ratio() for pair in itertools.product(ours, theirs))
+        ours, theirs = (
+            (each, each.rpartition("_")[0] or each) for each in (word, name)
+        )  # without a unit, too
+        return max(
+            difflib.SequenceMatcher(None, *pair).ratio() for pair in itertools.product(ours, theirs)
+        )
 
     word = word[:_MAX_COMPARED_LENGTH]
     best = max(known, key=similarity, default=None)
@@ -228,13 +309,19 @@ def find_similar_name(word: str, known: Sequence[str]) -> str | None:
 
 
 def _describe(details: Any, model: type[BaseModel]) -> Issue:
-    """Describe one problem. The types and their context are pydantic's, see its "Validation Errors"."""
+    """Describe one problem.
+
+    The types and their context are pydantic's, see its "Validation Errors".
+    """
     location = [str(step) for step in details["loc"]]
     field = ".".join(location)
-    value, kind, context = details["input"], details["type"], details.get("ctx", {})
+    value = details["input"]
+    kind = details["type"]
+    context = details.get("ctx", {})
     shown = quote_value(value)
     if kind == "extra_forbidden":
         return Issue(field, f"there is no such parameter; {_suggest_parameter(location, model)}")
+
     info = _find_table(location, model).model_fields.get(location[-1])
     unit = format_unit(find_unit(info)) if isinstance(info, FieldInfo) else ""
     match kind:
@@ -242,7 +329,10 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
             return Issue(field, f"{shown}{unit} is too small; at least {context['ge']:g}{unit}.")
         case "greater_than":
             example = f", such as {info.default:g}{unit}" if isinstance(info, FieldInfo) else ""
-            return Issue(field, f"{shown}{unit} is too small; it must be above {context['gt']:g}{unit}{example}.")
+            return Issue(
+                field,
+                f"{shown}{unit} is too small; it must be above {context['gt']:g}{unit}{example}.",
+            )
         case "less_than_equal":
             return Issue(field, f"{shown}{unit} is too large; at most {context['le']:g}{unit}.")
         case "finite_number":
@@ -250,42 +340,70 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
         case "literal_error" if reason := _explain_choice(info, str(value)):
             return Issue(field, f"{shown} is not in the catalogue; {reason}.")
         case "literal_error":
-            similar = find_similar_name(str(value), list_choices(info)) if isinstance(info, FieldInfo) else None
+            similar = (
+                find_similar_name(str(value), list_choices(info))
+                if isinstance(info, FieldInfo)
+                else None
+            )
             suggestion = f" Did you mean {similar}?" if similar else ""
-            names = (".".join([*location[:-1], name]) for name in _find_table(location, model).model_fields)
+            names = (
+                ".".join([*location[:-1], name])
+                for name in _find_table(location, model).model_fields
+            )
             own = [name for name in names if ".own_" in name and OWN in list_choices(info)]  # type: ignore[arg-type]
             state = f" With {OWN}, state {join_words(own)}." if own else ""
-            return Issue(field, f"{shown} is not known; choose {context['expected']}.{suggestion}{state}")
+            return Issue(
+                field, f"{shown} is not known; choose {context['expected']}.{suggestion}{state}"
+            )
         case "float_type" | "int_type" if isinstance(value, str) and "=" in value:
             return Issue(field, f"{shown} holds several changes; give --set once for each of them.")
-        case "float_type" | "int_type" if isinstance(value, str) and re.match(r"\s*[-+]?\.?\d", value):
+        case "float_type" | "int_type" if isinstance(value, str) and re.match(
+            r"\s*[-+]?\.?\d", value
+        ):
             number = f"the number{unit and ' in' + unit}"
             left_out = "quotes" if re.fullmatch(r"[-+.\de\s]+", value) else "its unit"
             return Issue(field, f"{shown} is not a number; write {number}, without {left_out}.")
         case "float_type" if type(value) is int:
-            return Issue(field, f"{shown} is too large for a float; write a smaller number{unit and ' in' + unit}.")
+            return Issue(
+                field,
+                f"{shown} is too large for a float; write a smaller number{unit and ' in' + unit}.",
+            )
         case "float_type" | "int_type":
             number = "a whole number" if kind == "int_type" else "a number"
             quotes = ", without quotes" if isinstance(value, str) else ""
-            return Issue(field, f"{shown} is not {number}; write {number}{unit and ' in' + unit}{quotes}.")
+            return Issue(
+                field, f"{shown} is not {number}; write {number}{unit and ' in' + unit}{quotes}."
+            )
         case "string_type":
             example = shorten(str(value), MAX_VALUE_LENGTH)
             return Issue(field, f'{shown} is not text; write it in quotes, such as "{example}".')
         case "bool_type" | "bool_parsing":
-            return Issue(field, f"{shown} is neither true nor false; write true or false, without quotes.")
+            return Issue(
+                field, f"{shown} is neither true nor false; write true or false, without quotes."
+            )
         case "list_type":
             plain = ",".join(map(str, value.values())) if isinstance(value, dict) else str(value)
             text = shorten(plain, MAX_VALUE_LENGTH).strip("[]").split(",")
             items = ",".join(json.dumps(item.strip(), ensure_ascii=False) for item in text)
-            return Issue(field, f"{shown} is not a list; write '{field}=[{items}]', with both kinds of quotes.")
+            return Issue(
+                field,
+                f"{shown} is not a list; write '{field}=[{items}]', with both kinds of quotes.",
+            )
         case "dict_type":
-            return Issue(field, f"{shown} is not a table; write [{field}] and its entries below it.")
+            return Issue(
+                field, f"{shown} is not a table; write [{field}] and its entries below it."
+            )
         case "model_type":
             return Issue(field, f"{shown} is not a table; {_show_parameter(location, model)}.")
-        case "string_pattern_mismatch" if isinstance(info, FieldInfo) and (allowed := find_extra(info, "allowed")):
+        case "string_pattern_mismatch" if isinstance(info, FieldInfo) and (
+            allowed := find_extra(info, "allowed")
+        ):
             return Issue(field, f"{shown} cannot stand here; {allowed}.")
         case "string_pattern_mismatch":
-            return Issue(field, f"{shown} cannot name a folder; use up to 40 letters, digits, - and _.")
+            return Issue(
+                field, f"{shown} cannot name a folder; use up to 40 letters, digits, - and _."
+            )
+
     return Issue(field, f"{shown} is not valid: {details['msg']}.")
 
 
@@ -299,23 +417,36 @@ def _find_table(location: Sequence[str], model: type[BaseModel]) -> type[BaseMod
         info = model.model_fields.get(step)
         if info and isinstance(info.annotation, type) and issubclass(info.annotation, BaseModel):
             model = info.annotation
+
     return model
 
 
 def _show_parameter(location: Sequence[str], model: type[BaseModel]) -> str:
-    defaults = {key: info.default for key, info in _find_table([*location, ""], model).model_fields.items()}
+    defaults = {
+        key: info.default for key, info in _find_table([*location, ""], model).model_fields.items()
+    }
     numbers = {key: value for key, value in defaults.items() if isinstance(value, float)}
     example = next((f"{key}={value:g}" for key, value in numbers.items()), "KEY=VALUE")
     return f"set its parameters one by one, such as {'.'.join(location)}.{example}"
 
 
 def _suggest_parameter(location: Sequence[str], model: type[BaseModel]) -> str:
-    """Suggest a parameter of the same table, or up to three of other tables that have exactly this name."""
+    """Suggest a parameter of the same table, or up to three of
+    other tables that have exactly this name.
+    """
     *tables, name = location
     known = list(_find_table(location, model).model_fields)
+
     if find_similar_name(name, known) is None:
-        fields = {table: getattr(info.annotation, "model_fields", ()) for table, info in model.model_fields.items()}
-        if places := [f"{table}.{name}" for table, names in fields.items() if name in names]:
+        fields = {
+            table: getattr(info.annotation, "model_fields", ())
+            for table, info in model.model_fields.items()
+        }
+        places = [f"{table}.{name}" for table, names in fields.items() if name in names]
+        if places:
             return f"did you mean {join_words(places[:3], 'or')}?"
+
     # The name is compared without its table, which would make all parameters of the table similar.
-    return suggest_name(name, known).replace("did you mean ", f"did you mean {'.'.join([*tables, ''])}")
+    return suggest_name(name, known).replace(
+        "did you mean ", f"did you mean {'.'.join([*tables, ''])}"
+    )

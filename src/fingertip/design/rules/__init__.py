@@ -1,6 +1,7 @@
 """Rules between parameters, by what they are about, and the engine that checks them.
 
-In: the tables of a design. Out: a `Violation` for each rule that it breaks, with the values that pass.
+In: the tables of a design. Out: a `Violation` for each rule that it breaks, with the values that
+pass.
 
 >>> from fingertip.design.geometry import DesignTables
 >>> from fingertip.design.rules import skin

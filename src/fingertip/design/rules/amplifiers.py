@@ -21,21 +21,33 @@ RULES = Ruleset(when=lambda design: design.board.has_filter)
 MIN_R5_OHM = find_bounds(Board.model_fields["r5_ohm"]).minimum or 0.0
 
 BANDWIDTH_MARGIN = 10.0
-"""Minimum closed-loop bandwidth GBW / G, in cutoffs: the amplifier then costs 0.5 % of the gain at the cutoff."""
+"""Minimum closed-loop bandwidth GBW / G, in cutoffs: the amplifier
+then costs 0.5 % of the gain at the cutoff.
+"""
 MAX_OFFSET_RATIO = 0.5
 """Maximum ratio of the first stage's offset to its swing: the signal keeps half of it."""
 MIN_PHASE_MARGIN_DEG = 30.0
-"""Minimum phase margin of the first stage [degree]. Below it a few picofarad more make an oscillator."""
+"""Minimum phase margin of the first stage [degree].
+Below it a few picofarad more make an oscillator.
+"""
 MAX_PEAKING_DB = 1.0
 """Maximum gain beyond the band over that of the passband [dB]."""
 CURRENT_MARGIN = 0.8
-"""Maximum ratio of a filter amplifier's current to what its data sheet gives. Preferred values add some percent."""
+"""Maximum ratio of a filter amplifier's current to what its data sheet gives.
+Preferred values add some percent.
+"""
 ENVELOPE_CURRENT_MARGIN = 0.95
-"""Maximum ratio of the current that charges variant article's envelope, at its peak, to what the data sheet gives."""
-SPLIT_RANGE_V, CONTROLLER_RANGE_V, DIVIDER_RANGE_V = (5.0, 5.5), (3.1, 3.6), (3.1, 5.5)
-"""Range of the supply's voltage [V]: of each half of variant article's, of a board for a controller, and of a divider,
-which has its controller's. The article's bridge is sized for its 4.3 V. Half a board for a controller must leave the
-amplifiers room to swing, and the inputs of the controller bear 3.6 V."""
+"""Maximum ratio of the current that charges variant article's
+envelope, at its peak, to what the data sheet gives.
+"""
+SPLIT_RANGE_V = (5.0, 5.5)
+CONTROLLER_RANGE_V = (3.1, 3.6)
+DIVIDER_RANGE_V = (3.1, 5.5)
+"""Range of the supply's voltage [V]: of each half of variant article's, of a board for a
+controller, and of a divider, which has its controller's. The article's bridge is sized for its 4.3
+V. Half a board for a controller must leave the amplifiers room to swing, and the inputs of the
+controller bear 3.6 V.
+"""
 
 
 @SUPPLY_RULES.rule("board.supply_v")
@@ -45,48 +57,71 @@ def voltage_fits_the_supply(design: DesignTables) -> Violation | None:
     low, high = ranges_v.get(board.variant, CONTROLLER_RANGE_V)
     if low <= board.supply_v <= high:
         return None
-    is_controllers = board.variant == "article" and CONTROLLER_RANGE_V[0] <= board.supply_v <= CONTROLLER_RANGE_V[1]
+
+    is_controllers = (
+        board.variant == "article"
+        and CONTROLLER_RANGE_V[0] <= board.supply_v <= CONTROLLER_RANGE_V[1]
+    )
     others = ", in that of precision and comparator" if is_controllers else ""
-    return Violation(f"{board.supply_v:g} V lies outside the range of variant {board.variant}{others}", ((low, high),))
+    return Violation(
+        f"{board.supply_v:g} V lies outside the range of variant {board.variant}{others}",
+        ((low, high),),
+    )
 
 
 @RULES.rule("board.amplifier", voltage_fits_the_supply)
 def amplifier_withstands_the_supply(design: DesignTables) -> Violation | None:
-    amplifier, supply_v = formulas.choose_amplifier(design.board), formulas.total_supply_v(design.board)
+    amplifier = formulas.choose_amplifier(design.board)
+    supply_v = formulas.total_supply_v(design.board)
     if formulas.works_on_supply(amplifier, design.board):
         return None
+
     return Violation(
-        f"{amplifier.name} works on {amplifier.min_supply_v:g} to {amplifier.max_supply_v:g} V, and this supply puts "
+        f"{amplifier.name} works on {amplifier.min_supply_v:g} to {amplifier.max_supply_v:g} V, "
+        "and this supply puts "
         f"{supply_v:g} V across it"
     )
 
 
 @RULES.rule("board.passband_gain", amplifier_withstands_the_supply)
 def amplifier_fast_enough(design: DesignTables) -> Violation | None:
-    amplifier, G, f_c = formulas.choose_amplifier(design.board), design.board.passband_gain, design.board.cutoff_hz
+    amplifier = formulas.choose_amplifier(design.board)
+    G = design.board.passband_gain
+    f_c = design.board.cutoff_hz
     GBW = amplifier.bandwidth_hz
     if BANDWIDTH_MARGIN * G * f_c <= GBW:
         return None
+
     return Violation(
-        f"the {GBW:g} Hz of a {amplifier.name} leave {GBW / G:.4g} Hz at a gain of {G:.6g}, less than "
+        f"the {GBW:g} Hz of a {amplifier.name} leave {GBW / G:.4g} Hz at a gain of {G:.6g}, less "
+        "than "
         f"{BANDWIDTH_MARGIN:g} cutoffs of {f_c:g} Hz",
         at_most(GBW / BANDWIDTH_MARGIN / f_c),
-        alternatives=_other_amplifier(design, lambda other: other.bandwidth_hz >= BANDWIDTH_MARGIN * G * f_c),
+        alternatives=_other_amplifier(
+            design, lambda other: other.bandwidth_hz >= BANDWIDTH_MARGIN * G * f_c
+        ),
     )
 
 
 @RULES.rule("board.passband_gain", amplifier_withstands_the_supply)
 def offset_leaves_room(design: DesignTables) -> Violation | None:
-    """The amplified offset of the first stage leaves room for the signal. Other variants do not amplify it."""
+    """The amplified offset of the first stage leaves room for the signal.
+
+    Other variants do not amplify it.
+    """
     if design.board.variant != "article":
         return None
-    amplifier, G = formulas.choose_amplifier(design.board), design.board.passband_gain
+
+    amplifier = formulas.choose_amplifier(design.board)
+    G = design.board.passband_gain
     ratio = MAX_OFFSET_RATIO * (1.0 - PREFERRED_SHARE)
     maximum_v = ratio * formulas.input_swing_v(design.board, amplifier)
     if G * amplifier.max_offset_v <= maximum_v:
         return None
+
     return Violation(
-        f"{G:.6g} times the {1e3 * amplifier.max_offset_v:g} mV of offset that a {amplifier.order_name} may have are "
+        f"{G:.6g} times the {1e3 * amplifier.max_offset_v:g} mV of offset that a "
+        f"{amplifier.order_name} may have are "
         f"{G * amplifier.max_offset_v:.3g} V, more than {ratio:g} of the swing of "
         f"{formulas.input_swing_v(design.board, amplifier):.3g} V",
         at_most(maximum_v / amplifier.max_offset_v),
@@ -95,9 +130,12 @@ def offset_leaves_room(design: DesignTables) -> Violation | None:
 
 @RULES.rule("board.r5_ohm", amplifier_withstands_the_supply)
 def first_stage_is_stable(design: DesignTables) -> Violation | None:
-    """The input's capacitance with R4 and R5 leaves the first stage stable, and the filter without a resonance."""
+    """The input's capacitance with R4 and R5 leaves the first stage
+    stable, and the filter without a resonance.
+    """
     board, amplifier = design.board, formulas.choose_amplifier(design.board)
-    gain, min_margin_deg = board.passband_gain, MIN_PHASE_MARGIN_DEG * (1.0 + PREFERRED_SHARE)
+    gain = board.passband_gain
+    min_margin_deg = MIN_PHASE_MARGIN_DEG * (1.0 + PREFERRED_SHARE)
     max_peaking_db = MAX_PEAKING_DB * (1.0 - PREFERRED_SHARE)
 
     def problem(r5_ohm: float) -> str:
@@ -105,20 +143,30 @@ def first_stage_is_stable(design: DesignTables) -> Violation | None:
         margin_deg = formulas.compute_phase_margin_deg(amplifier, feedback)
         if margin_deg < min_margin_deg:
             return f"leaves {margin_deg:.0f} degrees of phase margin, less than {min_margin_deg:g}"
+
         peaking_db = formulas.compute_peaking_db(amplifier, feedback, gain)
         if peaking_db > max_peaking_db:
-            return f"makes the filter's gain peak {peaking_db:.1f} dB beyond its band, more than {max_peaking_db:g} dB"
+            return (
+                f"makes the filter's gain peak {peaking_db:.1f} dB beyond its band, more than "
+                f"{max_peaking_db:g} dB"
+            )
+
         return ""
 
     found = problem(board.r5_ohm)
     if not found:
         return None
+
     passing: tuple[Interval, ...] = ()
     if not problem(MIN_R5_OHM):
-        stable_ohm, _ = bisect(lambda r5_ohm: not problem(r5_ohm), MIN_R5_OHM, board.r5_ohm, halvings=30)
+        stable_ohm, _ = bisect(
+            lambda r5_ohm: not problem(r5_ohm), MIN_R5_OHM, board.r5_ohm, halvings=30
+        )
         passing = at_most(stable_ohm)
+
     return Violation(
-        f"{board.r5_ohm:g} ohm with the {1e12 * amplifier.input_f:g} pF of a {amplifier.name}'s input {found}",
+        f"{board.r5_ohm:g} ohm with the {1e12 * amplifier.input_f:g} pF of a {amplifier.name}'s "
+        f"input {found}",
         passing,
         "at this gain",
     )
@@ -129,32 +177,46 @@ def amplifier_drives_the_filter(design: DesignTables) -> Violation | None:
     board = design.board
     if board.capacitor_series != "given":
         return None
-    amplifier, current_a = formulas.choose_amplifier(board), formulas.compute_filter_current_a(board)
+
+    amplifier = formulas.choose_amplifier(board)
+    current_a = formulas.compute_filter_current_a(board)
     limit_a = CURRENT_MARGIN * amplifier.output_current_a
     if current_a <= limit_a:
         return None
+
     return Violation(
-        f"{board.capacitor_uf:g} uF at {board.cutoff_hz:g} Hz asks {1e3 * current_a:.3g} mA of a {amplifier.name}, "
+        f"{board.capacitor_uf:g} uF at {board.cutoff_hz:g} Hz asks {1e3 * current_a:.3g} mA of a "
+        f"{amplifier.name}, "
         f"more than {CURRENT_MARGIN:g} of its {1e3 * amplifier.output_current_a:g} mA",
         at_most_preferred(board.capacitor_uf * limit_a / current_a),
         "at this cutoff",
-        alternatives=_other_amplifier(design, lambda other: CURRENT_MARGIN * other.output_current_a >= current_a),
+        alternatives=_other_amplifier(
+            design, lambda other: CURRENT_MARGIN * other.output_current_a >= current_a
+        ),
     )
 
 
-@RULES.rule("board.envelope_capacitor_uf", amplifier_withstands_the_supply, amplifier_drives_the_filter)
+@RULES.rule(
+    "board.envelope_capacitor_uf", amplifier_withstands_the_supply, amplifier_drives_the_filter
+)
 def amplifier_charges_the_envelope(design: DesignTables) -> Violation | None:
     board = design.board
     if board.variant != "article" or board.capacitor_series != "given":
         return None
-    amplifier, c_lp_f = formulas.choose_amplifier(board), filter_components.to_farads(board.envelope_capacitor_uf)
-    charging_a, filter_a = formulas.compute_envelope_current_a(board, c_lp_f), formulas.compute_filter_current_a(board)
+
+    amplifier = formulas.choose_amplifier(board)
+    c_lp_f = filter_components.to_farads(board.envelope_capacitor_uf)
+    charging_a = formulas.compute_envelope_current_a(board, c_lp_f)
+    filter_a = formulas.compute_filter_current_a(board)
     limit_a = ENVELOPE_CURRENT_MARGIN * amplifier.output_current_a
     if charging_a + filter_a <= limit_a:
         return None
+
     return Violation(
-        f"{board.envelope_capacitor_uf:g} uF asks peaks of {1e3 * (charging_a + filter_a):.3g} mA of a "
-        f"{amplifier.name} at {formulas.BAND_CUTOFFS:g} cutoffs of {board.cutoff_hz:g} Hz, more than "
+        f"{board.envelope_capacitor_uf:g} uF asks peaks of {1e3 * (charging_a + filter_a):.3g} mA "
+        "of a "
+        f"{amplifier.name} at {formulas.BAND_CUTOFFS:g} cutoffs of {board.cutoff_hz:g} Hz, more "
+        "than "
         f"{ENVELOPE_CURRENT_MARGIN:g} of its {1e3 * amplifier.output_current_a:g} mA",
         # R_LP is inverse to the capacitor, so that the current is proportional to it.
         at_most_preferred(board.envelope_capacitor_uf * (limit_a - filter_a) / charging_a),
@@ -167,6 +229,7 @@ def threshold_can_be_trimmed(design: DesignTables) -> Violation | None:
     maximum = filter_components.upper_headroom_v(design.board) / 4.0
     if filter_components.MIN_COMPARATOR_V <= design.detector.threshold_v <= maximum:
         return None
+
     return Violation(
         f"{design.detector.threshold_v:g} V lies outside the range of variant comparator's trimmer",
         ((filter_components.MIN_COMPARATOR_V, maximum),),
@@ -179,18 +242,31 @@ def mean_tolerates_the_bias_current(design: DesignTables) -> Limit | None:
     """The comparator's bias current shifts the averaged signal by at most half of the threshold."""
     if design.board.variant != "comparator":
         return None
-    n, rate, threshold = design.detector.window_samples, design.detector.sample_rate_hz, design.detector.threshold_v
-    averaging_ohm, bias_a = n / rate / 2.0 / filter_components.MAX_AVERAGING_F, filter_components.MAX_BIAS_A
+
+    n = design.detector.window_samples
+    rate = design.detector.sample_rate_hz
+    threshold = design.detector.threshold_v
+    averaging_ohm = n / rate / 2.0 / filter_components.MAX_AVERAGING_F
+    bias_a = filter_components.MAX_BIAS_A
+
     return Limit(
         math.floor(filter_components.max_window_s(threshold) * rate),
-        f"at {rate:g} Hz require an averaging resistor of {averaging_ohm:.4g} ohm, in which the input "
+        f"at {rate:g} Hz require an averaging resistor of {averaging_ohm:.4g} ohm, in which the "
+        "input "
         f"current of variant comparator's LMV331 (at most {1e9 * bias_a:g} nA) drops "
-        f"{1e3 * averaging_ohm * bias_a:.3g} mV, more than half of the threshold of {1e3 * threshold:g} mV",
+        f"{1e3 * averaging_ohm * bias_a:.3g} mV, more than half of the threshold of "
+        f"{1e3 * threshold:g} mV",
     )
 
 
 def _other_amplifier(design: DesignTables, passes: Callable[[Amplifier], bool]) -> dict[str, str]:
-    """Return the first amplifier of the catalogue that passes a condition and the supply, as an alternative."""
-    names = (a.name for a in list_dual_amplifiers() if formulas.works_on_supply(a, design.board) and passes(a))
+    """Return the first amplifier of the catalogue that passes a
+    condition and the supply, as an alternative.
+    """
+    names = (
+        a.name
+        for a in list_dual_amplifiers()
+        if formulas.works_on_supply(a, design.board) and passes(a)
+    )
     name = next(names, None)
     return {"board.amplifier": name} if name else {}

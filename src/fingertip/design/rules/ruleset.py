@@ -1,4 +1,6 @@
-"""Engine of the rules between parameters: what a rule is, how rules are listed, and how a design is checked."""
+"""Engine of the rules between parameters: what a rule is, how rules
+are listed, and how a design is checked.
+"""
 
 from __future__ import annotations
 
@@ -20,8 +22,9 @@ from fingertip.design.parameters.declaration import find_unit, format_unit
 Model = TypeVar("Model", bound=BaseModel)
 
 SLACK = 1e-6
-"""Slack of the rules for lengths. A bound that is computed from other lengths carries rounding errors, and a design at
-the bound must not fail by one."""
+"""Slack of the rules for lengths. A bound that is computed from other lengths carries rounding
+errors, and a design at the bound must not fail by one.
+"""
 
 Interval = tuple[float, float]
 """Closed interval of values of a field; infinite where it is open."""
@@ -42,9 +45,10 @@ class Violation:
     problem: str
     """Value of the blamed field and what is wrong with it, without a final full stop."""
     passing: tuple[Interval, ...] = ()
-    """Values of the blamed field that pass this rule if all other parameters stay; empty if the rule cannot tell. They
-    may lie outside the field's own bounds, or break another rule. `fingertip.design.remedies` recommends none of them
-    unchecked."""
+    """Values of the blamed field that pass this rule if all other parameters stay; empty if the
+    rule cannot tell. They may lie outside the field's own bounds, or break another rule.
+    `fingertip.design.remedies` recommends none of them unchecked.
+    """
     note: str = ""
     """Condition under which the bounds hold, such as "with this r5_ohm"."""
     alternatives: Mapping[str, Any] = field(default_factory=dict)
@@ -56,7 +60,9 @@ class Violation:
 RuleFunction = Callable[[DesignTables], Violation | None]
 """Checks a design, and returns None if it passes."""
 Condition = Callable[[DesignTables], object] | None
-"""Tells whether a rule applies to a design; one that does not apply passes. None: it applies to all."""
+"""Tells whether a rule applies to a design; one that does not apply passes.
+None: it applies to all.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +78,9 @@ class Limit(NamedTuple):
 
     value: float
     problem: str
-    """Rest of the sentence that begins with the field's value and its unit, without a final full stop."""
+    """Rest of the sentence that begins with the field's value
+    and its unit, without a final full stop.
+    """
     note: str = ""
     """Condition of the bounds, as in `Violation`."""
     alternatives: Mapping[str, Any] = MappingProxyType({})
@@ -86,14 +94,18 @@ AddLimit = Callable[[LimitFunction], Rule]
 
 
 class Ruleset(list[Rule]):
-    """Rules of one subject, in the order in which they are written; all of them apply only to designs with `when`."""
+    """Rules of one subject, in the order in which they are written;
+    all of them apply only to designs with `when`.
+    """
 
     def __init__(self, when: Condition = None) -> None:
         super().__init__()
         self._when = when
 
     def rule(self, field: str, *prerequisites: Rule, when: Condition = None) -> AddRule:
-        """Add the decorated function as a rule that blames `field` and is checked only if its prerequisites pass."""
+        """Add the decorated function as a rule that blames `field` and
+        is checked only if its prerequisites pass.
+        """
 
         def add(check: RuleFunction) -> Rule:
             conditions = [condition for condition in (self._when, when) if condition]
@@ -107,11 +119,27 @@ class Ruleset(list[Rule]):
 
         return add
 
-    def at_most(self, field: str, *prerequisites: Rule, when: Condition = None, slack: float = SLACK) -> AddLimit:
-        return self._bound(field, prerequisites, when, lambda value, limit: value <= limit + slack, at_most)
+    def at_most(
+        self, field: str, *prerequisites: Rule, when: Condition = None, slack: float = SLACK
+    ) -> AddLimit:
+        return self._bound(
+            field,
+            prerequisites=prerequisites,
+            when=when,
+            passes=lambda value, limit: value <= limit + slack,
+            passing=at_most,
+        )
 
-    def at_least(self, field: str, *prerequisites: Rule, when: Condition = None, slack: float = SLACK) -> AddLimit:
-        return self._bound(field, prerequisites, when, lambda value, limit: value >= limit - slack, at_least)
+    def at_least(
+        self, field: str, *prerequisites: Rule, when: Condition = None, slack: float = SLACK
+    ) -> AddLimit:
+        return self._bound(
+            field,
+            prerequisites=prerequisites,
+            when=when,
+            passes=lambda value, limit: value >= limit - slack,
+            passing=at_least,
+        )
 
     def _bound(
         self,
@@ -129,6 +157,7 @@ class Ruleset(list[Rule]):
                 limit = find_limit(design)
                 if limit is None or passes(value := design.value(field), limit.value):
                     return None
+
                 text = f"{value:g}{unit} {limit.problem}"
                 return Violation(text, passing(limit.value), limit.note, limit.alternatives)
 
@@ -145,14 +174,19 @@ class BrokenRule:
 
     @cached_property
     def reads(self) -> frozenset[str]:
-        """Parameters that decide the violation: all designs with the same values of these break the rule alike."""
+        """Parameters that decide the violation: all designs with the
+        same values of these break the rule alike.
+        """
         tables, reads = record_reads(self.design)
         RuleChecker(tables).passes(self.rule)
         return frozenset(reads)
 
     @cached_property
     def own_reads(self) -> frozenset[str]:
-        """Parameters that the rule itself reads. One of these must change to repair it: the prerequisites pass."""
+        """Parameters that the rule itself reads.
+
+        One of these must change to repair it: the prerequisites pass.
+        """
         tables, reads = record_reads(self.design)
         self.rule.check(tables)
         return frozenset(reads)
@@ -173,9 +207,13 @@ class RuleChecker:
         """Violations found so far."""
 
     def passes(self, rule: Rule) -> bool:
-        """Check a rule after its prerequisites. A rule that cannot be checked does not pass, without a violation."""
+        """Check a rule after its prerequisites.
+
+        A rule that cannot be checked does not pass, without a violation.
+        """
         if rule not in self._passed:
             self._passed[rule] = all(map(self.passes, rule.prerequisites)) and self._check(rule)
+
         return self._passed[rule]
 
     def find_broken(self, rules: Iterable[Rule]) -> Iterator[BrokenRule]:
@@ -188,23 +226,31 @@ class RuleChecker:
             violation = rule.check(self._checked)
         except InvalidParameterError:
             return False
+
         if violation:
             self.violations[rule] = violation
+
         return violation is None
 
 
 def find_violations(
     rules: Iterable[Rule], design: DesignTables, invalid: frozenset[str] = frozenset()
 ) -> Iterator[BrokenRule]:
-    """Check a design, and yield every rule it breaks, in the order of `rules`; the parameters are `RuleChecker`'s."""
+    """Check a design, and yield every rule it breaks, in the order of
+    `rules`; the parameters are `RuleChecker`'s.
+    """
     return RuleChecker(design, invalid).find_broken(rules)
 
 
-def record_reads(design: DesignTables, invalid: frozenset[str] = frozenset()) -> tuple[DesignTables, AbstractSet[str]]:
-    """Copy the tables of a design, and return with them a set that names each parameter that is read of the copy.
+def record_reads(
+    design: DesignTables, invalid: frozenset[str] = frozenset()
+) -> tuple[DesignTables, AbstractSet[str]]:
+    """Copy the tables of a design, and return with them a set that names each parameter that is
+    read of the copy.
 
-    What is derived, such as `dimensions`, is derived from the copy, so that the parameters behind it are named too. To
-    read a parameter that is `invalid`, by itself or with its whole table, raises InvalidParameterError.
+    What is derived, such as `dimensions`, is derived from the copy, so that the parameters behind
+    it are named too. To read a parameter that is `invalid`, by itself or with its whole table,
+    raises InvalidParameterError.
     """
     reads = set[str]()
 
@@ -218,6 +264,7 @@ def record_reads(design: DesignTables, invalid: frozenset[str] = frozenset()) ->
         if isinstance(value, ParameterTable):
             fields[name] = _derive_noting(type(value), f"{name}.").model_construct(**vars(value))
             vars(fields[name])[_NOTE] = note
+
     copy = _derive_noting(DesignTables, "").model_construct(**fields)
     vars(copy)[_NOTE] = note
     return copy, reads
@@ -229,10 +276,15 @@ _NOTE = "note"
 
 @functools.cache
 def _derive_noting(model: type[Model], prefix: str) -> type[Model]:
-    """Derive a class of tables, of which each parameter is a property that notes that it is read."""
+    """Derive a class of tables, of which each parameter is a property that notes that
+    it is read.
+    """
     noting = create_model(f"Noting{model.__name__}", __base__=model)
     for path in PARAMETERS.keys() & {f"{prefix}{key}" for key in model.model_fields}:
-        setattr(noting, path.removeprefix(prefix), property(functools.partial(_note_and_read, path)))
+        setattr(
+            noting, path.removeprefix(prefix), property(functools.partial(_note_and_read, path))
+        )
+
     return noting
 
 

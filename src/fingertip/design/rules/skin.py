@@ -1,4 +1,6 @@
-"""Rules of skin and sensor: the sensor fits the bone, the bone fits the skin, and the force curve is in order."""
+"""Rules of skin and sensor: the sensor fits the bone, the bone fits
+the skin, and the force curve is in order.
+"""
 
 from __future__ import annotations
 
@@ -13,21 +15,30 @@ RULES = Ruleset()
 @RULES.at_most("custom_sensor.active_diameter_mm")
 def active_area_within_head(design: DesignTables) -> Limit | None:
     head = design.custom_sensor.head_diameter_mm
-    return Limit(head, "is wider than the sensor's head") if design.sensor.model == "custom" else None
+    return (
+        Limit(head, "is wider than the sensor's head") if design.sensor.model == "custom" else None
+    )
 
 
 @RULES.at_least("custom_sensor.tail_width_mm", when=lambda design: design.sensor.model == "custom")
 def tail_holds_its_tabs(design: DesignTables) -> Limit:
     pitch = design.dimensions.sensor.tab_pitch_mm
-    return Limit(pitch + TAB_WIDTH_MM, f"does not hold two solder tabs of {TAB_WIDTH_MM:g} mm, {pitch:g} mm apart")
+    return Limit(
+        pitch + TAB_WIDTH_MM,
+        f"does not hold two solder tabs of {TAB_WIDTH_MM:g} mm, {pitch:g} mm apart",
+    )
 
 
 _EDGE_THICKNESS = 0.5
-"""Minimum silicone beside the edges of the bone's flat, along x [mm]: the edges cut through thinner skin."""
+"""Minimum silicone beside the edges of the bone's flat, along x
+[mm]: the edges cut through thinner skin.
+"""
 _EDGE_SECTIONS = 64
 """Intervals along the bone at which the silicone beside the edges is sampled."""
 _THICKNESS_SLACK = 2e-3
-"""Slack of the minimum skin thickness [mm], which is computed to 1e-3 mm: the nominal thickness itself must pass."""
+"""Slack of the minimum skin thickness [mm], which is computed to 1e-3
+mm: the nominal thickness itself must pass.
+"""
 _MIN_BONE = 1.0
 """Half width and half height of bone [mm] below which no other rule makes sense."""
 _MIN_STRAIGHT = 2.0
@@ -55,7 +66,10 @@ def bone_left_at_sides(design: DesignTables) -> Limit | None:
 
 @RULES.at_most("skin.thickness_dorsal_mm")
 def bone_left_dorsally(design: DesignTables) -> Limit | None:
-    return Limit(design.skin.semi_axis_dorsal_mm - _MIN_BONE, f"leaves less than {_MIN_BONE:g} mm of bone at the back")
+    return Limit(
+        design.skin.semi_axis_dorsal_mm - _MIN_BONE,
+        f"leaves less than {_MIN_BONE:g} mm of bone at the back",
+    )
 
 
 @RULES.at_most("skin.thickness_tip_mm")
@@ -65,42 +79,59 @@ def bone_reaches_tip(design: DesignTables) -> Limit | None:
 
 @RULES.rule("skin.taper_ratio", tip_within_skin, bone_left_at_sides, bone_reaches_tip)
 def taper_reaches_tip(design: DesignTables) -> Violation | None:
-    if min(design.dimensions.outer.tip_control(), design.dimensions.bone_outline.tip_control()) > _MIN_TIP_CONTROL:
+    if (
+        min(design.dimensions.outer.tip_control(), design.dimensions.bone_outline.tip_control())
+        > _MIN_TIP_CONTROL
+    ):
         return None
+
     return Violation(f"{design.skin.taper_ratio:g} closes the finger before its tip")
 
 
 @RULES.at_most("sensor.distance_from_tip_mm")
 def sensor_within_skin(design: DesignTables) -> Limit | None:
-    length, head = design.skin.length_mm, design.dimensions.sensor.head_diameter_mm
-    return Limit(length - head / 2 - _BEHIND_SENSOR, f"puts the sensor's head outside the skin of {length:g} mm")
+    length = design.skin.length_mm
+    head = design.dimensions.sensor.head_diameter_mm
+    return Limit(
+        length - head / 2 - _BEHIND_SENSOR,
+        f"puts the sensor's head outside the skin of {length:g} mm",
+    )
 
 
 @RULES.rule("skin.crown_offset_mm", tip_within_skin)
 def crown_on_taper(design: DesignTables) -> Violation | None:
-    dims, offset = design.dimensions, design.skin.crown_offset_mm
-    low, high = dims.sensor_z - dims.taper_end_z, dims.sensor_z - _MIN_STRAIGHT
+    dims = design.dimensions
+    offset = design.skin.crown_offset_mm
+    low = dims.sensor_z - dims.taper_end_z
+    high = dims.sensor_z - _MIN_STRAIGHT
     if design.skin.crown_radius_mm == 0.0 or low - SLACK <= offset <= high + SLACK:
         return None
+
     where = "on the rounded tip" if offset < low else "outside the skin"
     return Violation(f"{offset:g} mm puts the apex of the crown {where}", ((low, high),))
 
 
-@RULES.at_most("skin.crown_drop_mm", crown_on_taper, when=lambda design: design.skin.crown_radius_mm)
+@RULES.at_most(
+    "skin.crown_drop_mm", crown_on_taper, when=lambda design: design.skin.crown_radius_mm
+)
 def crown_within_pad(design: DesignTables) -> Limit:
     return Limit(design.dimensions.max_crown_drop, "is more than fits proximal to the crown's apex")
 
 
-@RULES.at_most("skin.crown_radius_mm", crown_on_taper, when=lambda design: design.skin.crown_radius_mm)
+@RULES.at_most(
+    "skin.crown_radius_mm", crown_on_taper, when=lambda design: design.skin.crown_radius_mm
+)
 def crown_ends_before_tip(design: DesignTables) -> Limit:
     return Limit(design.dimensions.max_crown_radius, "runs past the tip")
 
 
 @RULES.rule("skin.crown_radius_mm", crown_within_pad, crown_ends_before_tip)
 def crown_reaches_tip(design: DesignTables) -> Violation | None:
-    dims, radius = design.dimensions, design.skin.crown_radius_mm
+    dims = design.dimensions
+    radius = design.skin.crown_radius_mm
     if radius == 0.0 or dims.outer.spans[-1].palmar[1] > _MIN_TIP_CONTROL:
         return None
+
     # A larger radius slopes down later.
     return Violation(
         f"{radius:g} mm slopes the pad down to the parting plane before the tip",
@@ -110,16 +141,20 @@ def crown_reaches_tip(design: DesignTables) -> Violation | None:
 
 @RULES.rule("skin.thickness_palmar_mm", tip_within_skin, crown_reaches_tip)
 def flat_within_bone(design: DesignTables) -> Violation | None:
-    dims, platform = design.dimensions, design.bone.platform_mm
+    dims = design.dimensions
+    platform = design.bone.platform_mm
     height = design.skin.semi_axis_palmar_mm * dims.outer.palmar_scale_at(dims.sensor_z)
     bone = dims.bone_outline.section.palmar * dims.bone_outline.scale_at(dims.sensor_z)
-    maximum, minimum = height - platform - _MIN_FLAT_DEPTH, height - bone + _MIN_FLAT_CUT
+    maximum = height - platform - _MIN_FLAT_DEPTH
+    minimum = height - bone + _MIN_FLAT_CUT
     if minimum <= design.skin.thickness_palmar_mm <= maximum + SLACK:
         return None
+
     if design.skin.thickness_palmar_mm < minimum:
         where = "beyond the bone's palmar surface"
     else:
         where = f"less than {_MIN_FLAT_DEPTH:g} mm below the parting plane"
+
     return Violation(
         f"{design.skin.thickness_palmar_mm:g} mm puts the bone's flat {where}",
         ((minimum, maximum),),
@@ -131,15 +166,22 @@ def flat_within_bone(design: DesignTables) -> Violation | None:
 def ramp_on_flat(design: DesignTables) -> Limit | None:
     """The ramp of the platform begins on the flat, where nothing else is cut into the bone."""
     return Limit(
-        design.dimensions.max_platform, "leaves no room for the ramp between platform and collar, groove or tail's end"
+        design.dimensions.max_platform,
+        "leaves no room for the ramp between platform and collar, groove or tail's end",
     )
 
 
-@RULES.rule("skin.width_mm", flat_within_bone, bone_left_at_sides, tip_within_skin, sensor_within_skin)
+@RULES.rule(
+    "skin.width_mm", flat_within_bone, bone_left_at_sides, tip_within_skin, sensor_within_skin
+)
 def sensor_fits_flat(design: DesignTables) -> Violation | None:
-    sensor, rim, clearance = design.dimensions.sensor, design.bone.rim_mm, design.sensor.clearance_mm
-    if (margin := design.dimensions.sensor_rim_margin(rim, clearance)) >= 0:
+    rim = design.bone.rim_mm
+    clearance = design.sensor.clearance_mm
+    sensor = design.dimensions.sensor
+    margin = design.dimensions.sensor_rim_margin(rim, clearance)
+    if margin >= 0:
         return None
+
     needed = sensor.head_diameter_mm + 2 * (clearance + rim)
     return Violation(
         f"the {sensor.label} and its rim need a flat {needed:.2f} mm across, which a finger of "
@@ -155,22 +197,31 @@ def flat_edges_within_skin(design: DesignTables) -> Violation | None:
     end = dims.bone_outline.tip.z if dims.bone_outline.tip else 0.0
     heights = (end * i / _EDGE_SECTIONS for i in range(_EDGE_SECTIONS + 1))
     thickness = min(
-        dims.outer.half_width_at(-dims.flat_depth, z) - dims.bone_outline.half_width_at(-dims.flat_depth, z)
+        dims.outer.half_width_at(-dims.flat_depth, z)
+        - dims.bone_outline.half_width_at(-dims.flat_depth, z)
         for z in heights
     )
     if thickness >= _EDGE_THICKNESS:
         return None
+
     return Violation(
-        f"{design.bone.palmar_fullness:g} brings the edges of the bone's flat to {max(0.0, thickness):.2f} mm from "
+        f"{design.bone.palmar_fullness:g} brings the edges of the bone's flat to "
+        f"{max(0.0, thickness):.2f} mm from "
         f"the skin's surface (measured sideways), less than {_EDGE_THICKNESS:g} mm",
         lack=_EDGE_THICKNESS - thickness,
     )
 
 
 SOUND_SECTIONS = (
-    tip_within_skin, bone_left_at_sides, bone_left_dorsally, bone_reaches_tip, taper_reaches_tip, sensor_fits_flat,
-    flat_within_bone, flat_edges_within_skin,
-)  # fmt: skip
+    tip_within_skin,
+    bone_left_at_sides,
+    bone_left_dorsally,
+    bone_reaches_tip,
+    taper_reaches_tip,
+    sensor_fits_flat,
+    flat_within_bone,
+    flat_edges_within_skin,
+)
 """Prerequisites of every rule that measures the silicone between bone and surface."""
 
 
@@ -184,11 +235,16 @@ def skin_is_thick_enough(design: DesignTables) -> Limit | None:
 def slot_fits_flat(design: DesignTables) -> Violation | None:
     dims = design.dimensions
     half = dims.tail_half_width
-    room = min(dims.bone_outline.half_width_at(-dims.flat_depth_at(z), z) for z in (0.0, max(0.0, dims.sensor_z)))
+    room = min(
+        dims.bone_outline.half_width_at(-dims.flat_depth_at(z), z)
+        for z in (0.0, max(0.0, dims.sensor_z))
+    )
     if half + design.bone.wall_mm <= room or room == 0.0:
         return None
+
     return Violation(
-        f"{design.bone.wall_mm:g} mm on each side of the tail's slot ({2 * half:.2f} mm wide) do not fit the flat "
+        f"{design.bone.wall_mm:g} mm on each side of the tail's slot ({2 * half:.2f} mm wide) do "
+        "not fit the flat "
         f"({2 * room:.2f} mm wide)",
         at_most(room - half),
     )

@@ -1,6 +1,7 @@
 """Documents of a board: README of its folder, bring-up sheet, and the files of a divider.
 
-A design and its figures come in; Markdown goes out, whose text stands in templates beside the modules.
+A design and its figures come in; Markdown goes out, whose text stands in templates beside the
+modules.
 
 >>> from fingertip import Design
 >>> from fingertip.documents.board.divider import describe_readings, list_readings

@@ -1,8 +1,10 @@
-"""Budget of errors: what steps, grids, meshes and samples cost at three settings, and how wrong named outputs then are.
+"""Budget of errors: what steps, grids, meshes and samples cost at three settings, and how wrong
+named outputs then are.
 
-Errors of steps, grids, sections and meshes are differences from a reference that is at least four times as fine as the
-setting in use; those of samples are intervals that hold the true value with 95 %. Model errors are those that another
-model or a data sheet has shown. Other outputs of sweeps are listed by kind.
+Errors of steps, grids, sections and meshes are differences from a reference that is at least four
+times as fine as the setting in use; those of samples are intervals that hold the true value with 95
+%. Model errors are those that another model or a data sheet has shown. Other outputs of sweeps are
+listed by kind.
 """
 
 from __future__ import annotations
@@ -44,14 +46,20 @@ from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.grid import BASE_HZ, Grid
 from fingertip.sim.simulation import Trial, article_trials
 
-_SHARES, _STRESSES = "0.011 rms, 0.024 worst (finite elements)", "-21 to +7 % (finite elements)"
+_SHARES = "0.011 rms, 0.024 worst (finite elements)"
+_STRESSES = "-21 to +7 % (finite elements)"
 MODEL_ERRORS = {
-    "pad_share": _SHARES, "pad_share_wide": _SHARES, "pad_evenness": _SHARES,
+    "pad_share": _SHARES,
+    "pad_share_wide": _SHARES,
+    "pad_evenness": _SHARES,
     "pad_stiffness_n_per_mm": "3 % in the median, 17 % in one of ten (finite elements)",
-    "grip_safety_factor": _STRESSES, "knock_safety_factor": _STRESSES,
+    "grip_safety_factor": _STRESSES,
+    "knock_safety_factor": _STRESSES,
     "tactile_v": "6 % of the force from part to part (data sheet)",
-}  # fmt: skip
-"""Output -> model error where one is known; docs/pad.md and docs/designs.md state how each was found."""
+}
+"""Output -> model error where one is known; docs/pad.md and
+docs/designs.md state how each was found.
+"""
 KINDS = {
     "closed forms": (
         *("lengths", "board", "noise", "circuit", "acceptance"),
@@ -68,16 +76,21 @@ KINDS = {
     ),
     "from the pad layer, with errors as above": ("pad",),
 }
-"""Kind of outputs of sweeps that the budget does not name -> their groups, and outputs that differ from their group."""
+"""Kind of outputs of sweeps that the budget does not name -> their
+groups, and outputs that differ from their group.
+"""
 DETECTOR = "fast"
-_TRIALS, _STEPPED = 120, 12
+_TRIALS = 120
+_STEPPED = 12
 """Trials that a validation runs, and those of them whose steps are refined."""
 Values: TypeAlias = Mapping[str, float]
 
 
 @dataclass(frozen=True)
 class Curve:
-    """Errors of some outputs at three settings of what they are computed with, and the cost of each."""
+    """Errors of some outputs at three settings of what they are
+    computed with, and the cost of each.
+    """
 
     source: str
     settings: tuple[float, ...]
@@ -89,40 +102,70 @@ class Curve:
     errors: Mapping[str, tuple[float, ...]]
     """Output -> error at each setting; for samples, half of the interval."""
     intervals: Mapping[str, tuple[Pair, ...]] = field(default_factory=dict)
-    """Output -> interval at each setting that holds the true value with 95 %; samples alone have one."""
+    """Output -> interval at each setting that holds the true
+    value with 95 %; samples alone have one.
+    """
 
 
 def measure_budget(design: Design, progress: ReportProgress | None = None) -> tuple[Curve, ...]:
     """Measure the curves of a design. Raises FingertipError."""
     extras.require("fingertip accuracy", "numba")
-    stages = {"time steps": 6.0, "pad layer": 2.0, "meshes": 4.0, "boards": 2.0, "trials": 14.0}
+    stages = {
+        "time steps": 6.0,
+        "pad layer": 2.0,
+        "meshes": 4.0,
+        "boards": 2.0,
+        "trials": 14.0,
+    }
     measures = (_refine_steps, refine_pad, refine_meshes, _draw_boards, _draw_trials)
-    work, found = Work("accuracy", stages, progress), list[Curve]()
+    work = Work("accuracy", stages, progress)
+    found = list[Curve]()
+
     with compiled():
         for name, measure in zip(stages, measures, strict=True):
             work.begin(name)
             found += measure(design)
+
     return tuple(found)
 
 
 def _refine(
-    source: str, settings: tuple[float, ...], used: int, finest: float, compute: Callable[[float], Values]
+    source: str,
+    settings: tuple[float, ...],
+    used: int,
+    finest: float,
+    compute: Callable[[float], Values],
 ) -> Curve:
     """Measure a curve against the finest setting."""
     compute(settings[0])  # loads what is computed once
-    found, cpu_s = list[Values](), list[float]()
+    found = list[Values]()
+    cpu_s = list[float]()
+
     for setting in settings:
         begin = time.process_time()
         found.append(compute(setting))
         cpu_s.append(time.process_time() - begin)
-    errors = {name: tuple(abs(one[name] - exact) for one in found) for name, exact in compute(finest).items()}
-    return Curve(source, settings, used, tuple(cpu_s), found[used], errors)
+
+    errors = {
+        name: tuple(abs(one[name] - exact) for one in found)
+        for name, exact in compute(finest).items()
+    }
+    return Curve(
+        source=source,
+        settings=settings,
+        used=used,
+        cpu_s=tuple(cpu_s),
+        values=found[used],
+        errors=errors,
+    )
 
 
 def _sample(curve: Curve, spans: Sequence[Mapping[str, Pair]]) -> Curve:
     """Add intervals, one mapping for each setting; errors are half of them."""
     intervals = {name: tuple(span[name] for span in spans) for name in spans[0]}
-    halves = {name: tuple((high - low) / 2 for low, high in each) for name, each in intervals.items()}
+    halves = {
+        name: tuple((high - low) / 2 for low, high in each) for name, each in intervals.items()
+    }
     return replace(curve, errors=halves, intervals=intervals)
 
 
@@ -131,26 +174,40 @@ def _refine_steps(design: Design) -> Iterator[Curve]:
     steps = measure_steps(design, "trial", scene)
     largest = run_scene(design, scene.model_copy(update={"outputs": [*steps[0].errors]})).columns
     yield Curve(
-        "time step [us]", tuple(1e6 * step.step_s for step in steps), 0, tuple(step.cpu_s for step in steps),
-        {name: float(np.abs(values).max()) for name, values in largest.items()},
-        {name: tuple(step.errors[name] for step in steps) for name in steps[0].errors},
-    )  # fmt: skip
-    cases = [Case("slip", scene, seed) for scene, seed in [*article_trials()][:: _TRIALS // _STEPPED]]
+        source="time step [us]",
+        settings=tuple(1e6 * step.step_s for step in steps),
+        used=0,
+        cpu_s=tuple(step.cpu_s for step in steps),
+        values={name: float(np.abs(values).max()) for name, values in largest.items()},
+        errors={name: tuple(step.errors[name] for step in steps) for name in steps[0].errors},
+    )
+    cases = [
+        Case("slip", scene, seed) for scene, seed in [*article_trials()][:: _TRIALS // _STEPPED]
+    ]
 
     def detect(step_us: float) -> Values:
         grids = [SceneRun(design, case.scene, case.seed).grid or Grid() for case in cases]
         finer = [Grid(grid.refinement * round(1e6 / BASE_HZ / step_us)) for grid in grids]
         found = DetectorResult(1.0, tuple(chain(*map(partial(_detect, design), cases, finer))))
         onset_s = found.motion_delay_s(0.5) - found.delay_s(0.5)
+
         return {
-            "delay_ms": 1e3 * found.delay_s(0.5), "slip_onset_ms": 1e3 * onset_s, "found_share": found.found_share,
-        }  # fmt: skip
+            "delay_ms": 1e3 * found.delay_s(0.5),
+            "slip_onset_ms": 1e3 * onset_s,
+            "found_share": found.found_share,
+        }
 
     yield _refine("time step [us]", (100.0, 50.0, 25.0), 0, 100.0 / REFERENCE, detect)
 
 
 def _detect(design: Design, case: Case, grid: Grid | None = None) -> list[TrialResult]:
-    return evaluate(case, simulate_trace(design, case, [DETECTOR], grid), DETECTOR, design, [1.0])
+    return evaluate(
+        case,
+        trace=simulate_trace(design, case, [DETECTOR], grid),
+        detector=DETECTOR,
+        design=design,
+        scales=[1.0],
+    )
 
 
 def refine_pad(design: Design) -> Iterator[Curve]:
@@ -159,13 +216,24 @@ def refine_pad(design: Design) -> Iterator[Curve]:
     def press(grid_mm: float) -> Values:
         pressed = {tilt: try_contacts(form, Pose(tilt), 1.0, grid_mm=grid_mm) for tilt in TILTS_DEG}
         shares = {tilt: found[0].share if found else 0.0 for tilt, found in pressed.items()}
-        low, high, firm = find_contacts(form, Pose(2.0), (0.9, 1.1, 5.0), np.inf, grid_mm)
-        wide, grasp = ([s for t, s in shares.items() if a <= t <= b] for a, b in (WIDE_DEG, GRASP_DEG))
+        low, high, firm = find_contacts(
+            form,
+            pose=Pose(2.0),
+            forces_n=(0.9, 1.1, 5.0),
+            max_strain=np.inf,
+            grid_mm=grid_mm,
+        )
+        wide, grasp = (
+            [s for t, s in shares.items() if a <= t <= b] for a, b in (WIDE_DEG, GRASP_DEG)
+        )
+
         return {
-            "pad_share": min(grasp), "pad_share_wide": min(wide), "pad_evenness": min(grasp) / (max(grasp) or 1.0),
+            "pad_share": min(grasp),
+            "pad_share_wide": min(wide),
+            "pad_evenness": min(grasp) / (max(grasp) or 1.0),
             "pad_stiffness_n_per_mm": (high.force_n - low.force_n) / (high.depth_mm - low.depth_mm),
             "pad_strain": firm.strain,
-        }  # fmt: skip
+        }
 
     yield _refine("pad layer, grid [mm]", (0.5, GRID_MM, 0.125), 1, GRID_MM / 4, press)
 
@@ -173,36 +241,58 @@ def refine_pad(design: Design) -> Iterator[Curve]:
 def refine_meshes(design: Design) -> Iterator[Curve]:
     def load(evaluator: MeshEvaluator, stations: float) -> Values:
         found = assess_strength(design, evaluator, round(stations))
-        return {name: getattr(found, name) for name in ("grip_safety_factor", "knock_safety_factor")}
+        return {
+            name: getattr(found, name) for name in ("grip_safety_factor", "knock_safety_factor")
+        }
 
     def measure(tolerance_mm: float) -> Values:
         evaluator = MeshEvaluator(tolerance_mm)
         parts = ("skin", "bone", "mold_palmar", "mold_dorsal")
         meshes = {name: evaluator.mesh(PARTS[name].solid(design)) for name in parts}
         batch = compute_batch(design.silicone.material, measure_poured_cm3(design, evaluator))
+
         return {
             **{f"{name}_volume_mm3": mesh.volume() for name, mesh in meshes.items()},
-            "skin_area_mm2": meshes["skin"].area(), "min_skin_thickness_mm": min_thickness(design, evaluator),
-            "silicone_in_mold_g": batch.in_cup_g, "silicone_g": batch.total_g, **load(evaluator, STATIONS),
-        }  # fmt: skip
+            "skin_area_mm2": meshes["skin"].area(),
+            "min_skin_thickness_mm": min_thickness(design, evaluator),
+            "silicone_in_mold_g": batch.in_cup_g,
+            "silicone_g": batch.total_g,
+            **load(evaluator, STATIONS),
+        }
 
     yield _refine("mesh, tolerance [mm]", (0.08, 0.02, 0.005), 1, 0.00125, measure)
     sections = (40.0, float(STATIONS), 640.0)
-    yield _refine("strength, sections", sections, 1, 16.0 * STATIONS, partial(load, MeshEvaluator(0.02)))
+    yield _refine(
+        "strength, sections", sections, 1, 16.0 * STATIONS, partial(load, MeshEvaluator(0.02))
+    )
 
 
 def _draw_boards(design: Design) -> Iterator[Curve]:
     if not design.board.has_filter:
         return
+
     circuit = board_circuit(select_components(design))
-    model, values = model_filter(circuit), build_network(circuit, find_gain_bandwidth_hz(design.board)).values
+    model = model_filter(circuit)
+    values = build_network(circuit, find_gain_bandwidth_hz(design.board)).values
 
     def draw(boards: float) -> Values:
-        return {"filter_yield": min(compute_yields(model, values, circuit, design.board, round(boards)).values())}
+        return {
+            "filter_yield": min(
+                compute_yields(
+                    model,
+                    values=values,
+                    circuit=circuit,
+                    board=design.board,
+                    boards=round(boards),
+                ).values()
+            )
+        }
 
     sizes = (1000.0, float(YIELD_BOARDS), 16_000.0)
     counts = [round(size * draw(size)["filter_yield"]) for size in sizes]
-    spans = [binomial_interval(count, round(size)) for count, size in zip(counts, sizes, strict=True)]
+    spans = [
+        binomial_interval(count, round(size)) for count, size in zip(counts, sizes, strict=True)
+    ]
     curve = _refine("Monte Carlo, boards", sizes, 1, 64_000.0, draw)
     yield _sample(curve, [{"filter_yield": span} for span in spans])
 
@@ -210,21 +300,41 @@ def _draw_boards(design: Design) -> Iterator[Curve]:
 def _draw_trials(design: Design) -> Iterator[Curve]:
     trials = [trial for first in range(4) for trial in [*article_trials()][first::4]]
     cases = [Case("slip", scene, seed + first) for first in (0, _TRIALS) for scene, seed in trials]
-    begin, cpu_s, found = time.process_time(), list[float](), list[TrialResult]()
+    begin = time.process_time()
+    cpu_s = list[float]()
+    found = list[TrialResult]()
+
     for case in cases:
         found += _detect(design, case)
         cpu_s.append(time.process_time() - begin)
+
     sizes = _TRIALS // 4, _TRIALS, 2 * _TRIALS
     results = [DetectorResult(1.0, tuple(found[:size])) for size in sizes]
     values = {
-        "delay_ms": 1e3 * results[1].delay_s(0.5), "delay_p90_ms": 1e3 * results[1].delay_s(0.9),
-        "motion_delay_ms": 1e3 * results[1].motion_delay_s(0.5), "found_share": results[1].found_share,
+        "delay_ms": 1e3 * results[1].delay_s(0.5),
+        "delay_p90_ms": 1e3 * results[1].delay_s(0.9),
+        "motion_delay_ms": 1e3 * results[1].motion_delay_s(0.5),
+        "found_share": results[1].found_share,
         "false_alarms_per_min": results[1].alarms_per_minute,
-    }  # fmt: skip
+    }
     spans = []
+
     for one in results:
         delays = one.delay_interval(0.5), one.delay_interval(0.9), one.motion_delay_interval(0.5)
         ends = [(1e3 * low, 1e3 * high) for low, high in delays]
-        spans.append(dict(zip(values, [*ends, one.found_interval, one.alarm_interval], strict=True)))
+        spans.append(
+            dict(zip(values, [*ends, one.found_interval, one.alarm_interval], strict=True))
+        )
+
     cost = tuple(cpu_s[size - 1] for size in sizes)
-    yield _sample(Curve("detection, trials", tuple(map(float, sizes)), 1, cost, values, {}), spans)
+    yield _sample(
+        Curve(
+            source="detection, trials",
+            settings=tuple(map(float, sizes)),
+            used=1,
+            cpu_s=cost,
+            values=values,
+            errors={},
+        ),
+        spans,
+    )

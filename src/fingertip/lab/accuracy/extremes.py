@@ -1,7 +1,9 @@
-"""Extreme and stiff cases of every kernel, each against a reference: held, refused with a reason, or wrong.
+"""Extreme and stiff cases of every kernel, each against a reference: held, refused with a reason,
+or wrong.
 
-A case depends on its family's name and its number alone. Cases with even numbers stay inside the documented bounds, odd
-ones go beyond. Work refuses a case by a FingertipError; any other exception, and a result that is no number, is wrong.
+A case depends on its family's name and its number alone. Cases with even numbers stay inside the
+documented bounds, odd ones go beyond. Work refuses a case by a FingertipError; any other exception,
+and a result that is no number, is wrong.
 """
 
 from __future__ import annotations
@@ -45,7 +47,9 @@ class Draw:
 
     def log(self, name: str, inside: Range, beyond: Range) -> float:
         """Draw a value whose logarithm is uniform."""
-        self.values[name] = value = math.exp(self.rng.uniform(*map(math.log, inside if self.is_inside else beyond)))
+        self.values[name] = value = math.exp(
+            self.rng.uniform(*map(math.log, inside if self.is_inside else beyond))
+        )
         return value
 
     def choose(self, name: str, options: Sequence[Any]) -> Any:
@@ -53,17 +57,24 @@ class Draw:
         return value
 
     def describe(self) -> str:
-        return ", ".join(f"{k} {v:.3g}" if isinstance(v, float) else f"{k} {v}" for k, v in self.values.items())
+        return ", ".join(
+            f"{k} {v:.3g}" if isinstance(v, float) else f"{k} {v}" for k, v in self.values.items()
+        )
 
 
-STEPS, PARTS = 1000, 16
+STEPS = 1000
+PARTS = 16
 """Steps of a contact, and how much shorter those of the reference are."""
 FIXED_ERROR = 0.1, 0.25
-"""Bound of the error with fixed steps, inside the bounds and beyond, as a share of the largest load and pull: a contact
-that hardly damps, under a carriage that starts at once, rings with half a radian per step, and 0.13 remain."""
-CONTROLLED_ERROR, BOUNCING_ERROR = 100.0, 0.1
-"""Bound of the error with error control, in tolerances; where the pad leaves the surface, also a share of the load, as
-every impact multiplies the errors before it."""
+"""Bound of the error with fixed steps, inside the bounds and beyond, as a share of the largest load
+and pull: a contact that hardly damps, under a carriage that starts at once, rings with half a
+radian per step, and 0.13 remain.
+"""
+CONTROLLED_ERROR = 100.0
+BOUNCING_ERROR = 0.1
+"""Bound of the error with error control, in tolerances; where the pad leaves the surface, also a
+share of the load, as every impact multiplies the errors before it.
+"""
 
 
 def _draw_contact(draw: Draw, sigma0_per_m: Range) -> tuple[Friction, Mount]:
@@ -73,11 +84,24 @@ def _draw_contact(draw: Draw, sigma0_per_m: Range) -> tuple[Friction, Mount]:
     sigma1 = draw.log("sigma1 [s/m]", (2.0, 2.0001), (1e-3, 10.0))
     sigma2 = draw.log("sigma2 [s/m]", (0.6, 0.60001), (1e-3, 10.0))
     # Friction only takes energy up to a drop of mu_s - mu_c = mu_c sigma2 / sigma1.
-    drop = draw.log("drop / largest passive drop", (0.01, 0.95), (1e-6, 0.999)) * mu_c * sigma2 / sigma1
+    drop = (
+        draw.log("drop / largest passive drop", (0.01, 0.95), (1e-6, 0.999))
+        * mu_c
+        * sigma2
+        / sigma1
+    )
     mass = draw.log("mass [kg]", (1e-4, 2.0), (1e-6, 10.0))
     stiffness = draw.log("stiffness [N/m]", (10.0, 1e5), (1e-2, 1e6))
     zeta = draw.log("damping ratio", (0.05, 0.8), (0.02, 3.0))
-    friction = Friction(mu_c + drop, mu_c, stribeck, sigma0, sigma1, sigma2)
+    friction = Friction(
+        mu_s=mu_c + drop,
+        mu_c=mu_c,
+        stribeck_m_s=stribeck,
+        sigma0=sigma0,
+        sigma1=sigma1,
+        sigma2=sigma2,
+    )
+
     return friction, Mount(mass, stiffness, 2 * zeta * math.sqrt(stiffness * mass))
 
 
@@ -86,11 +110,18 @@ def _draw_drag(draw: Draw, time_s: Array, load_n: float) -> tuple[Array, Array, 
     span = float(time_s[-1])
     speed = draw.log("speed [m/s]", (1e-3, 0.2), (1e-4, 3.0))
     load = draw.choose("load is", ("constant", "gone at once", "half waves", "a ramp"))
-    if draw.choose("carriage starts", ("slowly",) if draw.is_inside else ("slowly", "at once")) == "slowly":
+
+    if (
+        draw.choose("carriage starts", ("slowly",) if draw.is_inside else ("slowly", "at once"))
+        == "slowly"
+    ):
         move = TrapezoidalMove.with_speed(0.1 * span, 0.6 * speed * span, speed, 20 * speed / span)
-        at, velocity = move.position_m(time_s), move.velocity_m_s(time_s)
+        at = move.position_m(time_s)
+        velocity = move.velocity_m_s(time_s)
     else:
-        at, velocity = speed * time_s, np.full_like(time_s, speed)
+        at = speed * time_s
+        velocity = np.full_like(time_s, speed)
+
     share = {
         "constant": np.ones_like(time_s),
         "gone at once": np.interp(time_s / span, (0.5, 0.501), (1.0, 0.0)),
@@ -112,10 +143,13 @@ def fixed_steps(draw: Draw) -> float:
     fine_load = np.interp(time_s, time_s[::PARTS], coarse[2])
     finer = DraggedPad(friction, mount, step / PARTS).process(*columns[:2], fine_load)
     at, velocity, bristle = (values[::PARTS] for values in vars(finer).values())
-    pull = mount.stiffness_n_per_m * (coarse[0] - at) + mount.damping_n_s_per_m * (coarse[1] - velocity)
+    pull = mount.stiffness_n_per_m * (coarse[0] - at) + mount.damping_n_s_per_m * (
+        coarse[1] - velocity
+    )
     grip = friction.sigma0 * coarse[2] * np.abs(motion.bristle_m - bristle)
     spring = mount.stiffness_n_per_m * np.abs(motion.position_m - at)
     largest = load + float(np.abs(pull).max())
+
     return float(np.maximum(grip, spring).max()) / largest / FIXED_ERROR[not draw.is_inside]
 
 
@@ -125,54 +159,76 @@ def error_control(draw: Draw) -> float:
     load = draw.log("load [N]", (1e-3, 70.0), (1e-4, 1e2))
     friction = replace(friction, elastic=draw.choose("elastic", (0.0, ELASTO_PLASTIC)))
     normal = coupled.NormalContact(
-        draw.log("resonance [Hz]", (20.0, 500.0), (1.0, 1e4)), draw.log("its damping ratio", (0.05, 0.8), (0.01, 3.0))
+        draw.log("resonance [Hz]", (20.0, 500.0), (1.0, 1e4)),
+        draw.log("its damping ratio", (0.05, 0.8), (0.01, 3.0)),
     )
     step = draw.log("sample time [s]", (1e-4, 1e-3), (1e-5, 1e-2))
     columns = _draw_drag(draw, np.asarray(np.arange(101) * step, dtype=np.float64), load)
     tolerance = 1e-5 * max(load, 1e-2)
     motion, finer = (
-        coupled.integrate(friction, mount, normal, step, *columns, tolerance / parts) for parts in (1.0, 100.0)
+        coupled.integrate(friction, mount, normal, step, *columns, tolerance / parts)
+        for parts in (1.0, 100.0)
     )
     spring = mount.stiffness_n_per_m * np.abs(motion.position_m - finer.position_m)
     error = np.maximum(spring, np.abs(motion.force_n - finer.force_n))
     bouncing = BOUNCING_ERROR * load if (finer.force_n == 0.0).any() else 0.0
+
     return float(error.max()) / (tolerance * CONTROLLED_ERROR + bouncing)
 
 
-TOLERANCE_V, SAMPLES = 1e-4, 200
+TOLERANCE_V = 1e-4
+SAMPLES = 200
 
 
 def _draw_amplifiers(draw: Draw) -> Amplifiers | Literal["ideal"]:
     if draw.choose("amplifiers", ("ideal", "real")) == "ideal":
         return "ideal"
+
     bandwidth_hz = draw.log("bandwidth [Hz]", (1e6, 2e7), (1e4, 1e9))
     slew_v_per_s = draw.log("slew rate [V/s]", (1e6, 5e7), (1e3, 1e9))
     peak_v = draw.log("rail [V]", (1.0, 12.0), (0.1, 100.0))
     reversal_v = 0.6 * peak_v if draw.choose("jumps up", (False, True)) else None
-    return Amplifiers(bandwidth_hz, slew_v_per_s, peak_v, peak_v, reversal_v)
+
+    return Amplifiers(
+        bandwidth_hz=bandwidth_hz,
+        slew_v_per_s=slew_v_per_s,
+        peak_v=peak_v,
+        trough_v=peak_v,
+        reversal_v=reversal_v,
+    )
 
 
 def board(draw: Draw) -> float:
-    """Compare rectifier and envelope with a ten-thousandth of the tolerance, which holds for the error of one step."""
-    fitted = AnalogBoard.from_design(Design.load(draw.choose("board", ("article", "fsr400"))), _draw_amplifiers(draw))
+    """Compare rectifier and envelope with a ten-thousandth of the
+    tolerance, which holds for the error of one step.
+    """
+    fitted = AnalogBoard.from_design(
+        Design.load(draw.choose("board", ("article", "fsr400"))), _draw_amplifiers(draw)
+    )
     values = {
         component: float(value) * draw.log("component / nominal", (0.8, 1.25), (0.1, 10.0))
         for component, value in fitted.components.items()
     }
     fitted = fitted.with_components(**values)
+
     if fitted.rectifier == "diode":
         saturation = draw.log("saturation current [A]", (1e-10, 1e-8), (1e-15, 1e-6))
         series = draw.log("series resistance [ohm]", (0.1, 10.0), (1e-3, 1e5))
-        fitted = replace(fitted, diode=Diode(saturation, draw.log("emission", (1.5, 2.0), (1.0, 2.5)), series))
+        fitted = replace(
+            fitted, diode=Diode(saturation, draw.log("emission", (1.5, 2.0), (1.0, 2.5)), series)
+        )
+
     step = draw.log("step [s]", (6.25e-6, 1e-4), (1e-6, 1e-3))
     frequency = draw.log("frequency times step", (1e-3, 0.1), (1e-4, 0.2))
     amplitude = draw.log("amplitude [V]", (1e-4, 0.1), (1e-6, 10.0))
     cycle = 2 * math.pi * frequency * np.arange(SAMPLES)
     shape = draw.choose("input", ("burst", "step", "noise"))
     wave = np.sin(cycle) if shape == "burst" else np.ones(SAMPLES)
+
     if shape == "noise":
         noise = np.random.RandomState(draw.number).standard_normal(SAMPLES)
         wave = np.convolve(noise, np.hanning(12) / 6, "same")
+
     voltage = amplitude * wave * (np.arange(SAMPLES) > SAMPLES // 8)
     found, exact = (
         simulate_board(fitted, step, voltage, tolerance).envelope_v
@@ -184,10 +240,12 @@ def board(draw: Draw) -> float:
 FAMILIES: Mapping[str, tuple[str, float, Callable[[Draw], float]]] = {
     "contact, fixed steps": ("steps / 16: 10 % of the forces (beyond: 25 %)", 0.57, fixed_steps),
     "contact, error control": (
-        "tolerance / 100: 100 tolerances (bouncing: 10 % of the load)", 0.25, error_control
+        "tolerance / 100: 100 tolerances (bouncing: 10 % of the load)",
+        0.25,
+        error_control,
     ),
     "board": ("tolerance / 10000: 10 tolerances and 5 % of the peak", 0.1, board),
-}  # fmt: skip
+}
 """Name -> reference and bound, share of all cases by their cost, and function that computes a case.
 
 The function returns the largest deviation in relation to the bound: up to 1 a case is held."""
@@ -201,7 +259,9 @@ MAX_REFUSED = 0.02
 class Case:
     draw: Draw
     deviation: float
-    """Largest deviation in relation to the bound; NaN if an exception was raised, or the case refused."""
+    """Largest deviation in relation to the bound; NaN if an
+    exception was raised, or the case refused.
+    """
     refused_by: str
     cpu_s: float
 
@@ -214,14 +274,20 @@ def try_cases(family: str, numbers: Iterable[int]) -> list[Case]:
     """Try some cases of a family, one after the other."""
     cases = []
     for number in numbers:
-        draw, begin, deviation, refused_by = Draw(family, number), time.process_time(), math.nan, ""
+        draw = Draw(family, number)
+        begin = time.process_time()
+        deviation = math.nan
+        refused_by = ""
+
         try:
             deviation = FAMILIES[family][2](draw)
         except FingertipError as error:
             refused_by = error.issues[0].field
         except Exception as error:
             draw.values["raised"] = repr(error)
+
         cases.append(Case(draw, deviation, refused_by, time.process_time() - begin))
+
     return cases
 
 
@@ -241,19 +307,31 @@ class FamilyResult:
     @property
     def refused_inside(self) -> float:
         """Share of the cases inside the bounds that is refused."""
-        return sum(case.draw.is_inside for case in self.refused) / sum(case.draw.is_inside for case in self.cases)
+        return sum(case.draw.is_inside for case in self.refused) / sum(
+            case.draw.is_inside for case in self.cases
+        )
 
     @property
     def is_passed(self) -> bool:
         return not self.wrong and self.refused_inside <= MAX_REFUSED
 
 
-def try_families(count: int, advance: Callable[[float], None] = lambda _: None) -> list[FamilyResult]:
+def try_families(
+    count: int, advance: Callable[[float], None] = lambda _: None
+) -> list[FamilyResult]:
     """Try so many cases of all families together, at least two of each."""
     sizes = {name: max(2, round(count * weight)) for name, (_, weight, _) in FAMILIES.items()}
-    plan = [(name, range(at, min(at + BLOCK, size))) for name, size in sizes.items() for at in range(0, size, BLOCK)]
-    found, done = {name: FamilyResult(name) for name in FAMILIES}, 0
+    plan = [
+        (name, range(at, min(at + BLOCK, size)))
+        for name, size in sizes.items()
+        for at in range(0, size, BLOCK)
+    ]
+    found = {name: FamilyResult(name) for name in FAMILIES}
+    done = 0
+
     for cases in call_each(partial(try_cases, *block) for block in plan):
         found[cases[0].draw.family].cases.extend(cases)
-        advance((done := done + len(cases)) / sum(sizes.values()))
+        done = done + len(cases)
+        advance(done / sum(sizes.values()))
+
     return [*found.values()]

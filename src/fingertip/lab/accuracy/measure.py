@@ -1,7 +1,7 @@
 """Errors of simulated traces by the time step, against run time.
 
-Errors are differences from steps `REFERENCE` times as short. Noise is drawn on the base grid and stays the same, so
-every difference is an error of the step.
+Errors are differences from steps `REFERENCE` times as short. Noise is drawn on the base grid and
+stays the same, so every difference is an error of the step.
 """
 
 from __future__ import annotations
@@ -17,7 +17,14 @@ from fingertip.foundation import extras
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.foundation.workers import find_workers, side_by_side
 from fingertip.lab.accuracy.extremes import FamilyResult, try_families
-from fingertip.sim import ManipulationFile, ManipulationResult, SceneFile, SceneResult, run_manipulation, run_scene
+from fingertip.sim import (
+    ManipulationFile,
+    ManipulationResult,
+    SceneFile,
+    SceneResult,
+    run_manipulation,
+    run_scene,
+)
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.grid import Grid
 from fingertip.sim.simulation import Trial
@@ -42,29 +49,54 @@ class StepError:
     """Simulated time over CPU time."""
 
 
-def measure_steps(design: Design, name: str, scene: SceneFile | ManipulationFile) -> list[StepError]:
-    """Run a scene without noise with the shipped step, a half and a quarter of it. Raises TraceError."""
+def measure_steps(
+    design: Design, name: str, scene: SceneFile | ManipulationFile
+) -> list[StepError]:
+    """Run a scene without noise with the shipped step, a half and a quarter of it.
+
+    Raises TraceError.
+    """
     signals = ["force_n", "tactile_v", *(["envelope_v"] if design.board.has_filter else [])]
     quiet = scene.sensing.model_copy(update={"noise": False})
     scene = scene.model_copy(update={"outputs": signals, "sensing": quiet})
-    runs, cpu_s = list[SceneResult | ManipulationResult](), list[float]()
-    base = (SceneRun(design, scene).grid or Grid()).refinement if isinstance(scene, SceneFile) else 1
+    runs = list[SceneResult | ManipulationResult]()
+    cpu_s = list[float]()
+    base = (
+        (SceneRun(design, scene).grid or Grid()).refinement if isinstance(scene, SceneFile) else 1
+    )
+
     for refinement in (1, *_REFINEMENTS, REFERENCE):  # the first run loads the loops
-        begin, grid = time.process_time(), Grid(base * refinement)
+        begin = time.process_time()
+        grid = Grid(base * refinement)
         if isinstance(scene, SceneFile):
             runs.append(run_scene(design, scene, grid=grid))
         else:
             runs.append(run_manipulation(design, scene, grid=grid))
+
         cpu_s.append(time.process_time() - begin)
+
     lost_s = [run.lost_s for run in runs if isinstance(run, ManipulationResult) and run.lost_s]
     compared = runs[0].time_s < min(lost_s, default=math.inf) - _BEFORE_LOSS_S
     found = []
+
     for refinement, run, spent_s in zip(_REFINEMENTS, runs[1:], cpu_s[1:], strict=False):
         errors = dict.fromkeys(signals, 0.0)
         for column, exact in runs[-1].columns.items():
             signal = next(signal for signal in signals if column.endswith(signal))
-            errors[signal] = max(errors[signal], float(np.abs(run.columns[column] - exact)[compared].max()))
-        found.append(StepError(name, Grid(base * refinement).step_s, errors, spent_s, run.duration_s / spent_s))
+            errors[signal] = max(
+                errors[signal], float(np.abs(run.columns[column] - exact)[compared].max())
+            )
+
+        found.append(
+            StepError(
+                run=name,
+                step_s=Grid(base * refinement).step_s,
+                errors=errors,
+                cpu_s=spent_s,
+                real_time_ratio=run.duration_s / spent_s,
+            )
+        )
+
     return found
 
 
@@ -81,9 +113,13 @@ def measure_accuracy(
     """Measure all of it; the cases do not depend on the design. Raises FingertipError."""
     extras.require("fingertip accuracy", "numba")
     work = Work("accuracy", {"time steps": 5.0, "extreme cases": 0.004 * cases}, progress)
+
     with side_by_side(find_workers(jobs)):
         work.begin("time steps")
         grasp = ManipulationFile.load("real_manipulation")
-        steps = *measure_steps(design, "trial", Trial().scene), *measure_steps(design, "grasp", grasp)
+        steps = (
+            *measure_steps(design, "trial", Trial().scene),
+            *measure_steps(design, "grasp", grasp),
+        )
         work.begin("extreme cases")
         return Accuracy(design, steps, tuple(try_families(cases, work.advance)))

@@ -1,4 +1,5 @@
-"""Campaign of simulated trials: which cases it has, what a detector makes of each, and the article's closed loop.
+"""Campaign of simulated trials: which cases it has, what a detector makes of each, and the
+article's closed loop.
 
 A design, cases and detectors come in; delays and false alarms go out, pooled by threshold.
 

@@ -1,10 +1,12 @@
-"""Closed loop of the article (III.C, figures 16 and 17): a grip that tightens when slip is detected.
+"""Closed loop of the article (III.C, figures 16 and 17): a grip that tightens when slip is
+detected.
 
 The hand and its law are `fingertip.sim.runs.grip`.
 
-In the article's twelve manipulations, four objects three times each, a robot's pin hits a grasped object at 8 cm/s. The
-results say whether the object is held, how soon the hand moves, and whether the grip was ever tightened without slip.
-The same manipulations without control show what the detector adds.
+In the article's twelve manipulations, four objects three times each, a robot's pin hits a grasped
+object at 8 cm/s. The results say whether the object is held, how soon the hand moves, and whether
+the grip was ever tightened without slip. The same manipulations without control show what the
+detector adds.
 """
 
 from __future__ import annotations
@@ -22,7 +24,13 @@ from fingertip.foundation.errors import FingertipError, Issue, gather, raise_iss
 from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.plan import HELD_OUT_FROM
 from fingertip.lab.campaign.run import select_board_outputs
-from fingertip.sim import ManipulationFile, ManipulationResult, Simulation, article_manipulations, run_manipulation
+from fingertip.sim import (
+    ManipulationFile,
+    ManipulationResult,
+    Simulation,
+    article_manipulations,
+    run_manipulation,
+)
 from fingertip.sim.runs.grip import GripController, GripDecision, GripSettings
 from fingertip.sim.simulation import REPEATS_PER_MANIPULATION
 from fingertip.slip.detectors.registry import check_detector, find_detector_type
@@ -34,7 +42,9 @@ NO_CONTROL = "no control"
 REACTION_M = 1e-4
 """Closing of a finger that counts as a reaction [m]. Assumption: well above an encoder's step."""
 MAX_SINCE_SLIP_S = 0.15
-"""Longest time since true slip for which a grip increase is justified [s]. Assumption: a detector's memory."""
+"""Longest time since true slip for which a grip increase is justified [s].
+Assumption: a detector's memory.
+"""
 _OUTPUTS = ["voltage_v", "force_n", "slip", "closing_m", "object_m"]
 """Outputs of every manipulation; the board's envelope is added where the detector reads it."""
 _END_S = 0.2
@@ -42,38 +52,61 @@ _END_S = 0.2
 
 
 def find_grip_issues(detector: str, simulation: Simulation | None) -> list[Issue]:
-    """Report an unknown detector, and a simulation without a hand. None stands for a simulation that did not load."""
+    """Report an unknown detector, and a simulation without a hand.
+
+    None stands for a simulation that did not load.
+    """
     issues: list[Issue] = []
     if simulation and not isinstance(simulation.scene, ManipulationFile):
         remedy = "give a manipulation, such as real_manipulation"
         issues.append(Issue("--grip", f"closes the loop of a hand; {remedy}."))
+
     with gather(issues):
         if simulation:
             check_detector(simulation.design, detector, "--grip")
         else:
             find_detector_type(detector, "--grip")
+
     return issues
 
 
 def run_with_grip(
     simulation: Simulation, detector: str = "fast", progress: Callable[[str], None] | None = None
 ) -> tuple[ManipulationResult, tuple[float, ...]]:
-    """Tighten the grip whenever a detector finds slip; also return the moments [s]. Raises FingertipError."""
-    scene, design = simulation.scene, simulation.design
+    """Tighten the grip whenever a detector finds slip; also return the moments [s].
+
+    Raises FingertipError.
+    """
+    scene = simulation.scene
+    design = simulation.design
     raise_issues(FingertipError, find_grip_issues(detector, simulation))
     assert isinstance(scene, ManipulationFile)
-    result, decisions = _close_loop(design, scene, detector, simulation.seed, progress)
+    result, decisions = _close_loop(
+        design,
+        scene=scene,
+        detector=detector,
+        seed=simulation.seed,
+        progress=progress,
+    )
+
     return result, tuple(decision.time_s for decision in decisions if decision.tightened)
 
 
 def _close_loop(
-    design: Design, scene: ManipulationFile, detector: str, seed: int, progress: Callable[[str], None] | None = None
+    design: Design,
+    scene: ManipulationFile,
+    detector: str,
+    seed: int,
+    progress: Callable[[str], None] | None = None,
 ) -> tuple[ManipulationResult, Sequence[GripDecision]]:
-    """Run a manipulation whose outputs are those of the scene and those that the controller reads."""
+    """Run a manipulation whose outputs are those of the scene and those that the
+    controller reads.
+    """
     needed = ["voltage_v", *select_board_outputs(design, [detector])]
     missing = [name for name in needed if name not in scene.outputs]
     scene = scene.model_copy(update={"outputs": [*scene.outputs, *missing]})
     controller = GripController(design, GripSettings(detector), len(scene.fingers))
+
     return run_manipulation(design, scene, controller, seed, progress), controller.decisions
 
 
@@ -86,7 +119,9 @@ class ClosedLoopTrial:
     seed: int
     held: bool
     onset_s: float | None
-    """First true slip of any finger after the pin touches the object [s]; None: it never slipped."""
+    """First true slip of any finger after the pin touches the object [s]; None: it
+    never slipped.
+    """
     reaction_s: float | None
     """Time from the onset until a finger moves [s]; None: none moved."""
     false_grips: int
@@ -94,7 +129,9 @@ class ClosedLoopTrial:
     suppressed: int
     """Number of suppressed detections without true slip; consecutive periods count once."""
     suppressed_true: int
-    """Number of suppressed detections in true slip before any grip increase; consecutive periods count once."""
+    """Number of suppressed detections in true slip before any grip
+    increase; consecutive periods count once.
+    """
     slipped_m: float
     """Way of the object while it slips past any finger [m]."""
     force_ratio: float
@@ -104,15 +141,20 @@ class ClosedLoopTrial:
 def run_closed_loop(
     design: Design, detectors: Sequence[str], repeats: int, uncontrolled: bool = True
 ) -> list[ClosedLoopTrial]:
-    """Run every manipulation without control, unless `uncontrolled` is false, then with each detector."""
+    """Run every manipulation without control, unless
+    `uncontrolled` is false, then with each detector.
+    """
     names = (*((NO_CONTROL,) if uncontrolled else ()), *detectors)
     planned = itertools.product(names, plan_manipulations(repeats, FIRST_SEED))
     return list(call_each(partial(_run_trial, design, name, *plan) for name, plan in planned))
 
 
-def _run_trial(design: Design, detector: str, scene: ManipulationFile, seed: int) -> ClosedLoopTrial:
+def _run_trial(
+    design: Design, detector: str, scene: ManipulationFile, seed: int
+) -> ClosedLoopTrial:
     if detector == NO_CONTROL:
         return evaluate_manipulation(detector, run_manipulation(design, scene, None, seed), ())
+
     return evaluate_manipulation(detector, *_close_loop(design, scene, detector, seed))
 
 
@@ -125,10 +167,12 @@ def plan_manipulations(repeats: int, first_seed: int) -> Iterator[tuple[Manipula
 def evaluate_manipulation(
     detector: str, manipulation: ManipulationResult, decisions: Sequence[GripDecision]
 ) -> ClosedLoopTrial:
-    time_s, closing = manipulation.time_s, manipulation.signals.closing_m
+    time_s = manipulation.time_s
+    closing = manipulation.signals.closing_m
     slip = np.logical_or.reduce(manipulation.output("slip"), axis=0)
     slipping = np.flatnonzero(slip & (time_s >= manipulation.plan.knock_s))
     onset_s = reaction_s = None
+
     if slipping.size:
         first = int(slipping[0])
         onset_s = float(time_s[first])
@@ -144,29 +188,36 @@ def evaluate_manipulation(
     suppressed = [
         decision.time_s
         for before, decision in zip((None, *decisions), decisions, strict=False)
-        if decision.detected and decision.suppressed and not (before and before.detected and before.suppressed)
+        if decision.detected
+        and decision.suppressed
+        and not (before and before.detected and before.suppressed)
     ]
-    suppressed_true = [at for at in suppressed if is_true(at) and not any(grip < at for grip in grips)]
+    suppressed_true = [
+        at for at in suppressed if is_true(at) and not any(grip < at for grip in grips)
+    ]
     return ClosedLoopTrial(
-        detector,
-        manipulation.scene.name,
-        manipulation.seed,
-        manipulation.lost_s is None,
-        onset_s,
-        reaction_s,
-        sum(not is_true(at) for at in grips),
-        sum(not is_true(at) for at in suppressed),
-        len(suppressed_true),
-        float(np.abs(np.diff(manipulation.signals.object_m))[slip[1:]].sum()),
-        _find_force_ratio(manipulation),
+        detector=detector,
+        name=manipulation.scene.name,
+        seed=manipulation.seed,
+        held=manipulation.lost_s is None,
+        onset_s=onset_s,
+        reaction_s=reaction_s,
+        false_grips=sum(not is_true(at) for at in grips),
+        suppressed=sum(not is_true(at) for at in suppressed),
+        suppressed_true=len(suppressed_true),
+        slipped_m=float(np.abs(np.diff(manipulation.signals.object_m))[slip[1:]].sum()),
+        force_ratio=_find_force_ratio(manipulation),
     )
 
 
 def _find_force_ratio(manipulation: ManipulationResult) -> float:
     if manipulation.lost_s is not None:
         return math.nan
+
     last = manipulation.time_s > manipulation.time_s[-1] - _END_S
-    return float(np.mean(manipulation.output("force_n")[:, last].mean(axis=1) / manipulation.plan.force_n))
+    return float(
+        np.mean(manipulation.output("force_n")[:, last].mean(axis=1) / manipulation.plan.force_n)
+    )
 
 
 @dataclass(frozen=True)
@@ -194,12 +245,15 @@ def summarise(trials: Sequence[ClosedLoopTrial]) -> list[ClosedLoopSummary]:
     groups: dict[str, list[ClosedLoopTrial]] = {}
     for trial in trials:
         groups.setdefault(trial.detector, []).append(trial)
+
     return [_summarise_group(detector, group) for detector, group in groups.items()]
 
 
 def _summarise_group(detector: str, group: Sequence[ClosedLoopTrial]) -> ClosedLoopSummary:
     slipped = [trial for trial in group if trial.onset_s is not None]
-    reactions_s = tuple(sorted(trial.reaction_s for trial in slipped if trial.reaction_s is not None))
+    reactions_s = tuple(
+        sorted(trial.reaction_s for trial in slipped if trial.reaction_s is not None)
+    )
     ratios = [trial.force_ratio for trial in group if trial.held]
     return ClosedLoopSummary(
         detector,

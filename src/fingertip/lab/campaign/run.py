@@ -1,4 +1,6 @@
-"""Campaign of simulated trials: the recording of each case, what a detector makes of it, and the pooled results."""
+"""Campaign of simulated trials: the recording of each case, what a
+detector makes of it, and the pooled results.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,13 @@ from numpy.typing import NDArray
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array, binomial_interval, poisson_interval, quantile_ranks
 from fingertip.foundation.workers import call_each
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, Case, generate_cases
+from fingertip.lab.campaign.plan import (
+    HELD_OUT_FROM,
+    REPORTED_SEPARATELY,
+    CampaignPlan,
+    Case,
+    generate_cases,
+)
 from fingertip.sim import run_scene
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.grid import Grid
@@ -23,9 +31,13 @@ from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import INCIPIENT_S, Interval, intervals, score
 
 SAME_EVENT_S = 0.1
-"""Alarms closer together than this count as one: a hand would react to one event once. Assumption."""
+"""Alarms closer together than this count as one: a hand would react to one event once.
+Assumption.
+"""
 VIBRATION_HZ = 30.0
-"""Frequency from which changes of the force count as vibration [Hz]: contacts lie below it (article, III.A)."""
+"""Frequency from which changes of the force count as vibration
+[Hz]: contacts lie below it (article, III.A).
+"""
 SCALES = (0.7, 0.8, 0.9, 1.0, 1.15, 1.35, 1.5, 1.6, 1.8, 2.0, 2.3, 2.6, 3.0, 4.0, 6.0, 10.0)
 """Factors of each detector's threshold, from sensitive to insensitive."""
 LOW_SCALES = (0.02, 0.05, 0.1, 0.2, 0.4)
@@ -38,19 +50,26 @@ class TrialResult:
     duration_s: float
     slips: int
     delays_s: tuple[float, ...]
-    """Delays of the slips that were found [s]; 0 in incipient slip. A detector that was ON before a slip did not find
-    it: that is a false alarm."""
+    """Delays of the slips that were found [s]; 0 in incipient slip. A detector that was ON before a
+    slip did not find it: that is a false alarm.
+    """
     on_share: float
-    """Fraction of the time from the first detection to the slip's end that is ON; 0 if there is no detection."""
+    """Fraction of the time from the first detection to the slip's
+    end that is ON; 0 if there is no detection.
+    """
     alarms: tuple[str, ...]
     """Causes of the false alarms, one for each."""
     creep_s: float = 0.0
-    """Time from the start of the robot's motion to the onset of the first slip [s]: the article counts delays from a
-    robot's motion, which its encoders show late (`fingertip.slip.traces.truth`)."""
+    """Time from the start of the robot's motion to the onset of the first slip [s]: the article
+    counts delays from a robot's motion, which its encoders show late
+    (`fingertip.slip.traces.truth`).
+    """
     motion_s: float | None = None
     """Start of the robot's motion in the recording [s]; None if it does not move."""
     clip_share: float | None = None
-    """Share of the slip in which the board clips; None without slip, or where no detector reads the board."""
+    """Share of the slip in which the board clips; None without
+    slip, or where no detector reads the board.
+    """
 
     @property
     def motion_delays_s(self) -> tuple[float, ...]:
@@ -58,10 +77,14 @@ class TrialResult:
         return tuple(delay + self.creep_s for delay in self.delays_s)
 
 
-def simulate_trace(design: Design, case: Case, detectors: Sequence[str], grid: Grid | None = None) -> Trace:
+def simulate_trace(
+    design: Design, case: Case, detectors: Sequence[str], grid: Grid | None = None
+) -> Trace:
     """Simulate the recording of a case, through the ADC."""
     outputs = ["voltage_v", "force_n", "slip", *select_board_outputs(design, detectors)]
-    return run_scene(design, case.scene.model_copy(update={"outputs": outputs}), case.seed, grid=grid).trace
+    return run_scene(
+        design, case.scene.model_copy(update={"outputs": outputs}), case.seed, grid=grid
+    ).trace
 
 
 def select_board_outputs(design: Design, detectors: Sequence[str]) -> list[str]:
@@ -79,16 +102,20 @@ def evaluate(
     scales: Sequence[float],
     fast_runs: dict[float, FastOutput] | None = None,
 ) -> list[TrialResult]:
-    """Run a detector on a trace, for each factor of its threshold; a constant one needs a single run.
+    """Run a detector on a trace, for each factor of its threshold; a constant one needs a single
+    run.
 
-    `fast_runs` keeps by factor what `fast` gave on this trace: `incipient` is another operating point of the same run.
+    `fast_runs` keeps by factor what `fast` gave on this trace: `incipient` is another operating
+    point of the same run.
     """
     runs = {} if fast_runs is None else fast_runs
-    nominal, inputs = registry.make_detector(detector, design), registry.select_inputs(trace, detector)
+    nominal = registry.make_detector(detector, design)
+    inputs = registry.select_inputs(trace, detector)
     output = _process(nominal, inputs, 1.0, runs)
     constant = float(np.ptp(output.threshold_v)) == 0.0
     found: dict[float, TrialResult] = {}
     is_off = False  # at a factor, and then at all greater ones
+
     for scale in sorted(scales):
         if not is_off:
             if constant or scale == 1.0:
@@ -98,43 +125,70 @@ def evaluate(
                 scaled = registry.make_detector(detector, design, threshold_scale=scale)
                 on = _process(scaled, inputs, scale, runs).on
                 is_off = isinstance(scaled, FastDetector) and scaled.is_off_beyond(runs[scale])
+
             result = score_trial(case, trace, on, nominal.memory_s)
+
         found[scale] = result
+
     return [found[scale] for scale in scales]
 
 
 def _process(
-    detector: registry.Detector, inputs: tuple[Array, ...], scale: float, runs: dict[float, FastOutput]
+    detector: registry.Detector,
+    inputs: tuple[Array, ...],
+    scale: float,
+    runs: dict[float, FastOutput],
 ) -> registry.DetectorOutput:
     if not isinstance(detector, FastDetector):
         return detector.process(*inputs)
     if scale not in runs:
         runs[scale] = FastDetector.process(detector, *inputs)
+
     return detector.select(runs[scale])
 
 
 def score_trial(case: Case, trace: Trace, on: NDArray[np.bool_], memory_s: float) -> TrialResult:
-    """Score the flags of a detector, whose ON may outlast a slip by its memory [s], against the true slip."""
+    """Score the flags of a detector, whose ON may outlast a slip
+    by its memory [s], against the true slip.
+    """
     assert trace.slip is not None
     scored = score(intervals(trace.time_s, on), intervals(trace.time_s, trace.slip), memory_s)
     # A detector that responds to incipient slip gains no negative delay by that: its delay is 0.
     counted = [0.0 if d is not None and -INCIPIENT_S <= d < 0.0 else d for d in scored.delays_s]
     delays = tuple(d for d in counted if d is not None and d >= 0.0)
     on_share = 0.0
+
     if delays:
-        slip, delay = next((s, d) for s, d in zip(scored.slips, counted, strict=True) if d in delays)
+        slip, delay = next(
+            (s, d) for s, d in zip(scored.slips, counted, strict=True) if d in delays
+        )
         since = (trace.time_s >= slip.onset_s + (delay or 0.0)) & (trace.time_s < slip.end_s)
         on_share = float(np.mean(on[since])) if since.any() else 0.0
+
     alarms = [case.cause] * len(false := separate_events(scored.false_intervals))
     if case.cause == "slip":  # contact or grasp before the slip, and release after it
         first_s = scored.slips[0].onset_s if scored.slips else -math.inf
         alarms = ["contact" if alarm.onset_s < first_s else "release" for alarm in false]
+
     alarms += ["before slip" for d in counted if d is not None and d < 0.0]
     duration = float(trace.time_s[-1] - trace.time_s[0])
     motion_s = trace.origin.motion_s
-    creep = max(0.0, scored.slips[0].onset_s - motion_s) if scored.slips and motion_s is not None else 0.0
+    creep = (
+        max(0.0, scored.slips[0].onset_s - motion_s)
+        if scored.slips and motion_s is not None
+        else 0.0
+    )
+
     return TrialResult(
-        case, duration, len(scored.slips), delays, on_share, tuple(alarms), creep, motion_s, trace.origin.clip_share
+        case=case,
+        duration_s=duration,
+        slips=len(scored.slips),
+        delays_s=delays,
+        on_share=on_share,
+        alarms=tuple(alarms),
+        creep_s=creep,
+        motion_s=motion_s,
+        clip_share=trace.origin.clip_share,
     )
 
 
@@ -142,27 +196,39 @@ def separate_events(alarms: Iterable[Interval]) -> list[Interval]:
     """Keep the first alarm of each event."""
     kept: list[Interval] = []
     end = -np.inf
+
     for alarm in alarms:
         if alarm.onset_s - end > SAME_EVENT_S:
             kept.append(alarm)
+
         end = alarm.end_s
+
     return kept
 
 
 def find_onset_s(design: Design, case: Case, trace: Trace) -> float:
-    """Find the first true slip of a trial [s], counted from the start of the slide; NaN without slip or slide."""
+    """Find the first true slip of a trial [s], counted from the
+    start of the slide; NaN without slip or slide.
+    """
     slide = SceneRun(design, case.scene, case.seed).timeline.slide
     if slide is None or trace.slip is None or not trace.slip.any():
         return math.nan
+
     return float(trace.time_s[np.argmax(trace.slip)]) - slide.start_s
 
 
 def measure_vibration_n(trace: Trace) -> float:
-    """Measure the RMS vibration of the normal force, beyond a period's mean, in slip [N]; NaN without slip."""
+    """Measure the RMS vibration of the normal force, beyond a
+    period's mean, in slip [N]; NaN without slip.
+    """
     if trace.force_n is None or trace.slip is None or not trace.slip.any():
         return math.nan
+
     slipping = np.flatnonzero(trace.slip)
-    width = min(max(1, round(1 / (VIBRATION_HZ * float(trace.time_s[1] - trace.time_s[0])))), len(trace.force_n))
+    width = min(
+        max(1, round(1 / (VIBRATION_HZ * float(trace.time_s[1] - trace.time_s[0])))),
+        len(trace.force_n),
+    )
     fast_n = trace.force_n - np.convolve(trace.force_n, np.full(width, 1 / width), "same")
     return float(np.sqrt(np.mean(fast_n[slipping[0] : slipping[-1] + 1] ** 2)))
 
@@ -171,6 +237,7 @@ def measure_out_of_contact_share(trace: Trace) -> float:
     """Measure the share of the slip in which the pad does not touch; NaN without slip."""
     if trace.force_n is None or trace.slip is None or not trace.slip.any():
         return math.nan
+
     return float(np.mean(trace.force_n[trace.slip] <= 0.0))
 
 
@@ -181,7 +248,8 @@ def median_of_known(values: Iterable[float]) -> float:
 
 
 def quantile_s(delays_s: Sequence[float], slips: int, fraction: float) -> float:
-    """Upper quantile: smallest delay within which more than a fraction of all slips is found [s], or all for 1.
+    """Upper quantile: smallest delay within which more than a fraction of all slips is found [s],
+    or all for 1.
 
     Infinite if fewer are found.
     """
@@ -189,7 +257,9 @@ def quantile_s(delays_s: Sequence[float], slips: int, fraction: float) -> float:
     return float(ranked[min(len(ranked) - 1, int(fraction * len(ranked)))]) if ranked else math.inf
 
 
-def quantile_interval_s(delays_s: Sequence[float], slips: int, fraction: float) -> tuple[float, float]:
+def quantile_interval_s(
+    delays_s: Sequence[float], slips: int, fraction: float
+) -> tuple[float, float]:
     """Interval that holds a quantile with 95 %, from order statistics [s]."""
     low, high = quantile_ranks(slips, fraction)
     ranked = [0.0, *sorted(delays_s), *[math.inf] * (slips + 1 - len(delays_s))]
@@ -221,11 +291,15 @@ class DetectorResult:
         return binomial_interval(len(self.delays_s), self.slips)
 
     def delay_interval(self, fraction: float) -> tuple[float, float]:
-        """Interval that contains a quantile of the delay with 95 % probability [s]; infinite: too few were found."""
+        """Interval that contains a quantile of the delay with 95 %
+        probability [s]; infinite: too few were found.
+        """
         return quantile_interval_s(self.delays_s, self.slips, fraction)
 
     def motion_delay_interval(self, fraction: float) -> tuple[float, float]:
-        return quantile_interval_s([d for t in self.trials for d in t.motion_delays_s], self.slips, fraction)
+        return quantile_interval_s(
+            [d for t in self.trials for d in t.motion_delays_s], self.slips, fraction
+        )
 
     @property
     def clip_share(self) -> float:
@@ -256,13 +330,17 @@ class DetectorResult:
 
     def alarms(self) -> dict[str, int]:
         causes = [cause for t in self.trials for cause in t.alarms]
-        return {cause: causes.count(cause) for cause in dict.fromkeys([t.case.cause for t in self.trials] + causes)}
+        return {
+            cause: causes.count(cause)
+            for cause in dict.fromkeys([t.case.cause for t in self.trials] + causes)
+        }
 
     def minutes(self) -> dict[str, float]:
         """Duration of the scenes by cause [min]; the trials are under ``slip``."""
         total: dict[str, float] = {}
         for t in self.trials:
             total[t.case.cause] = total.get(t.case.cause, 0.0) + t.duration_s / 60
+
         return total
 
     @property
@@ -286,19 +364,33 @@ class DetectorResult:
         minutes = self.limited_minutes
         return (low / minutes, high / minutes) if minutes else (0.0, math.inf)
 
-    def group_delays(self, key: Callable[[TrialResult], object]) -> dict[object, tuple[float, float, int]]:
-        """Mean and standard deviation of the delay [s], and number of slips found, by group of trials."""
+    def group_delays(
+        self, key: Callable[[TrialResult], object]
+    ) -> dict[object, tuple[float, float, int]]:
+        """Mean and standard deviation of the delay [s], and
+        number of slips found, by group of trials.
+        """
         groups: dict[object, list[float]] = {}
         for t in self.trials:
             if t.slips:
                 groups.setdefault(key(t), []).extend(t.delays_s)
-        return {k: (float(np.mean(d)), float(np.std(d)), len(d)) if d else (np.inf, 0.0, 0) for k, d in groups.items()}
+
+        return {
+            k: (float(np.mean(d)), float(np.std(d)), len(d)) if d else (np.inf, 0.0, 0)
+            for k, d in groups.items()
+        }
 
 
 def surface(trial: TrialResult) -> str:
-    """Surface of a trial, or the object that is pulled through the grasp; a key for `DetectorResult.group_delays`."""
+    """Surface of a trial, or the object that is pulled through the grasp; a key for
+    `DetectorResult.group_delays`.
+    """
     scene = trial.case.scene
-    return scene.contact.surface if scene.name == "sliding_finger" else f"object, {scene.contact.surface}"
+    return (
+        scene.contact.surface
+        if scene.name == "sliding_finger"
+        else f"object, {scene.contact.surface}"
+    )
 
 
 def speed_m_s(trial: TrialResult) -> float:
@@ -317,8 +409,13 @@ class CampaignResult:
         return next(result for result in self.detectors[detector] if result.scale == 1.0)
 
     def at_alarm_rate(self, detector: str, max_alarms_per_minute: float) -> DetectorResult | None:
-        """Result of a detector at the lowest threshold that keeps a rate of false alarms; None if none keeps it."""
-        return next((r for r in self.detectors[detector] if r.alarms_per_minute <= max_alarms_per_minute), None)
+        """Result of a detector at the lowest threshold that keeps a
+        rate of false alarms; None if none keeps it.
+        """
+        return next(
+            (r for r in self.detectors[detector] if r.alarms_per_minute <= max_alarms_per_minute),
+            None,
+        )
 
 
 def run_campaign(
@@ -331,9 +428,13 @@ def run_campaign(
 ) -> CampaignResult:
     """Simulate every case once and evaluate every detector on it."""
     scales = sorted({1.0, *scales})
-    low = {name: LOW_SCALES if registry.find_detector_type(name).takes_envelope else () for name in detectors}
+    low = {
+        name: LOW_SCALES if registry.find_detector_type(name).takes_envelope else ()
+        for name in detectors
+    }
     factors = {name: sorted({*low[name], *scales}) for name in detectors}
     results = run_cases(design, list(generate_cases(plan, first_seed)), factors, advance)
+
     return CampaignResult(plan, first_seed, results)
 
 
@@ -345,15 +446,33 @@ def run_cases(
 ) -> dict[str, tuple[DetectorResult, ...]]:
     """Simulate cases and evaluate each detector on them at some factors of its threshold."""
     trials = []
-    for i, found in enumerate(call_each(partial(_run_case, design, case, factors) for case in cases)):
+    for i, found in enumerate(
+        call_each(partial(_run_case, design, case, factors) for case in cases)
+    ):
         trials.append(found)
         advance((i + 1) / len(cases))
+
     return {
-        name: tuple(map(DetectorResult, scales, zip(*(found[name] for found in trials), strict=True)))
+        name: tuple(
+            map(DetectorResult, scales, zip(*(found[name] for found in trials), strict=True))
+        )
         for name, scales in factors.items()
     }
 
 
-def _run_case(design: Design, case: Case, factors: Mapping[str, Sequence[float]]) -> dict[str, list[TrialResult]]:
-    trace, runs = simulate_trace(design, case, tuple(factors)), dict[float, FastOutput]()
-    return {name: evaluate(case, trace, name, design, scales, runs) for name, scales in factors.items()}
+def _run_case(
+    design: Design, case: Case, factors: Mapping[str, Sequence[float]]
+) -> dict[str, list[TrialResult]]:
+    trace = simulate_trace(design, case, tuple(factors))
+    runs = dict[float, FastOutput]()
+    return {
+        name: evaluate(
+            case,
+            trace=trace,
+            detector=name,
+            design=design,
+            scales=scales,
+            fast_runs=runs,
+        )
+        for name, scales in factors.items()
+    }

@@ -1,4 +1,6 @@
-"""Results of a validation: one JSON object, text, and the page of failures beside the assumptions of each figure."""
+"""Results of a validation: one JSON object, text, and the page of
+failures beside the assumptions of each figure.
+"""
 
 from __future__ import annotations
 
@@ -16,11 +18,19 @@ from fingertip.lab.campaign.closed_loop import NO_CONTROL, ClosedLoopSummary, Cl
 from fingertip.lab.campaign.plan import REPORTED_SEPARATELY, TUNING_SEEDS
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, speed_m_s, surface
 from fingertip.sim.signal.parameters import ACCELERATION_M_S2
-from fingertip.slip.traces.truth import ENCODER_HZ, ENCODER_NOTE, INCIPIENT_S, encoder_delay_band_s, format_delay_band
+from fingertip.slip.traces.truth import (
+    ENCODER_HZ,
+    ENCODER_NOTE,
+    INCIPIENT_S,
+    encoder_delay_band_s,
+    format_delay_band,
+)
 
 MATCHED_ALARMS_PER_MINUTE = 0.1
 """Rate of false alarms at which detectors are compared [1/min]."""
-ONSETS: Mapping[str, Any] = tomllib.loads(Path(__file__).with_name("onsets.toml").read_text(encoding="utf-8"))
+ONSETS: Mapping[str, Any] = tomllib.loads(
+    Path(__file__).with_name("onsets.toml").read_text(encoding="utf-8")
+)
 """Times before gross slip in the article's trials [ms], which ``tools/onsets.py`` measures."""
 STATED: Mapping[str, Any] = {
     "onsets": ONSETS,
@@ -31,13 +41,17 @@ STATED: Mapping[str, Any] = {
 }
 
 
-def format_ms(seconds: float, otherwise: str = "missed", form: str = ".1f", unit: str = " ms") -> str:
+def format_ms(
+    seconds: float, otherwise: str = "missed", form: str = ".1f", unit: str = " ms"
+) -> str:
     """Format a time in milliseconds; another text stands for one that is not finite."""
     return f"{1000 * seconds:{form}}{unit}" if math.isfinite(seconds) else otherwise
 
 
 def format_interval(span_s: tuple[float, float]) -> str:
-    """Write an interval of delays in ms; without an upper end if too few slips are there, or were found, for one."""
+    """Write an interval of delays in ms; without an upper end if too
+    few slips are there, or were found, for one.
+    """
     low, high = (format_ms(end, unit="") for end in span_s)
     return f"{low}-{high}" if math.isfinite(span_s[1]) else f"from {low}"
 
@@ -52,7 +66,10 @@ def as_data(result: CampaignResult, closed_loop: Sequence[ClosedLoopSummary]) ->
     assumptions = lay_out_page(render("validation/assumptions.md", **STATED))
     return {
         "matched_alarms_per_minute": MATCHED_ALARMS_PER_MINUTE,
-        "matched": {name: summarise(matched) if matched else None for name, matched in _matched(result).items()},
+        "matched": {
+            name: summarise(matched) if matched else None
+            for name, matched in _matched(result).items()
+        },
         "trials": result.plan.trials,
         "negative_minutes": result.plan.negative_minutes,
         "first_seed": result.first_seed,
@@ -71,17 +88,26 @@ def as_data(result: CampaignResult, closed_loop: Sequence[ClosedLoopSummary]) ->
 
 
 def _matched(result: CampaignResult) -> dict[str, DetectorResult | None]:
-    return {name: result.at_alarm_rate(name, MATCHED_ALARMS_PER_MINUTE) for name in result.detectors}
+    return {
+        name: result.at_alarm_rate(name, MATCHED_ALARMS_PER_MINUTE) for name in result.detectors
+    }
 
 
 def _detector(result: CampaignResult, name: str) -> dict[str, Any]:
     nominal = result.at_nominal_threshold(name)
     minutes = nominal.minutes()
     alarms: dict[str, dict[str, Any]] = {}
+
     for cause, count in nominal.alarms().items():
         if cause != "slip":
-            duration, is_separate = round(minutes.get(cause, 0.0), 3), cause in REPORTED_SEPARATELY
-            alarms[cause] = {"count": count, "minutes": duration, "reported_separately": is_separate}
+            duration = round(minutes.get(cause, 0.0), 3)
+            is_separate = cause in REPORTED_SEPARATELY
+            alarms[cause] = {
+                "count": count,
+                "minutes": duration,
+                "reported_separately": is_separate,
+            }
+
     return {
         **summarise(nominal),
         "below_30_ms": round(nominal.share_within_30_ms, 4),
@@ -106,7 +132,9 @@ def summarise(result: DetectorResult) -> dict[str, Any]:
         "worst_s": to_number(result.worst_s),
         "median_since_motion_s": to_number(result.motion_delay_s(0.5)),
         "p90_since_motion_s": to_number(result.motion_delay_s(0.9)),
-        "p90_since_motion_by_encoders_s": [to_number(s) for s in encoder_delay_band_s(result.motion_delay_s(0.9))],
+        "p90_since_motion_by_encoders_s": [
+            to_number(s) for s in encoder_delay_band_s(result.motion_delay_s(0.9))
+        ],
         "on_share": round(result.on_share, 4),
         "alarms_per_minute": round(result.alarms_per_minute, 4),
         "alarms_per_minute_95": [to_number(rate) for rate in result.alarm_interval],
@@ -123,14 +151,20 @@ _ms = partial(format_ms, otherwise="  missed ", form="6.1f")
 
 def as_text(result: CampaignResult, closed_loop: Sequence[ClosedLoopSummary]) -> str:
     return "\n".join(
-        [*_delay_table(result), *_alarm_table(result), *_matched_table(result), *_closed_loop_table(closed_loop)]
+        [
+            *_delay_table(result),
+            *_alarm_table(result),
+            *_matched_table(result),
+            *_closed_loop_table(closed_loop),
+        ]
     )
 
 
 def _delay_table(result: CampaignResult) -> Iterator[str]:
     yield f"{'':17}{'since gross slip':>27} {'since motion':>21} {'p90 since motion,':>18}"
     yield (
-        f"{'detector':8} {'found':>7} {'median':>9} {'p90':>9} {'worst':>9} {'median':>9} {'p90':>9} "
+        f"{'detector':8} {'found':>7} {'median':>9} {'p90':>9} {'worst':>9} {'median':>9} "
+        f"{'p90':>9} "
         f"{f'encoders {ENCODER_HZ:g} Hz':>18} {'< 30 ms':>7}"
     )
     for name in result.detectors:
@@ -138,17 +172,26 @@ def _delay_table(result: CampaignResult) -> Iterator[str]:
         p90_s = nominal.motion_delay_s(0.9)
         band = format_delay_band(p90_s) if math.isfinite(p90_s) else "missed"
         yield (
-            f"{name:8} {100 * nominal.found_share:6.1f}% {_ms(nominal.delay_s(0.5))} {_ms(nominal.delay_s(0.9))} "
+            f"{name:8} {100 * nominal.found_share:6.1f}% {_ms(nominal.delay_s(0.5))} "
+            f"{_ms(nominal.delay_s(0.9))} "
             f"{_ms(nominal.worst_s)} {_ms(nominal.motion_delay_s(0.5))} {_ms(p90_s)} "
             f"{band:>18} {100 * nominal.share_within_30_ms:6.1f}%"
         )
-    yield f"{'95 %':8} {'found':>13} {'median':>13} {'p90':>13} {'motion median':>14} {'motion p90':>13}   from - to"
+
+    yield (
+        f"{'95 %':8} {'found':>13} {'median':>13} {'p90':>13} {'motion median':>14} "
+        f"{'motion p90':>13}   from - to"
+    )
     for name in result.detectors:
         nominal = result.at_nominal_threshold(name)
         low, high = (100 * share for share in nominal.found_interval)
-        spans = (*map(nominal.delay_interval, (0.5, 0.9)), *map(nominal.motion_delay_interval, (0.5, 0.9)))
+        spans = (
+            *map(nominal.delay_interval, (0.5, 0.9)),
+            *map(nominal.motion_delay_interval, (0.5, 0.9)),
+        )
         delays = " ".join(f"{format_interval(span):>13}" for span in spans)
         yield f"{name:8} {f'{low:.1f}-{high:.1f}%':>13} {delays}"
+
     yield "found, median, p90, worst: slips found, percentiles of the delay, longest found."
     yield "Since gross slip: the pad slides at 1 mm/s. Since motion: the robot moved;"
     yield f"{ENCODER_NOTE}."
@@ -160,11 +203,15 @@ def _alarm_table(result: CampaignResult) -> Iterator[str]:
     yield f"{'detector':8} {'ON':>7} {'alarms/min (95 %)':>20}   " + "   ".join(REPORTED_SEPARATELY)
     for name in result.detectors:
         nominal = result.at_nominal_threshold(name)
-        alarms, minutes = nominal.alarms(), nominal.minutes()
-        separate = "   ".join(f"{alarms[c] / minutes[c]:{len(c)}.1f}" for c in REPORTED_SEPARATELY if c in minutes)
+        alarms = nominal.alarms()
+        minutes = nominal.minutes()
+        separate = "   ".join(
+            f"{alarms[c] / minutes[c]:{len(c)}.1f}" for c in REPORTED_SEPARATELY if c in minutes
+        )
         low, high = nominal.alarm_interval
         rate = f"{nominal.alarms_per_minute:.2f} ({low:.2f}-{high:.2f})"
         yield f"{name:8} {100 * nominal.on_share:6.1f}% {rate:>20}   {separate}".rstrip()
+
     yield "ON: share of a slip, after its detection, in which the detector is ON."
     yield f"{', '.join(REPORTED_SEPARATELY)}: false alarms per minute in these scenes;"
     yield "alarms/min excludes them."
@@ -172,7 +219,10 @@ def _alarm_table(result: CampaignResult) -> Iterator[str]:
 
 
 def _matched_table(result: CampaignResult) -> Iterator[str]:
-    yield f"each detector at its lowest threshold with at most {MATCHED_ALARMS_PER_MINUTE:g} alarms per minute:"
+    yield (
+        f"each detector at its lowest threshold with at most {MATCHED_ALARMS_PER_MINUTE:g} "
+        "alarms per minute:"
+    )
     for name, matched in _matched(result).items():
         if matched is None:
             yield f"{name:8} none of the thresholds has so few alarms"
@@ -188,11 +238,16 @@ def _closed_loop_table(rows: Sequence[ClosedLoopSummary]) -> Iterator[str]:
     yield "closed loop: four objects, each hit by a robot's pin. False grips: grip increases"
     yield "without slip. Suppressed: detections without slip that did not tighten the grip,"
     yield "because the hand was closing or its force was growing."
-    yield "Slipped: median way of the object. Force: at the end, over the planned one, of objects held."
     yield (
-        f"{'detector':18} {'held':>9} {'slipped':>9} {'force':>6}   {'reaction median, slowest':>24} "
+        "Slipped: median way of the object. Force: at the end, over the planned one, of objects "
+        "held."
+    )
+    yield (
+        f"{'detector':18} {'held':>9} {'slipped':>9} {'force':>6}   "
+        f"{'reaction median, slowest':>24} "
         f"{'false grips':>11} {'suppressed':>10}"
     )
+
     for row in rows:
         text = f"{row.detector:18} {f'{row.held} of {row.count}':>9} {1000 * row.slipped_m:6.1f} mm"
         text += f" {row.force_ratio:6.2f}" if row.held else f" {'-':>6}"
@@ -200,16 +255,21 @@ def _closed_loop_table(rows: Sequence[ClosedLoopSummary]) -> Iterator[str]:
             ranked = row.reactions_s
             times = f"{_ms(ranked[len(ranked) // 2])} {_ms(ranked[-1])}" if ranked else "no slip"
             text += f"   {times:>24} {row.false_grips:11} {row.suppressed:10}"
+
         yield text
 
 
-def as_markdown(result: CampaignResult, missed: Sequence[str], closed_loop: Sequence[ClosedLoopTrial]) -> str:
+def as_markdown(
+    result: CampaignResult, missed: Sequence[str], closed_loop: Sequence[ClosedLoopTrial]
+) -> str:
     """Write the page; `missed` are the messages of requirements."""
     return render(
         "validation/omissions.md",
         **STATED,
         missed=missed,
-        failures=[_collect_failures(name, result.at_nominal_threshold(name)) for name in result.detectors],
+        failures=[
+            _collect_failures(name, result.at_nominal_threshold(name)) for name in result.detectors
+        ],
         manipulations=list(_list_manipulations(closed_loop)),
         all_held=all(trial.held for trial in closed_loop),
         part_to_part=PART_TO_PART,
@@ -223,10 +283,13 @@ def _collect_failures(name: str, nominal: DetectorResult) -> dict[str, Any]:
             group = groups.setdefault(surface(trial), [0, 0])
             group[0] += trial.slips - len(trial.delays_s)
             group[1] += trial.slips
+
     minutes = nominal.minutes()
     return {
         "detector": name,
-        "missed": [f"{count} of {total} on {where}" for where, (count, total) in groups.items() if count],
+        "missed": [
+            f"{count} of {total} on {where}" for where, (count, total) in groups.items() if count
+        ],
         "alarms": [
             f"{cause} {count} in {minutes[cause]:.1f} min"
             f"{' (reported separately)' if cause in REPORTED_SEPARATELY else ''}"
@@ -248,6 +311,10 @@ def _list_manipulations(closed_loop: Sequence[ClosedLoopTrial]) -> Iterator[tupl
             if trial.false_grips:
                 failures.append(f"{trial.false_grips} grip increases without slip")
             if trial.suppressed_true:
-                failures.append(f"{trial.suppressed_true} true detections suppressed before the first grip increase")
+                failures.append(
+                    f"{trial.suppressed_true} true detections suppressed before the first grip "
+                    "increase"
+                )
+
         if failures:
             yield f"{trial.detector}, {trial.name}, seed {trial.seed}", failures

@@ -1,7 +1,8 @@
 """Placement of dimensions: extension and dimension lines, arrows, and text where nothing else lies.
 
-Dimension lines lie in lanes beside their view, short ones inside. Diameters get a leader. For each size many places are
-tried, and the one of least cost among those whose text is clear of everything is taken (ISO 129-1 for the form).
+Dimension lines lie in lanes beside their view, short ones inside. Diameters get a leader. For each
+size many places are tried, and the one of least cost among those whose text is clear of everything
+is taken (ISO 129-1 for the form).
 """
 
 from __future__ import annotations
@@ -15,7 +16,17 @@ import numpy as np
 
 from fingertip.design.geometry.sizes import Circle, Length
 from fingertip.foundation.numerics import Array
-from fingertip.pictures.drawing.primitives import Arrow, Box, Point, Primitive, Ring, Styles, Text, line, text_width
+from fingertip.pictures.drawing.primitives import (
+    Arrow,
+    Box,
+    Point,
+    Primitive,
+    Ring,
+    Styles,
+    Text,
+    line,
+    text_width,
+)
 
 _CELL_MM = 0.25
 
@@ -32,6 +43,7 @@ class Occupancy:
         for primitive in primitives:
             if isinstance(primitive, Text):
                 self.block(primitive.box())
+
             for points in primitive.trace():
                 layer[self._under(points)] = True
 
@@ -39,11 +51,14 @@ class Occupancy:
         self.texts[self._cells(box, 0.0)] = True
 
     def is_free(self, box: Box, margin: float) -> bool:
-        """Tell whether nothing lies in a box and within a margin of it, and the box within the sheet."""
+        """Tell whether nothing lies in a box and within a margin
+        of it, and the box within the sheet.
+        """
         left, bottom, right, top = box
         height, width = ((n - 1) * _CELL_MM for n in self.texts.shape)
         if left < margin or bottom < margin or right > width - margin or top > height - margin:
             return False
+
         cells = self._cells(box, margin)
         return not any(layer[cells].any() for layer in (self.edges, self.lines, self.texts))
 
@@ -58,35 +73,52 @@ class Occupancy:
     def _cells(self, box: Box, margin: float) -> tuple[slice, slice]:
         left, bottom, right, top = box
         return (
-            slice(max(0, int((bottom - margin) / _CELL_MM)), max(0, math.ceil((top + margin) / _CELL_MM)) + 1),
-            slice(max(0, int((left - margin) / _CELL_MM)), max(0, math.ceil((right + margin) / _CELL_MM)) + 1),
+            slice(
+                max(0, int((bottom - margin) / _CELL_MM)),
+                max(0, math.ceil((top + margin) / _CELL_MM)) + 1,
+            ),
+            slice(
+                max(0, int((left - margin) / _CELL_MM)),
+                max(0, math.ceil((right + margin) / _CELL_MM)) + 1,
+            ),
         )
 
     def _under(self, points: Iterable[Point]) -> tuple[np.ndarray, np.ndarray]:
-        """Return rows and columns of the cells under a polyline, without those outside the sheet."""
+        """Return rows and columns of the cells under a polyline, without those outside
+        the sheet.
+        """
         sampled: list[Array] = []
         for a, b in pairwise(points):
             count = max(2, math.ceil(math.dist(a, b) / (0.7 * _CELL_MM)) + 1)
             sampled.append(np.linspace(a, b, count))
-        cells = (np.concatenate(sampled) / _CELL_MM).astype(int) if sampled else np.zeros((0, 2), int)
+
+        cells = (
+            (np.concatenate(sampled) / _CELL_MM).astype(int) if sampled else np.zeros((0, 2), int)
+        )
         columns, rows = cells[((cells >= 0) & (cells < self.texts.shape[::-1])).all(axis=1)].T
         return rows, columns
 
 
 TEXT_MM = 2.5
 """Height of dimensions (ISO 3098-1)."""
-FIRST_LANE_MM, LANE_MM = 9.0, 7.0
+FIRST_LANE_MM = 9.0
+LANE_MM = 7.0
 """Distance of the first dimension line from its view, and of the next one from it."""
 _MAX_LANES = 12
 _ARROW_MM = 2.5
-_GAP_MM, _PAST_MM = 0.8, 1.5
+_GAP_MM = 0.8
+_PAST_MM = 1.5
 """Gap between outline and extension line, and its length past the dimension line."""
-_ABOVE_LINE_MM, _BALLOON_ABOVE_MM = 0.9, 1.3
+_ABOVE_LINE_MM = 0.9
+_BALLOON_ABOVE_MM = 1.3
 _BALLOON_RADIUS_MM = 2.3
 _BALLOON_GAP_MM = 0.8
 _MARGIN_MM = 0.6
 """Free space around text."""
-_LEADER_ANGLES_DEG = (45, 135, 225, 315, 60, 120, 240, 300, 30, 150, 210, 330, 75, 105, 255, 285, 15, 165, 195, 345)
+_LEADER_ANGLES_DEG = (
+    45, 135, 225, 315, 60, 120, 240, 300, 30, 150,
+    210, 330, 75, 105, 255, 285, 15, 165, 195, 345,
+)  # fmt: skip
 _LEADER_LENGTHS_MM = (5, 7, 9, 12, 15, 18, 21, 25, 30, 35, 40, 45, 50, 60, 70, 80)
 _MAX_ALONG = 10
 """Cells of other lines under a dimension line from which on both would run along each other."""
@@ -131,7 +163,9 @@ def place_lengths(lengths: Sequence[PlacedLength], occupancy: Occupancy) -> Iter
         yield from found
 
 
-def _place_length(placed: PlacedLength, occupancy: Occupancy, reserved: Sequence[float]) -> tuple[Primitive, ...]:
+def _place_length(
+    placed: PlacedLength, occupancy: Occupancy, reserved: Sequence[float]
+) -> tuple[Primitive, ...]:
     """Place one length; `reserved` are the coordinates of extension lines to come."""
     best: tuple[float, tuple[Primitive, ...]] | None = None
     index = 0 if placed.is_level else 1
@@ -146,47 +180,70 @@ def _place_length(placed: PlacedLength, occupancy: Occupancy, reserved: Sequence
         v = placed.edge + out * (FIRST_LANE_MM + lane * LANE_MM)
         if best and best[0] <= 3.0 * lane:
             break
+
         for middle, penalty in _text_middles(low, high, width):
-            begin, end = middle - width / 2, middle + width / 2
+            begin = middle - width / 2
+            end = middle + width / 2
             if any(begin - _MARGIN_MM < u < end + _MARGIN_MM for u in reserved):
                 continue
-            text = _text_group(placed.size.text(), placed.balloon, at(begin, v), turned=not placed.is_level)
+
+            text = _text_group(
+                placed.size.text(), placed.balloon, at(begin, v), turned=not placed.is_level
+            )
             if not all(occupancy.is_free(part.box(), _MARGIN_MM) for part in text):
                 continue
+
             narrow = high - low < 2 * _ARROW_MM + 1.5
             outside = _ARROW_MM + 1.5 if narrow else 0.0
             along = (at(min(low - outside, begin), v), at(max(high + outside, end), v))
             extensions = []
+
             for point in (placed.start, placed.end):
                 u = point[index]
                 from_v = point[1 - index] + out * _GAP_MM
                 extensions.append((at(u, from_v), at(u, v + out * _PAST_MM)))
+
             if any(occupancy.crosses_text(each) for each in (along, *extensions)):
                 continue
+
             edges, lines = occupancy.crossings(along)
             if lines > _MAX_ALONG:
                 continue
+
             crossed = sum(sum(occupancy.crossings(each)) for each in extensions)
             cost = 3.0 * lane + penalty + 0.4 * edges + 0.6 * lines + 0.01 * crossed
             if best and cost >= best[0]:
                 continue
+
             turn = 0.0 if placed.is_level else 90.0
-            inwards = (at(low, v), turn + (0.0 if narrow else 180.0)), (at(high, v), turn + (180.0 if narrow else 0.0))
+            inwards = (
+                (at(low, v), turn + (0.0 if narrow else 180.0)),
+                (at(high, v), turn + (180.0 if narrow else 0.0)),
+            )
             arrows = tuple(Arrow(tip, direction, _ARROW_MM) for tip, direction in inwards)
-            drawn = (*(line(a, b, Styles.DIMENSION) for a, b in (along, *extensions)), *arrows, *text)
+            drawn = (
+                *(line(a, b, Styles.DIMENSION) for a, b in (along, *extensions)),
+                *arrows,
+                *text,
+            )
             best = (cost, drawn)
+
     if best is None:
         raise NoRoomError(placed.size.name)
+
     return best[1]
 
 
 def _text_middles(low: float, high: float, width: float) -> Iterator[tuple[float, float]]:
     """List places for the middle of a text along a dimension line, with what each costs."""
-    middle, span = (low + high) / 2, high - low
+    middle = (low + high) / 2
+    span = high - low
+
     if width <= span - 2 * _ARROW_MM - 1.0:
         room = (span - width) / 2 - _ARROW_MM
         for share in (0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75, 1.0, -1.0):
             yield middle + share * room, 0.5 * abs(share)
+
     beyond = _ARROW_MM + 2.0 + width / 2
     # Far from its dimension a text is hard to find: only where no lane has room for it nearer.
     for further, penalty in ((0.0, 0.0), (6.0, 0.6), (14.0, 1.4), (24.0, 50.0), (36.0, 60.0)):
@@ -195,15 +252,25 @@ def _text_middles(low: float, high: float, width: float) -> Iterator[tuple[float
 
 
 def place_circle(
-    size: Circle, centre: Point, radius: float, balloon: int, occupancy: Occupancy
+    size: Circle,
+    centre: Point,
+    radius: float,
+    balloon: int,
+    occupancy: Occupancy,
 ) -> tuple[Primitive, ...]:
-    """Place a diameter or a radius with a leader. The radius is that on paper. Raises NoRoomError."""
+    """Place a diameter or a radius with a leader.
+
+    The radius is that on paper. Raises NoRoomError.
+    """
     best: tuple[float, tuple[Primitive, ...]] | None = None
     width = _group_width(size.text(), balloon)
     directions = [angle for angle in _LEADER_ANGLES_DEG if size.has_edge_at(angle)]
+
     for order, angle_deg in enumerate(directions):
-        c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
+        c = math.cos(math.radians(angle_deg))
+        s = math.sin(math.radians(angle_deg))
         tip = (centre[0] + radius * c, centre[1] + radius * s)
+
         for length in _LEADER_LENGTHS_MM:
             knee = (tip[0] + length * c, tip[1] + length * s)
             way = 1.0 if c > 0.0 else -1.0
@@ -212,28 +279,45 @@ def place_circle(
             text = _text_group(size.text(), balloon, (begin, knee[1]), turned=False)
             if not all(occupancy.is_free(part.box(), _MARGIN_MM) for part in text):
                 continue
+
             path = (tip, knee, landing)
             if occupancy.crosses_text(path):
                 continue
+
             # Past the arrow the leader no longer touches the circle.
             edges, lines = occupancy.crossings(((tip[0] + c, tip[1] + s), knee, landing))
             cost = 0.12 * length + 0.5 * edges + 0.5 * lines + 0.05 * order
             if best and cost >= best[0]:
                 continue
+
             arrow = Arrow(tip, angle_deg + 180.0, _ARROW_MM)
-            best = (cost, (line(tip, knee, Styles.DIMENSION), line(knee, landing, Styles.DIMENSION), arrow, *text))
+            best = (
+                cost,
+                (
+                    line(tip, knee, Styles.DIMENSION),
+                    line(knee, landing, Styles.DIMENSION),
+                    arrow,
+                    *text,
+                ),
+            )
+
     if best is None:
         raise NoRoomError(size.name)
+
     occupancy.add(best[1])
     return best[1]
 
 
 def _group_width(text: str, balloon: int) -> float:
-    return text_width(text, TEXT_MM) + (2 * _BALLOON_RADIUS_MM + _BALLOON_GAP_MM if balloon else 0.0)
+    return text_width(text, TEXT_MM) + (
+        2 * _BALLOON_RADIUS_MM + _BALLOON_GAP_MM if balloon else 0.0
+    )
 
 
 def _text_group(text: str, balloon: int, start: Point, *, turned: bool) -> tuple[Ring | Text, ...]:
-    """Arrange a text and its balloon along a line that begins at `start`, on its upper or left side."""
+    """Arrange a text and its balloon along a line that begins
+    at `start`, on its upper or left side.
+    """
     above = _BALLOON_ABOVE_MM if balloon else _ABOVE_LINE_MM
 
     def to_paper(u: float, v: float) -> Point:
@@ -241,9 +325,17 @@ def _text_group(text: str, balloon: int, start: Point, *, turned: bool) -> tuple
 
     if not balloon:
         return (Text(text, to_paper(0.0, above), TEXT_MM, turned=turned),)
-    r, middle = _BALLOON_RADIUS_MM, above + TEXT_MM / 2
+
+    r = _BALLOON_RADIUS_MM
+    middle = above + TEXT_MM / 2
     return (
         Ring(to_paper(r, middle), r, Styles.DIMENSION),
-        Text(str(balloon), to_paper(r, above), TEXT_MM, "middle", turned),
+        Text(
+            text=str(balloon),
+            at=to_paper(r, above),
+            height=TEXT_MM,
+            anchor="middle",
+            turned=turned,
+        ),
         Text(text, to_paper(2 * r + _BALLOON_GAP_MM, above), TEXT_MM, turned=turned),
     )

@@ -1,7 +1,7 @@
 """Drawing of a design: a sheet for each printed part, as SVG files and one PDF.
 
-Parts are projected in a separate process: the B-rep kernel can hang or crash. Those of `cad.files.step_process` project
-the parts that they have made anyway.
+Parts are projected in a separate process: the B-rep kernel can hang or crash. Those of
+`cad.files.step_process` project the parts that they have made anyway.
 """
 
 from __future__ import annotations
@@ -36,12 +36,18 @@ _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
 
 
 def part_drawings(design: Design) -> tuple[PartDrawing, ...]:
-    printed = exact_parts(design, (name for name, part in parts_by_name(design).items() if part.is_printed))
+    printed = exact_parts(
+        design, (name for name, part in parts_by_name(design).items() if part.is_printed)
+    )
     drawings = []
     for drawing in (_DRAWINGS[name](design) for name in printed):
-        # Only the printer's offset is added: the scale of the files is there to give the design's size.
-        sizes = tuple(replace(size, added_mm=size.growth * design.printer.offset_mm) for size in drawing.sizes)
+        # Only the printer's offset is added: the scale of the files is there to give the design's
+        # size.
+        sizes = tuple(
+            replace(size, added_mm=size.growth * design.printer.offset_mm) for size in drawing.sizes
+        )
         drawings.append(replace(drawing, sizes=sizes, notes=_notes(design, drawing)))
+
     return tuple(drawings)
 
 
@@ -49,16 +55,22 @@ def _notes(design: Design, drawing: PartDrawing) -> tuple[str, ...]:
     notes = [f"Curved surfaces and all other sizes: see {drawing.part}.step.", *drawing.notes]
     if drawing.part.startswith("mold") and design.mold.engraving_depth_mm:
         notes.append("Engraved text is not shown.")
-    offset, scale = design.printer.offset_mm, design.printer.scale_percent
+
+    offset = design.printer.offset_mm
+    scale = design.printer.scale_percent
     if offset:
         much = "thick" if offset > 0.0 else "thin"
-        notes.append(f"All sizes are those of the print, {abs(offset):g} mm too {much} (printer.offset_mm):")
+        notes.append(
+            f"All sizes are those of the print, {abs(offset):g} mm too {much} (printer.offset_mm):"
+        )
         outer, inner = ("smaller", "larger") if offset > 0.0 else ("larger", "smaller")
         notes.append(f"in STEP, outer sizes are so much {outer}, inner ones {inner}.")
+
     if scale != 100.0:
         notes.append(f"STL and 3MF hold the sizes of STEP times {scale:g} %.")
     if any(isinstance(size, Length) and size.is_reference for size in drawing.sizes):
         notes.append("Sizes in parentheses start at no surface: for reference only.")
+
     return tuple(notes)
 
 
@@ -78,7 +90,9 @@ Job = tuple[tuple[str, Callable[[Any], T]], ...]
 """Functions of the B-rep evaluator by the names of their results."""
 
 
-def project_part(solid: Solid, wanted: Collection[ViewName], evaluator: Any) -> dict[ViewName, ProjectedView]:
+def project_part(
+    solid: Solid, wanted: Collection[ViewName], evaluator: Any
+) -> dict[ViewName, ProjectedView]:
     """Project a part in its views. Raises GeometryError."""
     from fingertip.pictures.drawing.hidden_lines import project  # noqa: PLC0415
 
@@ -99,7 +113,10 @@ TIME_LIMIT_S = 180.0
 
 def run_apart(job: Job[T]) -> dict[str, T]:
     """Run a job in a process of its own. Raises MissingLibraryError or GeometryError."""
-    with temporary_folder() as folder, Worker(folder) as worker:  # ezdxf reads settings of the current folder
+    with (
+        temporary_folder() as folder,
+        Worker(folder) as worker,
+    ):  # ezdxf reads settings of the current folder
         worker.send(run_job, job)
         try:
             return worker.receive_within(TIME_LIMIT_S)  # type: ignore[no-any-return]
@@ -109,7 +126,10 @@ def run_apart(job: Job[T]) -> dict[str, T]:
             problem = f"was still projecting after {TIME_LIMIT_S:g} s"
         except Exception as error:
             problem = f"crashed ({error})"
-    raise GeometryError(Issue("drawing", f"the B-rep kernel {problem}; check the design with build."))
+
+    raise GeometryError(
+        Issue("drawing", f"the B-rep kernel {problem}; check the design with build.")
+    )
 
 
 def sheet_jobs(design: Design) -> Job[Sheet]:
@@ -117,7 +137,10 @@ def sheet_jobs(design: Design) -> Job[Sheet]:
     drawings = part_drawings(design)
     # The engraved letters would hide the rest under some hundred edges. A note names them.
     plain = design.with_values({"mold.engraving_depth_mm": 0.0})
-    headings = (Heading(design.name, "", number, len(drawings)) for number in range(1, len(drawings) + 1))
+    headings = (
+        Heading(design.name, "", number, len(drawings)) for number in range(1, len(drawings) + 1)
+    )
+
     return tuple(
         (drawing.part, partial(_draw_sheet, drawing, PARTS[drawing.part].solid(plain), heading))
         for drawing, heading in zip(drawings, headings, strict=True)

@@ -1,6 +1,8 @@
-"""Projection of B-rep solids with exact removal of hidden lines, and longitudinal sections, by Open CASCADE.
+"""Projection of B-rep solids with exact removal of hidden lines, and longitudinal sections, by Open
+CASCADE.
 
-Importing this module loads Open CASCADE; import `cad.kernel.brep` first, which says what to install where that fails.
+Importing this module loads Open CASCADE; import `cad.kernel.brep` first, which says what to install
+where that fails.
 """
 
 from __future__ import annotations
@@ -37,13 +39,18 @@ def project(solid: TopoDS_Shape, view: ViewName) -> ProjectedView:
     """Project a solid. The section removes the half at x < 0 first."""
     if view != "section":
         return ProjectedView(*_remove_hidden_lines(solid, PROJECTIONS[view]))
+
     (x, y, z), (_, far_y, far_z) = occ.bounds(solid)
-    half = occ.cut(solid, box((x - 1.0, y - 1.0, z - 1.0), (0.0, far_y + 1.0, far_z + 1.0)).val().wrapped)
+    half = occ.cut(
+        solid, box((x - 1.0, y - 1.0, z - 1.0), (0.0, far_y + 1.0, far_z + 1.0)).val().wrapped
+    )
     visible, _ = _remove_hidden_lines(half, PROJECTIONS[view])
     return ProjectedView(visible, (), _cut_outlines(half, PROJECTIONS[view]))
 
 
-def _remove_hidden_lines(shape: TopoDS_Shape, projection: Projection) -> tuple[tuple[Line2, ...], tuple[Line2, ...]]:
+def _remove_hidden_lines(
+    shape: TopoDS_Shape, projection: Projection
+) -> tuple[tuple[Line2, ...], tuple[Line2, ...]]:
     """Compute the visible and the hidden edges. Smooth edges between faces are neither."""
     BRepLib.EncodeRegularity_s(shape, _SMOOTH_RAD)
     axes = gp_Ax2(gp_Pnt(0.0, 0.0, 0.0), gp_Dir(*projection.towards), gp_Dir(*projection.right))
@@ -55,6 +62,7 @@ def _remove_hidden_lines(shape: TopoDS_Shape, projection: Projection) -> tuple[t
     result = HLRBRep_HLRToShape(algorithm)
     visible = _polylines(result.VCompound(), result.OutLineVCompound())
     hidden = _polylines(result.HCompound(), result.OutLineHCompound())
+
     return visible, tuple(edge for edge in hidden if edge not in set(visible))
 
 
@@ -64,21 +72,26 @@ def _polylines(*compounds: Any) -> tuple[Line2, ...]:
     for compound in compounds:
         if compound is None or compound.IsNull():
             continue
+
         BRepLib.BuildCurves3d_s(compound)
         for edge in occ.list_shapes(compound, TopAbs_EDGE):
             points = tuple(_points(edge, lambda p: (p.X(), p.Y())))
             found.add(min(points, points[::-1]))  # begins at its lower end
+
     return tuple(sorted(edge for edge in found if len(edge) > 1))
 
 
 def _points(edge: TopoDS_Shape, flatten: Any) -> list[tuple[float, float]]:
-    sampled = GCPnts_TangentialDeflection(BRepAdaptor_Curve(TopoDS.Edge_s(edge)), _ANGLE_RAD, DEFLECTION_MM)
+    sampled = GCPnts_TangentialDeflection(
+        BRepAdaptor_Curve(TopoDS.Edge_s(edge)), _ANGLE_RAD, DEFLECTION_MM
+    )
     points: list[tuple[float, float]] = []
     for i in range(1, sampled.NbPoints() + 1):
         u, v = flatten(sampled.Value(i))
         point = (round(u, _DECIMALS) + 0.0, round(v, _DECIMALS) + 0.0)
         if not points or point != points[-1]:
             points.append(point)
+
     return points
 
 
@@ -90,12 +103,19 @@ def _cut_outlines(half: TopoDS_Shape, projection: Projection) -> tuple[Line2, ..
         is_plane = BRepAdaptor_Surface(TopoDS.Face_s(face)).GetType() == GeomAbs_Plane
         if not is_plane or max(abs(low[0]), abs(high[0])) > _IN_PLANE_MM:
             continue
+
         for wire in occ.list_shapes(face, TopAbs_WIRE):
             ring: list[tuple[float, float]] = []
             edges = BRepTools_WireExplorer(TopoDS.Wire_s(wire))
             while edges.More():
-                points = _points(edges.Current(), lambda p: projection.flatten((p.X(), p.Y(), p.Z())))
-                ring += reversed(points) if edges.Current().Orientation() == TopAbs_REVERSED else points
+                points = _points(
+                    edges.Current(), lambda p: projection.flatten((p.X(), p.Y(), p.Z()))
+                )
+                ring += (
+                    reversed(points) if edges.Current().Orientation() == TopAbs_REVERSED else points
+                )
                 edges.Next()
+
             rings.append(tuple(ring))
+
     return tuple(sorted(rings))

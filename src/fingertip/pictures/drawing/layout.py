@@ -1,7 +1,9 @@
-"""Layout of a sheet: paper and scale, places of the views, centre lines, section line, and all dimensions.
+"""Layout of a sheet: paper and scale, places of the views, centre lines, section line, and all
+dimensions.
 
-The largest scale of ISO 5455 on the smallest paper whose views and dimensions all find a place is taken; A3 before a
-smaller scale. Where the section's letters are in the way of a size on every paper, they give way.
+The largest scale of ISO 5455 on the smallest paper whose views and dimensions all find a place is
+taken; A3 before a smaller scale. Where the section's letters are in the way of a size on every
+paper, they give way.
 """
 
 from __future__ import annotations
@@ -31,8 +33,10 @@ from fingertip.pictures.drawing.primitives import (
 )
 from fingertip.pictures.drawing.title_block import Heading, Paper, draw_frame
 
-A4, A3 = Paper(297.0, 210.0), Paper(420.0, 297.0)
-A2, A1 = Paper(594.0, 420.0), Paper(841.0, 594.0)
+A4 = Paper(297.0, 210.0)
+A3 = Paper(420.0, 297.0)
+A2 = Paper(594.0, 420.0)
+A1 = Paper(841.0, 594.0)
 SCALES = (("5:1", 5.0), ("2:1", 2.0), ("1:1", 1.0), ("1:2", 0.5))
 """Scales of ISO 5455."""
 CHOICES = (
@@ -45,7 +49,8 @@ _PAST_VIEW_MM = 3.0
 _CUT_MM = (2.0, 7.0)
 """Distances from the view between which the ends of the section line lie."""
 _LETTER_MM = 3.5
-_BEHIND_ARROW_MM, _PAST_ARROW_MM = 2.0 + _LETTER_MM / 2, 8.5 + _LETTER_MM / 2
+_BEHIND_ARROW_MM = 2.0 + _LETTER_MM / 2
+_PAST_ARROW_MM = 8.5 + _LETTER_MM / 2
 """Distances of a letter's middle from the section line."""
 _NAME_ABOVE_MM = 3.0
 """Distance of the section's name from the section."""
@@ -76,10 +81,17 @@ class PlacedView:
         return *self.on_paper((left, bottom)), *self.on_paper((right, top))
 
     def edge(self, side: Side) -> float:
-        """Return the coordinate from which the lanes of a side are counted: past the ends of the section line."""
+        """Return the coordinate from which the lanes of a side are
+        counted: past the ends of the section line.
+        """
         left, bottom, right, top = self.bounds()
         past = _beside_section_line(self.name)
-        return {"above": top, "below": bottom, "left": left - past, "right": right + past}[side]
+        return {
+            "above": top,
+            "below": bottom,
+            "left": left - past,
+            "right": right + past,
+        }[side]
 
 
 def _beside_section_line(name: ViewName) -> float:
@@ -93,13 +105,26 @@ def lay_out(part: PartDrawing, views: Views, heading: Heading) -> Sheet:
     for letters_give_way, (paper, (name, scale)), arrangement in tried:
         scaled = replace(heading, scale=name)
         try:
-            primitives = _draw(part, views, scaled, paper, scale, arrangement, letters_give_way=letters_give_way)
+            primitives = _draw(
+                part,
+                views=views,
+                heading=scaled,
+                paper=paper,
+                scale=scale,
+                arrangement=arrangement,
+                letters_give_way=letters_give_way,
+            )
         except dimensioning.NoRoomError as error:
             missing = str(error)
             continue
+
         title = f"{heading.design}: {part.title}, sheet {heading.sheet} of {heading.sheets}"
         return Sheet(title, paper.width, paper.height, primitives)
-    message = f"no paper has room for the {missing} of {part.part}; measure it in the STEP file of `fingertip build`."
+
+    message = (
+        f"no paper has room for the {missing} of {part.part}; measure it in the STEP file "
+        "of `fingertip build`."
+    )
     raise GeometryError(Issue("drawing", message))
 
 
@@ -114,75 +139,130 @@ def _draw(
     letters_give_way: bool,
 ) -> tuple[Primitive, ...]:
     frame, free_above = draw_frame(paper, part, heading)
-    placed = _place_views(part, views, scale, (paper.left, free_above, paper.right, paper.top), arrangement)
+    placed = _place_views(
+        part,
+        views=views,
+        scale=scale,
+        free=(paper.left, free_above, paper.right, paper.top),
+        arrangement=arrangement,
+    )
     occupancy = dimensioning.Occupancy(paper.width, paper.height)
+
     for box in (
-        (0.0, 0.0, paper.left, paper.height), (paper.right, 0.0, paper.width, paper.height),
-        (0.0, 0.0, paper.width, free_above), (0.0, paper.top, paper.width, paper.height),
-    ):  # fmt: skip
+        (0.0, 0.0, paper.left, paper.height),
+        (paper.right, 0.0, paper.width, paper.height),
+        (0.0, 0.0, paper.width, free_above),
+        (0.0, paper.top, paper.width, paper.height),
+    ):
         occupancy.block(box)
+
     edges = [primitive for view in placed.values() for primitive in _view_edges(view)]
     centres = [*_centre_lines(placed, part)]
-    marks = [*_section_marks(placed[part.plan], placed["section"], letters_give_way=letters_give_way)]
-    # Centre lines and the ends of the section line count as edges: no dimension line runs along them.
+    marks = [
+        *_section_marks(placed[part.plan], placed["section"], letters_give_way=letters_give_way)
+    ]
+    # Centre lines and the ends of the section line count as edges: no dimension line runs along
+    # them.
     occupancy.add((*edges, *centres, *marks), is_view=True)
     dimensions: list[Primitive] = []
     balloons = {size.name: i for i, size in enumerate(part.checked, 1)}
+
     for view in placed.values():
         for side in _SIDES:
             lengths = [
-                dimensioning.PlacedLength(size, view.place(size.start), view.place(size.end), view.edge(side),
-                             balloons.get(size.name, 0))
+                dimensioning.PlacedLength(
+                    size=size,
+                    start=view.place(size.start),
+                    end=view.place(size.end),
+                    edge=view.edge(side),
+                    balloon=balloons.get(size.name, 0),
+                )
                 for size in part.sizes
                 if isinstance(size, Length) and size.view == view.name and size.side == side
-            ]  # fmt: skip
+            ]
             dimensions += dimensioning.place_lengths(lengths, occupancy)
+
     for view in placed.values():
         for size in part.sizes:
             if isinstance(size, Circle) and size.view == view.name:
-                centre, balloon = view.place(size.centre), balloons.get(size.name, 0)
-                dimensions += dimensioning.place_circle(size, centre, size.radius * scale, balloon, occupancy)
+                centre = view.place(size.centre)
+                balloon = balloons.get(size.name, 0)
+                dimensions += dimensioning.place_circle(
+                    size,
+                    centre=centre,
+                    radius=size.radius * scale,
+                    balloon=balloon,
+                    occupancy=occupancy,
+                )
+
     return (*edges, *centres, *marks, *dimensions, *frame)
 
 
 def _place_views(
-    part: PartDrawing, views: Views, scale: float, free: Box, arrangement: Arrangement
+    part: PartDrawing,
+    views: Views,
+    scale: float,
+    free: Box,
+    arrangement: Arrangement,
 ) -> dict[ViewName, PlacedView]:
-    """Place the views in rows and columns; a row shares its origin's height, a column the place of its origin."""
+    """Place the views in rows and columns; a row shares its origin's
+    height, a column the place of its origin.
+    """
     bounds = {name: tuple(scale * b for b in views[name].bounds()) for name in part.views}
     rows = [[name for name in row if name] for row in arrangement]
     columns = [[name for row in arrangement for name in row[k : k + 1] if name] for k in (0, 1)]
 
     def lanes(name: ViewName, side: Side) -> float:
-        lengths = [size for size in part.sizes if isinstance(size, Length) and size.view == name and size.side == side]
+        lengths = [
+            size
+            for size in part.sizes
+            if isinstance(size, Length) and size.view == name and size.side == side
+        ]
         beside = _beside_section_line(name) if side in ("left", "right") else 0.0
         named = _NAME_ABOVE_MM + _LETTER_MM if (name, side) == ("section", "above") else 0.0
         room = dimensioning.FIRST_LANE_MM + dimensioning.LANE_MM * (len(lengths) - 1) + 4.0
+
         return max(named, beside) + (room if lengths else _MIN_GAP_MM / 2)
 
-    def extent(names: Sequence[ViewName], k: int, low: Side, high: Side) -> tuple[float, float, float, float]:
-        """Return the lower and upper bound of views along an axis, and the widths of their lanes."""
+    def extent(
+        names: Sequence[ViewName], k: int, low: Side, high: Side
+    ) -> tuple[float, float, float, float]:
+        """Return the lower and upper bound of views along an axis, and the widths of
+        their lanes.
+        """
         return (
-            min(bounds[name][k] for name in names), max(bounds[name][k + 2] for name in names),
-            max(lanes(name, low) for name in names), max(lanes(name, high) for name in names),
-        )  # fmt: skip
+            min(bounds[name][k] for name in names),
+            max(bounds[name][k + 2] for name in names),
+            max(lanes(name, low) for name in names),
+            max(lanes(name, high) for name in names),
+        )
 
     across = [extent(names, 0, "left", "right") for names in columns if names]
     upwards = [extent(names, 1, "below", "above") for names in rows]
-    spare_x = free[2] - free[0] - sum(high - low + before + after for low, high, before, after in across)
-    spare_y = free[3] - free[1] - sum(high - low + before + after for low, high, before, after in upwards)
+    spare_x = (
+        free[2] - free[0] - sum(high - low + before + after for low, high, before, after in across)
+    )
+    spare_y = (
+        free[3] - free[1] - sum(high - low + before + after for low, high, before, after in upwards)
+    )
     if spare_x < 0.0 or spare_y < 0.0:
         raise dimensioning.NoRoomError("views")
-    xs, ys = [], []
-    x, y = free[0], free[3]
+
+    xs = []
+    ys = []
+    x = free[0]
+    y = free[3]
+
     for low, high, before, after in across:
         x += spare_x / (len(across) + 1) + before
         xs.append(x - low)
         x += high - low + after
+
     for low, high, before, after in upwards:
         y -= spare_y / (len(upwards) + 1) + after
         ys.append(y - high)
         y -= high - low + before
+
     return {
         name: PlacedView(name, views[name], scale, (xs[k], ys[i]))
         for i, row in enumerate(arrangement)
@@ -192,24 +272,38 @@ def _place_views(
 
 
 def _arrangements(plan: ViewName) -> tuple[Arrangement, ...]:
-    """List the places of the views: palmar view above the front, dorsal below, end on the right, section anywhere."""
+    """List the places of the views: palmar view above the front,
+    dorsal below, end on the right, section anywhere.
+    """
     if plan == "palmar":
-        return ((("palmar", "section"), ("front", "end")), (("palmar", None), ("front", "end"), ("section", None)))
-    return ((("front", "end"), ("dorsal", "section")), (("front", "end"), ("dorsal", None), ("section", None)))
+        return (
+            (("palmar", "section"), ("front", "end")),
+            (("palmar", None), ("front", "end"), ("section", None)),
+        )
+
+    return (
+        (("front", "end"), ("dorsal", "section")),
+        (("front", "end"), ("dorsal", None), ("section", None)),
+    )
 
 
 def _view_edges(placed: PlacedView) -> Iterator[Primitive]:
-    """Draw the edges of a view: hatching and hidden ones first, so that visible ones lie over them."""
+    """Draw the edges of a view: hatching and hidden ones first, so that visible ones lie
+    over them.
+    """
     view = placed.view
     if view.cut:
         yield Hatch(tuple(tuple(placed.on_paper(p) for p in ring) for ring in view.cut), _HATCH_MM)
+
     for edges, style in ((view.hidden, Styles.HIDDEN), (view.visible, Styles.EDGE)):
         for edge in edges:
             yield Polyline(tuple(placed.on_paper(p) for p in edge), style)
 
 
 def _centre_lines(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> Iterator[Primitive]:
-    """Draw the plane of symmetry in plan and end view, the axes of holes, and a cross in circles with a dimension."""
+    """Draw the plane of symmetry in plan and end view, the axes of
+    holes, and a cross in circles with a dimension.
+    """
     for name in (part.plan, "end"):
         left, bottom, right, top = views[name].bounds()
         x, y = views[name].origin
@@ -217,6 +311,7 @@ def _centre_lines(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> It
             yield line((x, bottom - _PAST_VIEW_MM), (x, top + _PAST_VIEW_MM), Styles.CENTRE)
         else:
             yield line((left - _PAST_VIEW_MM, y), (right + _PAST_VIEW_MM, y), Styles.CENTRE)
+
     for size in part.sizes:
         if isinstance(size, Circle):
             view = views[size.view]
@@ -226,16 +321,20 @@ def _centre_lines(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> It
             yield line((x, y - reach), (x, y + reach), Styles.CENTRE)
 
 
-def _section_marks(plan: PlacedView, section: PlacedView, *, letters_give_way: bool) -> Iterator[Primitive]:
-    """Draw the section line A-A in the plan, with arrows in the direction of view, and the name over the section.
+def _section_marks(
+    plan: PlacedView, section: PlacedView, *, letters_give_way: bool
+) -> Iterator[Primitive]:
+    """Draw the section line A-A in the plan, with arrows in the direction of view, and the name
+    over the section.
 
-    The letters stand behind the arrows and over the section's corner. There they block the extension lines of sizes
-    that lie near the plane of the section or near that corner; these are free where letters give way: past the tips of
-    the arrows, and over the middle of the section.
+    The letters stand behind the arrows and over the section's corner. There they block the
+    extension lines of sizes that lie near the plane of the section or near that corner; these are
+    free where letters give way: past the tips of the arrows, and over the middle of the section.
     """
     left, _, right, _ = plan.bounds()
     y = plan.origin[1]
     towards = 1.0 if PROJECTIONS[plan.name].up[0] > 0.0 else -1.0  # the section looks along +x
+
     for edge, out in ((left, -1.0), (right, 1.0)):
         near, far = (edge + out * distance for distance in _CUT_MM)
         yield line((near, y), (far, y), Styles.EDGE)
@@ -243,6 +342,7 @@ def _section_marks(plan: PlacedView, section: PlacedView, *, letters_give_way: b
         yield Arrow((far, y + towards * 7.5), 90.0 * towards, 3.5)
         middle = y + towards * (_PAST_ARROW_MM if letters_give_way else -_BEHIND_ARROW_MM)
         yield Text("A", (far, middle - _LETTER_MM / 2), _LETTER_MM, "middle")
+
     left, _, right, top = section.bounds()
     if letters_give_way:
         yield Text("A-A", ((left + right) / 2, top + _NAME_ABOVE_MM), _LETTER_MM, "middle")

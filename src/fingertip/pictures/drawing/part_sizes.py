@@ -1,4 +1,6 @@
-"""Sizes of the printed parts on their sheets: bone, stand, pin and stub, then the halves of the cup and the core."""
+"""Sizes of the printed parts on their sheets: bone, stand, pin and
+stub, then the halves of the cup and the core.
+"""
 
 from __future__ import annotations
 
@@ -39,104 +41,335 @@ ANY_MATERIAL = "any print material that the silicone tolerates"
 
 
 def bone_drawing(design: Design) -> PartDrawing:
-    tip, interface = design.dimensions.bone_outline.tip, interface_of(design)
+    tip = design.dimensions.bone_outline.tip
+    interface = interface_of(design)
     assert tip
     low = (0.0, 0.0, interface.low_z(design))
     sizes = [
-        Length("overall length", OUTER, "front", "below", "z", low, (0.0, 0.0, tip.z)),
+        Length(
+            name="overall length",
+            growth=OUTER,
+            view="front",
+            side="below",
+            axis="z",
+            start=low,
+            end=(0.0, 0.0, tip.z),
+        ),
         *_base_sizes(design),
         *_pocket_sizes(design),
         *interface.sizes(design),
     ]
     material = design.strength.material.label
-    return PartDrawing("bone", "Bone", "palmar", material, tuple(sizes), notes=interface.notes(design))
+
+    return PartDrawing(
+        part="bone",
+        title="Bone",
+        plan="palmar",
+        material=material,
+        sizes=tuple(sizes),
+        notes=interface.notes(design),
+    )
 
 
 def stand_drawing(design: Design) -> PartDrawing:
-    bone, gap = design.bone, bench.post_gap_mm(design)
+    bone = design.bone
+    gap = bench.post_gap_mm(design)
     (_, _, low), (side, _, high) = astuple(bench.stand_outline(design))
-    y, bolt_z, hole = middle_y(design.dimensions), Post().cross_bolt_z(design), bone.cross_bolt_diameter_mm
+    y = middle_y(design.dimensions)
+    bolt_z = Post().cross_bolt_z(design)
+    hole = bone.cross_bolt_diameter_mm
     sizes = (
-        Length("overall length", OUTER, "front", "below", "z", (0.0, y, low), (0.0, y, high)),
-        Circle("socket of the post", INNER, "end", "z", (0.0, y, high), bone.post_width_mm / 2 + gap,
-               clearance(gap - design.printer.offset_mm), "narrow: file it until the post slides in"),
-        Circle("hole of the cross bolt", INNER, "front", "x", (side, y, bolt_z), hole / 2,
-               bolt_clearance(design, hole), "narrow: drill it to size"),
-        Length("axis of the cross bolt", BEHIND_FACE, "front", "above", "z", (side, y, high), (side, y, bolt_z)),
-    )  # fmt: skip
-    return PartDrawing("stand", "Stand", "palmar", ANY_MATERIAL, sizes)
+        Length(
+            name="overall length",
+            growth=OUTER,
+            view="front",
+            side="below",
+            axis="z",
+            start=(0.0, y, low),
+            end=(0.0, y, high),
+        ),
+        Circle(
+            name="socket of the post",
+            growth=INNER,
+            view="end",
+            axis="z",
+            centre=(0.0, y, high),
+            radius=bone.post_width_mm / 2 + gap,
+            tolerance=clearance(gap - design.printer.offset_mm),
+            action="narrow: file it until the post slides in",
+        ),
+        Circle(
+            name="hole of the cross bolt",
+            growth=INNER,
+            view="front",
+            axis="x",
+            centre=(side, y, bolt_z),
+            radius=hole / 2,
+            tolerance=bolt_clearance(design, hole),
+            action="narrow: drill it to size",
+        ),
+        Length(
+            name="axis of the cross bolt",
+            growth=BEHIND_FACE,
+            view="front",
+            side="above",
+            axis="z",
+            start=(side, y, high),
+            end=(side, y, bolt_z),
+        ),
+    )
+
+    return PartDrawing(
+        part="stand",
+        title="Stand",
+        plan="palmar",
+        material=ANY_MATERIAL,
+        sizes=sizes,
+    )
 
 
 def pin_drawing(design: Design) -> PartDrawing:
-    radius, length = bench.joint_of(design).printed_pin_radius, design.dimensions.pin_length
+    radius = bench.joint_of(design).printed_pin_radius
+    length = design.dimensions.pin_length
     sizes = (
-        Length("length of the pin", OUTER, "front", "below", "z", (0.0, 0.0, 0.0), (0.0, 0.0, length)),
-        Circle("diameter of the pin", OUTER, "end", "z", (0.0, 0.0, length), radius, symmetric(MIN_TOLERANCE_MM),
-               "thick: sand it until it slides; thin: it falls out, print again"),
-    )  # fmt: skip
-    return PartDrawing("pin", "Pin of the joint", "palmar", design.strength.material.label, sizes)
+        Length(
+            name="length of the pin",
+            growth=OUTER,
+            view="front",
+            side="below",
+            axis="z",
+            start=(0.0, 0.0, 0.0),
+            end=(0.0, 0.0, length),
+        ),
+        Circle(
+            name="diameter of the pin",
+            growth=OUTER,
+            view="end",
+            axis="z",
+            centre=(0.0, 0.0, length),
+            radius=radius,
+            tolerance=symmetric(MIN_TOLERANCE_MM),
+            action="thick: sand it until it slides; thin: it falls out, print again",
+        ),
+    )
+    return PartDrawing(
+        part="pin",
+        title="Pin of the joint",
+        plan="palmar",
+        material=design.strength.material.label,
+        sizes=sizes,
+    )
 
 
 def hand_stub_drawing(design: Design) -> PartDrawing:
-    joint, (shoulder, bar), way = bench.joint_of(design), bench.bars(design), bench.guide(design)
-    (side, _, root), y, half = shoulder.high, joint.axis_y, design.hand.width_mm / 2
-    place, growth, remedy = "width of the tongue", OUTER, "wide: sand it until the bone turns"
+    joint = bench.joint_of(design)
+    (shoulder, bar) = bench.bars(design)
+    way = bench.guide(design)
+    (side, _, root) = shoulder.high
+    y = joint.axis_y
+    half = design.hand.width_mm / 2
+    place = "width of the tongue"
+    growth = OUTER
+    remedy = "wide: sand it until the bone turns"
+
     if not joint.is_fork:
-        place, growth, remedy = "gap of the fork", INNER, "narrow: file it until the bone turns"
+        place = "gap of the fork"
+        growth = INNER
+        remedy = "narrow: file it until the bone turns"
+
     pin: Point3 = (half if joint.is_fork else side, y, joint.axis_z)
     sizes: list[Size] = [
-        Length("shoulder to the joint axis", BEFORE_FACE, "front", "above", "z", (side, y, root), pin),
-        Circle("bore of the joint's pin", FINISHED, "front", "x", pin, bench.stub_bore_radius(joint), bore(design),
-               "narrow: ream it to the pin; wide: take a thicker pin"),
-        Length(place, growth, "palmar", "right", "x", (-half, y, joint.axis_z), (half, y, joint.axis_z),
-               shared_clearance(2 * (joint.clearance - design.printer.offset_mm)), remedy),
-    ]  # fmt: skip
+        Length(
+            name="shoulder to the joint axis",
+            growth=BEFORE_FACE,
+            view="front",
+            side="above",
+            axis="z",
+            start=(side, y, root),
+            end=pin,
+        ),
+        Circle(
+            name="bore of the joint's pin",
+            growth=FINISHED,
+            view="front",
+            axis="x",
+            centre=pin,
+            radius=bench.stub_bore_radius(joint),
+            tolerance=bore(design),
+            action="narrow: ream it to the pin; wide: take a thicker pin",
+        ),
+        Length(
+            name=place,
+            growth=growth,
+            view="palmar",
+            side="right",
+            axis="x",
+            start=(-half, y, joint.axis_z),
+            end=(half, y, joint.axis_z),
+            tolerance=shared_clearance(2 * (joint.clearance - design.printer.offset_mm)),
+            action=remedy,
+        ),
+    ]
     if way:
         mouth = way.x[0], way.y, way.mouth_z
         sizes += [
-            Length("tendon to the joint axis", STEP, "front", "right", "y", mouth, pin, is_reference=True),
-            Length("width of the tendon's slot", INNER, "palmar", "left", "x",
-                   (mouth[0] - way.radius, way.y, bar.low[2]), (mouth[0] + way.radius, way.y, bar.low[2])),
-        ]  # fmt: skip
-    return PartDrawing("hand_stub", "Stub of the hand", "palmar", ANY_MATERIAL, tuple(sizes))
+            Length(
+                name="tendon to the joint axis",
+                growth=STEP,
+                view="front",
+                side="right",
+                axis="y",
+                start=mouth,
+                end=pin,
+                is_reference=True,
+            ),
+            Length(
+                name="width of the tendon's slot",
+                growth=INNER,
+                view="palmar",
+                side="left",
+                axis="x",
+                start=(mouth[0] - way.radius, way.y, bar.low[2]),
+                end=(mouth[0] + way.radius, way.y, bar.low[2]),
+            ),
+        ]
+
+    return PartDrawing(
+        part="hand_stub",
+        title="Stub of the hand",
+        plan="palmar",
+        material=ANY_MATERIAL,
+        sizes=tuple(sizes),
+    )
 
 
 def _base_sizes(design: Design) -> Iterator[Size]:
-    dims, section, collar = design.dimensions, design.dimensions.bone_outline.section, design.dimensions.collar.section
-    base, foot = -dims.full_base_length, -design.bone.collar_length_mm
-    yield Length("width of the base", OUTER, "palmar", "left", "x", (section.half_width, 0.0, base),
-                 (-section.half_width, 0.0, base))  # fmt: skip
-    yield Length("width of the collar", OUTER, "palmar", "right", "x", (collar.half_width, 0.0, 0.0),
-                 (-collar.half_width, 0.0, 0.0))  # fmt: skip
-    yield Length("length of the collar", OUTER, "front", "above", "z", (0.0, 0.0, foot), (0.0, 0.0, 0.0))
-    yield Length("height of the base", OUTER, "end", "right", "y", (0.0, -dims.base_flat_depth, base),
-                 (0.0, section.dorsal, base))  # fmt: skip
+    dims = design.dimensions
+    collar = design.dimensions.collar.section
+    section = design.dimensions.bone_outline.section
+    base = -dims.full_base_length
+    foot = -design.bone.collar_length_mm
+    yield Length(
+        name="width of the base",
+        growth=OUTER,
+        view="palmar",
+        side="left",
+        axis="x",
+        start=(section.half_width, 0.0, base),
+        end=(-section.half_width, 0.0, base),
+    )
+    yield Length(
+        name="width of the collar",
+        growth=OUTER,
+        view="palmar",
+        side="right",
+        axis="x",
+        start=(collar.half_width, 0.0, 0.0),
+        end=(-collar.half_width, 0.0, 0.0),
+    )
+    yield Length(
+        name="length of the collar",
+        growth=OUTER,
+        view="front",
+        side="above",
+        axis="z",
+        start=(0.0, 0.0, foot),
+        end=(0.0, 0.0, 0.0),
+    )
+    yield Length(
+        name="height of the base",
+        growth=OUTER,
+        view="end",
+        side="right",
+        axis="y",
+        start=(0.0, -dims.base_flat_depth, base),
+        end=(0.0, section.dorsal, base),
+    )
 
 
 def _pocket_sizes(design: Design) -> Iterator[Size]:
-    dims, gap = design.dimensions, design.sensor.clearance_mm
-    flat, half = -dims.platform_depth, dims.tail_half_width
-    floor, z, head = flat + dims.pocket_depth, dims.sensor_z, dims.sensor.head_diameter_mm / 2 + gap
-    begin, play = dims.tail_end_z, clearance(2 * gap - design.printer.offset_mm)
-    opening = math.degrees(math.asin(min(1.0, half / head))) + ARROW_DEG  # in which the slot meets the pocket
-    yield Length("centre of the sensor", BEFORE_FACE, "palmar", "above", "z",
-                 (-dims.collar.section.half_width, 0.0, 0.0), (0.0, flat, z))  # fmt: skip
-    yield Circle("pocket of the sensor", INNER, "palmar", "y", (0.0, floor, z), head, play,
-                 "small: file the wall until the sensor lies flat; large: centre the sensor by eye",
-                 hidden_deg=((180.0 - opening, 180.0 + opening),))  # fmt: skip
-    yield Length("width of the slot", INNER, "palmar", "left", "x", (half, -dims.flat_depth, begin),
-                 (-half, -dims.flat_depth, begin), play, "narrow: file it until the tail lies flat")  # fmt: skip
+    dims = design.dimensions
+    gap = design.sensor.clearance_mm
+    flat = -dims.platform_depth
+    half = dims.tail_half_width
+    floor = flat + dims.pocket_depth
+    z = dims.sensor_z
+    head = dims.sensor.head_diameter_mm / 2 + gap
+    begin = dims.tail_end_z
+    play = clearance(2 * gap - design.printer.offset_mm)
+    opening = (
+        math.degrees(math.asin(min(1.0, half / head))) + ARROW_DEG
+    )  # in which the slot meets the pocket
+    yield Length(
+        name="centre of the sensor",
+        growth=BEFORE_FACE,
+        view="palmar",
+        side="above",
+        axis="z",
+        start=(-dims.collar.section.half_width, 0.0, 0.0),
+        end=(0.0, flat, z),
+    )
+    yield Circle(
+        name="pocket of the sensor",
+        growth=INNER,
+        view="palmar",
+        axis="y",
+        centre=(0.0, floor, z),
+        radius=head,
+        tolerance=play,
+        action="small: file the wall until the sensor lies flat; large: centre the sensor by eye",
+        hidden_deg=((180.0 - opening, 180.0 + opening),),
+    )
+    yield Length(
+        name="width of the slot",
+        growth=INNER,
+        view="palmar",
+        side="left",
+        axis="x",
+        start=(half, -dims.flat_depth, begin),
+        end=(-half, -dims.flat_depth, begin),
+        tolerance=play,
+        action="narrow: file it until the tail lies flat",
+    )
+
     if design.bone.platform_mm:
-        yield Length("depth of the slot", STEP, "section", "left", "y", (0.0, -dims.flat_depth, begin),
-                     (0.0, -dims.flat_depth + dims.pocket_depth, begin), located(design, dims.pocket_depth),
-                     "shallow: scrape the floor until the tail is flush; deep: lay a second film under it")  # fmt: skip
+        yield Length(
+            name="depth of the slot",
+            growth=STEP,
+            view="section",
+            side="left",
+            axis="y",
+            start=(0.0, -dims.flat_depth, begin),
+            end=(0.0, -dims.flat_depth + dims.pocket_depth, begin),
+            tolerance=located(design, dims.pocket_depth),
+            action="shallow: scrape the floor until the tail is flush; deep: lay a second film "
+            "under it",
+        )
+
     seat = "platform" if design.bone.platform_mm else "palmar flat"
-    yield Length(f"depth of the {seat}", STEP, "section", "right", "y", (0.0, 0.0, z), (0.0, flat, z + head),
-                 is_reference=True)  # fmt: skip
+    yield Length(
+        name=f"depth of the {seat}",
+        growth=STEP,
+        view="section",
+        side="right",
+        axis="y",
+        start=(0.0, 0.0, z),
+        end=(0.0, flat, z + head),
+        is_reference=True,
+    )
     yield from platform_size(design)
-    yield Length("depth of the pocket", STEP, "section", "right", "y", (0.0, flat, z + head), (0.0, floor, z + head),
-                 located(design, dims.pocket_depth),
-                 "shallow: scrape the floor until the sensor is flush; deep: lay a second film under it")  # fmt: skip
+    yield Length(
+        name="depth of the pocket",
+        growth=STEP,
+        view="section",
+        side="right",
+        axis="y",
+        start=(0.0, flat, z + head),
+        end=(0.0, floor, z + head),
+        tolerance=located(design, dims.pocket_depth),
+        action="shallow: scrape the floor until the sensor is flush; deep: lay a second film "
+        "under it",
+    )
 
 
 def platform_size(design: Design, inset: float = 0.0, scale: float = 1.0) -> Iterator[Size]:
@@ -145,47 +378,141 @@ def platform_size(design: Design, inset: float = 0.0, scale: float = 1.0) -> Ite
     if design.bone.platform_mm:
         end = (dims.sensor_z + dims.platform_radius - inset) * scale
         flat, top = (-(depth - inset) * scale for depth in (dims.flat_depth, dims.platform_depth))
-        yield Length("height of the platform", STEP, "section", "right", "y", (0.0, flat, end), (0.0, top, end),
-                     located(design, flat - top),
-                     "high: the skin over the sensor is thin; low: it is thick; print again")  # fmt: skip
+        yield Length(
+            name="height of the platform",
+            growth=STEP,
+            view="section",
+            side="right",
+            axis="y",
+            start=(0.0, flat, end),
+            end=(0.0, top, end),
+            tolerance=located(design, flat - top),
+            action="high: the skin over the sensor is thin; low: it is thick; print again",
+        )
 
 
 def palmar_drawing(design: Design) -> PartDrawing:
     gap = 2.0**0.5 * (mold.KEY_CLEARANCE_MM + max(0.0, design.printer.offset_mm))
-    sizes = (*_half_sizes(design, "dorsal", -1.0), *_key_sizes(design, "dorsal", gap), *_crown_size(design))
-    return PartDrawing("mold_palmar", "Cup, half of the pad", "dorsal", ANY_MATERIAL, sizes)
+    sizes = (
+        *_half_sizes(design, "dorsal", -1.0),
+        *_key_sizes(design, "dorsal", gap),
+        *_crown_size(design),
+    )
+    return PartDrawing(
+        part="mold_palmar",
+        title="Cup, half of the pad",
+        plan="dorsal",
+        material=ANY_MATERIAL,
+        sizes=sizes,
+    )
 
 
 def dorsal_drawing(design: Design) -> PartDrawing:
-    half, high = mold.RIDGE_HALF_CREST_MM + mold.RIDGE_HEIGHT_MM - mold.GAP_MM, design.mold_layout.dorsal_height
-    groove = Length("width of the groove at the rim", INNER, "end", "above", "x", (half, high, mold.GAP_MM),
-                    (-half, high, mold.GAP_MM), located(design, 2 * half),
-                    "out of tolerance: the core leans, measure it as the sheet says")  # fmt: skip
+    half = mold.RIDGE_HALF_CREST_MM + mold.RIDGE_HEIGHT_MM - mold.GAP_MM
+    high = design.mold_layout.dorsal_height
+    groove = Length(
+        name="width of the groove at the rim",
+        growth=INNER,
+        view="end",
+        side="above",
+        axis="x",
+        start=(half, high, mold.GAP_MM),
+        end=(-half, high, mold.GAP_MM),
+        tolerance=located(design, 2 * half),
+        action="out of tolerance: the core leans, measure it as the sheet says",
+    )
     sizes = (*_half_sizes(design, "palmar", 1.0), *_key_sizes(design, "palmar", 0.0), groove)
-    return PartDrawing("mold_dorsal", "Cup, dorsal half", "palmar", ANY_MATERIAL, sizes)
+
+    return PartDrawing(
+        part="mold_dorsal",
+        title="Cup, dorsal half",
+        plan="palmar",
+        material=ANY_MATERIAL,
+        sizes=sizes,
+    )
 
 
 def _half_sizes(design: Design, plan: ViewName, way: float) -> Iterator[Size]:
-    m, dims = design.mold_layout, design.dimensions
-    outer, growth, half, z = dims.outer, dims.shrinkage, m.half_width, mold.GAP_MM
+    m = design.mold_layout
+    dims = design.dimensions
+    outer = dims.outer
+    growth = dims.shrinkage
+    half = m.half_width
+    z = mold.GAP_MM
     face = m.dorsal_height if way > 0.0 else -m.palmar_height
     rim = mold.LIP_GAP_MM
     at = rim / growth
     skin = outer.half_width_at(0.0, at) * growth
-    deep = (outer.dorsal_height_at(0.0, at) if way > 0.0 else -outer.palmar_height_at(0.0, at)) * growth
+    deep = (
+        outer.dorsal_height_at(0.0, at) if way > 0.0 else -outer.palmar_height_at(0.0, at)
+    ) * growth
     belt = m.belts_z[0] - mold.BELT_MM[0] / 2
-    yield Length("height of the cup", OUTER, plan, "below", "z", (half, 0.0, z), (half, 0.0, m.foot_z),
-                 symmetric(0.2), f"{SCALE_REMEDY}: the skin is thin or thick at the tip")  # fmt: skip
-    yield Length("width of the cup", OUTER, plan, "right", "x", (half, 0.0, m.foot_z), (-half, 0.0, m.foot_z))
-    yield Length("depth of the half", OUTER, "end", "right", "y", (half, 0.0, z), (half, face, z))
-    yield Length("width of the cavity at the rim", INNER, plan, "left", "x", (skin, 0.0, rim), (-skin, 0.0, rim), None,
-                 f"{SCALE_REMEDY}: the skin follows from it")  # fmt: skip
-    yield Length("depth of the cavity at the rim", STEP, "section", "left", "y", (0.0, 0.0, rim), (0.0, deep, rim))
     yield Length(
-        "rim to the first belt", STEP, "front", "above", "z", (0.0, face, z), (0.0, face - way * mold.BELT_MM[1], belt)
+        name="height of the cup",
+        growth=OUTER,
+        view=plan,
+        side="below",
+        axis="z",
+        start=(half, 0.0, z),
+        end=(half, 0.0, m.foot_z),
+        tolerance=symmetric(0.2),
+        action=f"{SCALE_REMEDY}: the skin is thin or thick at the tip",
     )
     yield Length(
-        "depth of the belts", STEP, "front", "right", "y", (0.0, face, z), (0.0, face - way * mold.BELT_MM[1], belt)
+        name="width of the cup",
+        growth=OUTER,
+        view=plan,
+        side="right",
+        axis="x",
+        start=(half, 0.0, m.foot_z),
+        end=(-half, 0.0, m.foot_z),
+    )
+    yield Length(
+        name="depth of the half",
+        growth=OUTER,
+        view="end",
+        side="right",
+        axis="y",
+        start=(half, 0.0, z),
+        end=(half, face, z),
+    )
+    yield Length(
+        name="width of the cavity at the rim",
+        growth=INNER,
+        view=plan,
+        side="left",
+        axis="x",
+        start=(skin, 0.0, rim),
+        end=(-skin, 0.0, rim),
+        tolerance=None,
+        action=f"{SCALE_REMEDY}: the skin follows from it",
+    )
+    yield Length(
+        name="depth of the cavity at the rim",
+        growth=STEP,
+        view="section",
+        side="left",
+        axis="y",
+        start=(0.0, 0.0, rim),
+        end=(0.0, deep, rim),
+    )
+    yield Length(
+        name="rim to the first belt",
+        growth=STEP,
+        view="front",
+        side="above",
+        axis="z",
+        start=(0.0, face, z),
+        end=(0.0, face - way * mold.BELT_MM[1], belt),
+    )
+    yield Length(
+        name="depth of the belts",
+        growth=STEP,
+        view="front",
+        side="right",
+        axis="y",
+        start=(0.0, face, z),
+        end=(0.0, face - way * mold.BELT_MM[1], belt),
     )
 
 
@@ -193,40 +520,124 @@ def _key_sizes(design: Design, plan: ViewName, gap: float) -> Iterator[Size]:
     kind, remedy = ("socket", "narrow: scrape it") if gap else ("key", "wide: sand it")
     tolerance = shared_clearance(2 * mold.KEY_CLEARANCE_MM)
     for key, label in zip(design.mold_layout.keys, ("larger", "smaller"), strict=True):
-        yield Circle(f"{label} {kind}, at the parting plane", INNER if gap else OUTER, plan, "y", (key.x, 0.0, key.z),
-                     key.root_mm / 2 + gap, tolerance, f"{remedy} until the halves close")  # fmt: skip
+        yield Circle(
+            name=f"{label} {kind}, at the parting plane",
+            growth=INNER if gap else OUTER,
+            view=plan,
+            axis="y",
+            centre=(key.x, 0.0, key.z),
+            radius=key.root_mm / 2 + gap,
+            tolerance=tolerance,
+            action=f"{remedy} until the halves close",
+        )
 
 
 def core_drawing(design: Design) -> PartDrawing:
-    m, dims, inset = design.mold_layout, design.dimensions, design.mold.core_inset_mm
-    tip, half, growth = dims.bone_outline.tip, m.half_width + mold.PLATE_LEDGE_MM, dims.shrinkage
+    m = design.mold_layout
+    dims = design.dimensions
+    inset = design.mold.core_inset_mm
+    tip = dims.bone_outline.tip
+    half = m.half_width + mold.PLATE_LEDGE_MM
+    growth = dims.shrinkage
     assert tip
-    apex, ridge = (0.0, 0.0, (tip.z - inset) * growth), mold.RIDGE_HALF_CREST_MM + mold.RIDGE_HEIGHT_MM
+    apex = (0.0, 0.0, (tip.z - inset) * growth)
+    ridge = mold.RIDGE_HALF_CREST_MM + mold.RIDGE_HEIGHT_MM
     end = m.dorsal_height - mold.RIDGE_END_MM
     sizes = (
-        Length("plate to tip", STEP, "front", "above", "z", (0.0, m.dorsal_height, 0.0), apex, symmetric(0.2),
-               f"{SCALE_REMEDY}: the skin is thin or thick at the tip"),
-        Length("overall length", OUTER, "front", "below", "z", (0.0, -m.palmar_height, -mold.PLATE_MM), apex),
-        Length("thickness of the plate", OUTER, "front", "below", "z", (0.0, -m.palmar_height, -mold.PLATE_MM),
-               (0.0, -m.palmar_height, 0.0)),
-        Length("width of the plate", OUTER, "palmar", "right", "x", (half, -m.palmar_height, 0.0),
-               (-half, -m.palmar_height, 0.0)),
-        Length("depth of the plate", OUTER, "front", "left", "y", (0.0, -m.palmar_height, -mold.PLATE_MM),
-               (0.0, m.dorsal_height, -mold.PLATE_MM)),
-        Length("height of the ridges", STEP, "section", "above", "z", (0.0, m.dorsal_height, 0.0),
-               (0.0, end, mold.RIDGE_HEIGHT_MM)),
-        Length("width of the ridges at the plate", OUTER, "end", "above", "x", (ridge, end, 0.0), (-ridge, end, 0.0),
-               located(design, 2 * ridge), "out of tolerance: the core leans, measure it as the sheet says"),
+        Length(
+            name="plate to tip",
+            growth=STEP,
+            view="front",
+            side="above",
+            axis="z",
+            start=(0.0, m.dorsal_height, 0.0),
+            end=apex,
+            tolerance=symmetric(0.2),
+            action=f"{SCALE_REMEDY}: the skin is thin or thick at the tip",
+        ),
+        Length(
+            name="overall length",
+            growth=OUTER,
+            view="front",
+            side="below",
+            axis="z",
+            start=(0.0, -m.palmar_height, -mold.PLATE_MM),
+            end=apex,
+        ),
+        Length(
+            name="thickness of the plate",
+            growth=OUTER,
+            view="front",
+            side="below",
+            axis="z",
+            start=(0.0, -m.palmar_height, -mold.PLATE_MM),
+            end=(0.0, -m.palmar_height, 0.0),
+        ),
+        Length(
+            name="width of the plate",
+            growth=OUTER,
+            view="palmar",
+            side="right",
+            axis="x",
+            start=(half, -m.palmar_height, 0.0),
+            end=(-half, -m.palmar_height, 0.0),
+        ),
+        Length(
+            name="depth of the plate",
+            growth=OUTER,
+            view="front",
+            side="left",
+            axis="y",
+            start=(0.0, -m.palmar_height, -mold.PLATE_MM),
+            end=(0.0, m.dorsal_height, -mold.PLATE_MM),
+        ),
+        Length(
+            name="height of the ridges",
+            growth=STEP,
+            view="section",
+            side="above",
+            axis="z",
+            start=(0.0, m.dorsal_height, 0.0),
+            end=(0.0, end, mold.RIDGE_HEIGHT_MM),
+        ),
+        Length(
+            name="width of the ridges at the plate",
+            growth=OUTER,
+            view="end",
+            side="above",
+            axis="x",
+            start=(ridge, end, 0.0),
+            end=(-ridge, end, 0.0),
+            tolerance=located(design, 2 * ridge),
+            action="out of tolerance: the core leans, measure it as the sheet says",
+        ),
         *platform_size(design, inset, growth),
-    )  # fmt: skip
-    return PartDrawing("core", "Core", "palmar", ANY_MATERIAL, sizes)
+    )
+
+    return PartDrawing(
+        part="core",
+        title="Core",
+        plan="palmar",
+        material=ANY_MATERIAL,
+        sizes=sizes,
+    )
 
 
 def _crown_size(design: Design) -> Iterator[Size]:
     """Size the cavity at the apex of the crown, where it is deepest."""
-    dims, growth = design.dimensions, design.dimensions.shrinkage
+    dims = design.dimensions
+    growth = design.dimensions.shrinkage
+
     if dims.crown:
         z = dims.crown.z * growth
-        yield Length("depth of the cavity at the crown's apex", STEP, "section", "right", "y", (0.0, 0.0, z),
-                     (0.0, -dims.outer.section.palmar * growth, z), None,
-                     "shallow or deep: the skin over the sensor is thin or thick, print again")  # fmt: skip
+        yield Length(
+            name="depth of the cavity at the crown's apex",
+            growth=STEP,
+            view="section",
+            side="right",
+            axis="y",
+            start=(0.0, 0.0, z),
+            end=(0.0, -dims.outer.section.palmar * growth, z),
+            tolerance=None,
+            action="shallow or deep: the skin over the sensor is thin or thick, print again",
+        )

@@ -1,8 +1,9 @@
-"""Views of a part, and the primitives of a sheet, in millimetres on paper from its lower left corner.
+"""Views of a part, and the primitives of a sheet, in millimetres on paper from its lower left
+corner.
 
-A sheet is a list of lines, rings, texts, arrows and hatching; `render.py` writes it and decides nothing. The views
-are those of first-angle projection (ISO 5456-2). The front view looks at the finger from its side at -x, with distal to
-the right and dorsal up.
+A sheet is a list of lines, rings, texts, arrows and hatching; `render.py` writes it and decides
+nothing. The views are those of first-angle projection (ISO 5456-2). The front view looks at the
+finger from its side at -x, with distal to the right and dorsal up.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ Point: TypeAlias = tuple[float, float]
 Box: TypeAlias = tuple[float, float, float, float]
 """Left, bottom, right and top."""
 
-WIDE_MM, NARROW_MM = 0.5, 0.25
+WIDE_MM = 0.5
+NARROW_MM = 0.25
 """Widths of lines (ISO 128-2, line group 0.5)."""
 _HEADS_PER_SIZE = 0.718
 """Height of a capital of Helvetica over the size of the font (Adobe's font metrics)."""
@@ -48,7 +50,10 @@ class Styles:
 
 @dataclass(frozen=True)
 class Polyline:
-    """Polyline, or a line if it has two points. Of each primitive, `trace` gives the points of its lines."""
+    """Polyline, or a line if it has two points.
+
+    Of each primitive, `trace` gives the points of its lines.
+    """
 
     points: tuple[Point, ...]
     style: Style
@@ -66,11 +71,18 @@ class Ring:
     style: Style
 
     def trace(self) -> Iterable[tuple[Point, ...]]:
-        (x, y), r = self.centre, self.radius
-        return (tuple((x + r * math.cos(a), y + r * math.sin(a)) for a in map(math.radians, range(0, 365, 5))),)
+        (x, y) = self.centre
+        r = self.radius
+        return (
+            tuple(
+                (x + r * math.cos(a), y + r * math.sin(a))
+                for a in map(math.radians, range(0, 365, 5))
+            ),
+        )
 
     def box(self) -> Box:
-        (x, y), r = self.centre, self.radius
+        (x, y) = self.centre
+        r = self.radius
         return x - r, y - r, x + r, y + r
 
 
@@ -84,9 +96,11 @@ class Arrow:
         """Return the corners, the tip first."""
         x, y = self.tip
         ends = []
+
         for side in (-0.5, 0.5):
             angle = math.radians(self.direction_deg + 180.0 + side * _TIP_ANGLE_DEG)
             ends.append((x + self.length * math.cos(angle), y + self.length * math.sin(angle)))
+
         return self.tip, ends[0], ends[1]
 
     def trace(self) -> Iterable[tuple[Point, ...]]:
@@ -125,6 +139,7 @@ class Text:
         down = _DESCENDER * self.size if any(c in _BELOW_BASELINE for c in self.text) else 0.0
         if self.turned:
             return x - self.height, y, x + down, y + self.width
+
         return x, y - down, x + self.width, y + self.height
 
     def trace(self) -> Iterable[tuple[Point, ...]]:
@@ -133,7 +148,10 @@ class Text:
 
 @dataclass(frozen=True)
 class Hatch:
-    """Region filled with parallel lines. A ray from a point in it crosses the rings an odd number of times."""
+    """Region filled with parallel lines.
+
+    A ray from a point in it crosses the rings an odd number of times.
+    """
 
     rings: tuple[tuple[Point, ...], ...]
     spacing: float
@@ -144,12 +162,16 @@ class Hatch:
         return (hatched.points for hatched in self.lines())
 
     def lines(self) -> Iterator[Polyline]:
-        c, s = math.cos(math.radians(self.angle_deg)), math.sin(math.radians(self.angle_deg))
+        c = math.cos(math.radians(self.angle_deg))
+        s = math.sin(math.radians(self.angle_deg))
         rings = [[(x * c + y * s, -x * s + y * c) for x, y in ring] for ring in self.rings]
         heights = [v for ring in rings for _, v in ring]
         if not heights:
             return
-        for k in range(math.ceil(min(heights) / self.spacing), math.floor(max(heights) / self.spacing) + 1):
+
+        for k in range(
+            math.ceil(min(heights) / self.spacing), math.floor(max(heights) / self.spacing) + 1
+        ):
             v = k * self.spacing + 1e-7  # no corner lies exactly on a line
             crossings = sorted(
                 a[0] + (v - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
@@ -158,7 +180,9 @@ class Hatch:
                 if (a[1] > v) != (b[1] > v)
             )
             for u0, u1 in zip(crossings[::2], crossings[1::2], strict=False):
-                yield Polyline(((u0 * c - v * s, u0 * s + v * c), (u1 * c - v * s, u1 * s + v * c)), self.style)
+                yield Polyline(
+                    ((u0 * c - v * s, u0 * s + v * c), (u1 * c - v * s, u1 * s + v * c)), self.style
+                )
 
 
 Primitive: TypeAlias = Polyline | Ring | Arrow | Text | Hatch
@@ -176,13 +200,26 @@ def line(a: Point, b: Point, style: Style) -> Polyline:
     return Polyline((a, b), style)
 
 
-def rectangle(left: float, bottom: float, right: float, top: float, style: Style) -> Polyline:
-    return Polyline(((left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)), style)
+def rectangle(
+    left: float,
+    bottom: float,
+    right: float,
+    top: float,
+    style: Style,
+) -> Polyline:
+    return Polyline(
+        ((left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)), style
+    )
 
 
 def text_width(text: str, height: float) -> float:
     """Compute the width of a line of text in Helvetica."""
-    return sum(_WIDTHS.get(character, _OTHER_WIDTH) for character in text) / 1000.0 * height / _HEADS_PER_SIZE
+    return (
+        sum(_WIDTHS.get(character, _OTHER_WIDTH) for character in text)
+        / 1000.0
+        * height
+        / _HEADS_PER_SIZE
+    )
 
 
 _DESCENDER = 0.207
@@ -192,13 +229,30 @@ _OTHER_WIDTH = 667
 _WIDTHS = {
     character: width
     for width, characters in (
-        (191, "'"), (222, "ijl"), (278, " !,./:;I[]\\ft"), (333, "()-r`"), (355, '"'), (400, "°"), (469, "^"),
-        (500, "Jckxvsyz"), (556, "0123456789abdeghnopqu_#$?L–"), (584, "+±<=>×~"), (611, "FTZ"),
-        (667, "ABEKPSVXY&"), (722, "CDHNRUw"), (778, "GOQØ"), (833, "Mm"), (889, "%"), (944, "W"), (1015, "@"),
-        (389, "*"), (260, "|"), (334, "{}"),
+        (191, "'"),
+        (222, "ijl"),
+        (278, " !,./:;I[]\\ft"),
+        (333, "()-r`"),
+        (355, '"'),
+        (400, "°"),
+        (469, "^"),
+        (500, "Jckxvsyz"),
+        (556, "0123456789abdeghnopqu_#$?L–"),
+        (584, "+±<=>×~"),
+        (611, "FTZ"),
+        (667, "ABEKPSVXY&"),
+        (722, "CDHNRUw"),
+        (778, "GOQØ"),
+        (833, "Mm"),
+        (889, "%"),
+        (944, "W"),
+        (1015, "@"),
+        (389, "*"),
+        (260, "|"),
+        (334, "{}"),
     )
     for character in characters
-}  # fmt: skip
+}
 """Width of characters in thousandths of the size of the font (Adobe's metrics of Helvetica)."""
 
 Line2: TypeAlias = tuple[Point, ...]
@@ -213,7 +267,8 @@ class Projection:
 
     @property
     def towards(self) -> Point3:
-        (a, b, c), (d, e, f) = self.right, self.up
+        (a, b, c) = self.right
+        (d, e, f) = self.up
         return b * f - c * e, c * d - a * f, a * e - b * d
 
     def flatten(self, point: Point3) -> Point:
@@ -227,12 +282,16 @@ PROJECTIONS: dict[ViewName, Projection] = {
     "end": Projection((-1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
     "section": Projection((0.0, 0.0, 1.0), (0.0, 1.0, 0.0)),
 }
-"""Views by name. `end` looks at the proximal end; `section` is the half at x > 0 behind the middle plane."""
+"""Views by name.
+`end` looks at the proximal end; `section` is the half at x > 0 behind the middle plane.
+"""
 
 
 @dataclass(frozen=True)
 class ProjectedView:
-    """Edges of a part in a view [mm], without hidden ones in a section, and the outline of what a section cuts."""
+    """Edges of a part in a view [mm], without hidden ones in a
+    section, and the outline of what a section cuts.
+    """
 
     visible: tuple[Line2, ...]
     hidden: tuple[Line2, ...]

@@ -1,4 +1,6 @@
-"""Renderers of sheets, in millimetres: to SVG, and to one PDF with a page for each, by reportlab."""
+"""Renderers of sheets, in millimetres: to SVG, and to one PDF with a page for each, by
+reportlab.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,17 @@ from typing import Any
 
 from fingertip import __version__
 from fingertip.foundation import extras
-from fingertip.pictures.drawing.primitives import Arrow, Hatch, Point, Polyline, Primitive, Ring, Sheet, Style, Text
+from fingertip.pictures.drawing.primitives import (
+    Arrow,
+    Hatch,
+    Point,
+    Polyline,
+    Primitive,
+    Ring,
+    Sheet,
+    Style,
+    Text,
+)
 
 _POINTS_PER_MM = 72.0 / 25.4
 _FONT = "Helvetica"
@@ -17,8 +29,12 @@ _FONT = "Helvetica"
 
 
 def render_svg(sheet: Sheet) -> bytes:
-    """Render a sheet. Every line of text is as wide as the layout assumes, whatever font the viewer has."""
-    width, height = _number(sheet.width), _number(sheet.height)
+    """Render a sheet.
+
+    Every line of text is as wide as the layout assumes, whatever font the viewer has.
+    """
+    width = _number(sheet.width)
+    height = _number(sheet.height)
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm" height="{height}mm" '
         f'viewBox="0 0 {width} {height}">',
@@ -29,6 +45,7 @@ def render_svg(sheet: Sheet) -> bytes:
     ]
     for primitive in sheet.primitives:
         lines += _svg_lines(primitive, sheet.height)
+
     return ("\n".join([*lines, "</g>", "</svg>"]) + "\n").encode()
 
 
@@ -40,14 +57,18 @@ def _svg_lines(primitive: Primitive, height: float) -> Iterable[str]:
             centre = f'cx="{_number(x)}" cy="{_number(height - y)}"'
             yield f'<circle {centre} r="{_number(radius)}"{_svg_stroke(style)}/>'
         case Arrow():
-            yield f'<path d="{_svg_path(primitive.corners(), height)}Z" fill="black" stroke="none"/>'
+            yield (
+                f'<path d="{_svg_path(primitive.corners(), height)}Z" fill="black" stroke="none"/>'
+            )
         case Text(text, _, _, _, turned):
             x, y = primitive.start
             place = f"{_number(x)} {_number(height - y)}"
             turn = f' transform="rotate(-90 {place})"' if turned else ""
             yield (
-                f'<text x="{_number(x)}" y="{_number(height - y)}" font-size="{_number(primitive.size)}" '
-                f'textLength="{_number(primitive.width)}" lengthAdjust="spacingAndGlyphs" fill="black" stroke="none"'
+                f'<text x="{_number(x)}" y="{_number(height - y)}" '
+                f'font-size="{_number(primitive.size)}" '
+                f'textLength="{_number(primitive.width)}" lengthAdjust="spacingAndGlyphs" '
+                'fill="black" stroke="none"'
                 f"{turn}>{escape(text, quote=False)}</text>"
             )
         case Hatch():
@@ -62,7 +83,9 @@ def _svg_path(points: Iterable[Point], height: float) -> str:
 def _svg_stroke(style: Style) -> str:
     dashes = " ".join(_number(length) for length in style.dashes_mm)
     cap = ' stroke-linecap="butt"' if dashes else ""
-    return f' stroke-width="{style.width_mm:g}"' + (f' stroke-dasharray="{dashes}"{cap}' if dashes else "")
+    return f' stroke-width="{style.width_mm:g}"' + (
+        f' stroke-dasharray="{dashes}"{cap}' if dashes else ""
+    )
 
 
 def _number(value: float) -> str:
@@ -70,13 +93,17 @@ def _number(value: float) -> str:
 
 
 def render_pdf(sheets: Sequence[Sheet], title: str) -> bytes:
-    """Render sheets. The file holds no date and no random identifier. Raises MissingLibraryError."""
+    """Render sheets.
+
+    The file holds no date and no random identifier. Raises MissingLibraryError.
+    """
     module = extras.load("reportlab.pdfgen.canvas", "drawing.pdf")
     buffer = io.BytesIO()
     page = module.Canvas(buffer, invariant=1, pageCompression=1)
     page.setTitle(title)
     page.setAuthor("")
     page.setCreator(f"fingertip {__version__}")
+
     for sheet in sheets:
         page.setPageSize((sheet.width * _POINTS_PER_MM, sheet.height * _POINTS_PER_MM))
         page.scale(_POINTS_PER_MM, _POINTS_PER_MM)
@@ -84,7 +111,9 @@ def render_pdf(sheets: Sequence[Sheet], title: str) -> bytes:
         page.setLineJoin(1)
         for primitive in sheet.primitives:
             _draw(page, primitive)
+
         page.showPage()
+
     page.save()
     return buffer.getvalue()
 
@@ -100,6 +129,7 @@ def _draw(page: Any, primitive: Primitive) -> None:
             page.translate(*(round(v, 3) for v in primitive.start))
             if turned:
                 page.rotate(90)
+
             page.setFont(_FONT, primitive.size)
             page.drawString(0, 0, text)
             page.restoreState()
@@ -116,4 +146,5 @@ def _path(page: Any, points: Sequence[Point]) -> Any:
     path.moveTo(*(round(v, 3) for v in points[0]))
     for point in points[1:]:
         path.lineTo(*(round(v, 3) for v in point))
+
     return path

@@ -1,4 +1,6 @@
-"""Frame, title block, table of the sizes to check, and notes of a sheet (ISO 5457 and ISO 7200 for the form)."""
+"""Frame, title block, table of the sizes to check, and notes of a
+sheet (ISO 5457 and ISO 7200 for the form).
+"""
 
 from __future__ import annotations
 
@@ -8,9 +10,20 @@ from typing import ClassVar
 from fingertip import __version__
 from fingertip.design.geometry.sizes import GENERAL, PartDrawing, general
 from fingertip.pictures.drawing.dimensioning import TEXT_MM
-from fingertip.pictures.drawing.primitives import Polyline, Primitive, Ring, Styles, Text, line, rectangle, text_width
+from fingertip.pictures.drawing.primitives import (
+    Polyline,
+    Primitive,
+    Ring,
+    Styles,
+    Text,
+    line,
+    rectangle,
+    text_width,
+)
 
-_ROW_MM, _LINE_MM, _PAD_MM = 5.2, 3.9, 1.5
+_ROW_MM = 5.2
+_LINE_MM = 3.9
+_PAD_MM = 1.5
 _BLOCK_WIDTH_MM = 130.0
 _BLOCK_ROW_MM = 9.0
 _TITLE_MM = 3.5
@@ -45,29 +58,66 @@ class Heading:
     sheets: int
 
 
-def draw_frame(paper: Paper, part: PartDrawing, heading: Heading) -> tuple[tuple[Primitive, ...], float]:
-    """Draw frame, title block, table and notes; returns the height above which the sheet is free too."""
+def draw_frame(
+    paper: Paper, part: PartDrawing, heading: Heading
+) -> tuple[tuple[Primitive, ...], float]:
+    """Draw frame, title block, table and notes; returns the
+    height above which the sheet is free too.
+    """
     block, block_top = _title_block(paper, part, heading)
     # On narrow paper the table stands above the title block.
     beside = paper.right - paper.left - _BLOCK_WIDTH_MM >= 180.0
-    right, bottom = (paper.right - _BLOCK_WIDTH_MM, paper.bottom) if beside else (paper.right, block_top)
+    right, bottom = (
+        (paper.right - _BLOCK_WIDTH_MM, paper.bottom) if beside else (paper.right, block_top)
+    )
     table, table_top = _table(part, paper.left, right, bottom)
     notes_left = paper.right - _BLOCK_WIDTH_MM + _PAD_MM if beside else paper.left + _PAD_MM
     base = block_top if beside else paper.bottom
     begin = base + _PAD_MM + 1.0
-    notes = [Text(note, (notes_left, begin + i * 4.5), TEXT_MM) for i, note in enumerate(reversed(part.notes))]
+    notes = [
+        Text(note, (notes_left, begin + i * 4.5), TEXT_MM)
+        for i, note in enumerate(reversed(part.notes))
+    ]
     top = max(block_top + (4.5 * len(notes) + 2.0 if beside else 0.0), table_top)
-    return (rectangle(paper.left, paper.bottom, paper.right, paper.top, Styles.FRAME), *block, *table, *notes), top
+
+    return (
+        rectangle(
+            paper.left,
+            bottom=paper.bottom,
+            right=paper.right,
+            top=paper.top,
+            style=Styles.FRAME,
+        ),
+        *block,
+        *table,
+        *notes,
+    ), top
 
 
-def _title_block(paper: Paper, part: PartDrawing, heading: Heading) -> tuple[list[Primitive], float]:
-    left, right, bottom = paper.right - _BLOCK_WIDTH_MM, paper.right, paper.bottom
-    first, second = left + 50.0, left + 102.0
+def _title_block(
+    paper: Paper, part: PartDrawing, heading: Heading
+) -> tuple[list[Primitive], float]:
+    left = paper.right - _BLOCK_WIDTH_MM
+    right = paper.right
+    bottom = paper.bottom
+    first = left + 50.0
+    second = left + 102.0
     *rows, top = (bottom + i * _BLOCK_ROW_MM for i in range(5))
-    drawn: list[Primitive] = [rectangle(left, bottom, right, top, Styles.EDGE)]
+    drawn: list[Primitive] = [
+        rectangle(
+            left,
+            bottom=bottom,
+            right=right,
+            top=top,
+            style=Styles.EDGE,
+        )
+    ]
     drawn += [line((left, y), (right, y), Styles.GRID) for y in rows[1:]]
     drawn += [line((x, rows[0]), (x, rows[2]), Styles.GRID) for x in (first, second)]
-    drawn += [line((second, rows[2]), (second, top), Styles.GRID), line((first, rows[3]), (first, top), Styles.GRID)]
+    drawn += [
+        line((second, rows[2]), (second, top), Styles.GRID),
+        line((first, rows[3]), (first, top), Styles.GRID),
+    ]
     cells = (
         (left, rows[3], "part", part.title),
         (first, rows[3], "design", heading.design),
@@ -80,20 +130,33 @@ def _title_block(paper: Paper, part: PartDrawing, heading: Heading) -> tuple[lis
         (second, rows[0], "sheet", f"{heading.sheet} of {heading.sheets}"),
     )
     ends = {left: first, first: second, second: right}
+
     for x, y, label, content in cells:
         height = _TITLE_MM if label in ("part", "scale", "sheet") else TEXT_MM
         room = (second if label == "material" else ends[x]) - x - 2 * _PAD_MM
         drawn.append(Text(label, (x + _PAD_MM, y + _BLOCK_ROW_MM - 2.9), 1.8))
         drawn.append(Text(_shorten(content, height, room), (x + _PAD_MM, y + 1.5), height))
+
     drawn += _projection_symbol((second + right) / 2, rows[2] + _BLOCK_ROW_MM)
     return drawn, top
 
 
 def _projection_symbol(x: float, y: float) -> list[Primitive]:
-    """Draw the symbol of first-angle projection: a truncated cone and, on its right, its view from the left."""
-    large, small, length = 4.2, 2.1, 8.4
-    cone_x, circle_x = x - 9.0, x + 6.0
-    cone = ((cone_x, y - small), (cone_x + length, y - large), (cone_x + length, y + large), (cone_x, y + small))
+    """Draw the symbol of first-angle projection: a truncated cone
+    and, on its right, its view from the left.
+    """
+    large = 4.2
+    small = 2.1
+    length = 8.4
+    cone_x = x - 9.0
+    circle_x = x + 6.0
+    cone = (
+        (cone_x, y - small),
+        (cone_x + length, y - large),
+        (cone_x + length, y + large),
+        (cone_x, y + small),
+    )
+
     return [
         Polyline((*cone, cone[0]), Styles.EDGE),
         Ring((circle_x, y), large, Styles.EDGE),
@@ -104,10 +167,13 @@ def _projection_symbol(x: float, y: float) -> list[Primitive]:
     ]
 
 
-def _table(part: PartDrawing, left: float, right: float, bottom: float) -> tuple[list[Primitive], float]:
+def _table(
+    part: PartDrawing, left: float, right: float, bottom: float
+) -> tuple[list[Primitive], float]:
     columns = [left, left + 9.0, left + 9.0 + 58.0, left + 88.0, left + 110.0]
     drawn: list[Primitive] = []
     y = bottom
+
     for number, size in reversed([*enumerate(part.checked, 1)]):
         tolerance = (size.tolerance or general(size.printed)).text()
         name = _wrap(size.name, columns[2] - columns[1] - 2 * _PAD_MM)
@@ -116,14 +182,38 @@ def _table(part: PartDrawing, left: float, right: float, bottom: float) -> tuple
         first = y - 3.8
         drawn.append(Text(str(number), ((columns[0] + columns[1]) / 2, first), TEXT_MM, "middle"))
         cells = (name, [size.text().removesuffix(f" {tolerance}")], [tolerance], action)
+
         for x, rows in zip(columns[1:], cells, strict=True):
-            drawn += [Text(text, (x + _PAD_MM, first - k * _LINE_MM), TEXT_MM) for k, text in enumerate(rows)]
+            drawn += [
+                Text(text, (x + _PAD_MM, first - k * _LINE_MM), TEXT_MM)
+                for k, text in enumerate(rows)
+            ]
+
         drawn.append(line((left, y), (right, y), Styles.GRID))
+
     top = y + _ROW_MM
-    titles = ("check", "size, measured with calipers", "print reads", "tolerance", "if it is out of tolerance")
-    drawn += [Text(title, (x + 0.8, y + 1.4), 2.0) for x, title in zip(columns, titles, strict=True)]
+    titles = (
+        "check",
+        "size, measured with calipers",
+        "print reads",
+        "tolerance",
+        "if it is out of tolerance",
+    )
+    drawn += [
+        Text(title, (x + 0.8, y + 1.4), 2.0) for x, title in zip(columns, titles, strict=True)
+    ]
     drawn += [line((x, bottom), (x, top), Styles.GRID) for x in columns[1:]]
-    return [rectangle(left, bottom, right, top, Styles.EDGE), *drawn], top
+
+    return [
+        rectangle(
+            left,
+            bottom=bottom,
+            right=right,
+            top=top,
+            style=Styles.EDGE,
+        ),
+        *drawn,
+    ], top
 
 
 def _wrap(text: str, width: float) -> list[str]:
@@ -134,12 +224,15 @@ def _wrap(text: str, width: float) -> list[str]:
             lines[-1] = longer
         else:
             lines.append(word)
+
     return lines
 
 
 def _shorten(text: str, height: float, width: float) -> str:
     if text_width(text, height) <= width:
         return text
+
     while text and text_width(f"{text}...", height) > width:
         text = text[:-1]
+
     return f"{text}..."

@@ -1,21 +1,23 @@
-"""Contact in both directions with error control: a pad that is dragged and pressed, and that sticks, slips or bounces.
+"""Contact in both directions with error control: a pad that is dragged and pressed, and that
+sticks, slips or bounces.
 
-States: position x [m] and velocity v [m/s] of the pad along the surface, bristles s [m sqrt(N)], compression of the
-contact expressed as its force y [N], and its rate w [N/s]. The normal force is N = max(y, 0). With c = 1 / sqrt(N + N0)
-and the mean bristle deflection z = c s (`fingertip.sim.contact.friction`):
+States: position x [m] and velocity v [m/s] of the pad along the surface, bristles s [m sqrt(N)],
+compression of the contact expressed as its force y [N], and its rate w [N/s]. The normal force is N
+= max(y, 0). With c = 1 / sqrt(N + N0) and the mean bristle deflection z = c s
+(`fingertip.sim.contact.friction`):
 
-    L     = v - alpha(v, z) sigma0 |v| z / g(v)                        plain LuGre friction: alpha = 1
-    ds/dt = N c L - r(N, z) s
-    m dv/dt = k (X - x) + c_m (V - v) - N (sigma0 z + sigma1 c ds/dt + sigma2 v)
-    dy/dt = w
-    dw/dt = omega^2 (d - y) - 2 zeta omega w                           touching, y > 0
-    dw/dt = omega^2 (d - rho y) - 2 zeta sqrt(rho) omega w             in flight, where only the hand pulls the pad back
+    L     = v - alpha(v, z) sigma0 |v| z / g(v)                        plain LuGre friction: alpha =
+    1 ds/dt = N c L - r(N, z) s m dv/dt = k (X - x) + c_m (V - v) - N (sigma0 z + sigma1 c ds/dt +
+    sigma2 v) dy/dt = w dw/dt = omega^2 (d - y) - 2 zeta omega w                           touching,
+    y > 0 dw/dt = omega^2 (d - rho y) - 2 zeta sqrt(rho) omega w             in flight, where only
+    the hand pulls the pad back
 
-k and c_m are stiffness and damping of the mount, X and V position and velocity of the carriage (cubic between samples),
-d is the pressing force (linear between samples), alpha is the elasto-plastic factor of Dupont et al. 2002, and r
-relaxes bristles without contact or beyond breakaway. Every sample is the end of a step, so kinks and jumps of the drive
-at samples do not reduce the order. The method is Shampine's of order 4 with the
-analytic Jacobian (`fingertip.sim.contact.coupled_loop`).
+k and c_m are stiffness and damping of the mount, X and V position and velocity of the carriage
+(cubic between samples), d is the pressing force (linear between samples), alpha is the
+elasto-plastic factor of Dupont et al. 2002, and r relaxes bristles without contact or beyond
+breakaway. Every sample is the end of a step, so kinks and jumps of the drive at samples do not
+reduce the order. The method is Shampine's of order 4 with the analytic Jacobian
+(`fingertip.sim.contact.coupled_loop`).
 """
 
 from __future__ import annotations
@@ -38,8 +40,9 @@ _MIN_LOAD_N = 1e-3
 _SHARE = 3.0
 """Number of steps whose errors may add up to the tolerance."""
 _MAX_BENT = 100.0
-"""Largest weight of what an error of v bends, relative to its other weight: stiff bristles would take ten times the
-steps."""
+"""Largest weight of what an error of v bends, relative to its other weight: stiff bristles would
+take ten times the steps.
+"""
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,9 @@ class NormalContact:
     """Undamped resonance while touching [Hz]."""
     damping_ratio: float
     hand_ratio: float = 0.02
-    """Ratio of the hand's stiffness behind the pad to the contact's; some 0.008 in trials (`pad.response`)."""
+    """Ratio of the hand's stiffness behind the pad to the
+    contact's; some 0.008 in trials (`pad.response`).
+    """
 
 
 @dataclass(frozen=True)
@@ -68,23 +73,41 @@ class CoupledMotion(PadMotion):
 
 
 class CoupledContact:
-    """A pad under a drive in any chunks, from standstill in balance with the first force. Raises TraceError."""
+    """A pad under a drive in any chunks, from standstill in balance with the first force.
+
+    Raises TraceError.
+    """
 
     def __init__(
-        self, friction: Friction, mount: Mount, normal: NormalContact, step_s: float, max_pressing_n: float,
+        self,
+        friction: Friction,
+        mount: Mount,
+        normal: NormalContact,
+        step_s: float,
+        max_pressing_n: float,
         tolerance_n: float = 1e-6,
-    ) -> None:  # fmt: skip
+    ) -> None:
         omega = 2 * math.pi * normal.resonance_hz
         damping_per_s = 2 * normal.damping_ratio * omega
         self._parameters = (
             (friction.mu_c, friction.mu_s, 1 / friction.stribeck_m_s, friction.elastic),
             (friction.sigma0, friction.sigma1, friction.sigma2, RELAX_PER_S, LOAD_SCALE_N),
-            (mount.stiffness_n_per_m / mount.mass_kg, mount.damping_n_s_per_m / mount.mass_kg, 1 / mount.mass_kg),
-            (omega * omega, damping_per_s, normal.hand_ratio, math.sqrt(normal.hand_ratio) * damping_per_s),
+            (
+                mount.stiffness_n_per_m / mount.mass_kg,
+                mount.damping_n_s_per_m / mount.mass_kg,
+                1 / mount.mass_kg,
+            ),
+            (
+                omega * omega,
+                damping_per_s,
+                normal.hand_ratio,
+                math.sqrt(normal.hand_ratio) * damping_per_s,
+            ),
         )
-        # Weights that turn the error of each state into a force: stiffness for x, damping for v, bristle stiffness for
-        # z = s / sqrt(N). An error of v or w also counts with what it moves within a sample: bristles that stick forget
-        # nothing, and a pad in flight meets the surface too early or too late.
+        # Weights that turn the error of each state into a force: stiffness for x, damping for v,
+        # bristle stiffness for z = s / sqrt(N). An error of v or w also counts with what it moves
+        # within a sample: bristles that stick forget nothing, and a pad in flight meets the surface
+        # too early or too late.
         max_load = max(max_pressing_n, _MIN_LOAD_N)
         stiffness = max(mount.stiffness_n_per_m, max_load * friction.sigma0 * 1e-3)
         damping = (mount.stiffness_n_per_m * mount.mass_kg) ** 0.5 + mount.damping_n_s_per_m
@@ -98,43 +121,86 @@ class CoupledContact:
             per_n,
             (1 / omega + step_s) * per_n,
         )
-        self._step_s, self._tolerance_n, self._hand_ratio = step_s, tolerance_n, normal.hand_ratio
+        self._step_s = step_s
+        self._tolerance_n = tolerance_n
+        self._hand_ratio = normal.hand_ratio
         self._carried = np.zeros(6)
         self._last = np.zeros((3, 0))
         self._samples = 0
 
     def process(self, carriage_m: Array, carriage_m_s: Array, pressing_n: Array) -> CoupledMotion:
-        """Return the motion at the next samples; the very first sample is the start. Raises TraceError."""
+        """Return the motion at the next samples; the very first sample is the start.
+
+        Raises TraceError.
+        """
         # The interval before a chunk's first sample begins at the last sample of the chunk before.
         repeated = self._last.shape[1]
         drive: tuple[Array, ...] = (carriage_m, carriage_m_s, pressing_n)
+
         if repeated:
             drive = tuple(np.concatenate((self._last, drive), axis=1))
         else:
             start_n = float(pressing_n[0])
             balance_n = start_n if start_n > 0.0 else start_n / self._hand_ratio
             self._carried[:] = (carriage_m[0], 0.0, 0.0, balance_n, 0.0, self._step_s)
+
         out = [np.zeros(len(drive[0])) for _ in range(4)]
-        carried, stats = self._carried.copy(), np.zeros(3)
-        coupled_loop.run(*self._parameters, self._weights, MAX_STEPS, self._step_s, *drive, carried, *out, stats)
-        if (failed := int(stats[coupled_loop.FAILED_SAMPLE])) > 0:
+        carried = self._carried.copy()
+        stats = np.zeros(3)
+        coupled_loop.run(
+            *self._parameters, self._weights, MAX_STEPS, self._step_s, *drive, carried, *out, stats
+        )
+        failed = int(stats[coupled_loop.FAILED_SAMPLE])
+
+        if failed > 0:
             problem = f"needs more than {MAX_STEPS} steps from the previous sample"
-            remedy = f"choose a larger tolerance_n than {self._tolerance_n:g} N, or a softer contact."
-            raise TraceError(Issue(f"sample {self._samples - repeated + failed}", f"{problem}; {remedy}"))
-        self._carried, self._last = carried, np.array([[column[-1]] for column in drive], dtype=np.float64)
+            remedy = (
+                f"choose a larger tolerance_n than {self._tolerance_n:g} N, or a softer contact."
+            )
+            raise TraceError(
+                Issue(f"sample {self._samples - repeated + failed}", f"{problem}; {remedy}")
+            )
+
+        self._carried = carried
+        self._last = np.array([[column[-1]] for column in drive], dtype=np.float64)
         self._samples += len(carriage_m)
         x, v, s, y = (column[repeated:] for column in out)
         force_n = np.maximum(y, 0.0)
         deflection_m = s / np.sqrt(force_n + LOAD_SCALE_N)
-        steps, rejected = int(stats[coupled_loop.ACCEPTED]), int(stats[coupled_loop.REJECTED])
-        return CoupledMotion(x, v, deflection_m, force_n, steps, rejected)
+        steps = int(stats[coupled_loop.ACCEPTED])
+        rejected = int(stats[coupled_loop.REJECTED])
+
+        return CoupledMotion(
+            position_m=x,
+            velocity_m_s=v,
+            bristle_m=deflection_m,
+            force_n=force_n,
+            steps=steps,
+            rejected=rejected,
+        )
 
 
 def integrate(
-    friction: Friction, mount: Mount, normal: NormalContact, step_s: float, carriage_m: Array, carriage_m_s: Array,
-    pressing_n: Array, tolerance_n: float = 1e-6,
-) -> CoupledMotion:  # fmt: skip
-    """Integrate from standstill, in balance with the pressing force of the first sample. Raises TraceError."""
+    friction: Friction,
+    mount: Mount,
+    normal: NormalContact,
+    step_s: float,
+    carriage_m: Array,
+    carriage_m_s: Array,
+    pressing_n: Array,
+    tolerance_n: float = 1e-6,
+) -> CoupledMotion:
+    """Integrate from standstill, in balance with the pressing force of the first sample.
+
+    Raises TraceError.
+    """
     max_pressing_n = max(float(np.max(pressing_n)), 0.0)
-    contact = CoupledContact(friction, mount, normal, step_s, max_pressing_n, tolerance_n)
+    contact = CoupledContact(
+        friction=friction,
+        mount=mount,
+        normal=normal,
+        step_s=step_s,
+        max_pressing_n=max_pressing_n,
+        tolerance_n=tolerance_n,
+    )
     return contact.process(carriage_m, carriage_m_s, pressing_n)

@@ -1,14 +1,16 @@
-"""Grip law of the article's closed loop (III.C): hold, tighten on slip, discard what comes while the forces grow.
+"""Grip law of the article's closed loop (III.C): hold, tighten on slip, discard what comes while
+the forces grow.
 
-The controller sees what a real one would see (`Observation`): sampled voltages and the fingers' closing. Each finger
-has a detector, and the design's board converts its voltage back to a force. A detection is suppressed while the forces
-grow fast, "assuming that, when the forces are growing, slippage occurrence cannot happen" (IV.A). This suppresses
-contacts, and the vibration of the hand's own motors while they close. A detection that is not suppressed makes every
-finger close further, by what its pad needs to press harder by a fixed ratio. Then the law ignores detections until
-motors and detectors have settled.
+The controller sees what a real one would see (`Observation`): sampled voltages and the fingers'
+closing. Each finger has a detector, and the design's board converts its voltage back to a force. A
+detection is suppressed while the forces grow fast, "assuming that, when the forces are growing,
+slippage occurrence cannot happen" (IV.A). This suppresses contacts, and the vibration of the hand's
+own motors while they close. A detection that is not suppressed makes every finger close further, by
+what its pad needs to press harder by a fixed ratio. Then the law ignores detections until motors
+and detectors have settled.
 
-`GripLaw` is the law alone. The library for controllers has the same in C (`firmware/c/slip_grip.c`): every number has
-the same bits, so times are whole microseconds.
+`GripLaw` is the law alone. The library for controllers has the same in C
+(`firmware/c/slip_grip.c`): every number has the same bits, so times are whole microseconds.
 """
 
 from __future__ import annotations
@@ -31,7 +33,9 @@ from fingertip.slip.detectors.registry import find_detector_type, make_detector,
 LONGEST_STEP_S = 0.02
 """Time of a step that counts at most for the speed of a command [s]: a late step makes no jump."""
 MIN_PRESENT_N = 0.1
-"""Smallest present force that the force ratio is applied to [N]: with a smaller one a finger would hardly close."""
+"""Smallest present force that the force ratio is applied to [N]: with
+a smaller one a finger would hardly close.
+"""
 HISTORY = 16
 """Moments that are kept over the window of growth, at least a fifteenth of it apart."""
 _TABLE_N = np.concatenate((np.linspace(0.0, 0.5, 41), np.geomspace(0.5, 20.0, 88)[1:])).round(9)
@@ -42,30 +46,49 @@ Lines between them are within 0.5 % of the force above 0.3 N, where the sensor i
 
 @dataclass(frozen=True)
 class GripSettings:
-    """Settings of the grip law. Times and ratios were chosen on the tuning seeds of `fingertip.lab.campaign.plan`."""
+    """Settings of the grip law.
+
+    Times and ratios were chosen on the tuning seeds of `fingertip.lab.campaign.plan`.
+    """
 
     detector: str = "fast"
     threshold_scale: float = 1.0
     """Factor of the detector's threshold."""
     max_growth_n_s: float = 8.0
-    """Growth of a finger's force above which detections are suppressed [N/s]: more than vibration appears to cause."""
+    """Growth of a finger's force above which detections are suppressed
+    [N/s]: more than vibration appears to cause.
+    """
     growth_window_s: float = 0.1
     max_closing_m_s: float = 0.005
-    """Closing speed above which detections are suppressed [m/s]: the force grows with it, the motor vibrates."""
+    """Closing speed above which detections are suppressed [m/s]: the
+    force grows with it, the motor vibrates.
+    """
     suppression_s: float = 0.1
-    """Time for which detections remain suppressed after growth or closing [s]: detectors have a memory."""
+    """Time for which detections remain suppressed after growth or
+    closing [s]: detectors have a memory.
+    """
     force_ratio: float = 1.6
     """Factor by which every finger's force is increased at a detection."""
     refractory_s: float = 0.06
-    """Time after an increase in which no other one follows [s]: until then the motors have begun to move."""
+    """Time after an increase in which no other one follows [s]:
+    until then the motors have begun to move.
+    """
     max_force_n: float = 10.0
-    """Force up to which detections tighten, as the pad's law predicts it and as it is measured [N]."""
+    """Force up to which detections tighten, as the pad's law predicts it and as it is
+    measured [N].
+    """
     max_command_m_s: float = 1.0
-    """Speed at which a command grows [m/s]: a limit for motors that would jump. A soft hand's increase takes 7 mm."""
+    """Speed at which a command grows [m/s]: a limit for motors that would jump.
+    A soft hand's increase takes 7 mm.
+    """
     max_added_m: float = 0.05
-    """Closing that is added at most [m]: a finger that touches nothing, or whose motor stands still, would go on."""
+    """Closing that is added at most [m]: a finger that touches
+    nothing, or whose motor stands still, would go on.
+    """
     watchdog_s: float = 0.25
-    """Time without a step after which nothing is known [s]: detections are suppressed as after growth."""
+    """Time without a step after which nothing is known [s]:
+    detections are suppressed as after growth.
+    """
 
 
 @dataclass(frozen=True)
@@ -81,7 +104,9 @@ class GripDecision:
 
 @dataclass(frozen=True, eq=False)
 class ForceCurve:
-    """Knowledge of a hand about a finger: the force that a tactile voltage means, and the travel that a force needs."""
+    """Knowledge of a hand about a finger: the force that a tactile
+    voltage means, and the travel that a force needs.
+    """
 
     volts: Array
     """Ascending tactile voltages [V]."""
@@ -92,8 +117,11 @@ class ForceCurve:
     def from_design(cls, design: Design) -> ForceCurve:
         """Take both from a design. The hand knows what part of a grip's force its sensors feel."""
         pad = Pad.from_design(design)
-        volts = compute_bridge_v(design, pad.sensed_n(_TABLE_N, None, reads_whole_finger(design, "board")))
+        volts = compute_bridge_v(
+            design, pad.sensed_n(_TABLE_N, None, reads_whole_finger(design, "board"))
+        )
         order = np.argsort(volts)
+
         return cls(volts[order], _TABLE_N[order], pad)
 
     def force_n(self, voltage_v: float) -> float:
@@ -114,7 +142,8 @@ class GripLaw:
     """The law for some fingers, each with the curve of its sensor and pad, and its state."""
 
     def __init__(self, settings: GripSettings, curves: Sequence[ForceCurve]) -> None:
-        self.settings, self.curves = settings, tuple(curves)
+        self.settings = settings
+        self.curves = tuple(curves)
         self.added_m = np.zeros(len(self.curves))
         """Closing that detections have added so far to what the hand plans [m]."""
         self._target_m = np.zeros(len(self.curves))
@@ -134,10 +163,11 @@ class GripLaw:
         closing_m: Sequence[float],
         usable: Sequence[bool] | None = None,
     ) -> tuple[bool, bool]:
-        """Advance to a time [us]; return whether detections are suppressed, and whether the fingers tighten.
+        """Advance to a time [us]; return whether detections are suppressed, and whether the fingers
+        tighten.
 
-        A finger that is not usable, as with a broken wire, neither grows nor tightens. Units: `volts` [V], the mean
-        tactile voltage of each finger since the last step; `closing_m` [m].
+        A finger that is not usable, as with a broken wire, neither grows nor tightens. Units:
+        `volts` [V], the mean tactile voltage of each finger since the last step; `closing_m` [m].
         """
         s = self.settings
         dt_us = 0 if self._last_us is None else now_us - self._last_us
@@ -145,6 +175,7 @@ class GripLaw:
         is_late = dt_us > _whole_us(s.watchdog_s)
         if is_late:
             self._history.clear()
+
         self._since_growth_us += dt_us
         self._since_tightening_us += dt_us
         is_usable = [True] * len(volts) if usable is None else usable
@@ -152,19 +183,28 @@ class GripLaw:
         window_us = _whole_us(s.growth_window_s)
         while self._history and now_us - self._history[0][0] > window_us:
             self._history.popleft()
+
         if not self._history or now_us - self._history[-1][0] >= window_us // (HISTORY - 1):
             self._history.append((now_us, force, list(closing_m)))
+
         then_us, force_then, closing_then = self._history[0]
         elapsed_s = 1e-6 * max(now_us - then_us, 1)
         is_growing = any(
-            ok and ((f - f0) / elapsed_s > s.max_growth_n_s or (c - c0) / elapsed_s > s.max_closing_m_s)
-            for ok, f, f0, c, c0 in zip(is_usable, force, force_then, closing_m, closing_then, strict=True)
+            ok
+            and (
+                (f - f0) / elapsed_s > s.max_growth_n_s or (c - c0) / elapsed_s > s.max_closing_m_s
+            )
+            for ok, f, f0, c, c0 in zip(
+                is_usable, force, force_then, closing_m, closing_then, strict=True
+            )
         )
         if is_growing or is_late:
             self._since_growth_us = 0
+
         suppressed = self._since_growth_us <= _whole_us(s.suppression_s)
         is_refractory = self._since_tightening_us < _whole_us(s.refractory_s)
         tightened = detected and not suppressed and not is_refractory
+
         if tightened:
             self._since_tightening_us = 0
             further_m = [
@@ -172,11 +212,16 @@ class GripLaw:
                 for curve, ok, f in zip(self.curves, is_usable, force, strict=True)
             ]
             self._target_m = np.minimum(self._target_m + further_m, s.max_added_m)
-        # In a hand that is stiffer than assumed the measured force comes to its limit first: go no further.
+
+        # In a hand that is stiffer than assumed the measured force comes to its limit first: go no
+        # further.
         is_full = np.array(force) >= s.max_force_n
         self._target_m = np.where(is_full, np.minimum(self._target_m, self.added_m), self._target_m)
-        max_step_m = 0.0 if is_late else s.max_command_m_s * (1e-6 * min(dt_us, _whole_us(LONGEST_STEP_S)))
+        max_step_m = (
+            0.0 if is_late else s.max_command_m_s * (1e-6 * min(dt_us, _whole_us(LONGEST_STEP_S)))
+        )
         self.added_m = np.clip(self._target_m, self.added_m - max_step_m, self.added_m + max_step_m)
+
         return suppressed, tightened
 
 
@@ -187,18 +232,30 @@ class GripController:
         self.settings = settings
         self.decisions: list[GripDecision] = []
         self._detectors = [
-            make_detector(settings.detector, design, threshold_scale=settings.threshold_scale) for _ in range(fingers)
+            make_detector(settings.detector, design, threshold_scale=settings.threshold_scale)
+            for _ in range(fingers)
         ]
         self.law = GripLaw(settings, [ForceCurve.from_design(design)] * fingers)
 
     def step(self, observation: Observation) -> Array:
-        """Return the commanded closing [m]: the planned closing, and what detections have added to it."""
-        kind, now = self.settings.detector, observation.time_s
+        """Return the commanded closing [m]: the planned closing,
+        and what detections have added to it.
+        """
+        kind = self.settings.detector
+        now = observation.time_s
         samples = select_inputs(observation, kind)
-        assert samples, f"the scene's outputs do not include {find_detector_type(kind).input_column}"
+        assert samples, (
+            f"the scene's outputs do not include {find_detector_type(kind).input_column}"
+        )
         # Every detector must process every sample, even if the first one is already ON.
-        on = [bool(detector.process(*rows).on.any()) for detector, *rows in zip(self._detectors, *samples, strict=True)]
+        on = [
+            bool(detector.process(*rows).on.any())
+            for detector, *rows in zip(self._detectors, *samples, strict=True)
+        ]
         volts = [float(v.mean()) for v in observation.voltage_v]
-        suppressed, tightened = self.law.step(_whole_us(now), any(on), volts, observation.closing_m.tolist())
+        suppressed, tightened = self.law.step(
+            _whole_us(now), any(on), volts, observation.closing_m.tolist()
+        )
         self.decisions.append(GripDecision(now, any(on), suppressed, tightened))
+
         return np.asarray(observation.planned_m + self.law.added_m)

@@ -29,19 +29,40 @@ from fingertip.sim.contact.materials import SurfaceTable
 from fingertip.sim.contact.surfaces import SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
 from fingertip.sim.runs.scene_and_manipulation_files import DIRECTIONS, SceneFile
-from fingertip.sim.runs.timeline import CoupledPad, Timeline, UncoupledPad, build_timeline, mount_pad
+from fingertip.sim.runs.timeline import (
+    CoupledPad,
+    Timeline,
+    UncoupledPad,
+    build_timeline,
+    mount_pad,
+)
 from fingertip.sim.runs.tremor import HandMotion, largest_factor
-from fingertip.sim.signal.finger import OF_BRIDGE, OF_CONTACT, Finger, FingerDrive, FingerSetup, FingerSignals
+from fingertip.sim.signal.finger import (
+    OF_BRIDGE,
+    OF_CONTACT,
+    Finger,
+    FingerDrive,
+    FingerSetup,
+    FingerSignals,
+)
 from fingertip.sim.signal.grid import CostMeter, Grid, StageCost, count_samples, report_share
 from fingertip.sim.signal.parameters import FILTER_OUTPUTS
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import Interval, Origin, SlipCollector
 
 COMPILE_FROM_S = 3.0
-"""Time in plain Python from which a scene runs compiled [s]. Loading numba and the loops takes 0.8 s."""
+"""Time in plain Python from which a scene runs compiled [s].
+Loading numba and the loops takes 0.8 s.
+"""
 _PLAIN_US = {
-    "friction": 2.5, "error control": 40.0, "shaking": 2.0, "bridge": 0.8, "ADC": 0.3, "board": 7.0, "comparator": 3.5,
-}  # fmt: skip
+    "friction": 2.5,
+    "error control": 40.0,
+    "shaking": 2.0,
+    "bridge": 0.8,
+    "ADC": 0.3,
+    "board": 7.0,
+    "comparator": 3.5,
+}
 """Time per point in plain Python of each group of stages [us], measured once."""
 CHUNK = 32_768
 """Number of points that are computed at a time: 3 s. A finger needs some 10 MB for them."""
@@ -65,9 +86,13 @@ class SceneRecord:
     motion_s: float | None = None
     """Moment at which the robot begins to slide [s]; None if it does not."""
     out_of_contact_share: float = 0.0
-    """Share of the true slip in which the pad does not touch; 0 if the scene does not record slip and force."""
+    """Share of the true slip in which the pad does not touch; 0 if
+    the scene does not record slip and force.
+    """
     clip_share: float | None = None
-    """Share of the true slip in which the board clips; None if the scene records no slip, or nothing of the board."""
+    """Share of the true slip in which the board clips; None if the
+    scene records no slip, or nothing of the board.
+    """
 
     @property
     def duration_s(self) -> float:
@@ -93,14 +118,23 @@ class SceneResult(SceneRecord):
 
     @property
     def trace(self) -> Trace:
-        """Trace for a detector: voltage, and the force and slip that it is evaluated against. Raises TraceError."""
+        """Trace for a detector: voltage, and the force and slip that it is evaluated against.
+
+        Raises TraceError.
+        """
         found = self.signals
         if found.voltage_v is None:
             raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
+
         return Trace(
-            found.time_s, found.voltage_v, found.force_n, found.slip, found.sampled_envelope_v,
-            found.sampled_filtered_v, Origin(True, self.motion_s, self.clip_share),
-        )  # fmt: skip
+            time_s=found.time_s,
+            voltage_v=found.voltage_v,
+            force_n=found.force_n,
+            slip=found.slip,
+            envelope_v=found.sampled_envelope_v,
+            filtered_v=found.sampled_filtered_v,
+            origin=Origin(True, self.motion_s, self.clip_share),
+        )
 
 
 def select_columns(signals: FingerSignals, scene: SceneFile) -> dict[str, NDArray[Any]]:
@@ -123,18 +157,30 @@ class SceneRun:
         if self.scene.slide.distance_m:
             plain = replace(self.friction, elastic=0.0)
             longest = admissible_step_s(plain, mount_pad(self.pad, self.force_n), self.max_load_n)
-            needed, is_controlled = Grid.finer_than(longest), self.scene.contact.feedback or self.friction.elastic
+            needed = Grid.finer_than(longest)
+            is_controlled = self.scene.contact.feedback or self.friction.elastic
+
             if self.grid and self.grid.refinement < needed.refinement and not is_controlled:
-                what = f"has steps of {self.grid.step_s:g} s, which are too long for a pad so light or stiff"
-                raise TraceError(Issue("grid", f"{what}; give Grid({needed.refinement}), or leave grid out."))
+                what = (
+                    f"has steps of {self.grid.step_s:g} s, which are too long for a pad so "
+                    "light or stiff"
+                )
+                raise TraceError(
+                    Issue("grid", f"{what}; give Grid({needed.refinement}), or leave grid out.")
+                )
+
             self.grid = self.grid or needed
+
         self.grid = self.grid or Grid()
 
     @functools.cached_property
     def force_n(self) -> float:
         """Holding force on this finger, drawn by the seed [N]."""
         hold = self.scene.hold
-        force = hold.min_force_n + (hold.max_force_n - hold.min_force_n) * self._open_random("force").random()
+        force = (
+            hold.min_force_n
+            + (hold.max_force_n - hold.min_force_n) * self._open_random("force").random()
+        )
         return force * hold.share if hold.mode == "grasp" else force
 
     @functools.cached_property
@@ -151,7 +197,12 @@ class SceneRun:
         friction = self.surface.friction
         if contact.stick_slip:
             friction = friction.with_stick_slip()
-        return replace(friction, elastic=ELASTO_PLASTIC) if contact.bristles == "elasto_plastic" else friction
+
+        return (
+            replace(friction, elastic=ELASTO_PLASTIC)
+            if contact.bristles == "elasto_plastic"
+            else friction
+        )
 
     @functools.cached_property
     def timeline(self) -> Timeline:
@@ -159,8 +210,17 @@ class SceneRun:
 
     @functools.cached_property
     def hand_motion(self) -> HandMotion | None:
-        scene, rng, line = self.scene, self._open_random("hand"), self.timeline
-        return HandMotion.draw(scene.tremor, scene.servo, rng, self.force_n, line.held_s, line.duration_s)
+        scene = self.scene
+        rng = self._open_random("hand")
+        line = self.timeline
+        return HandMotion.draw(
+            scene.tremor,
+            servo=scene.servo,
+            rng=rng,
+            force_n=self.force_n,
+            held_s=line.held_s,
+            duration_s=line.duration_s,
+        )
 
     def make_profile(self) -> SurfaceProfile:
         return self._set_up().make_profile()
@@ -173,60 +233,99 @@ class SceneRun:
 
     def predict_plain_s(self) -> float:
         assert self.grid
-        contact, outputs, slides = self.scene.contact, frozenset(self.scene.outputs), self.timeline.slide is not None
+        contact = self.scene.contact
+        outputs = frozenset(self.scene.outputs)
+        slides = self.timeline.slide is not None
         adaptive = slides and (contact.feedback or contact.bristles == "elasto_plastic")
         runs = {
-            "friction": slides, "error control": adaptive, "shaking": bool(outputs & OF_CONTACT),
-            "bridge": bool(outputs & OF_BRIDGE), "ADC": "voltage_v" in outputs, "board": bool(outputs & FILTER_OUTPUTS),
+            "friction": slides,
+            "error control": adaptive,
+            "shaking": bool(outputs & OF_CONTACT),
+            "bridge": bool(outputs & OF_BRIDGE),
+            "ADC": "voltage_v" in outputs,
+            "board": bool(outputs & FILTER_OUTPUTS),
             "comparator": "slip_pin_v" in outputs,
-        }  # fmt: skip
-        points = self.grid.count_points(self.timeline.duration_s, self.design.detector.sample_rate_hz)
+        }
+        points = self.grid.count_points(
+            self.timeline.duration_s, self.design.detector.sample_rate_hz
+        )
+
         return 1e-6 * points * sum(_PLAIN_US[name] for name, does in runs.items() if does)
 
     def chunks(self, size: int = CHUNK) -> Iterator[FingerSignals]:
         """Yield the signals of one chunk after the other; the size of a chunk changes no bit."""
         assert self.grid
-        count = self.grid.count_points(self.timeline.duration_s, self.design.detector.sample_rate_hz)
-        outputs, slides = frozenset(self.scene.outputs), self.timeline.slide is not None
-        setup, feedback = self._set_up(), slides and self.scene.contact.feedback
+        count = self.grid.count_points(
+            self.timeline.duration_s, self.design.detector.sample_rate_hz
+        )
+        outputs = frozenset(self.scene.outputs)
+        slides = self.timeline.slide is not None
+        setup = self._set_up()
+        feedback = slides and self.scene.contact.feedback
         pad: CoupledPad | UncoupledPad | None = None
+
         if feedback:
             shaking_n = self.scene.tap.force_n + 2 * self.scene.motor.force_n
             pad = CoupledPad(setup, self.grid, self.max_load_n + shaking_n, self.meter)
         elif slides:
             pad = UncoupledPad(setup, self.grid, self.max_load_n, self.meter)
-        finger = Finger(setup, self.grid, outputs, self.meter, feedback)
+
+        finger = Finger(
+            setup=setup,
+            grid=self.grid,
+            outputs=outputs,
+            meter=self.meter,
+            contact_is_given=feedback,
+        )
         rng = self._open_random("motor")
         phases = 2 * math.pi * rng.random(), 2 * math.pi * rng.random()
+
         for first in range(0, count, size):
             time_s = self.grid.time_s(first, min(size, count - first))
             with self.meter.stage("load"):
                 load_n = self.timeline.load_n(self.pad, time_s)
                 if self.hand_motion:
                     load_n = load_n * self.hand_motion.factor(time_s)
+
             push_n = None
-            if (feedback or outputs & OF_CONTACT) and (self.scene.tap.force_n or self.scene.motor.force_n):
+            if (feedback or outputs & OF_CONTACT) and (
+                self.scene.tap.force_n or self.scene.motor.force_n
+            ):
                 with self.meter.stage("disturbances"):
                     push_n = self.timeline.push_n(time_s, phases)
+
             if pad is None:
                 yield finger.process(FingerDrive(load_n, push_n))
                 continue
+
             assert self.timeline.slide
             with self.meter.stage("carriage"):
-                at_m, speed_m_s = self.timeline.slide.position_m(time_s), self.timeline.slide.velocity_m_s(time_s)
+                at_m = self.timeline.slide.position_m(time_s)
+                speed_m_s = self.timeline.slide.velocity_m_s(time_s)
+
             yield finger.process(pad.process(at_m, speed_m_s, load_n, push_n))
 
     def _set_up(self) -> FingerSetup:
         scene, slides = self.scene, bool(self.scene.slide.distance_m)
         return FingerSetup(
-            design=self.design, pad=self.pad, held_n=self.force_n, friction=self.friction,
-            open_random=self._open_random, seed=(self.seed, "finger"), surface=self.surface if slides else None,
-            profile_length_m=scene.slide.distance_m, towards_tip=DIRECTIONS[scene.slide.towards],
-            patch_average=scene.contact.patch_average, path=scene, event_origin_s=self.timeline.held_s,
-        )  # fmt: skip
+            design=self.design,
+            pad=self.pad,
+            held_n=self.force_n,
+            friction=self.friction,
+            open_random=self._open_random,
+            seed=(self.seed, "finger"),
+            surface=self.surface if slides else None,
+            profile_length_m=scene.slide.distance_m,
+            towards_tip=DIRECTIONS[scene.slide.towards],
+            patch_average=scene.contact.patch_average,
+            path=scene,
+            event_origin_s=self.timeline.held_s,
+        )
 
     def _open_random(self, purpose: str) -> random.Random:
-        """Random numbers for one purpose, so that setting the force changes neither the surface nor the motors."""
+        """Random numbers for one purpose, so that setting the force
+        changes neither the surface nor the motors.
+        """
         return random.Random(f"{self.seed}:{purpose}")
 
 
@@ -239,9 +338,10 @@ def run_scene(
 ) -> SceneResult:
     """Simulate a scene, running only the parts that its outputs depend on.
 
-    The design gives the shape of the pad, the board, the ADC and its noise; the seed is that of force, surface, motors
-    and noise. The same design, scene and seed give the same columns. `progress` receives messages of scenes longer than
-    `progress.LONG_S`. Without a grid, the computation takes the base grid, refined where the bristles need it.
+    The design gives the shape of the pad, the board, the ADC and its noise; the seed is that of
+    force, surface, motors and noise. The same design, scene and seed give the same columns.
+    `progress` receives messages of scenes longer than `progress.LONG_S`. Without a grid, the
+    computation takes the base grid, refined where the bristles need it.
 
     Raises TraceError if the scene cannot be simulated with this design.
     """
@@ -258,16 +358,19 @@ def stream_scene(
     progress: ReportProgress | None = None,
     grid: Grid | None = None,
 ) -> SceneRecord:
-    """Simulate a scene and hand its signals on, chunk by chunk, so that memory does not grow with its length.
+    """Simulate a scene and hand its signals on, chunk by chunk, so that memory does not grow with
+    its length.
 
-    Loops run compiled where the scene would take longer than `COMPILE_FROM_S` in plain Python. The bits are the same.
-    Raises TraceError.
+    Loops run compiled where the scene would take longer than `COMPILE_FROM_S` in plain Python. The
+    bits are the same. Raises TraceError.
     """
-    run, slips = SceneRun(design, scene, seed, grid), SlipCollector()
+    run = SceneRun(design, scene, seed, grid)
+    slips = SlipCollector()
     slipping = airborne = clipping = 0
     is_clipping_known = False
     done = report_share(scene.name, run.timeline.duration_s, progress)
     chunks = run.chunks()
+
     with jit.compiled() if run.predict_plain_s() > COMPILE_FROM_S else contextlib.nullcontext():
         for chunk in chunks:
             if chunk.slip is not None:
@@ -276,14 +379,34 @@ def stream_scene(
                 if chunk.clips is not None:
                     is_clipping_known = True
                     clipping += int(np.count_nonzero(chunk.clips & chunk.slip))
+
                 if chunk.force_n is not None:
                     airborne += int(np.count_nonzero(chunk.force_n[chunk.slip] <= 0.0))
+
             take(chunk)
             done(float(chunk.time_s[-1]) if len(chunk.time_s) else 0.0)
-    rate, slide = design.detector.sample_rate_hz, run.timeline.slide
+
+    rate = design.detector.sample_rate_hz
+    slide = run.timeline.slide
     motion_s = slide.start_s if slide else None
     share = (float(run.pad.sensed_n(np.array([run.force_n]))[0]) - run.pad.rest_n) / run.force_n
-    pose, costs = scene.draw_pose(run.design, seed), run.meter.costs
-    count, lost = count_samples(run.timeline.duration_s, rate), airborne / max(1, slipping)
+    pose = scene.draw_pose(run.design, seed)
+    costs = run.meter.costs
+    count = count_samples(run.timeline.duration_s, rate)
+    lost = airborne / max(1, slipping)
     clips = clipping / slipping if is_clipping_known and slipping else None
-    return SceneRecord(scene, seed, run.force_n, count, slips.close(), costs, rate, pose, share, motion_s, lost, clips)
+
+    return SceneRecord(
+        scene=scene,
+        seed=seed,
+        force_n=run.force_n,
+        samples=count,
+        slips=slips.close(),
+        stages=costs,
+        sample_rate_hz=rate,
+        pose=pose,
+        sensor_share=share,
+        motion_s=motion_s,
+        out_of_contact_share=lost,
+        clip_share=clips,
+    )

@@ -1,8 +1,9 @@
-"""Timeline of a scene: the moments of its events, the motions that follow from them, and what shakes the contact.
+"""Timeline of a scene: the moments of its events, the motions that follow from them, and what
+shakes the contact.
 
-The motions are the force of the hand and the position of the carriage. Moves have trapezoidal velocity profiles with
-the article's values (section III.C, figures 8 and 9). The formulas use only sums, products, square and cube roots, so
-that every processor gives the same bits.
+The motions are the force of the hand and the position of the carriage. Moves have trapezoidal
+velocity profiles with the article's values (section III.C, figures 8 and 9). The formulas use only
+sums, products, square and cube roots, so that every processor gives the same bits.
 """
 
 from __future__ import annotations
@@ -30,9 +31,13 @@ LIFT_M = 0.05
 """Height by which the finger lifts at the end [m]."""
 LIFT_S = 2.0
 APPROACH_M = 0.01
-"""Travel in air before the touch [m]. Assumption: half of the article's 2 cm. The other half presses the finger on."""
+"""Travel in air before the touch [m].
+Assumption: half of the article's 2 cm. The other half presses the finger on.
+"""
 _TRIGGER_POINTS = 4001
-"""Number of moments of the closing between which the trigger is sought: some 0.2 ms apart, on straight lines."""
+"""Number of moments of the closing between which the trigger is
+sought: some 0.2 ms apart, on straight lines.
+"""
 OPEN_S = 0.3
 """Time for which an open grasp is recorded before it closes [s]. Assumption."""
 
@@ -41,8 +46,8 @@ OPEN_S = 0.3
 class TrapezoidalMove:
     """Move between two standstills with a trapezoidal velocity profile.
 
-    The velocity rises at constant acceleration, stays at its peak and falls. If the distance is too short to reach the
-    requested speed, the profile is a triangle.
+    The velocity rises at constant acceleration, stays at its peak and falls. If the distance is too
+    short to reach the requested speed, the profile is a triangle.
     """
 
     start_s: float
@@ -52,7 +57,11 @@ class TrapezoidalMove:
 
     @classmethod
     def with_speed(
-        cls, start_s: float, distance_m: float, speed_m_s: float, acceleration_m_s2: float = ACCELERATION_M_S2
+        cls,
+        start_s: float,
+        distance_m: float,
+        speed_m_s: float,
+        acceleration_m_s2: float = ACCELERATION_M_S2,
     ) -> TrapezoidalMove:
         """Build the move that reaches `speed_m_s`, where the distance allows it."""
         peak_m_s = min(speed_m_s, math.sqrt(acceleration_m_s2 * distance_m))
@@ -60,10 +69,17 @@ class TrapezoidalMove:
 
     @classmethod
     def with_duration(cls, start_s: float, distance_m: float, duration_s: float) -> TrapezoidalMove:
-        """Build the move that takes `duration_s` [s]; one that is shorter than a triangle accelerates more."""
+        """Build the move that takes `duration_s` [s]; one that is
+        shorter than a triangle accelerates more.
+        """
         T = duration_s
         a = max(ACCELERATION_M_S2, 4 * distance_m / (T * T))
-        return cls(start_s, distance_m, a, (a * T - math.sqrt(max(0.0, a * a * T * T - 4 * a * distance_m))) / 2)
+        return cls(
+            start_s,
+            distance_m,
+            a,
+            (a * T - math.sqrt(max(0.0, a * a * T * T - 4 * a * distance_m))) / 2,
+        )
 
     @property
     def _ramp_s(self) -> float:
@@ -79,16 +95,21 @@ class TrapezoidalMove:
 
     def velocity_m_s(self, time_s: Array) -> Array:
         a = self.acceleration_m_s2
-        rising, falling = a * (time_s - self.start_s), a * (self.end_s - time_s)
+        rising = a * (time_s - self.start_s)
+        falling = a * (self.end_s - time_s)
         return np.clip(np.minimum(rising, falling), 0.0, self.peak_m_s)
 
     def position_m(self, time_s: Array) -> Array:
         """Distance travelled since the start [m]."""
-        a, v, ramp, cruise = self.acceleration_m_s2, self.peak_m_s, self._ramp_s, self._cruise_s
+        a = self.acceleration_m_s2
+        v = self.peak_m_s
+        ramp = self._ramp_s
+        cruise = self._cruise_s
         t = time_s - self.start_s
         up = np.clip(t, 0.0, ramp)
         even = np.clip(t - ramp, 0.0, cruise)
         down = np.clip(t - ramp - cruise, 0.0, ramp)
+
         return a * up * up / 2 + v * even + (v * down - a * down * down / 2)
 
 
@@ -135,17 +156,21 @@ class Timeline:
 
     def push_n(self, time_s: Array, phases: tuple[float, float]) -> Array:
         """Forces of knocks, and of motors from the phases of their tones [rad], on the pad [N]."""
-        tap, motor = self.scene.tap, self.scene.motor
+        tap = self.scene.tap
+        motor = self.scene.motor
         push = np.zeros_like(time_s)
         if tap.force_n:
             push += _knock_force_n(tap, self.held_s, time_s)
         if motor.force_n:
             push += _motor_force_n(motor, phases, self.held_s, time_s)
+
         return push
 
     def load_n(self, pad: Pad, time_s: Array) -> Array:
         """Quasi-static normal force [N]."""
-        hold, change = self.scene.hold, self.scene.load_change
+        hold = self.scene.hold
+        change = self.scene.load_change
+
         if self.approach:
             depth = self.approach.position_m(time_s) - APPROACH_M
             load = pad.force_n(depth - self.lift.position_m(time_s) if self.lift else depth)
@@ -153,54 +178,107 @@ class Timeline:
             load = self.force_n * smoothstep((time_s - OPEN_S) / hold.close_s)
             if hold.release:
                 load = load - self.force_n * smoothstep((time_s - self.release_s) / hold.close_s)
+
         if change.by_n:
             # The change is a fraction of the force, so that it ends with the contact.
-            fraction = change.by_n / self.force_n * smoothstep((time_s - self.held_s - change.at_s) / change.rise_s)
+            fraction = (
+                change.by_n
+                / self.force_n
+                * smoothstep((time_s - self.held_s - change.at_s) / change.rise_s)
+            )
             load = load * (1 + fraction)
+
         return np.maximum(load, 0.0)
 
 
-def find_trigger_s(design: Design, pad: Pad, sensing: Sensing, change_v: float, time_s: Array, force_n: Array) -> float:
-    """Moment at which a growing force has moved the tactile voltage by so much [s]; the last one if it does not."""
+def find_trigger_s(
+    design: Design,
+    pad: Pad,
+    sensing: Sensing,
+    change_v: float,
+    time_s: Array,
+    force_n: Array,
+) -> float:
+    """Moment at which a growing force has moved the tactile voltage
+    by so much [s]; the last one if it does not.
+    """
     sensed_n = pad.sensed_n(force_n, None, reads_whole_finger(design, sensing.bridge))
     volts = Bridge.select(design, sensing.bridge).voltage_v(sensed_n)
     changes = np.maximum.accumulate(np.abs(volts - volts[0]))
-    return round(float(np.interp(change_v, changes, time_s)), 6)  # the power of the bridge differs in its last digit
+
+    return round(
+        float(np.interp(change_v, changes, time_s)), 6
+    )  # the power of the bridge differs in its last digit
 
 
 def build_timeline(design: Design, scene: SceneFile, pad: Pad, force_n: float) -> Timeline:
     """Set the moments of a scene whose holding force on this finger is `force_n` [N]."""
-    hold, slide = scene.hold, scene.slide
+    hold = scene.hold
+    slide = scene.slide
     approach = None
     held = OPEN_S + hold.close_s
+
     if hold.mode == "press":
-        # Approach and lift have the same speed (assumption: the article gives the duration of the lift only).
+        # Approach and lift have the same speed (assumption: the article gives the duration of the
+        # lift only).
         speed = TrapezoidalMove.with_duration(0.0, LIFT_M, LIFT_S).peak_m_s
         approach = TrapezoidalMove.with_speed(0.0, APPROACH_M + pad.depth_m(force_n), speed)
         held = approach.end_s
+
     starts = held
     if hold.trigger_v:
         time_s = np.linspace(0.0, held, _TRIGGER_POINTS)
-        load_n = Timeline(scene, force_n, held, held, held, None, approach, None).load_n(pad, time_s)
+        load_n = Timeline(
+            scene=scene,
+            force_n=force_n,
+            held_s=held,
+            release_s=held,
+            duration_s=held,
+            slide=None,
+            approach=approach,
+            lift=None,
+        ).load_n(pad, time_s)
         starts = find_trigger_s(design, pad, scene.sensing, hold.trigger_v, time_s, load_n)
+
     sliding = _plan_slide(slide, starts + hold.wait_s) if slide.distance_m else None
     busy = max(held + hold.min_s, sliding.end_s if sliding else held, held + _events_end_s(scene))
     release = busy + hold.wait_s
-    lift = TrapezoidalMove.with_duration(release, LIFT_M, LIFT_S) if hold.release and approach else None
+    lift = (
+        TrapezoidalMove.with_duration(release, LIFT_M, LIFT_S)
+        if hold.release and approach
+        else None
+    )
     end = lift.end_s if lift else release + (hold.close_s if hold.release else 0.0)
-    return Timeline(scene, force_n, held, release, end + hold.after_s, sliding, approach, lift)
+
+    return Timeline(
+        scene=scene,
+        force_n=force_n,
+        held_s=held,
+        release_s=release,
+        duration_s=end + hold.after_s,
+        slide=sliding,
+        approach=approach,
+        lift=lift,
+    )
 
 
 def _plan_slide(slide: Slide, start_s: float) -> RepeatedMove:
     distance_m = slide.distance_m / slide.moves
-    first = TrapezoidalMove.with_speed(start_s, distance_m, slide.speed_m_s, slide.acceleration_m_s2)
+    first = TrapezoidalMove.with_speed(
+        start_s, distance_m, slide.speed_m_s, slide.acceleration_m_s2
+    )
     period_s = first.end_s - start_s + slide.pause_s
-    return RepeatedMove(tuple(replace(first, start_s=start_s + i * period_s) for i in range(slide.moves)))
+    return RepeatedMove(
+        tuple(replace(first, start_s=start_s + i * period_s) for i in range(slide.moves))
+    )
 
 
 def _events_end_s(scene: SceneFile) -> float:
     """Time from the moment the force is reached to the end of the last event [s]."""
-    change, tap, motor, cable = scene.load_change, scene.tap, scene.motor, scene.cable
+    change = scene.load_change
+    tap = scene.tap
+    motor = scene.motor
+    cable = scene.cable
     ends = [0.0]
     if change.by_n:
         ends.append(change.at_s + change.rise_s)
@@ -210,6 +288,7 @@ def _events_end_s(scene: SceneFile) -> float:
         ends.append(motor.at_s + motor.duration_s)
     if cable.step_v or cable.hum_v:
         ends.append(cable.at_s + cable.duration_s)
+
     return max(ends)
 
 
@@ -230,55 +309,125 @@ def mount_pad(pad: Pad, force_n: float) -> Mount:
 class UncoupledPad:
     """Pad on which vibration does not act back: the contact force follows elsewhere.
 
-    Plain bristles are integrated with the steps of the grid, elasto-plastic ones with error control.
+    Plain bristles are integrated with the steps of the grid, elasto-plastic ones with error
+    control.
     """
 
-    def __init__(self, setup: FingerSetup, grid: Grid, max_load_n: float, meter: CostMeter) -> None:
-        friction, mount = setup.friction, mount_pad(setup.pad, setup.held_n)
-        self._meter, self._states = meter, coupled.STATES if friction.elastic else 3
+    def __init__(
+        self,
+        setup: FingerSetup,
+        grid: Grid,
+        max_load_n: float,
+        meter: CostMeter,
+    ) -> None:
+        friction = setup.friction
+        mount = mount_pad(setup.pad, setup.held_n)
+        self._meter = meter
+        self._states = coupled.STATES if friction.elastic else 3
         self._integrator: DraggedPad | coupled.CoupledContact = (
-            coupled.CoupledContact(friction, mount, _FAST_CONTACT, grid.step_s, max_load_n, _TOLERANCE_N)
+            coupled.CoupledContact(
+                friction=friction,
+                mount=mount,
+                normal=_FAST_CONTACT,
+                step_s=grid.step_s,
+                max_pressing_n=max_load_n,
+                tolerance_n=_TOLERANCE_N,
+            )
             if friction.elastic
             else DraggedPad(friction, mount, grid.step_s)
         )
 
-    def process(self, carriage_m: Array, carriage_m_s: Array, load_n: Array, push_n: Array | None) -> FingerDrive:
-        """Follow the pad over the next points: position [m] and velocity [m/s] of the carriage, and forces [N]."""
+    def process(
+        self,
+        carriage_m: Array,
+        carriage_m_s: Array,
+        load_n: Array,
+        push_n: Array | None,
+    ) -> FingerDrive:
+        """Follow the pad over the next points: position [m] and
+        velocity [m/s] of the carriage, and forces [N].
+        """
         with self._meter.stage("friction", self._states):
             motion = self._integrator.process(carriage_m, carriage_m_s, load_n)
+
         self._meter.add("friction", self._states, motion.evaluations)
         return _describe(motion, carriage_m, load_n, push_n)
 
 
 class CoupledPad:
-    """Pad whose vibration acts back on friction; the profile is read along the path that results without that."""
+    """Pad whose vibration acts back on friction; the profile is read
+    along the path that results without that.
+    """
 
-    def __init__(self, setup: FingerSetup, grid: Grid, max_load_n: float, meter: CostMeter) -> None:
-        pad, held_n, friction, mount = setup.pad, setup.held_n, setup.friction, mount_pad(setup.pad, setup.held_n)
+    def __init__(
+        self,
+        setup: FingerSetup,
+        grid: Grid,
+        max_load_n: float,
+        meter: CostMeter,
+    ) -> None:
+        pad, held_n, friction, mount = (
+            setup.pad,
+            setup.held_n,
+            setup.friction,
+            mount_pad(setup.pad, setup.held_n),
+        )
         self._first = DraggedPad(replace(friction, elastic=0.0), mount, grid.step_s)
-        self._profile, self._meter = setup.make_profile_force(grid.step_s), meter
+        self._profile = setup.make_profile_force(grid.step_s)
+        self._meter = meter
         hand_ratio = pad.backing.stiffness_n_per_m / pad.normal_stiffness_n_per_m(held_n)
-        normal = coupled.NormalContact(pad.resonance_hz(held_n), pad.backing.damping_ratio, hand_ratio)
-        self._contact = coupled.CoupledContact(friction, mount, normal, grid.step_s, max_load_n, _TOLERANCE_N)
+        normal = coupled.NormalContact(
+            pad.resonance_hz(held_n), pad.backing.damping_ratio, hand_ratio
+        )
+        self._contact = coupled.CoupledContact(
+            friction=friction,
+            mount=mount,
+            normal=normal,
+            step_s=grid.step_s,
+            max_pressing_n=max_load_n,
+            tolerance_n=_TOLERANCE_N,
+        )
 
-    def process(self, carriage_m: Array, carriage_m_s: Array, load_n: Array, push_n: Array | None) -> FingerDrive:
+    def process(
+        self,
+        carriage_m: Array,
+        carriage_m_s: Array,
+        load_n: Array,
+        push_n: Array | None,
+    ) -> FingerDrive:
         """Follow the pad over the next points. The contact force is part of the result."""
         with self._meter.stage("coupled contact", coupled.STATES, 2 * len(load_n)):
             first = self._first.process(carriage_m, carriage_m_s, load_n)
             pressing = load_n + self._profile.process(load_n, first.position_m)
             if push_n is not None:
                 pressing = pressing + transmit(load_n) * push_n
+
             motion = self._contact.process(carriage_m, carriage_m_s, pressing)
+
         self._meter.add("coupled contact", coupled.STATES, motion.evaluations)
         contact_n = np.where(load_n > 0.0, motion.force_n, 0.0)
         return _describe(motion, carriage_m, load_n, push_n, contact_n)
 
 
 def _describe(
-    motion: PadMotion, carriage_m: Array, load_n: Array, push_n: Array | None, contact_n: Array | None = None
+    motion: PadMotion,
+    carriage_m: Array,
+    load_n: Array,
+    push_n: Array | None,
+    contact_n: Array | None = None,
 ) -> FingerDrive:
-    path_m, shear_m = motion.position_m, carriage_m - motion.position_m
-    return FingerDrive(load_n, push_n, None, path_m, motion.velocity_m_s, motion.bristle_m, shear_m, contact_n)
+    path_m = motion.position_m
+    shear_m = carriage_m - motion.position_m
+    return FingerDrive(
+        load_n=load_n,
+        push_n=push_n,
+        push_jump_n=None,
+        path_m=path_m,
+        velocity_m_s=motion.velocity_m_s,
+        bristle_m=motion.bristle_m,
+        shear_m=shear_m,
+        contact_n=contact_n,
+    )
 
 
 # Disturbances that are not slip: knocks and motors shake the contact.
@@ -293,23 +442,37 @@ def _knock_force_n(tap: Tap, held_s: float, time_s: Array) -> Array:
     for i in range(tap.count):
         t = (time_s - held_s - tap.at_s - i * tap.interval_s) / tap.rise_s
         total += smoothstep(t) - smoothstep(t - 1)
+
     return tap.force_n * total
 
 
-def _motor_force_n(motor: Motor, phases: tuple[float, float], held_s: float, time_s: Array) -> Array:
-    """Force of the motors' vibration [N]. Units: `phases` of fundamental and second harmonic [rad]."""
+def _motor_force_n(
+    motor: Motor, phases: tuple[float, float], held_s: float, time_s: Array
+) -> Array:
+    """Force of the motors' vibration [N].
+
+    Units: `phases` of fundamental and second harmonic [rad].
+    """
     w = 2 * math.pi * motor.frequency_hz
     t = time_s - held_s - motor.at_s
     envelope = smoothstep(t / MOTOR_RAMP_S) - smoothstep((t - motor.duration_s) / MOTOR_RAMP_S + 1)
     force = np.zeros_like(t)
     _shake(w, phases, motor.harmonic, t, envelope, force)
+
     return motor.force_n * envelope * force
 
 
 def _shake_loop(
-    w: float, phases: tuple[float, float], harmonic: float, time: Floats, envelope: Floats, out: MutableFloats
+    w: float,
+    phases: tuple[float, float],
+    harmonic: float,
+    time: Floats,
+    envelope: Floats,
+    out: MutableFloats,
 ) -> None:
-    """Sum both tones point by point: the last bit of a vectorised sine varies between processors."""
+    """Sum both tones point by point: the last bit of a vectorised sine varies between
+    processors.
+    """
     first, second = phases
     for i in range(len(time)):
         if envelope[i] != 0.0:

@@ -1,7 +1,8 @@
 """Time grid of the simulation, and the instants at which a converter samples what happens on it.
 
-Contact, sensor and board are computed at the points of one grid, whose step does not depend on the sampling rate. So
-the rate changes the samples and nothing else. An instant between two points gets the straight line between them.
+Contact, sensor and board are computed at the points of one grid, whose step does not depend on the
+sampling rate. So the rate changes the samples and nothing else. An instant between two points gets
+the straight line between them.
 """
 
 from __future__ import annotations
@@ -20,7 +21,9 @@ from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress, Work
 
 BASE_HZ = 10_000.0
-"""Points per second: forces within 0.05 mN, envelopes within 0.8 mV of vanishing steps, mostly (docs/accuracy.md)."""
+"""Points per second: forces within 0.05 mN, envelopes within 0.8 mV of
+vanishing steps, mostly (docs/accuracy.md).
+"""
 _SNAP = 1e-6
 """Distance from a point, in steps, at which an instant counts as that point."""
 
@@ -30,7 +33,9 @@ class Grid:
     """Equidistant points in time, the first at 0."""
 
     refinement: int = 1
-    """Number of steps per step of the base grid. Noise is drawn on the base grid, so it stays the same."""
+    """Number of steps per step of the base grid.
+    Noise is drawn on the base grid, so it stays the same.
+    """
 
     @classmethod
     def finer_than(cls, longest_step_s: float) -> Grid:
@@ -61,7 +66,9 @@ def count_samples(duration_s: float, sample_rate_hz: float) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Instants:
-    """Samples in a chunk of points, by positions from the last point before it, or the very first."""
+    """Samples in a chunk of points, by positions from the last point before it, or the
+    very first.
+    """
 
     first: int
     """Number of samples before the chunk."""
@@ -85,18 +92,22 @@ class SampleClock:
     """Instants of a converter, chunk by chunk."""
 
     def __init__(self, grid: Grid, sample_rate_hz: float) -> None:
-        self._ratio, self._rate = grid.rate_hz / sample_rate_hz, sample_rate_hz
+        self._ratio = grid.rate_hz / sample_rate_hz
+        self._rate = sample_rate_hz
         self._points = self._samples = 0
 
     def advance(self, points: int) -> Instants:
-        origin, last = max(self._points - 1, 0), self._points + points - 1
+        origin = max(self._points - 1, 0)
+        last = self._points + points - 1
         end = self.count_until(last)
         at = np.arange(self._samples, end) * self._ratio
         whole = np.floor(at + _SNAP)
         fraction = at - whole
         fraction[np.abs(fraction) <= _SNAP] = 0.0
         found = Instants(self._samples, whole.astype(np.int64) - origin, fraction, self._rate)
-        self._points, self._samples = last + 1, end
+        self._points = last + 1
+        self._samples = end
+
         return found
 
     def count_until(self, point: int) -> int:
@@ -115,23 +126,28 @@ class Sampler:
         known = np.concatenate((self._last, values)) if len(self._last) else values
         self._last = values[-1:].copy()
         picked = known[at.index]
-        if len(between := at.between):
+        between = at.between
+
+        if len(between):
             before = at.index[between]
             picked[between] += at.fraction[between] * (known[before + 1] - known[before])
+
         return picked
 
 
 # Random numbers of the simulation: one independent stream for each seed and purpose.
 #
-# The generator is numpy's `RandomState`, whose streams are frozen, so that the same seed gives the same numbers with
-# any version (NEP 19).
+# The generator is numpy's `RandomState`, whose streams are frozen, so that the same seed gives the
+# same numbers with any version (NEP 19).
 
 Stream = np.random.RandomState
 OpenStream = Callable[[str], Stream]
 
 
 def open_stream(seed: int, *purpose: str) -> Stream:
-    """Open the stream of a seed and a purpose, so that one purpose never changes the numbers of another."""
+    """Open the stream of a seed and a purpose, so that one
+    purpose never changes the numbers of another.
+    """
     name = ":".join((str(seed), *purpose))
     return np.random.RandomState(np.frombuffer(hashlib.sha256(name.encode()).digest(), dtype="<u4"))
 
@@ -143,11 +159,32 @@ def draw_noise(stream: Stream, deviation: float, count: int) -> Array:
 # Cost of each stage of a simulation: integrated states, evaluations of right-hand sides, CPU time.
 
 STAGES = (
-    "load", "hand", "object", "disturbances", "carriage", "friction", "coupled contact", "profile", "contact", "force",
-    "sensor", "bridge", "interference", "ADC", "board noise", "filter board", "comparator", "ADC of the envelope",
-    "ADC of the filtered signal", "no motion", "slip", "shear",
-)  # fmt: skip
-"""Names of all stages, in the order from hand to voltages. Each finger of a hand adds to the same stages."""
+    "load",
+    "hand",
+    "object",
+    "disturbances",
+    "carriage",
+    "friction",
+    "coupled contact",
+    "profile",
+    "contact",
+    "force",
+    "sensor",
+    "bridge",
+    "interference",
+    "ADC",
+    "board noise",
+    "filter board",
+    "comparator",
+    "ADC of the envelope",
+    "ADC of the filtered signal",
+    "no motion",
+    "slip",
+    "shear",
+)
+"""Names of all stages, in the order from hand to voltages.
+Each finger of a hand adds to the same stages.
+"""
 
 
 @dataclass(frozen=True)
@@ -165,28 +202,43 @@ _NOT_TIMED = contextlib.nullcontext()
 class CostMeter:
     """Sum of the cost of each stage over all chunks. A stage that never ran is not listed.
 
-    CPU time is measured where a clock is given. A hand enters 50 stages every 10 ms, and asking the system each time
-    takes a twelfth of a validation.
+    CPU time is measured where a clock is given. A hand enters 50 stages every 10 ms, and asking the
+    system each time takes a twelfth of a validation.
     """
 
     def __init__(self, clock: Callable[[], float] | None = None) -> None:
         self._costs: dict[str, tuple[int, int, float]] = {}
         self._clock = clock
 
-    def stage(self, name: str, states: int = 0, evaluations: int = 0) -> contextlib.AbstractContextManager[None]:
+    def stage(
+        self, name: str, states: int = 0, evaluations: int = 0
+    ) -> contextlib.AbstractContextManager[None]:
         """Count a block and its evaluations, and measure its CPU time."""
         if self._clock is None:
             self.add(name, states, evaluations)
             return _NOT_TIMED
+
         return self._time(self._clock, name, states, evaluations)
 
     @contextlib.contextmanager
-    def _time(self, clock: Callable[[], float], name: str, states: int, evaluations: int) -> Iterator[None]:
+    def _time(
+        self,
+        clock: Callable[[], float],
+        name: str,
+        states: int,
+        evaluations: int,
+    ) -> Iterator[None]:
         start_s = clock()
         yield
         self.add(name, states, evaluations, clock() - start_s)
 
-    def add(self, name: str, states: int, evaluations: int, cpu_s: float = 0.0) -> None:
+    def add(
+        self,
+        name: str,
+        states: int,
+        evaluations: int,
+        cpu_s: float = 0.0,
+    ) -> None:
         assert name in STAGES
         _, evaluated, spent_s = self._costs.get(name, (0, 0, 0.0))
         self._costs[name] = states, evaluated + evaluations, spent_s + cpu_s
@@ -203,9 +255,14 @@ LONG_S = 15.0
 """Duration above which a simulation reports its progress [s]."""
 
 
-def report_share(name: str, duration_s: float, progress: ReportProgress | None) -> Callable[[float], None]:
-    """Return what takes the time that has been simulated [s] and reports the share that is done, if it takes long."""
+def report_share(
+    name: str, duration_s: float, progress: ReportProgress | None
+) -> Callable[[float], None]:
+    """Return what takes the time that has been simulated [s] and
+    reports the share that is done, if it takes long.
+    """
     label = f"simulating {duration_s:.1f} s of {name}"
     work = Work("", {label: 1.0}, progress if duration_s > LONG_S else None)
     work.begin(label)
+
     return lambda simulated_s: work.advance(simulated_s / duration_s)

@@ -1,4 +1,6 @@
-"""Voltages that are added to the tactile voltage: drift, a touched cable, hum, pink noise, vibration of a hand."""
+"""Voltages that are added to the tactile voltage: drift, a touched
+cable, hum, pink noise, vibration of a hand.
+"""
 
 from __future__ import annotations
 
@@ -20,57 +22,109 @@ HAND_BAND_HZ = (30.0, 90.0)
 HAND_LOAD_N = 0.02
 """Force at which half of a hand's vibration reaches the sensor [N]. Assumption."""
 _PINK_OCTAVES = 16
-"""Number of first-order processes that add up to pink noise, one per octave down from half the base grid's rate."""
+"""Number of first-order processes that add up to pink noise, one per
+octave down from half the base grid's rate.
+"""
 _BAND_STATES = 8
-"""Number of states of the filters behind a hand's vibration: two sections of order 2 in each of two filters."""
+"""Number of states of the filters behind a hand's vibration: two
+sections of order 2 in each of two filters.
+"""
 _GONE = 40.0
 """Number of decay times after which a jump of the cable has decayed to nothing."""
 
 
 class InterferenceSource:
     def __init__(
-        self, grid: Grid, drift: Drift, cable: Cable, noise: Noise, held_s: float, open_stream: OpenStream
+        self,
+        grid: Grid,
+        drift: Drift,
+        cable: Cable,
+        noise: Noise,
+        held_s: float,
+        open_stream: OpenStream,
     ) -> None:
-        self._grid, self._drift, self._cable, self._noise, self._held_s = grid, drift, cable, noise, held_s
-        self._pink = PinkNoise(grid, noise.pink_v, open_stream("pink noise")) if noise.pink_v else None
-        self._hand = HandVibration(grid, noise.hand_v, open_stream("hand vibration")) if noise.hand_v else None
+        self._grid = grid
+        self._drift = drift
+        self._cable = cable
+        self._noise = noise
+        self._held_s = held_s
+        self._pink = (
+            PinkNoise(grid, noise.pink_v, open_stream("pink noise")) if noise.pink_v else None
+        )
+        self._hand = (
+            HandVibration(grid, noise.hand_v, open_stream("hand vibration"))
+            if noise.hand_v
+            else None
+        )
         self._points = 0
 
     @property
     def is_silent(self) -> bool:
-        cable, noise = self._cable, self._noise
-        return not any((self._drift.volt_per_s, cable.step_v, cable.hum_v, noise.pink_v, noise.hand_v, noise.hum_v))
+        cable = self._cable
+        noise = self._noise
+        return not any(
+            (
+                self._drift.volt_per_s,
+                cable.step_v,
+                cable.hum_v,
+                noise.pink_v,
+                noise.hand_v,
+                noise.hum_v,
+            )
+        )
 
     def process(self, contact_n: Array) -> tuple[Array, Array | None]:
-        """Return the voltage right after each of the next points [V] for a contact's force [N], and its jump there."""
+        """Return the voltage right after each of the next points [V]
+        for a contact's force [N], and its jump there.
+        """
         count = len(contact_n)
         time_s = self._grid.time_s(self._points, count)
         self._points += count
-        volts, jumps = np.zeros(count), None
+        volts = np.zeros(count)
+        jumps = None
+
         if self._cable.step_v or self._cable.hum_v:
             touch, jumps = compute_cable_v(self._cable, self._held_s, time_s, self._grid.step_s)
             volts += touch
+
         if self._drift.volt_per_s:
             volts += self._drift.volt_per_s * time_s
         if self._noise.hum_v:
             volts += compute_hum_v(self._noise, time_s)
         if self._pink:
             volts += self._pink.process(count)
+
         if self._hand:
-            # A sensor begins to show force gradually: noise that began all at once would look like a knock.
+            # A sensor begins to show force gradually: noise that began all at once would look like
+            # a knock.
             load_n = np.maximum(contact_n, 0.0)
             volts += self._hand.process(count) * (load_n / (load_n + HAND_LOAD_N))
+
         return volts, jumps
 
 
-def compute_cable_v(cable: Cable, held_s: float, time_s: Array, step_s: float) -> tuple[Array, Array]:
-    """Voltage of a touched cable [V], and its jumps, each at the point that follows it; with hum in between."""
-    volts, jumps = np.zeros(len(time_s)), np.zeros(len(time_s))
+def compute_cable_v(
+    cable: Cable, held_s: float, time_s: Array, step_s: float
+) -> tuple[Array, Array]:
+    """Voltage of a touched cable [V], and its jumps, each at the
+    point that follows it; with hum in between.
+    """
+    volts = np.zeros(len(time_s))
+    jumps = np.zeros(len(time_s))
     begin_s = held_s + cable.at_s
     _touch(
-        (begin_s, begin_s + cable.duration_s), cable.step_v, cable.decay_s, _GONE * cable.decay_s, step_s * (1 - 1e-9),
-        cable.hum_v, 2 * math.pi * cable.hum_hz, time_s, volts, jumps,
-    )  # fmt: skip
+        (begin_s, begin_s + cable.duration_s),
+        cable.step_v,
+        cable.decay_s,
+        _GONE * cable.decay_s,
+        step_s * (1 - 1e-9),
+        cable.hum_v,
+        2 * math.pi * cable.hum_hz,
+        time_s,
+        volts,
+        jumps,
+    )
+
     return volts, jumps
 
 
@@ -82,33 +136,40 @@ def compute_hum_v(noise: Noise, time_s: Array) -> Array:
 
 
 class RefinedNoise:
-    """Noise that is drawn on the base grid, with straight lines between its points on a finer grid."""
+    """Noise that is drawn on the base grid, with straight lines between its points on a
+    finer grid.
+    """
 
     def __init__(self, grid: Grid, draw: Callable[[int], Array]) -> None:
-        self._parts, self._draw, self._points = grid.refinement, draw, 0
+        self._parts = grid.refinement
+        self._draw = draw
+        self._points = 0
         self._known = np.zeros(0)
 
     def process(self, count: int) -> Array:
         if self._parts == 1:
             return self._draw(count)
+
         at = np.arange(self._points, self._points + count)
         first = self._points // self._parts  # base point that `_known` begins with
         needed = (self._points + count - 1) // self._parts + 2 - first
         self._known = np.concatenate((self._known, self._draw(needed - len(self._known))))
-        index, fraction = at // self._parts - first, (at % self._parts) / self._parts
+        index = at // self._parts - first
+        fraction = (at % self._parts) / self._parts
         out = self._known[index] + fraction * (self._known[index + 1] - self._known[index])
         self._points += count
         self._known = self._known[self._points // self._parts - first :]
+
         return np.asarray(out)
 
 
 class PinkNoise(RefinedNoise):
     """Noise whose power per decade is the same in every decade, chunk by chunk.
 
-    Its spectrum is that of a sum of independent first-order processes with corner frequencies one octave apart, which
-    is within 0.3 dB of 1/f from 0.1 Hz to 1 kHz (A. van der Ziel, Physica 16, 1950, 359). One white noise drives all of
-    them, with gains that give the same spectrum: one random number per point in place of one per process.
-    Units: `volts_per_decade` [V].
+    Its spectrum is that of a sum of independent first-order processes with corner frequencies one
+    octave apart, which is within 0.3 dB of 1/f from 0.1 Hz to 1 kHz (A. van der Ziel, Physica 16,
+    1950, 359). One white noise drives all of them, with gains that give the same spectrum: one
+    random number per point in place of one per process. Units: `volts_per_decade` [V].
     """
 
     def __init__(self, grid: Grid, volts_per_decade: float, stream: Stream) -> None:
@@ -129,72 +190,106 @@ class PinkNoise(RefinedNoise):
 
 @functools.cache
 def design_pink() -> tuple[list[float], list[float], list[list[float]]]:
-    """Design processes that one white noise drives and whose sum has the spectrum of independent ones of deviation 1.
+    """Design processes that one white noise drives and whose sum has the spectrum of independent
+    ones of deviation 1.
 
-    Return their decays per step, their gains, and a triangular matrix that makes independent numbers their states.
+    Return their decays per step, their gains, and a triangular matrix that makes independent
+    numbers their states.
 
-    With u = 1 - cos(w), an independent process has the power c / (u + p). The sum of all has one zero -q between each
-    two neighbouring -p, and so is the square of a filter with the zeros b, whose partial fractions have these gains.
+    With u = 1 - cos(w), an independent process has the power c / (u + p). The sum of all has one
+    zero -q between each two neighbouring -p, and so is the square of a filter with the zeros b,
+    whose partial fractions have these gains.
     """
     decays = [math.exp(-math.pi / 2.0**octave) for octave in range(1, _PINK_OCTAVES + 1)]
     power = [(1 - a * a) / (2 * a) for a in decays]
     p = [(1 - a) ** 2 / (2 * a) for a in decays]
-    zeros, gain = [], math.sqrt(math.fsum(power) * math.prod(2 * a for a in decays))
+    zeros = []
+    gain = math.sqrt(math.fsum(power) * math.prod(2 * a for a in decays))
+
     for low, high in pairwise(sorted(p)):
-        q, _ = bisect(lambda u: math.fsum(c / (x - u) for c, x in zip(power, p, strict=True)) < 0.0, low, high)
+        q, _ = bisect(
+            lambda u: math.fsum(c / (x - u) for c, x in zip(power, p, strict=True)) < 0.0, low, high
+        )
         zeros.append(1 + q - math.sqrt(q * q + 2 * q))
         gain /= math.sqrt(2 * zeros[-1])
+
     gains = [
-        gain * math.prod(1 - b / a for b in zeros) / math.prod(1 - other / a for other in decays if other != a)
+        gain
+        * math.prod(1 - b / a for b in zeros)
+        / math.prod(1 - other / a for other in decays if other != a)
         for a in decays
     ]
-    # In the steady state, processes i and k have the covariance gain_i gain_k / (1 - a_i a_k). It is the product of two
-    # triangular matrices: the processes in the orthonormal basis of Takenaka and Malmquist.
+    # In the steady state, processes i and k have the covariance gain_i gain_k / (1 - a_i a_k). It
+    # is the product of two triangular matrices: the processes in the orthonormal basis of Takenaka
+    # and Malmquist.
     steady = [
-        [r * math.sqrt(1 - b * b) / (1 - a * b) * math.prod((a - c) / (1 - a * c) for c in decays[:k])
-         for k, b in enumerate(decays[: i + 1])]
+        [
+            r
+            * math.sqrt(1 - b * b)
+            / (1 - a * b)
+            * math.prod((a - c) / (1 - a * c) for c in decays[:k])
+            for k, b in enumerate(decays[: i + 1])
+        ]
         for i, (a, r) in enumerate(zip(decays, gains, strict=True))
-    ]  # fmt: skip
+    ]
     return decays, gains, steady
 
 
 class HandVibration(RefinedNoise):
-    """Noise in the band of a hand's vibration, by its RMS [V]: white noise behind Butterworth filters of order 4."""
+    """Noise in the band of a hand's vibration, by its RMS [V]: white
+    noise behind Butterworth filters of order 4.
+    """
 
     def __init__(self, grid: Grid, deviation_v: float, stream: Stream) -> None:
         low, high = HAND_BAND_HZ
         self._sections = (*_design_butterworth(low, True), *_design_butterworth(high, False))
-        impulse, response = np.zeros(round(BASE_HZ)), np.zeros(round(BASE_HZ))
+        impulse = np.zeros(round(BASE_HZ))
+        response = np.zeros(round(BASE_HZ))
         impulse[0] = 1.0
         _band_pass(self._sections, impulse, np.zeros(_BAND_STATES), response)
         self._deviation = deviation_v / math.sqrt(float(np.sum(response * response)))
-        self._state, self._stream = np.zeros(_BAND_STATES), stream
+        self._state = np.zeros(_BAND_STATES)
+        self._stream = stream
         self._draw_base(round(BASE_HZ / 2))  # the filters are settled when the recording begins
         super().__init__(grid, self._draw_base)
 
     def _draw_base(self, count: int) -> Array:
         out = np.zeros(count)
-        _band_pass(self._sections, self._deviation * self._stream.standard_normal(count), self._state, out)
+        _band_pass(
+            self._sections, self._deviation * self._stream.standard_normal(count), self._state, out
+        )
         return out
 
 
 def _design_butterworth(corner_hz: float, is_high_pass: bool) -> tuple[float, ...]:
-    """Coefficients b0, b1, b2, a1, a2 of both sections of a Butterworth filter of order 4 (bilinear transform)."""
+    """Coefficients b0, b1, b2, a1, a2 of both sections of a
+    Butterworth filter of order 4 (bilinear transform).
+    """
     k = math.tan(math.pi * corner_hz / BASE_HZ)
     found: list[float] = []
+
     for pole in (1, 3):
         damping = 2 * math.sin(pole * math.pi / 8)  # 1 / Q of the section
         scale = 1 / (1 + damping * k + k * k)
         b0 = scale if is_high_pass else k * k * scale
         b1 = -2 * b0 if is_high_pass else 2 * b0
         found += [b0, b1, b0, 2 * (k * k - 1) * scale, (1 - damping * k + k * k) * scale]
+
     return tuple(found)
 
 
 def _touch_loop(
-    moments: tuple[float, float], step_v: float, decay: float, gone: float, h: float, hum_v: float, w: float,
-    time: Sequence[float], out: MutableSequence[float], jumps: MutableSequence[float],
-) -> None:  # fmt: skip
+    moments: tuple[float, float],
+    step_v: float,
+    decay: float,
+    gone: float,
+    h: float,
+    hum_v: float,
+    w: float,
+    time: Sequence[float],
+    out: MutableSequence[float],
+    jumps: MutableSequence[float],
+) -> None:
     begin, end = moments
     for i in range(len(time)):
         for moment, volts in ((begin, step_v), (end, -step_v)):
@@ -204,12 +299,18 @@ def _touch_loop(
                 out[i] += part
                 if since < h:
                     jumps[i] += part
+
         if begin <= time[i] < end:
             out[i] += hum_v * math.sin(w * (time[i] - begin))
 
 
 def _hum_loop(
-    w: float, amplitude: float, third: float, fifth: float, time: Sequence[float], out: MutableSequence[float]
+    w: float,
+    amplitude: float,
+    third: float,
+    fifth: float,
+    time: Sequence[float],
+    out: MutableSequence[float],
 ) -> None:
     for i in range(len(time)):
         x = w * time[i]
@@ -229,21 +330,28 @@ def _pink_loop(
         for j in range(count):
             state[j] = decays[j] * state[j] + gains[j] * white[i]
             total += state[j]
+
         out[i] = total
 
 
 def _band_pass_loop(
-    sections: tuple[float, ...], white: Sequence[float], state: MutableSequence[float], out: MutableSequence[float]
+    sections: tuple[float, ...],
+    white: Sequence[float],
+    state: MutableSequence[float],
+    out: MutableSequence[float],
 ) -> None:
     """Apply sections of order 2 one after the other (transposed direct form II)."""
     for i in range(len(white)):
         x = white[i]
         for j in range(len(sections) // 5):
-            b0, b1, b2 = sections[5 * j], sections[5 * j + 1], sections[5 * j + 2]
+            b0 = sections[5 * j]
+            b1 = sections[5 * j + 1]
+            b2 = sections[5 * j + 2]
             y = b0 * x + state[2 * j]
             state[2 * j] = b1 * x - sections[5 * j + 3] * y + state[2 * j + 1]
             state[2 * j + 1] = b2 * x - sections[5 * j + 4] * y
             x = y
+
         out[i] = x
 
 

@@ -1,4 +1,5 @@
-"""Slip detectors behind one interface: samples come in, in any chunks, and ON or OFF goes out for each.
+"""Slip detectors behind one interface: samples come in, in any chunks, and ON or OFF goes out for
+each.
 
 `registry` names them, with those that other packages bring.
 

@@ -1,4 +1,6 @@
-"""Settings of the detector `fast`, its times and limits, and the constants of its loop that follow from them."""
+"""Settings of the detector `fast`, its times and limits, and the
+constants of its loop that follow from them.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,8 @@ from fingertip.slip.detectors import fast_coefficients
 from fingertip.slip.detectors.fast_decision_and_floors import SILENT_RATIO
 from fingertip.slip.detectors.input_noise import input_noise_v
 
-SHORT_S, LONG_S = 0.006, 0.02
+SHORT_S = 0.006
+LONG_S = 0.02
 """Time constants of the energies and movements [s]."""
 TICK_S = 0.002
 """Time between two evaluations of the trees [s]."""
@@ -32,41 +35,62 @@ LOWEST_SCORE = -4.0
 STAY_SCORE = -1.0
 """Score above which slip stays incipient or ON, and the floors stand still."""
 STAY_RATIO = 2.0
-"""Ratio of an energy of 20 ms to its floor above which vibration is heard, and slip stays ON if the trees allow it."""
+"""Ratio of an energy of 20 ms to its floor above which vibration is
+heard, and slip stays ON if the trees allow it.
+"""
 MEAN_S = 0.025
-"""Time constant of the mean score, which decides ON: most blows have high scores for less than this [s]."""
+"""Time constant of the mean score, which decides ON: most blows
+have high scores for less than this [s].
+"""
 WEAK_S = 0.08
 """Time constant of the longest energies: what tells a weak slide from a motor's steps [s]."""
 HOLD_S = 0.1
 """Time constant with which the score is smoothed while a flag is set and vibration is heard [s]."""
-MIN_NOISE_SHARE, MIN_FILTERED_SHARE = SILENT_RATIO**-0.5, 0.5
-"""Smallest noise that is learned, as a share of the stated noise, from the tactile voltage and the filtered signal."""
+MIN_NOISE_SHARE = SILENT_RATIO**-0.5
+MIN_FILTERED_SHARE = 0.5
+"""Smallest noise that is learned, as a share of the stated noise, from
+the tactile voltage and the filtered signal.
+"""
 NOISY_RATIO = 1.5
 """Ratio of a floor to that of the stated noise from which on more must speak for slip."""
 MIN_NOISE_V_RTHZ = 1.26e-5
-"""Smallest noise density taken for stated [V/sqrt(Hz)], that of training: a slip would look like a contact."""
+"""Smallest noise density taken for stated [V/sqrt(Hz)], that of
+training: a slip would look like a contact.
+"""
 LIMIT_SHARE = 0.9
 """Share of the filtered signal's range that is used: a stage may be at its limit beyond it."""
 REST_SHARE = 0.5
-"""Share of the range of the filtered signal by which its mean of `STILL_S` may differ from its rest."""
+"""Share of the range of the filtered signal by which its mean
+of `STILL_S` may differ from its rest.
+"""
 LIMITED_S = 0.03
 """Time in which the board's filter recovers from a limit [s]."""
 STILL_S = 0.2
-"""Time without any change after which the filtered signal is not used [s]: the converter's noise always moves it."""
+"""Time without any change after which the filtered signal is not used
+[s]: the converter's noise always moves it.
+"""
 NUMBER_RATIO = 1e6
 """Ratio to the stated noise from which on a value is no voltage."""
 JUMP_RATIO = 36.0
-"""Ratio to the stated noise of a jump between two samples that the next one must confirm: a touch moves it less."""
+"""Ratio to the stated noise of a jump between two samples that the
+next one must confirm: a touch moves it less.
+"""
 FILTERED_JUMP_RATIO = 1.0
-"""The same for the smallest jump of the filtered signal, 70 times its noise; in slip, `fast_state.JUMP_MOVES` holds."""
+"""The same for the smallest jump of the filtered signal, 70 times its noise; in slip,
+`fast_state.JUMP_MOVES` holds.
+"""
 TRUSTED_S = 0.01
 """Time after a confirmed jump in which no jump is suspected [s]: a fast movement goes on."""
 GAP_S = 0.02
-"""Time without a voltage after which the next one begins anew [s]; the detector is OFF until `FAULT_S` later."""
+"""Time without a voltage after which the next one begins anew [s];
+the detector is OFF until `FAULT_S` later.
+"""
 FAULT_S = 0.05
 """Time for which a replaced sample is reported, and after which an impossible voltage is [s]."""
 STATISTIC_RATIO = 2.5
-"""Threshold in volts over the RMS noise in the wide band. It only gives the statistic a scale in volts."""
+"""Threshold in volts over the RMS noise in the wide band.
+It only gives the statistic a scale in volts.
+"""
 
 
 @dataclass(frozen=True)
@@ -78,11 +102,15 @@ class FilteredSignal:
     range_v: float
     """Largest deviation from its rest that the board and the converter pass [V]."""
     rest_v: float | None = None
-    """Rest that its mean is compared with, as the library does with codes [V]; None: a recording may have another."""
+    """Rest that its mean is compared with, as the library does with
+    codes [V]; None: a recording may have another.
+    """
 
     @classmethod
     def from_design(cls, design: Design, in_codes: bool = False) -> FilteredSignal | None:
-        """Take the filtered signal from a design; None if its board does not give it to a controller."""
+        """Take the filtered signal from a design; None if its
+        board does not give it to a controller.
+        """
         range_v = filtered_range_v(design.board, design.detector.adc_range_v)
         rest_v = signal_ground_ratio(design.board) * design.board.supply_v if in_codes else None
         return None if range_v is None else cls(design.board.passband_gain, range_v, rest_v)
@@ -96,7 +124,9 @@ class FastSettings:
     threshold_scale: float = 1.0
     """Factor of the threshold of the confidence, to trade delay for false alarms."""
     cutoff_hz: float = 67.0
-    """Cutoff of the board's filter [Hz]. It matters only where the board's filtered signal is given."""
+    """Cutoff of the board's filter [Hz].
+    It matters only where the board's filtered signal is given.
+    """
     filtered: FilteredSignal | None = None
     """Filtered signal of the board. None: the detector is given the tactile voltage alone."""
     direction: float = 1.0
@@ -104,9 +134,13 @@ class FastSettings:
     possible_v: tuple[float, float] = (-1e30, 1e30)
     """Tactile voltages that forces give; others are reported [V]."""
     phase: int = 0
-    """Samples by which its ticks come sooner: the detectors of a hand's fingers tick one sample apart."""
+    """Samples by which its ticks come sooner: the detectors of a
+    hand's fingers tick one sample apart.
+    """
     suspects_inputs: bool = True
-    """True if the next sample must confirm a jump, and a voltage that stands still teaches nothing. Not in the fit."""
+    """True if the next sample must confirm a jump, and a voltage that stands still teaches nothing.
+    Not in the fit.
+    """
     mean_s: float = MEAN_S
     """Time constant of the mean score [s]: 0 in the fit, which judges each tick alone."""
 
@@ -116,7 +150,10 @@ class FastSettings:
         noise = max(input_noise_v(design), min_noise_v(rate_hz)) if noise_v is None else noise_v
         filtered = FilteredSignal.from_design(design)
         direction = -1.0 if design.board.tactile_rises else 1.0
-        return cls(rate_hz, noise, cutoff_hz=design.board.cutoff_hz, filtered=filtered, direction=direction)
+
+        return cls(
+            rate_hz, noise, cutoff_hz=design.board.cutoff_hz, filtered=filtered, direction=direction
+        )
 
 
 def min_noise_v(sample_rate_hz: float) -> float:
@@ -124,29 +161,42 @@ def min_noise_v(sample_rate_hz: float) -> float:
 
 
 def band_noise_v(settings: FastSettings, with_filtered: bool) -> float:
-    """Stated noise in the bands, as white noise at the input [V]: the filtered signal has less than any that counts."""
+    """Stated noise in the bands, as white noise at the input [V]: the
+    filtered signal has less than any that counts.
+    """
     return min_noise_v(settings.sample_rate_hz) if with_filtered else settings.noise_v
 
 
 def compute_coefficients(
     settings: FastSettings, model: fast_coefficients.FastModel, with_filtered: bool
 ) -> fast_coefficients.FastCoefficients:
-    rate, filters = settings.sample_rate_hz, fast_coefficients.design_filters(settings.sample_rate_hz)
+    rate = settings.sample_rate_hz
+    filters = fast_coefficients.design_filters(settings.sample_rate_hz)
     board, restore = fast_coefficients.design_board_filter(rate, settings.cutoff_hz)
     wide, upper = fast_coefficients.noise_energies(rate)
     tick = max(1, round(TICK_S * rate))
     ticks_per_s = rate / tick
     stated = band_noise_v(settings, with_filtered) ** 2
     least = stated * (MIN_FILTERED_SHARE if with_filtered else MIN_NOISE_SHARE) ** 2
-    filtered_gain, filtered_limit, filtered_rest, rest_limit = 0.0, math.inf, 0.0, math.inf
+    filtered_gain = 0.0
+    filtered_limit = math.inf
+    filtered_rest = 0.0
+    rest_limit = math.inf
+
     if with_filtered and settings.filtered:
         filtered_gain = 1 / settings.filtered.gain
         filtered_limit = LIMIT_SHARE * settings.filtered.range_v * filtered_gain
         if settings.filtered.rest_v is not None:
-            filtered_rest, rest_limit = settings.filtered.rest_v, REST_SHARE * settings.filtered.range_v
+            filtered_rest = settings.filtered.rest_v
+            rest_limit = REST_SHARE * settings.filtered.range_v
+
     lowest, highest = settings.possible_v
     threshold = LOWEST_SCORE + settings.threshold_scale * (model.threshold - LOWEST_SCORE)
-    jump_ratios = (JUMP_RATIO, FILTERED_JUMP_RATIO) if settings.suspects_inputs else (NUMBER_RATIO, NUMBER_RATIO)
+    jump_ratios = (
+        (JUMP_RATIO, FILTERED_JUMP_RATIO)
+        if settings.suspects_inputs
+        else (NUMBER_RATIO, NUMBER_RATIO)
+    )
     return fast_coefficients.FastCoefficients(
         *board,
         *restore,

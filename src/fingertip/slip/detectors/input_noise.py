@@ -10,7 +10,9 @@ if TYPE_CHECKING:
     from fingertip.design import Design
 
 DEVIATIONS = 6.0
-"""Deviations between noise level and threshold: noise crosses it less than once in a year of 30 ms windows."""
+"""Deviations between noise level and threshold: noise crosses it
+less than once in a year of 30 ms windows.
+"""
 
 
 @dataclass(frozen=True)
@@ -40,17 +42,22 @@ def input_noise_v(design: Design) -> float:
 
 
 def quantised_noise_v(noise_v: float, step_v: float) -> float:
-    """RMS value of Gaussian noise after quantisation [V], at a voltage halfway between two codes, the worst case.
+    """RMS value of Gaussian noise after quantisation [V], at a voltage halfway between two codes,
+    the worst case.
 
-    Noise of several steps gains ``step / sqrt(12)``. Noise much smaller than a step vanishes at most voltages, but
-    halfway between two codes it toggles between them and amounts to half a step.
+    Noise of several steps gains ``step / sqrt(12)``. Noise much smaller than a step vanishes at
+    most voltages, but halfway between two codes it toggles between them and amounts to half a step.
     """
     if noise_v > 4 * step_v:
         return math.hypot(noise_v, step_v / math.sqrt(12))
     if noise_v <= 0.0:
         return step_v / 2
+
     below = [
-        0.5 * (1 + math.erf(k * step_v / noise_v / math.sqrt(2))) for k in range(math.ceil(8 * noise_v / step_v) + 2)
+        0.5 * (1 + math.erf(k * step_v / noise_v / math.sqrt(2)))
+        for k in range(math.ceil(8 * noise_v / step_v) + 2)
     ]
-    squares = (2 * ((k + 0.5) * step_v) ** 2 * (below[k + 1] - below[k]) for k in range(len(below) - 1))
+    squares = (
+        2 * ((k + 0.5) * step_v) ** 2 * (below[k + 1] - below[k]) for k in range(len(below) - 1)
+    )
     return math.sqrt(math.fsum(squares))

@@ -1,7 +1,8 @@
 """Detectors: the interface that all share, and by name what each one takes and judges.
 
-The code of a detector is loaded when one is made, so that the command line can name the detectors without numpy. Other
-packages bring detectors by entry points of the group `fingertip.detectors`, each of which is a `DetectorType`.
+The code of a detector is loaded when one is made, so that the command line can name the detectors
+without numpy. Other packages bring detectors by entry points of the group `fingertip.detectors`,
+each of which is a `DetectorType`.
 """
 
 from __future__ import annotations
@@ -30,7 +31,9 @@ class DetectorOutput:
     """Output of a detector: one value per input sample."""
 
     statistic_v: Array
-    """Quantity that the detector compares with its threshold, in the input's unit (volts for a voltage)."""
+    """Quantity that the detector compares with its threshold, in
+    the input's unit (volts for a voltage).
+    """
     threshold_v: Array
     """Threshold at each sample, in the same unit."""
     on: NDArray[np.bool_]
@@ -39,22 +42,31 @@ class DetectorOutput:
 class Detector(ABC):
     """Causal detector that keeps its state between chunks of samples.
 
-    The output has the same bits however the input is divided into chunks. The state can be pickled between any two
-    chunks.
+    The output has the same bits however the input is divided into chunks. The state can be pickled
+    between any two chunks.
     """
 
     _threshold_v: float
     memory_s: float
-    """Longest time that ON outlasts the slip that caused it, because its samples are still averaged [s]."""
+    """Longest time that ON outlasts the slip that caused it,
+    because its samples are still averaged [s].
+    """
 
     @classmethod
-    def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> Detector:
-        """Create it for a design, a noise [V] (None: the design's) and a factor of the threshold. Raises TraceError."""
+    def for_design(
+        cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0
+    ) -> Detector:
+        """Create it for a design, a noise [V] (None: the design's) and a factor of the threshold.
+
+        Raises TraceError.
+        """
         raise NotImplementedError
 
     @classmethod
     def equivalent_noise_v(cls, design: Design, quiet_v: Array) -> float:
-        """Compute the white noise for which its threshold exceeds a quiet signal as its rule requires [V]."""
+        """Compute the white noise for which its threshold exceeds
+        a quiet signal as its rule requires [V].
+        """
         raise NotImplementedError
 
     @staticmethod
@@ -72,7 +84,9 @@ class Detector(ABC):
         """Process the next samples [V], any number of them, and return one output per sample."""
 
     def step(self, voltage_v: float) -> bool:
-        """Process one sample [V] and return whether slip is ON; some detectors do so without arrays."""
+        """Process one sample [V] and return whether slip is ON;
+        some detectors do so without arrays.
+        """
         return bool(self.process([voltage_v]).on[0])
 
 
@@ -83,17 +97,25 @@ ENVELOPE_MEAN = "mean of the envelope"
 class DetectorType:
     words: str
     input_column: str
-    """Column of the trace that the detector takes: ``voltage_v``, or the board's output ``envelope_v``."""
+    """Column of the trace that the detector takes: ``voltage_v``,
+    or the board's output ``envelope_v``.
+    """
     quantity: str
-    """Quantity that its threshold applies to. The design's threshold applies to the mean of the envelope."""
+    """Quantity that its threshold applies to.
+    The design's threshold applies to the mean of the envelope.
+    """
     code: str
-    """Module, from this folder if it begins with a dot, and class in it, a subclass of `Detector`."""
+    """Module, from this folder if it begins with a dot, and class in it, a subclass of
+    `Detector`.
+    """
     colour: str
     marker: str
     second_column: str | None = None
     """Column that the detector takes beside it, where a recording has it."""
     not_on_divider: str = ""
-    """Reason why it does not work on a divider, as the end of a sentence; empty if it works there."""
+    """Reason why it does not work on a divider, as the end of a sentence; empty if it
+    works there.
+    """
 
     @property
     def takes_envelope(self) -> bool:
@@ -111,35 +133,67 @@ class DetectorType:
         return cast("type[Detector]", getattr(import_module(module, __package__), name))
 
 
-_LOUD = "takes contacts and changes of force for slip on a divider, whose voltage moves more with them than a board's"
+_LOUD = (
+    "takes contacts and changes of force for slip on a divider, whose voltage moves more with "
+    "them than a board's"
+)
 DETECTORS: dict[str, DetectorType] = {
     "analog": DetectorType(
-        "on the board's output", "envelope_v", ENVELOPE_MEAN, ".analog_and_digital:AnalogDetector", BLUE, "s",
+        words="on the board's output",
+        input_column="envelope_v",
+        quantity=ENVELOPE_MEAN,
+        code=".analog_and_digital:AnalogDetector",
+        colour=BLUE,
+        marker="s",
         not_on_divider="takes the filter board's output, and a divider has none",
     ),
     "digital": DetectorType(
-        "the article's chain in software", "voltage_v", ENVELOPE_MEAN, ".analog_and_digital:SlipChain", TEAL, "o",
+        words="the article's chain in software",
+        input_column="voltage_v",
+        quantity=ENVELOPE_MEAN,
+        code=".analog_and_digital:SlipChain",
+        colour=TEAL,
+        marker="o",
         not_on_divider=_LOUD,
     ),
     "fft": DetectorType(
-        "the article's baseline", "voltage_v", "statistic of fft", ".fft:FftDetector", ORANGE, "^",
+        words="the article's baseline",
+        input_column="voltage_v",
+        quantity="statistic of fft",
+        code=".fft:FftDetector",
+        colour=ORANGE,
+        marker="^",
         not_on_divider=_LOUD,
     ),
     "incipient": DetectorType(
-        "fast at its early point", "voltage_v", "statistic of fast", ".fast:IncipientDetector", RED, "o", "filtered_v",
-        "takes knocks for slip on a divider, which gives no filtered signal",
+        words="fast at its early point",
+        input_column="voltage_v",
+        quantity="statistic of fast",
+        code=".fast:IncipientDetector",
+        colour=RED,
+        marker="o",
+        second_column="filtered_v",
+        not_on_divider="takes knocks for slip on a divider, which gives no filtered signal",
     ),
     "fast": DetectorType(
-        "short-time energy", "voltage_v", "statistic of fast", ".fast:FastDetector", RED, "D", "filtered_v"
+        words="short-time energy",
+        input_column="voltage_v",
+        quantity="statistic of fast",
+        code=".fast:FastDetector",
+        colour=RED,
+        marker="D",
+        second_column="filtered_v",
     ),
-}  # fmt: skip
+}
 GROUP = "fingertip.detectors"
 """Group of entry points by which other packages bring detectors."""
 DEFAULT = "digital"
 """Detector of `detect` and of its command, unless another one is named: the article's."""
 
 
-def make_detector(name: str, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> Detector:
+def make_detector(
+    name: str, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0
+) -> Detector:
     """Create a detector for a design, ready for its first sample. Raises TraceError."""
     return check_detector(design, name).implementation.for_design(design, noise_v, threshold_scale)
 
@@ -163,6 +217,7 @@ def select_inputs(source: object, name: str) -> tuple[Array, ...]:
     second: Array | None = getattr(source, kind.second_column, None) if kind.second_column else None
     if first is None:
         return ()
+
     return (first,) if second is None else (first, second)
 
 
@@ -176,31 +231,46 @@ class UsedSignals:
 
     def describe(self) -> str:
         used = " and ".join(self.columns)
-        return f"on {used}" if self.missing is None else f"on {used} alone (no column {self.missing})"
+        return (
+            f"on {used}" if self.missing is None else f"on {used} alone (no column {self.missing})"
+        )
 
 
 def find_signals(design: Design, name: str, has_second: bool) -> UsedSignals:
     """Find the columns that a detector takes for the board of a design."""
-    first, second = find_detector_type(name).input_column, find_second_column(design, name)
+    first = find_detector_type(name).input_column
+    second = find_second_column(design, name)
     if second is None:
         return UsedSignals((first,), None)
+
     return UsedSignals((first, second), None) if has_second else UsedSignals((first,), second)
 
 
 def find_second_column(design: Design, name: str) -> str | None:
-    """Find the column that a detector takes beside its first for the board of a design; None if there is none."""
+    """Find the column that a detector takes beside its first for the
+    board of a design; None if there is none.
+    """
     from fingertip.design.formulas.filter import filtered_range_v  # noqa: PLC0415
 
     second = find_detector_type(name).second_column
-    return second if filtered_range_v(design.board, design.detector.adc_range_v) is not None else None
+    return (
+        second if filtered_range_v(design.board, design.detector.adc_range_v) is not None else None
+    )
 
 
 def check_detector(design: Design, name: str, field: str = "--detector") -> DetectorType:
-    """Look up a type of detector, and refuse one that does not work on a divider. Raises TraceError, about a field."""
+    """Look up a type of detector, and refuse one that does not work on a divider.
+
+    Raises TraceError, about a field.
+    """
     kind = find_detector_type(name, field)
     if kind.not_on_divider and not design.board.has_filter:
-        remedy = f"use {field} fast, or a board with --set board.variant=precision --set board.supply_v=3.3"
+        remedy = (
+            f"use {field} fast, or a board with --set board.variant=precision --set "
+            "board.supply_v=3.3"
+        )
         raise TraceError(Issue(field, f"{name} {kind.not_on_divider}; {remedy}."))
+
     return kind
 
 
@@ -208,10 +278,14 @@ def find_detector_type(name: str, field: str = "--detector") -> DetectorType:
     """Look up a type of detector by name. Raises TraceError, about a field."""
     if name in find_plugins(GROUP):
         return _load_type(name)
+
     if name not in DETECTORS:
         from fingertip.design.parameters.declaration import suggest_name  # noqa: PLC0415
 
-        raise TraceError(Issue(field, f"{name!r} is not a detector; {suggest_name(name, list_detectors())}"))
+        raise TraceError(
+            Issue(field, f"{name!r} is not a detector; {suggest_name(name, list_detectors())}")
+        )
+
     return DETECTORS[name]
 
 
@@ -220,8 +294,13 @@ def _load_type(name: str) -> DetectorType:
     found = load_plugin(GROUP, name, DETECTORS)
     if not isinstance(found, DetectorType):
         raise TraceError(
-            Issue(f"{GROUP}, {name}", f"is no DetectorType but {quote_value(found)}; correct the package.")
+            Issue(
+                f"{GROUP}, {name}",
+                f"is no DetectorType but {quote_value(found)}; correct the package.",
+            )
         )
+
     with blame_plugin(GROUP, name):
         found.implementation  # noqa: B018 (its code is imported here, where its package is named)
+
     return found

@@ -1,7 +1,7 @@
 """Trace files that hold arrays: NumPy, MATLAB, Parquet, WAV, TDMS and bags of ROS.
 
-A file lists its arrays by name. Each is measured by its header before it is read, and only those are read that are
-asked for.
+A file lists its arrays by name. Each is measured by its header before it is read, and only those
+are read that are asked for.
 """
 
 from __future__ import annotations
@@ -26,7 +26,9 @@ from fingertip.foundation.workers import call_within_limits
 from fingertip.slip.traces.trace import COLUMNS, max_table_bytes, shape_message
 
 LIMIT_S = 60.0
-"""Time for a file that may state lists, chunks and scales that take a library hours or all memory [s]."""
+"""Time for a file that may state lists, chunks and scales that
+take a library hours or all memory [s].
+"""
 _MAX_HEADER_BYTES = 2**16
 """Maximum length of the header of a NumPy array. The library reads 10 000 characters."""
 RATE = "sample_rate_hz"
@@ -36,7 +38,9 @@ _MOST_ELEMENTS = 64
 _MAX_TEXT_BYTES = 1000
 """Maximum size of an array of text that is loaded, as a rate may be [bytes]."""
 _MAX_REASON = 200
-"""Maximum length of the reason that a library gives, which may repeat bytes of the file [characters]."""
+"""Maximum length of the reason that a library gives, which may
+repeat bytes of the file [characters].
+"""
 Claim = tuple[tuple[int, ...], np.dtype[Any]]
 """Shape and type of an array, as its file states them."""
 AS_CSV = "save the recording as CSV"
@@ -50,15 +54,19 @@ def load_arrays(kind: str, path: Path, wanted: Collection[str]) -> dict[str, Any
     noun, remedy, read, library = KINDS[kind]
     if library:
         extras.require(str(path), library, alternative=AS_CSV)
+
     try:
         if library in ("", "pyarrow"):
             return read(path, wanted)
+
         return call_within_limits(LIMIT_S, _memory_bytes(), read, path, wanted)
     except (FingertipError, FileNotFoundError, PermissionError):
         raise
     except Exception as error:  # of a damaged file a library may raise any
         reason = shorten(" ".join(str(error).split()) or type(error).__name__, _MAX_REASON)
-        raise TraceError(Issue(str(path), f"is not {noun} that can be read ({reason}); {remedy}.")) from None
+        raise TraceError(
+            Issue(str(path), f"is not {noun} that can be read ({reason}); {remedy}.")
+        ) from None
 
 
 def _memory_bytes() -> int:
@@ -70,44 +78,70 @@ def _load_numbers(
 ) -> dict[str, Any]:
     """Load arrays once all of what they claim is within bounds.
 
-    One that holds no numbers, or has more than two dimensions, is not loaded: an empty one of its type takes its place,
-    which is refused by its name. A rate may be a short text.
+    One that holds no numbers, or has more than two dimensions, is not loaded: an empty one of its
+    type takes its place, which is refused by its name. A rate may be a short text.
     """
-    claims, loaded, total = {name: claim(name) for name in names}, list[str](), 0
+    claims = {name: claim(name) for name in names}
+    loaded = list[str]()
+    total = 0
+
     for name, (shape, dtype) in claims.items():
         if len(shape) <= 2:
-            _check_shape(path, name, shape, dtype.itemsize, total)
+            _check_shape(
+                path,
+                name=name,
+                shape=shape,
+                item_bytes=dtype.itemsize,
+                others=total,
+            )
             size = math.prod(shape) * dtype.itemsize
             if dtype.kind in "bifumM" or (dtype.kind in "cSU" and size <= _MAX_TEXT_BYTES):
                 loaded.append(name)
                 total += size
+
     empty = {name: np.zeros((0,) * len(shape), dtype) for name, (shape, dtype) in claims.items()}
     return empty | {name: load(name) for name in loaded}
 
 
-def _check_shape(path: Path, name: str, shape: tuple[int, ...], item_bytes: int = 8, others: int = 0) -> None:
-    if message := shape_message(shape, item_bytes, others):
+def _check_shape(
+    path: Path,
+    name: str,
+    shape: tuple[int, ...],
+    item_bytes: int = 8,
+    others: int = 0,
+) -> None:
+    message = shape_message(shape, item_bytes, others)
+    if message:
         raise TraceError(Issue(f"{path}, {name}" if name else str(path), message))
 
 
 def _name_columns(rows: NDArray[Any], names: tuple[str, ...]) -> dict[str, Any]:
-    """Name the columns of an array without names by number, and those that a trace requires if there are no others."""
+    """Name the columns of an array without names by number, and those
+    that a trace requires if there are no others.
+    """
     columns = {str(number): column for number, column in enumerate(rows.T, 1)}
-    return columns if len(columns) > len(names) else dict(zip(names[-len(columns) :], rows.T, strict=False)) | columns
+    return (
+        columns
+        if len(columns) > len(names)
+        else dict(zip(names[-len(columns) :], rows.T, strict=False)) | columns
+    )
 
 
 def _read_npy(path: Path, wanted: Collection[str]) -> dict[str, Any]:
     with path.open("rb") as file:
         shape, dtype = _read_npy_header(file)
+
     _check_shape(path, "", shape, dtype.itemsize)
     array = np.load(path, allow_pickle=False)
     if array.dtype.names:
         return {name: array[name] for name in array.dtype.names}
     if array.ndim == 1 or (array.ndim == 2 and 1 in array.shape):
         array = array.reshape(-1, 1)
+
     if array.ndim != 2:
         message = f"has shape {array.shape}; give (samples,) with --rate-hz, or (samples, columns)."
         raise TraceError(Issue(str(path), message))
+
     return _name_columns(array, COLUMNS[:2])
 
 
@@ -123,21 +157,32 @@ def _read_npz(path: Path, wanted: Collection[str]) -> dict[str, Any]:
     with path.open("rb") as file:
         archive = zipfile.ZipFile(file)
         members = {name.removesuffix(".npy"): name for name in archive.namelist()}
-        return dict.fromkeys(members) | _load_numbers(path, members.keys() & set(wanted), claim, load)
+        return dict.fromkeys(members) | _load_numbers(
+            path, members.keys() & set(wanted), claim, load
+        )
 
 
 def _read_npy_header(recording: Any) -> Claim:
-    file = io.BytesIO(recording.read(_MAX_HEADER_BYTES))  # the library would read whatever length the header states
+    file = io.BytesIO(
+        recording.read(_MAX_HEADER_BYTES)
+    )  # the library would read whatever length the header states
     version = np.lib.format.read_magic(file)
-    read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    read = (
+        np.lib.format.read_array_header_1_0
+        if version == (1, 0)
+        else np.lib.format.read_array_header_2_0
+    )
     shape, _, dtype = read(file)
     if dtype.hasobject:
         raise ValueError("it holds objects, which only pickle reads")
+
     return shape, dtype
 
 
 def _read_mat(path: Path, wanted: Collection[str]) -> dict[str, Any]:
-    """Read variables by name, and the numbers in structures and cells as STRUCT/FIELD, of several STRUCT(1)/FIELD."""
+    """Read variables by name, and the numbers in structures and cells
+    as STRUCT/FIELD, of several STRUCT(1)/FIELD.
+    """
     scipy_io = extras.load("scipy.io", str(path), alternative=AS_CSV)
     found = dict[str, Any]()
 
@@ -157,30 +202,46 @@ def _read_mat(path: Path, wanted: Collection[str]) -> dict[str, Any]:
     values = scipy_io.loadmat(path, variable_names=[*taken], simplify_cells=True)
     for name in sorted(taken, key=names.index):
         add(name, values[name])
+
     return dict.fromkeys(names) | found
 
 
 def _read_parquet(path: Path, wanted: Collection[str]) -> dict[str, Any]:
-    parquet, types = (extras.load(f"pyarrow.{name}", str(path), alternative=AS_CSV) for name in ("parquet", "types"))
-    is_number = (types.is_integer, types.is_floating, types.is_boolean, types.is_timestamp, types.is_duration)
+    parquet, types = (
+        extras.load(f"pyarrow.{name}", str(path), alternative=AS_CSV)
+        for name in ("parquet", "types")
+    )
+    is_number = (
+        types.is_integer,
+        types.is_floating,
+        types.is_boolean,
+        types.is_timestamp,
+        types.is_duration,
+    )
     with parquet.ParquetFile(path) as file:
-        rows, fields = file.metadata.num_rows, file.schema_arrow
+        rows = file.metadata.num_rows
+        fields = file.schema_arrow
         _check_shape(path, "", (rows,))
         groups = (file.metadata.row_group(number) for number in range(file.metadata.num_row_groups))
-        if (unpacked := sum(group.total_byte_size for group in groups)) > RECORDING_LIMIT.value:
+        unpacked = sum(group.total_byte_size for group in groups)
+        if unpacked > RECORDING_LIMIT.value:
             raise ValueError(f"it unpacks to {unpacked / 2**20:.0f} MB")
 
         def claim(name: str) -> Claim:
             # The library takes `voltage_v.raw` too where it is asked for `voltage_v`.
             taken = [field.type for field in fields if f"{field.name}.".startswith(f"{name}.")]
-            return (rows,), np.dtype("f8" if all(any(test(each) for test in is_number) for each in taken) else "O")
+            return (rows,), np.dtype(
+                "f8" if all(any(test(each) for test in is_number) for each in taken) else "O"
+            )
 
         def load(name: str) -> Any:
-            parts, count = list[Any](), 0
+            parts = list[Any]()
+            count = 0
             for batch in file.iter_batches(columns=[name]):
                 count += len(batch)
                 _check_shape(path, "", (count,))
                 parts.append(batch.column(name).to_numpy(zero_copy_only=False))
+
             return np.concatenate(parts) if parts else None
 
         names = dict.fromkeys(fields.names)
@@ -189,26 +250,38 @@ def _read_parquet(path: Path, wanted: Collection[str]) -> dict[str, Any]:
 
 def _read_wav(path: Path, wanted: Collection[str]) -> dict[str, Any]:
     with path.open("rb") as file, wave.open(file) as recording:
-        channels, width = recording.getnchannels(), recording.getsampwidth()
+        channels = recording.getnchannels()
+        width = recording.getsampwidth()
         if not 1 <= width <= 4:
             raise ValueError(f"its samples have {8 * width} bits")
+
         frames = min(recording.getnframes(), path.stat().st_size // max(1, channels * width))
         _check_shape(path, "", (frames, channels))
-        data, rate_hz = np.frombuffer(recording.readframes(frames), np.uint8), recording.getframerate()
+        data = np.frombuffer(recording.readframes(frames), np.uint8)
+        rate_hz = recording.getframerate()
+
     padded = np.zeros((len(data) // (channels * width) * channels, 4), np.uint8)
-    padded[:, 4 - width :] = data[: len(padded) * width].reshape(-1, width) ^ (128 if width == 1 else 0)
-    samples = padded.view("<i4").reshape(-1, channels) / 2.0**31  # of one byte they are counted from 0
+    padded[:, 4 - width :] = data[: len(padded) * width].reshape(-1, width) ^ (
+        128 if width == 1 else 0
+    )
+    samples = (
+        padded.view("<i4").reshape(-1, channels) / 2.0**31
+    )  # of one byte they are counted from 0
     return _name_columns(samples, ("voltage_v",)) | {RATE: rate_hz}
 
 
 def _read_tdms(path: Path, wanted: Collection[str]) -> dict[str, Any]:
-    """Read channels by name. A single one is the voltage, and the increment of one that is read gives the times."""
+    """Read channels by name.
+
+    A single one is the voltage, and the increment of one that is read gives the times.
+    """
     nptdms = extras.load("nptdms", str(path), alternative=AS_CSV)
 
     def claim(name: str) -> Claim:
         channel = by_name[name]
         if len(channel) > (size := path.stat().st_size):  # a value takes a byte at least
             raise ValueError(f"it states {len(channel)} values in a file of {size} bytes")
+
         return (len(channel),), np.dtype(channel.dtype)
 
     # By its path, the library would also read an index file beside it.
@@ -216,14 +289,24 @@ def _read_tdms(path: Path, wanted: Collection[str]) -> dict[str, Any]:
         channels = [channel for group in recording.groups() for channel in group.channels()]
         by_name = {f"{each.group_name}/{each.name}": each for each in channels}
         counts = Counter(each.name for each in channels)
-        listed = {each.name if counts[each.name] == 1 else key: each for key, each in by_name.items()}
+        listed = {
+            each.name if counts[each.name] == 1 else key: each for key, each in by_name.items()
+        }
         by_name |= listed
         if len(listed) == 1:
             by_name["voltage_v"] = channels[0]
-        arrays = _load_numbers(path, by_name.keys() & set(wanted), claim, lambda name: by_name[name][:])
-        steps = [step for name in arrays if (step := by_name[name].properties.get("wf_increment")) is not None]
+
+        arrays = _load_numbers(
+            path, by_name.keys() & set(wanted), claim, lambda name: by_name[name][:]
+        )
+        steps = [
+            step
+            for name in arrays
+            if (step := by_name[name].properties.get("wf_increment")) is not None
+        ]
         with np.errstate(divide="ignore"):
             rate = {RATE: float(f"{1 / np.float64(steps[0]):.9g}")} if steps else {}
+
         return dict.fromkeys(listed) | arrays | rate
 
 
@@ -232,11 +315,15 @@ def _read_bag(path: Path, wanted: Collection[str]) -> dict[str, Any]:
 
     The time of each message in the bag is /topic.bag_time [s].
     """
-    highlevel, typesys = (extras.load(f"rosbags.{name}", str(path)) for name in ("highlevel", "typesys"))
-    found, begin_ns = dict[str, list[float]](), 0
+    highlevel, typesys = (
+        extras.load(f"rosbags.{name}", str(path)) for name in ("highlevel", "typesys")
+    )
+    found = dict[str, list[float]]()
+    begin_ns = 0
 
     def add(name: str, value: Any) -> None:
-        if fields := getattr(value, "__dataclass_fields__", None):
+        fields = getattr(value, "__dataclass_fields__", None)
+        if fields:
             for field in fields:
                 add(f"{name}.{field}", getattr(value, field))
         elif np.ndim(value) == 1 and len(value) <= _MOST_ELEMENTS:
@@ -245,12 +332,19 @@ def _read_bag(path: Path, wanted: Collection[str]) -> dict[str, Any]:
         elif np.ndim(value) == 0 and np.asarray(value).dtype.kind in "biuf":
             found.setdefault(name, []).append(float(value))
 
-    with highlevel.AnyReader([path], default_typestore=typesys.get_typestore(typesys.Stores.LATEST)) as bag:
-        named = [each for each in bag.connections if any(name.startswith(f"{each.topic}.") for name in wanted)]
+    with highlevel.AnyReader(
+        [path], default_typestore=typesys.get_typestore(typesys.Stores.LATEST)
+    ) as bag:
+        named = [
+            each
+            for each in bag.connections
+            if any(name.startswith(f"{each.topic}.") for name in wanted)
+        ]
         for connection, time_ns, data in bag.messages(named):
             begin_ns = begin_ns or time_ns
             add(f"{connection.topic}.bag_time", 1e-9 * (time_ns - begin_ns))
             add(connection.topic, bag.deserialize(data, connection.msgtype))
+
     return {name: np.array(values) for name, values in found.items()}
 
 
@@ -270,6 +364,11 @@ KINDS: Mapping[str, _Kind] = {
     "parquet": _Kind("a Parquet file", "save it again, or as CSV", _read_parquet, "pyarrow"),
     "wav": _Kind("a WAV file", "save it as PCM of 16 or 24 bits, or as CSV", _read_wav),
     "tdms": _Kind("a TDMS file", "export it again, or save it as CSV", _read_tdms, "nptdms"),
-    "bag": _Kind("a bag of ROS", "convert one topic to CSV with `ros2 topic echo --csv /topic`", _read_bag, "rosbags"),
+    "bag": _Kind(
+        "a bag of ROS",
+        "convert one topic to CSV with `ros2 topic echo --csv /topic`",
+        _read_bag,
+        "rosbags",
+    ),
 }
 """Kinds of files of arrays."""

@@ -17,13 +17,18 @@ SPACES = " "
 
 
 def split_cells(line: str, delimiter: str) -> list[str]:
-    """Split a line into its cells, with the spaces around them. A quoted cell may hold the delimiter."""
+    """Split a line into its cells, with the spaces around them.
+
+    A quoted cell may hold the delimiter.
+    """
     if delimiter == SPACES:
         return line.split()
+
     line = line.rstrip("\r\n")
     if '"' in line and delimiter in line:
         with contextlib.suppress(csv.Error, StopIteration):  # of a cell that is too long
             return next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+
     return line.split(delimiter)
 
 
@@ -37,33 +42,51 @@ def unquote(cell: str) -> str:
     return cell.strip().strip('"')
 
 
-_PREFIXES = {"m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "n": 1e-9, "k": 1e3}
+_PREFIXES = {
+    "m": 1e-3,
+    "u": 1e-6,
+    "µ": 1e-6,
+    "μ": 1e-6,
+    "n": 1e-9,
+    "k": 1e3,
+}
 _QUANTITY = re.compile(r"([-+]?[\d.,]+)([eE][-+]?\d+)?\s*(?:([munkµμ]?)(?:V|v|Volts?|s|N|Hz))?")
 _THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:[.,]\d{3})+")
 _OVER_RANGE = re.compile(r"[*#]+|-{2,}|[-+]?(ol|ovl?d?|over\w*|clip\w*)", re.IGNORECASE)
 
 
 def parse_number(cell: str) -> float | None:
-    """Parse a number, quoted or not, with a decimal point or comma, marks of thousands, and a unit; else None.
+    """Parse a number, quoted or not, with a decimal point or comma, marks of thousands, and a unit;
+    else None.
 
-    Of two kinds of marks, the last one is the decimal. A prefix of the unit is a factor: 12 mV is 0.012.
+    Of two kinds of marks, the last one is the decimal. A prefix of the unit is a factor: 12 mV is
+    0.012.
     """
     try:
         return float(cell)
     except ValueError:
         plain = unquote(cell)
+
     if plain != cell:
         return parse_number(plain)
-    if not (found := _QUANTITY.fullmatch(plain)):
+
+    found = _QUANTITY.fullmatch(plain)
+    if not found:
         return None
+
     digits, power, prefix = found.groups()
     whole, mark, decimals = re.fullmatch(r"(.*?)(?:([.,])([^.,]*))?", digits).groups("")  # type: ignore[union-attr]
     if mark in whole and mark:  # a mark that is repeated separates thousands
-        whole, decimals = digits, ""
+        whole = digits
+        decimals = ""
+
     if ("," in whole or "." in whole) and not _THOUSANDS.fullmatch(whole):
         return None
+
     try:
-        return float(f"{re.sub('[.,]', '', whole)}.{decimals}{power or ''}") * _PREFIXES.get(prefix, 1.0)
+        return float(f"{re.sub('[.,]', '', whole)}.{decimals}{power or ''}") * _PREFIXES.get(
+            prefix, 1.0
+        )
     except ValueError:
         return None
 
@@ -79,16 +102,22 @@ def is_value(cell: str) -> bool:
 
 
 def parse_instant(cell: str) -> datetime.datetime | None:
-    """Parse a date with time, or a time of day (then of an arbitrary date), as ISO 8601 writes them, else None."""
+    """Parse a date with time, or a time of day (then of an arbitrary
+    date), as ISO 8601 writes them, else None.
+    """
     text = unquote(cell)
     if ":" not in text:  # a bare date, or a whole number, which would be read as one
         return None
+
     try:
         return datetime.datetime.fromisoformat(text)
     except ValueError:
         pass
+
     try:
-        return datetime.datetime.combine(datetime.date(2000, 1, 1), datetime.time.fromisoformat(text))
+        return datetime.datetime.combine(
+            datetime.date(2000, 1, 1), datetime.time.fromisoformat(text)
+        )
     except ValueError:
         return None
 
@@ -100,22 +129,30 @@ _NAMED = re.compile(r"\s*(.* -?> .*|[A-Za-z_][^,;\t:=]*[:=]\s*[-+.\d].*)\s*")
 _NAME = re.compile(r"(^.* -?> )|[A-Za-z_][A-Za-z_0-9 .]*[:=] *")
 
 
-# LabVIEW's measurement files (LVM): a header, and one more above each segment; both end with the same line.
+# LabVIEW's measurement files (LVM): a header, and one more above each segment; both end with the
+# same line.
 #
 # Reference: National Instruments, "Specification for the LabVIEW Measurement File (.lvm)".
 
-LABVIEW, _SEGMENT, _END = "LabVIEW Measurement", "Channels", "***End_of_Header***"
+LABVIEW = "LabVIEW Measurement"
+_SEGMENT = "Channels"
+_END = "***End_of_Header***"
 
 
 def plain_labview(lines: Iterable[str]) -> Iterator[str]:
-    """Leave the samples of a LabVIEW file below its names: headers of segments are empty, and comments cut off."""
-    width, is_header = 0, True
+    """Leave the samples of a LabVIEW file below its names: headers of
+    segments are empty, and comments cut off.
+    """
+    width = 0
+    is_header = True
+
     for line in lines:
         is_header = is_header or line.startswith(_SEGMENT)
         if is_header or not line.strip():
             is_header = is_header and not line.startswith(_END)
             yield "\n" if width else line
             continue
+
         delimiter = "\t" if "\t" in line else ","
         cells = line.rstrip("\r\n").split(delimiter)
         width = width or (cells.index("Comment") if "Comment" in cells else len(cells))
@@ -134,7 +171,9 @@ def bare_lines(lines: Iterable[str]) -> Iterator[str]:
 
 @dataclass
 class NotedLines:
-    """Lines that are passed over or cannot be used, of which a file may hold millions: their number, and the first."""
+    """Lines that are passed over or cannot be used, of which a file may
+    hold millions: their number, and the first.
+    """
 
     count: int = 0
     first: tuple[int, str] | None = None

@@ -1,6 +1,8 @@
-"""Header of a CSV file: the line that names the columns, or the first line of numbers if they are given by number.
+"""Header of a CSV file: the line that names the columns, or the first line of numbers if they are
+given by number.
 
-The delimiter is a comma, a semicolon, a tab or spaces. Lines that a program wrote above the header are skipped.
+The delimiter is a comma, a semicolon, a tab or spaces. Lines that a program wrote above the header
+are skipped.
 """
 
 from __future__ import annotations
@@ -30,27 +32,37 @@ _JSON = re.compile(r"\s*(\{.*\}|\[\s*[-\d.\"\[{].*\])\s*")
 @dataclass(frozen=True)
 class Header:
     names: tuple[str, ...]
-    """Names of the columns. Those in the `ColumnMap` are spelt as there, whatever their case in the file."""
+    """Names of the columns.
+    Those in the `ColumnMap` are spelt as there, whatever their case in the file.
+    """
     delimiter: str
     line: int
-    """Line number in the file, from 1; 0 if the columns are numbers and the first line holds them already."""
+    """Line number in the file, from 1; 0 if the columns are
+    numbers and the first line holds them already.
+    """
     text: str = ""
     """The line itself, by which a header that is repeated among the samples is known."""
     has_samples_above: bool = False
-    """True if samples stand above it, as where a recording of a controller begins while it runs already."""
+    """True if samples stand above it, as where a recording of a
+    controller begins while it runs already.
+    """
 
     def is_repeated(self, line: str) -> bool:
         """Return whether a line among the samples is this header again."""
         return bool(self.text) and _strip_comment(line) == self.text
 
     def is_unit_line(self, line: str) -> bool:
-        """Return whether the line below the header contains the columns' units instead of a first sample."""
+        """Return whether the line below the header contains the
+        columns' units instead of a first sample.
+        """
         cells = split_plain(line, self.delimiter)
         first = [cell for cell in cells if cell][:2]
         return all(map(UNIT_WORD.fullmatch, [*cells[:2], *first]))
 
     def count_cells(self, first: int, places: Iterable[int]) -> int:
-        """Return how many cells each line must have: a program may omit last ones that are not taken."""
+        """Return how many cells each line must have: a program
+        may omit last ones that are not taken.
+        """
         return first if max(places) < first < len(self.names) else len(self.names)
 
     def find_place(self, name: str) -> int:
@@ -59,7 +71,10 @@ class Header:
             return self.names.index(name)
         if name.isdecimal() and 0 < int(name) <= len(self.names):
             return int(name) - 1
-        raise TraceError(Issue("--column", f"there is no column {name}; {suggest_name(name, self.names)}"))
+
+        raise TraceError(
+            Issue("--column", f"there is no column {name}; {suggest_name(name, self.names)}")
+        )
 
 
 def read_start(lines: Iterable[str]) -> Iterator[str]:
@@ -67,46 +82,68 @@ def read_start(lines: Iterable[str]) -> Iterator[str]:
     size = 0
     for line in itertools.islice(lines, SURVEYED_LINES):
         yield line
-        if (size := size + len(line)) > _MAX_SURVEYED:
+        size = size + len(line)
+        if size > _MAX_SURVEYED:
             return
 
 
 def adapt_labview(lines: Sequence[str], columns: ColumnMap) -> ColumnMap:
-    """Fill in what a LabVIEW file tells: its times or their step, and the voltage if there is one signal."""
-    survey, rate_hz = survey_lines(lines), columns.rate_hz
-    times, signals = ([each.key for each in survey.columns if each.kind == kind] if survey else []
-                      for kind in ("time", "signal"))  # fmt: skip
+    """Fill in what a LabVIEW file tells: its times or their step,
+    and the voltage if there is one signal.
+    """
+    survey = survey_lines(lines)
+    rate_hz = columns.rate_hz
+    times, signals = (
+        [each.key for each in survey.columns if each.kind == kind] if survey else []
+        for kind in ("time", "signal")
+    )
     found = {"time_s": times[0]} if times else {}
     if len(signals) == 1:
         found["voltage_v"] = signals[0]
     if survey and "time_s" not in {**found, **columns.names}:
         rate_hz = rate_hz or survey.rate_hz
+
     return replace(columns, names={**found, **columns.names}, rate_hz=rate_hz)
 
 
-def find_header(name: str, lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnMap) -> Header:
+def find_header(
+    name: str, lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnMap
+) -> Header:
     """Find the first line that names the columns that a trace requires.
 
-    Up to `SURVEYED_LINES` lines above are skipped: a controller repeats the header each second. It may be a comment.
-    Where all required columns are given by number, the first line that has numbers there, or times, is the first
-    sample. Raises TraceError.
+    Up to `SURVEYED_LINES` lines above are skipped: a controller repeats the header each second. It
+    may be a comment. Where all required columns are given by number, the first line that has
+    numbers there, or times, is the first sample. Raises TraceError.
     """
     seen: list[str] = []
     for number, text in enumerate(read_start(lines), start=1):
         if "\0" in text:  # UTF-16 without a byte order mark
             raise TraceError(Issue(name, NOT_TEXT))
+
         is_comment = text.lstrip().startswith("#")
         for candidate in (columns, *alternatives):
             if not is_comment and (found := _match_numbers(text, candidate)):
                 return Header(*found, number - 1, _strip_comment(seen[-1]) if seen else "")
+
             cells, delimiter = _split(text.lstrip().lstrip("#") if is_comment else text, candidate)
             if all(candidate.name_in_file(column) in cells for column in candidate.required):
-                raise_issues(TraceError, _duplicate_issues(f"{name}, line {number}", cells, candidate))
-                return Header(tuple(cells), delimiter, number, _strip_comment(text), any(map(_is_sample, seen)))
+                raise_issues(
+                    TraceError, _duplicate_issues(f"{name}, line {number}", cells, candidate)
+                )
+                return Header(
+                    names=tuple(cells),
+                    delimiter=delimiter,
+                    line=number,
+                    text=_strip_comment(text),
+                    has_samples_above=any(map(_is_sample, seen)),
+                )
+
         seen.append("" if _SEPARATOR.fullmatch(text.strip()) else text)
+
     if not any(map(str.strip, seen)):
         names = ",".join(map(columns.name_in_file, columns.required))
         raise TraceError(Issue(name, f"is empty; a trace is a CSV file with the columns {names}."))
+
     raise TraceError(_header_issues(name, seen, columns))
 
 
@@ -117,7 +154,11 @@ def _strip_comment(line: str) -> str:
 def list_numbers(columns: ColumnMap) -> list[int]:
     """List the numbers of the required columns; none unless all are given by number."""
     names = [*map(columns.name_in_file, columns.required)]
-    return [int(name) for name in names] if all(name.isdecimal() and len(name) < 6 for name in names) else []
+    return (
+        [int(name) for name in names]
+        if all(name.isdecimal() and len(name) < 6 for name in names)
+        else []
+    )
 
 
 def _number_names(count: int) -> tuple[str, ...]:
@@ -125,14 +166,19 @@ def _number_names(count: int) -> tuple[str, ...]:
 
 
 def _match_numbers(line: str, columns: ColumnMap) -> tuple[tuple[str, ...], str] | None:
-    """Match a line with values in the required columns. The comma comes late: it may be a decimal comma."""
+    """Match a line with values in the required columns.
+
+    The comma comes late: it may be a decimal comma.
+    """
     required = list_numbers(columns)
     if not required or not 1 <= min(required) <= max(required) <= MAX_CELLS:
         return None
+
     for delimiter in ("\t", ";", ",", SPACES):
         cells = split_plain(line, delimiter)
         if len(cells) >= max(required) and all(is_value(cells[number - 1]) for number in required):
             return _number_names(len(cells)), delimiter
+
     return None
 
 
@@ -144,65 +190,100 @@ def _split(line: str, columns: ColumnMap) -> tuple[list[str], str]:
     cells = split[delimiter]
     if len(cells) == 1:
         delimiter = "\t"  # a comma below is a decimal one
+
     if known & set(cells):
         for number in known - set(cells):
             if number.isdecimal() and 0 < int(number) <= len(cells):
                 cells[int(number) - 1] = number
+
     return cells, delimiter
 
 
 def _normalise_case(cells: list[str], columns: ColumnMap) -> list[str]:
-    """Replace a name that differs from a known one in its case only, if there is no other such name.
+    """Replace a name that differs from a known one in its case only, if there is no other such
+    name.
 
-    Exact names win: a cell that is a known name as it stands, such as `force_N` after `--column voltage_v=force_N`, is
-    that column and no other.
+    Exact names win: a cell that is a known name as it stands, such as `force_N` after `--column
+    voltage_v=force_N`, is that column and no other.
     """
     names = list(map(columns.name_in_file, columns.looked_for))
     for known in names:
         matches = [i for i, cell in enumerate(cells) if cell.casefold() == known.casefold()]
         if len(matches) == 1 and cells[matches[0]] not in names:
             cells[matches[0]] = known
+
     return cells
 
 
 def _is_sample(line: str) -> bool:
     """Return whether a line contains numbers and times only."""
-    return line.strip() != "" and any(all(map(is_value, split_plain(line, delimiter))) for delimiter in DELIMITERS)
+    return line.strip() != "" and any(
+        all(map(is_value, split_plain(line, delimiter))) for delimiter in DELIMITERS
+    )
 
 
 def _header_issues(name: str, lines: Sequence[str], columns: ColumnMap) -> list[Issue]:
     if _JSON.fullmatch(lines[len(lines) // 2]):
         command = "jq --unbuffered -r '[.. | numbers] | @csv'"
-        return [Issue(name, f"holds JSON lines; pass them through {command}, which leaves their numbers as CSV.")]
-    survey, required = survey_lines(lines), list(map(columns.name_in_file, columns.required))
-    number = survey.header or survey.first if survey else next(i for i, line in enumerate(lines, 1) if line.strip())
-    line, field = _strip_comment(lines[number - 1]), f"{name}, line {number}"
+        return [
+            Issue(
+                name,
+                f"holds JSON lines; pass them through {command}, which leaves their numbers "
+                "as CSV.",
+            )
+        ]
+
+    survey = survey_lines(lines)
+    required = list(map(columns.name_in_file, columns.required))
+    number = (
+        survey.header or survey.first
+        if survey
+        else next(i for i, line in enumerate(lines, 1) if line.strip())
+    )
+    line = _strip_comment(lines[number - 1])
+    field = f"{name}, line {number}"
     cells = _split(line, columns)[0] if survey and survey.header else []
     missing = [column for column in columns.required if columns.name_in_file(column) not in cells]
+
     if survey and len(missing) < len(required):
         return [
             *survey.find_issues(field, "column", cells, columns, missing),
             *_duplicate_issues(field, cells, columns),
         ]
+
     if not survey and all(each in line for each in required):
-        message = f"{line[:60]!r} does not separate its names by comma, semicolon or tab; use one of these."
+        message = (
+            f"{line[:60]!r} does not separate its names by comma, semicolon or tab; use one "
+            "of these."
+        )
         return [Issue(field, message)]
+
     shown = ",".join(split_plain(line, survey.delimiter)) if survey else lines[number - 1].strip()
-    what = "the file has no header." if survey and not survey.header else f"it must name {','.join(required)}."
+    what = (
+        "the file has no header."
+        if survey and not survey.header
+        else f"it must name {','.join(required)}."
+    )
     proposal = survey.propose(columns, missing, "Or " if survey.header else "") if survey else ""
     return [Issue(field, f"{shown[:60]!r} is not the header of a trace; {what}{proposal}")]
 
 
 def find_numbered_header(lines: Sequence[str], columns: ColumnMap) -> Header | None:
-    """Find the first sample of a file whose columns are given by number, below any preamble; None if they are not."""
+    """Find the first sample of a file whose columns are given by
+    number, below any preamble; None if they are not.
+    """
     numbers = list_numbers(columns)
     survey = survey_lines(lines) if numbers else None
-    names = _number_names(len(split_plain(lines[survey.first - 1], survey.delimiter))) if survey else ()
+    names = (
+        _number_names(len(split_plain(lines[survey.first - 1], survey.delimiter))) if survey else ()
+    )
     if survey is None or not all(0 < number <= len(names) for number in numbers):
         return None
+
     header = _strip_comment(lines[survey.header - 1]) if survey.header else ""
     if set(map(str, numbers)) <= set(split_plain(header, survey.delimiter)):
         return None  # names win over numbers
+
     return Header(names, survey.delimiter, survey.first - 1, header)
 
 

@@ -1,4 +1,6 @@
-"""Traces, their validation and their size: sampled tactile voltage, and the true force and slip where known."""
+"""Traces, their validation and their size: sampled tactile voltage,
+and the true force and slip where known.
+"""
 
 from __future__ import annotations
 
@@ -16,11 +18,24 @@ from numpy.typing import NDArray
 
 from fingertip.design.parameters.electronics import Detector as DetectorParameters
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
-from fingertip.foundation.errors import ArgumentError, InputFileError, Issue, TraceError, quote_value, raise_issues
+from fingertip.foundation.errors import (
+    ArgumentError,
+    InputFileError,
+    Issue,
+    TraceError,
+    quote_value,
+    raise_issues,
+)
 from fingertip.foundation.input_files import RECORDING_LIMIT, SAMPLES_LIMIT, check_regular
 from fingertip.foundation.numerics import Array
 from fingertip.slip.traces import sampling
-from fingertip.slip.traces.sampling import TIME_UNITS_S, find_rounding, rises_as_time, sample_location, time_issues
+from fingertip.slip.traces.sampling import (
+    TIME_UNITS_S,
+    find_rounding,
+    rises_as_time,
+    sample_location,
+    time_issues,
+)
 from fingertip.slip.traces.truth import UNKNOWN, Origin
 
 if TYPE_CHECKING:
@@ -30,19 +45,29 @@ COLUMNS = ("time_s", "voltage_v", "force_n", "slip", "envelope_v", "filtered_v")
 NANOSEC = "nanosec"
 """Column of nanoseconds that is added to the times, where these are given as A+B."""
 BOARD_COLUMNS = ("envelope_v", "filtered_v")
-"""Columns that come from the board. A simulation calls them sampled_envelope_v and sampled_filtered_v."""
+"""Columns that come from the board.
+A simulation calls them sampled_envelope_v and sampled_filtered_v.
+"""
 _FORCE = re.compile(r".*(_n|[\[(]N[\])]|force)$|force", re.IGNORECASE)
 
 
 def as_numbers(name: str, values: Any) -> Array:
-    """Return values as an array, with NaN in the place of those that numpy masks. Raises TraceError."""
+    """Return values as an array, with NaN in the place of those that numpy masks.
+
+    Raises TraceError.
+    """
     try:
         array: Any = np.ma.asarray(values)
-        if array.dtype.kind not in "iufO":  # complex numbers, texts, flags or dates, which numpy would convert
+        if (
+            array.dtype.kind not in "iufO"
+        ):  # complex numbers, texts, flags or dates, which numpy would convert
             raise TypeError(f"its type is {array.dtype}")
+
         return np.asarray(array.astype(float, copy=False).filled(np.nan))
     except (TypeError, ValueError, OverflowError) as error:
-        raise TraceError(Issue(name, f"is no array of numbers ({error}); give one per sample.")) from None
+        raise TraceError(
+            Issue(name, f"is no array of numbers ({error}); give one per sample.")
+        ) from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,34 +82,45 @@ class Trace:
     envelope_v: Array | None = None
     """Output of the filter board [V], which the detector `analog` takes."""
     filtered_v: Array | None = None
-    """Filtered signal of a board for a controller, ahead of its rectifier [V]; the detector `fast` takes it too."""
+    """Filtered signal of a board for a controller, ahead of its
+    rectifier [V]; the detector `fast` takes it too.
+    """
     origin: Origin = UNKNOWN
 
     def __post_init__(self) -> None:
         for name in COLUMNS:
-            if (values := getattr(self, name)) is None and name not in COLUMNS[:2]:
+            values = getattr(self, name)
+            if values is None and name not in COLUMNS[:2]:
                 continue
+
             array = np.asarray(values, dtype=bool) if name == "slip" else as_numbers(name, values)
             object.__setattr__(self, name, array)
             if array.ndim == 1 and len(self.time_s) == 0 < array.size:
                 raise TraceError(Issue("time_s", "has 0 samples; give the time of each."))
+
             if array.ndim != 1 or len(array) != len(self.time_s):
                 times = "" if name == "time_s" else f", but time_s has shape {self.time_s.shape}"
-                raise TraceError(Issue(name, f"has shape {array.shape}{times}; give one value per sample."))
+                raise TraceError(
+                    Issue(name, f"has shape {array.shape}{times}; give one value per sample.")
+                )
 
     def __repr__(self) -> str:
         count = len(self.time_s)
         if count < 2:
             return f"Trace({count} samples)"
+
         duration_s = float(self.time_s[-1] - self.time_s[0])
         others = [name for name in COLUMNS[2:] if getattr(self, name) is not None]
         rate_hz = (count - 1) / duration_s if duration_s > 0.0 else float("nan")
-        return f"Trace({', '.join([f'{count} samples', f'{duration_s:.4g} s at {rate_hz:.6g} Hz', *others])})"
+        facts = [f"{count} samples", f"{duration_s:.4g} s at {rate_hz:.6g} Hz", *others]
+        return f"Trace({', '.join(facts)})"
 
     def _repr_html_(self) -> str:
         """Table of the columns with their ranges, for Jupyter."""
         rows = [
-            (name, f"{np.min(values):.6g}", f"{np.max(values):.6g}") for name, values in self._columns() if len(values)
+            (name, f"{np.min(values):.6g}", f"{np.max(values):.6g}")
+            for name, values in self._columns()
+            if len(values)
         ]
         return html_table(repr(self), ("column", "smallest", "largest"), rows)
 
@@ -98,7 +134,8 @@ class Trace:
 
     def _columns(self) -> Iterator[tuple[str, NDArray[Any]]]:
         for name in COLUMNS:
-            if (values := getattr(self, name)) is not None:
+            values = getattr(self, name)
+            if values is not None:
                 yield name, values
 
 
@@ -109,7 +146,10 @@ def is_force(name: str) -> bool:
 
 @dataclass(frozen=True)
 class ColumnMap:
-    """Names of a trace's columns in a file, and how to convert the file's values. Raises TraceError."""
+    """Names of a trace's columns in a file, and how to convert the file's values.
+
+    Raises TraceError.
+    """
 
     names: Mapping[str, str] = field(default_factory=dict)
     """Name in the file for each column of a trace; without an entry the names are the same."""
@@ -122,18 +162,31 @@ class ColumnMap:
 
     def __post_init__(self) -> None:
         issues = [
-            Issue("--column", f"{name!r} is not a column of a trace; choose one of {', '.join(COLUMNS)}.")
+            Issue(
+                "--column",
+                f"{name!r} is not a column of a trace; choose one of {', '.join(COLUMNS)}.",
+            )
             for name in self.names
             if name not in (*COLUMNS, NANOSEC)
         ]
         if self.rate_hz is not None and not 0.0 < self.rate_hz < float("inf"):
-            issues.append(Issue("--rate-hz", f"{self.rate_hz:g} Hz is not a sampling rate; choose 1000 to 20000 Hz."))
+            issues.append(
+                Issue(
+                    "--rate-hz",
+                    f"{self.rate_hz:g} Hz is not a sampling rate; choose 1000 to 20000 Hz.",
+                )
+            )
+
         if not (np.isfinite(self.scale) and self.scale != 0.0):
             message = f"{self.scale:g} is not a scale; give volts per unit of the file's voltage."
             issues.append(Issue("--scale", message))
+
         if not 0.0 < self.time_scale < float("inf"):
-            message = f"{self.time_scale:g} is not a unit of time; give its length in seconds, or one of "
+            message = (
+                f"{self.time_scale:g} is not a unit of time; give its length in seconds, or one of "
+            )
             issues.append(Issue("--time-scale", f"{message}{', '.join(TIME_UNITS_S)}."))
+
         raise_issues(TraceError, issues)
         seconds, plus, nanosec = self.names.get("time_s", "").partition("+")
         if seconds and plus and nanosec:
@@ -147,7 +200,9 @@ class ColumnMap:
         return (*COLUMNS, NANOSEC) if NANOSEC in self.names else COLUMNS
 
     def with_simulated_names(self, names: Collection[str]) -> ColumnMap:
-        """Map the board's columns to the names that a simulation gives them, where a file has those only."""
+        """Map the board's columns to the names that a simulation
+        gives them, where a file has those only.
+        """
         found = {
             column: f"sampled_{column}"
             for column in BOARD_COLUMNS
@@ -159,7 +214,9 @@ class ColumnMap:
     def required(self) -> tuple[str, ...]:
         """Columns that every trace must have, and those of the board that are named."""
         named = tuple(column for column in (NANOSEC, *BOARD_COLUMNS) if column in self.names)
-        return ("voltage_v", *named) if self.rate_hz is not None else ("time_s", "voltage_v", *named)
+        return (
+            ("voltage_v", *named) if self.rate_hz is not None else ("time_s", "voltage_v", *named)
+        )
 
     @property
     def in_volts(self) -> bool:
@@ -169,15 +226,23 @@ class ColumnMap:
     @np.errstate(over="ignore")  # a value that overflows is infinite, and refused by its name
     def make_trace(self, columns: Mapping[str, Array]) -> Trace:
         """Make a trace of the file's columns, given by a trace's names."""
-        time, slip = columns.get("time_s"), columns.get("slip")
+        time = columns.get("time_s")
+        slip = columns.get("slip")
+
         if time is None:
             assert self.rate_hz is not None
             time = np.arange(len(columns["voltage_v"])) / self.rate_hz
         else:
-            time = (time + 1e-9 * columns[NANOSEC] if NANOSEC in columns else time) * self.time_scale
-        volts: dict[str, Any] = {name: columns[name] for name in ("voltage_v", *BOARD_COLUMNS) if name in columns}
+            time = (
+                time + 1e-9 * columns[NANOSEC] if NANOSEC in columns else time
+            ) * self.time_scale
+
+        volts: dict[str, Any] = {
+            name: columns[name] for name in ("voltage_v", *BOARD_COLUMNS) if name in columns
+        }
         if self.scale != 1.0:
             volts = {name: values * self.scale for name, values in volts.items()}
+
         flags = None if slip is None else slip == 1.0
         return Trace(time, force_n=columns.get("force_n"), slip=flags, **volts)
 
@@ -201,49 +266,83 @@ class RawTrace:
 
     @property
     def rate_hz(self) -> float | None:
-        """Sampling rate from the median time step, to six digits [Hz]; None if the times do not determine it."""
+        """Sampling rate from the median time step, to six digits
+        [Hz]; None if the times do not determine it.
+        """
         time = self.trace.time_s
         if not self._times_are_valid or find_rounding(time):
             return None
+
         usual = float(np.median(np.diff(time)))
         return float(f"{1 / usual:.6g}") if usual > 0.0 else None
 
     def validate(self, detector: DetectorParameters) -> Trace:
-        """Return the trace if it is valid for a detector's sampling rate, window and ADC. Raises TraceError."""
+        """Return the trace if it is valid for a detector's sampling rate, window and ADC.
+
+        Raises TraceError.
+        """
         raise_issues(TraceError, self.find_issues(detector))
         return self.trace
 
     def find_issues(self, detector: DetectorParameters) -> list[Issue]:
         issues = [*self.issues, *self._value_issues(detector)]
         if self._times_are_valid:
-            issues.extend(time_issues(self.trace.time_s, detector, self.name, self.lines, self.is_array))
+            issues.extend(
+                time_issues(
+                    self.trace.time_s,
+                    detector=detector,
+                    name=self.name,
+                    lines=self.lines,
+                    is_array=self.is_array,
+                )
+            )
+
         return issues
 
     def _value_issues(self, detector: DetectorParameters) -> Iterator[Issue]:
-        count, minimum = len(self.trace.time_s), max(2, detector.window_samples)
+        count = len(self.trace.time_s)
+        minimum = max(2, detector.window_samples)
         if count < minimum:
             yield Issue(self.name, sampling.length_message(count, minimum))
+
         for column, values in self.trace._columns():
-            if (wrong := np.flatnonzero(~np.isfinite(values))).size:
+            wrong = np.flatnonzero(~np.isfinite(values))
+            if wrong.size:
                 first = int(wrong[0])
                 where = (
-                    f"{sample_location(first, self.lines)} is not a finite number{sampling.count_others(wrong.size)}"
+                    f"{sample_location(first, self.lines)} is not a finite "
+                    f"number{sampling.count_others(wrong.size)}"
                 )
                 message = f"{values[first]} {where}; record again or remove it."
                 yield Issue(f"{self.name}, {column}", message)
+
         volts = self.trace.voltage_v
         if count >= minimum and np.isfinite(volts).all() and rises_as_time(volts):
             step = (volts[-1] - volts[0]) / (count - 1)
-            message = f"rises by {step:.4g} per sample: it is a time or a counter; name the column of the voltage."
+            message = (
+                f"rises by {step:.4g} per sample: it is a time or a counter; name the "
+                "column of the voltage."
+            )
             yield Issue(f"{self.name}, voltage_v", message)
             return
+
         if not self.in_volts:
             return
-        outside = np.flatnonzero(np.isfinite(volts) & ((volts > detector.adc_range_v) | (volts < detector.adc_low_v)))
+
+        outside = np.flatnonzero(
+            np.isfinite(volts) & ((volts > detector.adc_range_v) | (volts < detector.adc_low_v))
+        )
         if outside.size:
             first = int(outside[0])
-            all_whole, where = bool(np.all(volts[np.isfinite(volts)] % 1 == 0)), sample_location(first, self.lines)
-            message = sampling.range_message(float(volts[first]), f" {where}", all_whole, detector, self.is_array)
+            all_whole = bool(np.all(volts[np.isfinite(volts)] % 1 == 0))
+            where = sample_location(first, self.lines)
+            message = sampling.range_message(
+                float(volts[first]),
+                where=f" {where}",
+                whole=all_whole,
+                detector=detector,
+                is_array=self.is_array,
+            )
             yield Issue(f"{self.name}, voltage_v", message)
 
     @property
@@ -257,13 +356,17 @@ class RawTrace:
 MAX_LINE = 2**20
 """Maximum length of a line of text [characters]. Ten thousand columns need a third of it."""
 _CELLS_PER_SAMPLE = 4
-"""Ratio of the numbers in a table, columns that no trace takes included, to the largest number of samples."""
+"""Ratio of the numbers in a table, columns that no trace takes
+included, to the largest number of samples.
+"""
 _REMEDY = "cut the recording into parts"
 
 
 def max_rows(columns: int) -> int:
     """Return the maximum number of lines of a table with this number of columns."""
-    return max(1, min(SAMPLES_LIMIT.value, _CELLS_PER_SAMPLE * SAMPLES_LIMIT.value // max(1, columns)))
+    return max(
+        1, min(SAMPLES_LIMIT.value, _CELLS_PER_SAMPLE * SAMPLES_LIMIT.value // max(1, columns))
+    )
 
 
 def max_table_bytes() -> int:
@@ -277,8 +380,13 @@ def check_trace_file(path: Path) -> None:
         check_regular(path, RECORDING_LIMIT, "a trace")
     except InputFileError as error:
         pipe = re.compile(r"(is a pipe.*)\.$")
-        said = (pipe.sub(r"\1, or - for lines from standard input.", issue.message) for issue in error.issues)
-        raise TraceError(Issue(str(path), each.replace("make it smaller", _REMEDY)) for each in said) from None
+        said = (
+            pipe.sub(r"\1, or - for lines from standard input.", issue.message)
+            for issue in error.issues
+        )
+        raise TraceError(
+            Issue(str(path), each.replace("make it smaller", _REMEDY)) for each in said
+        ) from None
 
 
 def max_lines() -> int:
@@ -286,32 +394,48 @@ def max_lines() -> int:
     return 2 * SAMPLES_LIMIT.value + 10_000
 
 
-def bounded_lines(lines: Iterable[str | bytes], name: str, most: int | None = None) -> Iterator[str]:
-    """Yield lines of a text file or stream, none of which is longer than `MAX_LINE`. Raises TraceError.
+def bounded_lines(
+    lines: Iterable[str | bytes], name: str, most: int | None = None
+) -> Iterator[str]:
+    """Yield lines of a text file or stream, none of which is longer than `MAX_LINE`.
 
-    Bytes, as of a serial port, are UTF-8. An empty read is the end, and so is that of a port that is unplugged.
+    Raises TraceError.
+
+    Bytes, as of a serial port, are UTF-8. An empty read is the end, and so is that of a port that
+    is unplugged.
     """
     lines = _read_port(lines) if hasattr(lines, "in_waiting") else lines
-    readline, rest = getattr(lines, "readline", None), iter(() if hasattr(lines, "readline") else lines)
+    readline = getattr(lines, "readline", None)
+    rest = iter(() if hasattr(lines, "readline") else lines)
+
     for number in itertools.count(1):
         try:
             line: str | bytes = readline(MAX_LINE + 1) if readline else next(rest, "")
         except OSError as error:
             if error.errno not in (errno.EIO, None):  # pyserial states none
                 raise
+
             return
+
         if line in ("", b""):
             return
+
         line = line.decode("utf-8", "replace") if isinstance(line, bytes) else line
         if not isinstance(line, str):
             message = f"is {quote_value(line)}, no text; give lines of CSV, or arrays to `detect`."
             raise ArgumentError(Issue(f"{name}, line {number}", message))
+
         if len(line) > MAX_LINE:
-            message = f"is longer than {MAX_LINE} characters; a trace has one sample per line, so break the lines."
+            message = (
+                f"is longer than {MAX_LINE} characters; a trace has one sample per line, so "
+                "break the lines."
+            )
             raise TraceError(Issue(f"{name}, line {number}", message))
+
         if most is not None and number > most:
             message = f"has more than {most} lines; {_REMEDY}, or raise {SAMPLES_LIMIT.variable}."
             raise TraceError(Issue(name, message))
+
         yield line.lstrip("\ufeff") if number == 1 else line
 
 
@@ -324,13 +448,20 @@ def _read_port(port: Any) -> Iterator[bytes]:
 
 
 def shape_message(shape: Sequence[int], item_bytes: int = 8, others: int = 0) -> str | None:
-    """Describe an array that is too large, by the shape that its file states, or with others [bytes]; else None."""
-    count, maximum = math.prod(shape), SAMPLES_LIMIT.value
-    fits = all(0 <= length <= maximum for length in shape) and 0 <= count <= _CELLS_PER_SAMPLE * maximum
+    """Describe an array that is too large, by the shape that its file
+    states, or with others [bytes]; else None.
+    """
+    count = math.prod(shape)
+    maximum = SAMPLES_LIMIT.value
+    fits = (
+        all(0 <= length <= maximum for length in shape)
+        and 0 <= count <= _CELLS_PER_SAMPLE * maximum
+    )
     # As many numbers as all columns of a trace hold, and those of the board by their other names.
     most = min(RECORDING_LIMIT.value, 8 * (len(COLUMNS) + len(BOARD_COLUMNS)) * maximum - others)
     if fits and count * item_bytes <= most:
         return None
+
     values = f"{count + others / 8:.3g}" if abs(count) < 10**300 else "too many"
     remedy = f"{_REMEDY}, record again, or raise {SAMPLES_LIMIT.variable}"
     return f"claims to hold {values} values; at most {maximum} samples are read; {remedy}."

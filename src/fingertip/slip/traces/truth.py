@@ -1,4 +1,6 @@
-"""True slip and motion: intervals of flags scored against them, and what is known of a trace beside its columns."""
+"""True slip and motion: intervals of flags scored against them, and
+what is known of a trace beside its columns.
+"""
 
 from __future__ import annotations
 
@@ -17,26 +19,36 @@ from fingertip.foundation.numerics import Array
 from fingertip.foundation.output_set import has_hash, read_manifest
 
 STICK_S = 0.05
-"""Gap up to which two true slips count as one [s]: no hand can respond between them, with any detector."""
+"""Gap up to which two true slips count as one [s]: no hand can
+respond between them, with any detector.
+"""
 
 INCIPIENT_S = 0.007
 """Duration of incipient slip [s].
 
-A pad creeps faster and faster before its slip is gross. On the article's trials, as simulated, it exceeds 1 mm/s 4 to
-6 ms before. A detector that turns ON in that time and remains ON has detected this slip; it was not ON already."""
+A pad creeps faster and faster before its slip is gross. On the article's trials, as simulated, it
+exceeds 1 mm/s 4 to 6 ms before. A detector that turns ON in that time and remains ON has detected
+this slip; it was not ON already.
+"""
 
 
 @dataclass(frozen=True)
 class Interval:
-    """Time from the first sample at which a flag is true to the first at which it is false (or the trace's last)."""
+    """Time from the first sample at which a flag is true to the first
+    at which it is false (or the trace's last).
+    """
 
     onset_s: float
     end_s: float
 
     def overlaps(self, other: Interval, slack_s: float = 0.0) -> bool:
-        """Return whether two intervals overlap; one of length 0, at a trace's end, overlaps one around it."""
-        begin, end = max(self.onset_s, other.onset_s), min(self.end_s + slack_s, other.end_s)
+        """Return whether two intervals overlap; one of length 0,
+        at a trace's end, overlaps one around it.
+        """
+        begin = max(self.onset_s, other.onset_s)
+        end = min(self.end_s + slack_s, other.end_s)
         has_zero_length = self.onset_s == self.end_s or other.onset_s == other.end_s
+
         return begin < end or (has_zero_length and begin == end)
 
 
@@ -49,14 +61,18 @@ class Score:
     delays_s: tuple[float | None, ...]
     """Time from each slip's onset to the onset of the first interval that overlaps it [s].
 
-    None: missed. Negative: the detector was ON before; from ``-INCIPIENT_S`` on it detected the incipient slip."""
+    None: missed. Negative: the detector was ON before; from ``-INCIPIENT_S`` on it detected the
+    incipient slip.
+    """
     false_intervals: tuple[Interval, ...]
     """Detected intervals that overlap no slip."""
 
     @property
     def missed(self) -> tuple[Interval, ...]:
         """Slips that no detected interval overlaps."""
-        return tuple(slip for slip, delay in zip(self.slips, self.delays_s, strict=True) if delay is None)
+        return tuple(
+            slip for slip, delay in zip(self.slips, self.delays_s, strict=True) if delay is None
+        )
 
 
 def intervals(time_s: Array, flags: NDArray[np.bool_]) -> tuple[Interval, ...]:
@@ -77,15 +93,18 @@ class SlipCollector:
     def add(self, time_s: Array, flags: NDArray[np.bool_]) -> None:
         if not len(time_s):
             return
+
         before = self._onset_s is not None
         padded = np.concatenate(([before], flags))
         edges = np.flatnonzero(padded[1:] != padded[:-1])
+
         for moment in time_s[edges].tolist():
             if self._onset_s is None:
                 self._onset_s = moment
             else:
                 self._found.append(Interval(self._onset_s, moment))
                 self._onset_s = None
+
         self._last_s = float(time_s[-1])
 
     def close(self) -> tuple[Interval, ...]:
@@ -93,6 +112,7 @@ class SlipCollector:
         if self._onset_s is not None:
             self._found.append(Interval(self._onset_s, self._last_s))
             self._onset_s = None
+
         return tuple(self._found)
 
 
@@ -104,6 +124,7 @@ def merge(parts: Sequence[Interval], gap_s: float) -> tuple[Interval, ...]:
             out[-1] = Interval(out[-1].onset_s, part.end_s)
         else:
             out.append(part)
+
     return tuple(out)
 
 
@@ -113,14 +134,19 @@ def score(detected: Sequence[Interval], truth: Sequence[Interval], memory_s: flo
     for slip in slips:
         first = next((interval for interval in detected if slip.overlaps(interval)), None)
         delays.append(None if first is None else first.onset_s - slip.onset_s)
+
     false = tuple(d for d in detected if not any(slip.overlaps(d, memory_s) for slip in slips))
     return Score(slips, tuple(delays), false)
 
 
 def measure_false_on_s(detected: Sequence[Interval], slips: Sequence[Interval]) -> float:
-    """Measure the time of ON outside all slips [s]; an interval that began long before a slip is not false."""
+    """Measure the time of ON outside all slips [s]; an interval
+    that began long before a slip is not false.
+    """
     on_s = sum(i.end_s - i.onset_s for i in detected)
-    return on_s - sum(max(0.0, min(i.end_s, s.end_s) - max(i.onset_s, s.onset_s)) for i in detected for s in slips)
+    return on_s - sum(
+        max(0.0, min(i.end_s, s.end_s) - max(i.onset_s, s.onset_s)) for i in detected for s in slips
+    )
 
 
 @dataclass(frozen=True)
@@ -129,9 +155,13 @@ class Origin:
 
     is_simulated: bool = False
     motion_s: float | None = None
-    """Moment at which the robot begins to slide [s]; None if there is no slide, or it is not known."""
+    """Moment at which the robot begins to slide [s]; None if there is no slide, or it is
+    not known.
+    """
     clip_share: float | None = None
-    """Share of the true slip in which the filter's output is at its limits; None if it is not known."""
+    """Share of the true slip in which the filter's output is at
+    its limits; None if it is not known.
+    """
 
     @property
     def truth(self) -> str:
@@ -145,11 +175,17 @@ UNKNOWN = Origin()
 def read_origin(path: Path) -> Origin:
     """Read what the manifest beside a trace, and the detection of a simulated one, say of it."""
     manifest = read_manifest(path.parent)
-    if manifest is None or manifest.kind != SIGNAL.kind or not has_hash(path, manifest.files.get(path.name)):
+    if (
+        manifest is None
+        or manifest.kind != SIGNAL.kind
+        or not has_hash(path, manifest.files.get(path.name))
+    ):
         return UNKNOWN
+
     detection = path.parent / DETECTION
     if path.name != TRACE or not has_hash(detection, manifest.files.get(DETECTION)):
         return Origin(is_simulated=True)
+
     return parse_origin(read_input(detection, PARSED_LIMIT, below=path.parent))
 
 
@@ -159,17 +195,23 @@ def parse_origin(detection: bytes | None) -> Origin:
         motion_s = json.loads(detection)["motion_s"] if detection else None
     except (ValueError, KeyError, TypeError, RecursionError):
         motion_s = None
-    return Origin(True, motion_s if isinstance(motion_s, float) and math.isfinite(motion_s) else None)
+
+    return Origin(
+        True, motion_s if isinstance(motion_s, float) and math.isfinite(motion_s) else None
+    )
 
 
-# Start of a robot's motion, and how well encoders know it: the article reads its robot's at 100 Hz (section III.C).
+# Start of a robot's motion, and how well encoders know it: the article reads its robot's at 100 Hz
+# (section III.C).
 
 ENCODER_HZ = 100.0
 """Rate at which the encoders are read [Hz] (article, section III.C)."""
 
 
 def encoder_band_s(motion_s: float) -> tuple[float, float]:
-    """Interval in which encoders first show a motion that begins at `motion_s` [s]: one of their periods."""
+    """Interval in which encoders first show a motion that begins
+    at `motion_s` [s]: one of their periods.
+    """
     return motion_s, motion_s + 1 / ENCODER_HZ
 
 
@@ -179,13 +221,16 @@ def encoder_delay_band_s(delay_s: float) -> tuple[float, float]:
 
 
 def format_delay_band(delay_s: float) -> str:
-    """Format the delays that encoders show for a true delay since the motion, such as ``15.5-25.5 ms``."""
+    """Format the delays that encoders show for a true delay since
+    the motion, such as ``15.5-25.5 ms``.
+    """
     low_s, high_s = encoder_delay_band_s(delay_s)
     return f"{1000 * low_s:.1f}-{1000 * high_s:.1f} ms"
 
 
 ENCODER_NOTE = (
-    f"encoders at {ENCODER_HZ:g} Hz, as the article's, know when it moved to {1000 / ENCODER_HZ:g} ms: their delays "
+    f"encoders at {ENCODER_HZ:g} Hz, as the article's, know when it moved to "
+    f"{1000 / ENCODER_HZ:g} ms: their delays "
     "are up to so much shorter"
 )
 """Note of tables below delays since the robot moved."""

@@ -38,9 +38,12 @@ class Design(DesignTables):
 
     Its construction checks every bound and every rule, and reports all issues at once.
 
-    Raises ------ DesignError With one message for each unknown name, each parameter out of bounds
-    and each field that a broken rule blames. `fingertip.design.remedies` states what the remedies
-    in the messages promise.
+    Raises
+    ------
+    DesignError
+        With one message for each unknown name, each parameter out of bounds and each field that a
+        broken rule blames. `fingertip.design.remedies` states what the remedies in the messages
+        promise.
     """
 
     def __init__(self, /, **tables: Any) -> None:
@@ -54,8 +57,11 @@ class Design(DesignTables):
         A change is a text such as "skin.width_mm=18"; a mapping such as {"skin.width_mm": 18} holds
         several, each once. With `fit`, what follows moves as in `Design.fit`.
 
-        Raises ------ DesignError If a file cannot be read, is not valid TOML or is of another kind,
-        or if the design is refused.
+        Raises
+        ------
+        DesignError
+            If a file cannot be read, is not valid TOML or is of another kind, or if the design is
+            refused.
         """
         loaded = load_tables(files, changes)
         make = cls.fit_tables if fit else cls.from_tables

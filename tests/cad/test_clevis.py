@@ -19,7 +19,7 @@ from fingertip.design.formulas.stress_and_knock import OF_CHORDS, pin_peak, shou
 from fingertip.design.geometry.outlines import eye_corners
 from fingertip.design.geometry.solids import cylinder, union
 from fingertip.design.interfaces import clevis, clevis_rules, clevis_solids, interface_of
-from fingertip.design.new_design import PRESETS
+from fingertip.fitting.new_design import PRESETS
 from tests.cad.part_checks import run_all_checks
 from tests.conftest import design_file
 

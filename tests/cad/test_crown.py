@@ -17,7 +17,7 @@ from fingertip.design.geometry.conic import ConicBody
 from fingertip.design.geometry.outlines import RAMP_SLOPE
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.solids import Box, SuperconicSolid, difference
-from fingertip.design.new_design import PRESETS
+from fingertip.fitting.new_design import PRESETS
 from tests.conftest import DESIGNS, design_file
 from tests.oracles.conic_area import section_area
 

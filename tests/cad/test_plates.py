@@ -42,7 +42,7 @@ from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import LIP_GAP_MM
 from fingertip.design.geometry.solids import scaled
-from fingertip.design.new_design import PRESETS
+from fingertip.fitting.new_design import PRESETS
 from fingertip.tasks.build import build
 from fingertip.tasks.verification import verify_sets
 from tests.conftest import DESIGNS, design_file

@@ -19,7 +19,7 @@ from fingertip.cad.printing.settings import FDM, PROFILE, estimate_print, slicer
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
-from fingertip.design.new_design import PRESETS
+from fingertip.fitting.new_design import PRESETS
 from tests.conftest import DESIGNS, design_file
 from tests.tools import require_tool
 

@@ -18,7 +18,7 @@ from fingertip.cad.verification.skin import describe_lying_skin
 from fingertip.cad.verification.strength import BoneStrength, strength_data
 from fingertip.catalogues.output_files import ASSEMBLY, PRINT_FOLDER
 from fingertip.design import Design
-from fingertip.foundation.display import Picture, html_table, to_dataframe
+from fingertip.foundation.display import html_table, to_dataframe
 from fingertip.foundation.files import round_for_output
 from fingertip.pad.survey import survey_pad
 
@@ -88,10 +88,6 @@ class Build:
         return text + (
             html_table("FAILED", ("check", "value", "limit", "unit"), failed) if failed else ""
         )
-
-    def plot(self, width_px: int = 1600) -> Picture:
-        """Draw the design that was built, in a picture of this width [pixels]."""
-        return self.design.plot(width_px)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return every check with value and limit as a data frame.

@@ -124,7 +124,7 @@ COMPLETIONS: Mapping[str, Callable[..., Iterable[str]]] = {
     "sensor": _choices("sensor.model"),
     "hand": _table("design.hand_sizes:list_hands"),
     "finger": lambda: [f"{name}=" for name in NAMES],
-    "preset": _table("design.new_design:PRESETS"),
+    "preset": _table("fitting.new_design:PRESETS"),
     "formats": _sets_of_formats,
     "parts": _table("cad.shapes.parts:PARTS"),
     "material": _choices("silicone.product"),

@@ -17,6 +17,7 @@ from fingertip.detection.recordings import find_force_scale, read_floors
 from fingertip.detection.warnings import StreamWatch, settings_warnings
 from fingertip.foundation.errors import Issue, TraceError, shorten
 from fingertip.slip.detectors import registry
+from fingertip.slip.detectors.detector import Detector
 from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.force import MEAN_S, Force, ForceScale
 from fingertip.slip.traces import sampling
@@ -173,7 +174,7 @@ class _Channel:
     """Name in transitions and warnings; empty for a single one."""
     places: list[int]
     """Places in a line of what the detector takes."""
-    detector: registry.Detector
+    detector: Detector
     watch: StreamWatch | None
     scale: ForceScale | None
     is_on: bool = False
@@ -216,7 +217,7 @@ class _Channel:
             place(name),
             *([place(voltage.name_in_file(second))] if second and has_second else []),
         ]
-        instance: registry.Detector
+        instance: Detector
 
         if takes_envelope:
             from fingertip.sim.signal.converter import SimulatedBoardDetector  # noqa: PLC0415

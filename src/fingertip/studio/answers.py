@@ -35,6 +35,7 @@ from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.search import Band, as_typed, describe_bands, find_bands, is_number
 from fingertip.documents.finger import FirstScreen, render_start
+from fingertip.fitting.fitting import fit_tables
 from fingertip.foundation.errors import DesignError, FingertipError, Issue
 from fingertip.page.html import Markup
 from fingertip.page.markdown_sheets import render_facts, split_sections
@@ -405,7 +406,7 @@ def answer_fit(
     Raises DesignError.
     """
     before = finder.opened.model_dump(mode="json")
-    fitted = Design.fit_tables(
+    fitted = fit_tables(
         tables,
         before=before,
         changed=given.split(),

@@ -1,10 +1,11 @@
-"""Fit of a finger: derived parameters move until all rules pass and the bone holds its loads."""
+"""Checks of a build that a fit foresees, as rules: the pad, the print and the mold, the joint and
+the strength of the bone.
+"""
 
 from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Collection, Sequence
 from typing import cast
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
@@ -12,23 +13,17 @@ from fingertip.cad.printing.overhang import MAX_LEDGE_MM, OVERHANG_DEG
 from fingertip.cad.verification.mold import palmar_error_mm, palmar_error_share
 from fingertip.cad.verification.skin import MAX_REST_N, WANTED_TURN_ON_N
 from fingertip.cad.verification.strength import BoneStrength, assess_strength, list_load_points
-from fingertip.cad.verification.verify import check
 from fingertip.design import Design
-from fingertip.design.fit import LEAST_LOADS, Fit, Holds, Move, find_fit, fit_design
+from fingertip.design.fit import Holds
 from fingertip.design.geometry import DesignTables
 from fingertip.design.interfaces import interface_of
 from fingertip.design.rules.ruleset import BrokenRule, Limit, Ruleset, find_violations
-from fingertip.foundation.errors import DesignError
 from fingertip.pad.layer import find_rest_n
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.survey import find_turn_on_n
 
 _TOLERANCE_MM = 0.01
 """Tolerance of the meshes that are cut, which is that of a build unless another is asked for."""
-_FEW = 200
-"""Number of single rules that are checked for an offer, so that it takes no longer than
-the checks.
-"""
 _STRONGER = {
     "skin.semi_axis_dorsal_mm": 1.3,
     "skin.thickness_dorsal_mm": 0.5,
@@ -50,71 +45,6 @@ _JOINT = Ruleset(lambda design: design.dimensions.joint)
 _BONE = Ruleset()
 _CROWN = Ruleset(lambda design: design.dimensions.crown)
 _SKIN = Ruleset()
-
-
-def fit_finger(
-    tables: DesignTables,
-    given: Collection[str] = (),
-    before: DesignTables | None = None,
-    progress: Callable[[float], None] = lambda share: None,
-    provisional: Collection[str] = (),
-) -> Fit:
-    """Fit a design as `fit_design` does, until its bone also holds the loads that it states.
-
-    Raises DesignError.
-
-    Guessed sizes of the hand that are `provisional` move too, and such loads become those that the
-    bone holds.
-    """
-    light = {
-        load: least
-        for load, least in LEAST_LOADS.items()
-        if load in provisional and load not in given
-    }
-    guessed = [name for name in provisional if name not in LEAST_LOADS]
-    fit = functools.partial(
-        fit_design,
-        given=given,
-        before=before,
-        holds=_HOLDS,
-        progress=progress,
-        guessed=guessed,
-    )
-
-    try:
-        fitted = fit(tables)
-    except DesignError:
-        if not light:
-            raise
-
-        fitted = fit(tables.with_values(light))
-
-    lighter = lower_loads(
-        fitted.tables.with_values({load: tables.value(load) for load in light}), light
-    )
-    return Fit(lighter.tables, (*fitted.moves, *lighter.moves))
-
-
-def lower_loads(tables: DesignTables, loads: Collection[str]) -> Fit:
-    """Lower some loads to what the bone holds. Raises GeometryError."""
-    held = _assess(tables).lighter_loads if loads else {}
-    moves = [
-        Move(load, tables.value(load), held[load], "the bone holds no more")
-        for load in loads
-        if load in held
-    ]
-    return Fit(tables.with_values({move.name: move.after for move in moves}), tuple(moves))
-
-
-def find_mend(design: Design, given: Collection[str]) -> Sequence[str]:
-    """Name what a fit moves of a design that fails checks, if it then
-    passes all; nothing if that takes too long.
-    """
-    fit, _ = find_fit(design, given, holds=_HOLDS, checks=_FEW, is_early=True)
-    passes = fit and all(
-        each.passed for each in check(Design.model_construct(None, **dict(fit.tables))).checks
-    )
-    return [move.name for move in fit.moves] if fit and passes else []
 
 
 def judge(design: DesignTables) -> tuple[BrokenRule, ...]:
@@ -220,13 +150,13 @@ def joint_holds_the_grip(design: DesignTables) -> Limit:
 
 
 @functools.lru_cache(maxsize=16)
-def _assess(design: DesignTables) -> BoneStrength:
+def assess(design: DesignTables) -> BoneStrength:
     return assess_strength(cast(Design, design), MeshEvaluator(_TOLERANCE_MM))
 
 
 @_BONE.at_most("strength.grip_force_n", when=lambda design: design.strength.min_grip_factor)
 def bone_holds_the_grip(design: DesignTables) -> Limit:
-    found = _assess(design)
+    found = assess(design)
     factor = design.strength.min_grip_factor
     where = f"{found.weakest.place} at z = {found.weakest.z_mm:.0f} mm"
     return Limit(
@@ -236,7 +166,7 @@ def bone_holds_the_grip(design: DesignTables) -> Limit:
 
 @_BONE.at_most("strength.knock_speed_m_s", when=lambda design: design.strength.min_knock_factor)
 def bone_holds_the_knock(design: DesignTables) -> Limit:
-    found = _assess(design)
+    found = assess(design)
     factor = design.strength.min_knock_factor
     where = f"{found.knock.weakest.place} at z = {found.knock.weakest.z_mm:.0f} mm"
     return Limit(
@@ -244,4 +174,4 @@ def bone_holds_the_knock(design: DesignTables) -> Limit:
     )
 
 
-_HOLDS = Holds((*_CROWN, *_SKIN, *_JOINT), judge, _STRONGER)
+HOLDS = Holds((*_CROWN, *_SKIN, *_JOINT), judge, _STRONGER)

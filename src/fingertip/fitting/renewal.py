@@ -10,20 +10,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from fingertip.catalogues.file_kinds import DESIGN, find_file, list_bundled_files, read_file
 from fingertip.design.files import flatten, load_tables
-from fingertip.design.fit import LEAST_LOADS, fit_design
+from fingertip.design.fit import LEAST_LOADS, fit_lengths
 from fingertip.design.geometry import DesignTables
 from fingertip.design.model import Design
-from fingertip.design.new_design import NewDesign
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import load_retired, parse_tables
 from fingertip.design.rules.ruleset import RuleChecker
 from fingertip.design.search import RULES, cheapest_first
+from fingertip.fitting.fitting import lower_loads
+from fingertip.fitting.new_design import NewDesign
 from fingertip.foundation.errors import DesignError, Issue, gather
 from fingertip.foundation.progress import ShareText
 
@@ -146,9 +146,6 @@ def renew_design(
         tables = _adopt(tables, rest)
 
     tables = _fit(tables, sizes, fixed, progress)
-    lower_loads = import_module(
-        "fingertip.cad.verification.fitting"
-    ).lower_loads  # which builds on designs
     lighter = lower_loads(tables, [load for load in LEAST_LOADS if load not in fixed])
     return Renewal(NewDesign(Design(**lighter.tables.model_dump()), base, lighter.moves), stated)
 
@@ -196,7 +193,7 @@ def _fit(
 
         trial = tables.with_values({path: sizes[path] for path in some})
         with gather(issues):
-            return fit_design(
+            return fit_lengths(
                 trial,
                 (*kept, *fixed),
                 tables,

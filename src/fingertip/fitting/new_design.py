@@ -16,6 +16,7 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.hand_sizes import complete_hand, find_hand
 from fingertip.design.model import Design
 from fingertip.design.parameters.declaration import parse_tables, suggest_name
+from fingertip.fitting.fitting import fit_tables
 from fingertip.foundation.errors import DesignError, Issue, gather, raise_issues
 from fingertip.foundation.tables import read_toml
 
@@ -174,7 +175,7 @@ def fit_start(start: Start, progress: Callable[[str], None]) -> NewDesign:
         return NewDesign(Design(**tables.model_dump()), start.base, (), start.guessed)
 
     provisional = (*start.guessed, *LEAST_LOADS)
-    design = Design.fit_tables(
+    design = fit_tables(
         tables.model_dump(),
         before=start.before.model_dump(),
         changed=given,

@@ -23,8 +23,8 @@ from fingertip import Design, Readout, write_robot
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import Pad
 from fingertip.pad.touch import Pose
-from fingertip.robot.model import build_finger
-from fingertip.sim.contact.materials import SURFACES
+from fingertip.robot.finger_model import build_finger
+from fingertip.sim.contact.surface_files import SURFACES
 from fingertip.sim.contact.surfaces import generate_profile
 from fingertip.sim.contact.vibration import ContactResonance, ProfileForce
 from fingertip.slip.detectors.fast import FastDetector

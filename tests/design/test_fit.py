@@ -11,7 +11,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.verification.fitting import fit_finger
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
-from fingertip.design.files import load_tables
+from fingertip.design.design_file import load_tables
 from fingertip.design.fit import DERIVED, fit_design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.hand_sizes import find_hand

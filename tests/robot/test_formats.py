@@ -16,9 +16,9 @@ from fingertip.cad.kernel.mesh import Mesh
 from fingertip.design.finger_set import load_set
 from fingertip.pad.response import Pad
 from fingertip.robot.contact import FORCES_N, ContactLaw, TactileMesh, fit_contact
+from fingertip.robot.finger_model import Body, FingerModel, Strand, measure_inertia
 from fingertip.robot.formats import Placed, render_model
-from fingertip.robot.model import Body, FingerModel, Strand, measure_inertia
-from fingertip.sim.contact.materials import SURFACES
+from fingertip.sim.contact.surface_files import SURFACES
 from fingertip.tasks.robot import _place
 from tests.robot.test_model import numbers
 

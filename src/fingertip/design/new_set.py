@@ -11,8 +11,8 @@ from pathlib import Path
 
 from fingertip.catalogues.electronics import NAMES
 from fingertip.design import new_design
+from fingertip.design.design import Design
 from fingertip.design.geometry import DesignTables
-from fingertip.design.model import Design
 from fingertip.design.parameters.declaration import parse_tables, suggest_name
 from fingertip.design.proportions import load_proportions
 from fingertip.foundation.errors import (

@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.catalogues.file_kinds import DESIGN, find_file, list_bundled_files, read_file
-from fingertip.design.files import flatten, load_tables
+from fingertip.design.design import Design
+from fingertip.design.design_file import flatten, load_tables
 from fingertip.design.fit import LEAST_LOADS, fit_design
 from fingertip.design.geometry import DesignTables
-from fingertip.design.model import Design
 from fingertip.design.new_design import NewDesign
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import load_retired, parse_tables

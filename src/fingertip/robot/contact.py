@@ -27,7 +27,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.pad.layer import find_contacts
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import REFERENCE_POSE, Pad
-from fingertip.sim.contact.materials import SURFACES
+from fingertip.sim.contact.surface_files import SURFACES
 
 FORCES_N = (0.2, 0.35, 0.6, 1.0, 1.7, 2.8, 4.0, 6.0, 10.0)
 """Forces at which the contact is compared with the pad."""

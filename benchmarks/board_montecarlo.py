@@ -24,7 +24,7 @@ from fingertip.board.circuits.network import build_network
 from fingertip.board.components.selection import choose_jointly, select_filter_capacitor
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.design.parameters.electronics import Board
+from fingertip.design.parameters.board_and_detector import Board
 
 
 def timed(action: Callable[[], object], runs: int) -> list[float]:

@@ -23,15 +23,15 @@ from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.workers import call_each
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, Case, generate_cases
+from fingertip.lab.board_comparison import with_variant
+from fingertip.lab.campaign.campaign import HELD_OUT_FROM, CampaignPlan, Case, generate_cases
 from fingertip.lab.campaign.run import evaluate, score_trial
-from fingertip.lab.divider import with_variant
 from fingertip.sim import run_scene
 from fingertip.sim.runs.scene import SceneResult
 from fingertip.sim.signal.analog_circuit import Amplifiers
 from fingertip.sim.signal.filter_board import PIN_LOW_V
-from fingertip.sim.signal.finger import _prepare_board
 from fingertip.sim.signal.parameters import Sensing
+from fingertip.sim.signal.simulated_finger import _prepare_board
 
 DESIGNS = ("article", "fsr400", "comparator", "fsr402")
 DETECTORS = ("analog", "fast")

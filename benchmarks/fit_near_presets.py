@@ -25,7 +25,7 @@ from collections import Counter
 from fingertip.cad.verification.verify import check
 from fingertip.catalogues.file_kinds import DESIGN, find_file
 from fingertip.design import Design
-from fingertip.design.files import flatten, load_tables
+from fingertip.design.design_file import flatten, load_tables
 from fingertip.design.fit import DERIVED
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS

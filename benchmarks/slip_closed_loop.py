@@ -23,12 +23,12 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array, poisson_interval
+from fingertip.lab.campaign.campaign import HELD_OUT_FROM
 from fingertip.lab.campaign.closed_loop import (
     ClosedLoopTrial,
     evaluate_manipulation,
     plan_manipulations,
 )
-from fingertip.lab.campaign.plan import HELD_OUT_FROM
 from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.pad.response import Pad
 from fingertip.sim import ManipulationFile, Observation, run_manipulation

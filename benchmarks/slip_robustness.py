@@ -25,7 +25,7 @@ from benchmarks.slip.mix_signals import NOISES, LabelledSignal, simulate_scene
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import poisson_interval
-from fingertip.lab.campaign.plan import (
+from fingertip.lab.campaign.campaign import (
     HELD_OUT_FROM,
     NEGATIVE_SCENES,
     REPORTED_SEPARATELY,

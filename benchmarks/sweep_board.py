@@ -41,8 +41,8 @@ MILLION = 1_000_000
 
 def measure_worker_rate(points: int = 20_000) -> float:
     """Measure the points per CPU second of one worker, without process pool and database."""
-    from fingertip.sweep.plan import SweepPlan
     from fingertip.sweep.point_evaluator import Chunk, evaluate_chunk
+    from fingertip.sweep.sweep_plan import SweepPlan
 
     plan = SweepPlan.from_tables(tomllib.loads(FILE.format(points=points)))
     numbers = plan.computing_order(0, points)
@@ -88,8 +88,8 @@ def measure_wall_rate(points: int, jobs: int) -> float:
     """
     from fingertip.sweep.database import SweepDatabase
     from fingertip.sweep.engines import ProcessEngine
-    from fingertip.sweep.plan import SweepPlan
     from fingertip.sweep.run import RunState, compute_rows
+    from fingertip.sweep.sweep_plan import SweepPlan
 
     first: list[tuple[float, int]] = []
 

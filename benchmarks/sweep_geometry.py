@@ -34,7 +34,7 @@ AXES: dict[str, Any] = {
 
 def make_plan(points: int) -> Any:
     """Make a sweep with that many designs."""
-    from fingertip.sweep.plan import SweepPlan
+    from fingertip.sweep.sweep_plan import SweepPlan
 
     return SweepPlan.from_tables(
         {

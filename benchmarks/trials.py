@@ -19,12 +19,12 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
+from fingertip.lab.campaign.campaign import CampaignPlan, Case, generate_cases, generate_trials
 from fingertip.lab.campaign.closed_loop import run_closed_loop
-from fingertip.lab.campaign.plan import CampaignPlan, Case, generate_cases, generate_trials
 from fingertip.lab.campaign.run import SCALES, run_cases
 from fingertip.sim.runs.scene import SceneRun
-from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import CostMeter, StageCost
+from fingertip.sim.signal.simulated_finger import FingerSignals
 from fingertip.slip.detectors.registry import DETECTORS
 
 OUTPUTS = {

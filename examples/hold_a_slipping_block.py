@@ -23,8 +23,8 @@ from fingertip import Design, Readout, write_robot
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import Pad
 from fingertip.pad.touch import Pose
-from fingertip.robot.model import build_finger
-from fingertip.sim.contact.materials import SURFACES
+from fingertip.robot.finger_model import build_finger
+from fingertip.sim.contact.surface_files import SURFACES
 from fingertip.sim.contact.surfaces import generate_profile
 from fingertip.sim.contact.vibration import ContactResonance, ProfileForce
 from fingertip.slip.detectors.fast import FastDetector
@@ -78,10 +78,10 @@ def build_scene(
     pose = Pose(-math.degrees(math.atan(PadForm.of_design(design).base_slope)))
     size = 0.02
     palm = (
-        min(float(piece.vertices[:, 1].min()) for piece in finger.pieces) * 1e-3
+        min(float(piece.vertices[:, 1].min()) for piece in finger.collision.pieces) * 1e-3
         + finger.offset_m[1]
     )
-    at = [0, palm - size - 1e-4, finger.sensor_m[2]]
+    at = [0, palm - size - 1e-4, finger.sensor.middle_m[2]]
     block = spec.worldbody.add_body(
         name="block",
         pos=at,
@@ -107,7 +107,7 @@ def build_scene(
     )
     model = spec.compile()
     inverse_mass = sum(model.body(name).invweight0[0] for name in (finger.name, "block"))
-    for i in range(1, len(finger.pieces) + 1):
+    for i in range(1, len(finger.collision.pieces) + 1):
         model.geom(f"{finger.name}_collision_{i}").solref[:] = finger.contact.solref(inverse_mass)
 
     pad = Pad.from_design(design, pose)

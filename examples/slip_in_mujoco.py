@@ -25,7 +25,7 @@ from fingertip.drivers import Reading, Slip
 from fingertip.pad.response import Pad
 from fingertip.pad.touch import Pose
 from fingertip.robot.contact import fit_contact
-from fingertip.sim.contact.materials import SURFACES
+from fingertip.sim.contact.surface_files import SURFACES
 from fingertip.sim.contact.surfaces import generate_profile
 from fingertip.sim.contact.vibration import ContactResonance, ProfileForce
 from fingertip.slip.detectors.fast import FastDetector

@@ -17,7 +17,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from fingertip.cad.report import Build
+from fingertip.cad.build_result import Build
 from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.foundation import extras, jit

@@ -23,7 +23,7 @@ from fingertip.foundation import extras
 from fingertip.foundation.display import new_figure
 from fingertip.foundation.errors import MissingLibraryError
 from fingertip.lab import validation as campaign
-from fingertip.sweep.plan import SweepPlan
+from fingertip.sweep.sweep_plan import SweepPlan
 from fingertip.tasks.build import build, find_formats
 from tests.conftest import ROOT, design_file, run_fingertip, run_python
 

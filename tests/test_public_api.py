@@ -312,7 +312,7 @@ LIGHT_WORK = {
         {"manifold3d"},
     ),
     "sweep of boards": (
-        "from fingertip.sweep.plan import SweepPlan\n"
+        "from fingertip.sweep.sweep_plan import SweepPlan\n"
         "from fingertip.sweep.point_evaluator import PointEvaluator\n"
         "plan = SweepPlan.from_tables({'outputs': ['q'], 'axes': {'board.cutoff_hz': [60.0]}})\n"
         "assert PointEvaluator(plan).evaluate(0, plan.point(0))[1] == 'ok'",

@@ -31,7 +31,7 @@ from fingertip.design import Design
 from fingertip.design.finger_set import SetFile
 from fingertip.foundation.errors import TomlFileError
 from fingertip.sim import ManipulationFile, SceneFile
-from fingertip.sim.contact.materials import SurfaceFile
+from fingertip.sim.contact.surface_files import SurfaceFile
 from fingertip.sweep.sweep_file import SweepFile
 from tests.conftest import ROOT, run_fingertip
 from tests.tools import require_module

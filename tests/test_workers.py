@@ -30,8 +30,8 @@ from fingertip.foundation.workers import (
     in_background,
     side_by_side,
 )
+from fingertip.lab.campaign.campaign import CampaignPlan
 from fingertip.lab.campaign.closed_loop import run_closed_loop
-from fingertip.lab.campaign.plan import CampaignPlan
 from fingertip.lab.campaign.run import run_campaign
 
 

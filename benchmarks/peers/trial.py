@@ -16,8 +16,8 @@ from fingertip.board.components.values import SUPPLIES
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.sim.runs.scene import SceneRun, run_scene
-from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, Grid
+from fingertip.sim.signal.simulated_finger import FingerSignals
 from fingertip.sim.simulation import Trial
 
 QUANTITIES = ("force_n", "tactile_v", "envelope_v")

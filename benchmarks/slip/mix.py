@@ -24,7 +24,7 @@ from benchmarks.slip.mix_signals import REACTION_S, LabelledSignal
 from fingertip.design import Design
 from fingertip.foundation.numerics import poisson_interval
 from fingertip.foundation.workers import call_each
-from fingertip.lab.campaign.plan import NEGATIVE_SCENES
+from fingertip.lab.campaign.campaign import NEGATIVE_SCENES
 from fingertip.lab.campaign.run import quantile_s, separate_events
 from fingertip.sim import SceneFile
 from fingertip.sim.runs.pose import GRASP_POSE, ScenePose

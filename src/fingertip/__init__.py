@@ -21,6 +21,7 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from fingertip.board import BoardValues, board_values
+    from fingertip.cad.build_result import Build
     from fingertip.cad.convert import (
         assembly,
         bone,
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
         part_workplane,
         skin,
     )
-    from fingertip.cad.report import Build
     from fingertip.cad.verification.verify import check
     from fingertip.calibration.printer import calibrate_printer
     from fingertip.calibration.sensor import calibrate_sensor, read_weighings
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from fingertip.fitting.fitting import fit_design
     from fingertip.foundation.display import Picture
     from fingertip.foundation.errors import FingertipError
-    from fingertip.lab.campaign.plan import CampaignPlan
+    from fingertip.lab.campaign.campaign import CampaignPlan
     from fingertip.lab.validation import validate
     from fingertip.pictures.picture import picture
     from fingertip.sim import (
@@ -72,7 +72,7 @@ _NAMES = {
     "board": "BoardValues board_values",
     "cad.convert": "assembly bone frames mesh_of mold part_mesh part_solid part_trimesh "
     "part_workplane skin",
-    "cad.report": "Build",
+    "cad.build_result": "Build",
     "cad.verification.verify": "check",
     "calibration.printer": "calibrate_printer",
     "calibration.sensor": "calibrate_sensor read_weighings",
@@ -82,7 +82,7 @@ _NAMES = {
     "fitting.fitting": "fit_design",
     "foundation.display": "Picture",
     "foundation.errors": "FingertipError",
-    "lab.campaign.plan": "CampaignPlan",
+    "lab.campaign.campaign": "CampaignPlan",
     "lab.validation": "validate",
     "pictures.picture": "picture",
     "sim": "ManipulationFile SceneFile Trial run_manipulation run_scene simulate",

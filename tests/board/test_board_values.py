@@ -35,7 +35,7 @@ from fingertip.board.components.selection import (
 )
 from fingertip.design import Design
 from fingertip.design.formulas.filter import MANTISSAS, FilterComponents, ideal_components
-from fingertip.design.parameters.electronics import Board
+from fingertip.design.parameters.board_and_detector import Board
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.files import format_figure
 from tests.designs import ARTICLE, load_article

@@ -22,9 +22,9 @@ from fingertip.board.analysis.board_values import find_range_warnings, find_tact
 from fingertip.detection.live import detect_stream
 from fingertip.documents.acceptance import expect_readings
 from fingertip.documents.board.divider import compute_current_ratio, list_readings
-from fingertip.lab.campaign.plan import CampaignPlan
+from fingertip.lab.board_comparison import BOARD, DIVIDER, NOISY, compare_with_board
+from fingertip.lab.campaign.campaign import CampaignPlan
 from fingertip.lab.campaign.run import run_campaign
-from fingertip.lab.divider import BOARD, DIVIDER, NOISY, compare_with_board
 from fingertip.lab.validation import validate
 from fingertip.sim import Trial, simulate
 from fingertip.sim.runs.grip import ForceCurve

@@ -12,7 +12,7 @@ import pytest
 
 from fingertip.cad.shapes import engraving
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines, stroke_rectangles
-from fingertip.design.files import list_parameters
+from fingertip.design.design_file import list_parameters
 from fingertip.design.geometry.outlines import HEIGHT
 
 ALLOWED = string.ascii_letters + string.digits + "-_"

@@ -16,8 +16,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from fingertip.cad.build_result import Build
 from fingertip.cad.files.step_process import BrepMeasurements, StepFiles, StepJob, StepProcess
-from fingertip.cad.report import Build
 from fingertip.cad.shapes.parts import PARTS, hardware
 from fingertip.cad.verification.check import Check
 from fingertip.cli.check_reports import to_junit

@@ -20,7 +20,7 @@ from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.printing import check_brep_solid
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
-from fingertip.design.files import list_parameters
+from fingertip.design.design_file import list_parameters
 from fingertip.fitting.fitting import fit_finger
 from fingertip.fitting.new_design import PRESETS
 from fingertip.foundation.errors import DesignError

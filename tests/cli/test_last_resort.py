@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from fingertip.cli import console as last_resort
-from fingertip.design import files as export
+from fingertip.design import design_file as export
 from tests.conftest import ROOT, run_fingertip, run_python
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from fingertip.catalogues.electronics import SENSORS
 from fingertip.design import Design
-from fingertip.design.files import list_parameters
+from fingertip.design.design_file import list_parameters
 from fingertip.fitting.new_design import PRESETS, write_new_design
 from tests.conftest import ROOT, run_fingertip
 

@@ -10,7 +10,7 @@ from benchmarks.fit_near_presets import draw, judge
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
-from fingertip.design.files import load_tables
+from fingertip.design.design_file import load_tables
 from fingertip.design.fit import DERIVED, fit_lengths
 from fingertip.design.geometry import DesignTables
 from fingertip.design.hand_sizes import find_hand

@@ -10,8 +10,8 @@ import pytest
 
 from fingertip.catalogues.electronics import SENSORS
 from fingertip.design import Design
+from fingertip.design.design_file import list_parameters, to_toml
 from fingertip.design.design_text import write_design
-from fingertip.design.files import list_parameters, to_toml
 from fingertip.foundation.errors import DesignError
 from tests.conftest import DESIGNS, design_file
 

@@ -10,7 +10,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files, read_file
 from fingertip.design import Design
-from fingertip.design.files import flatten
+from fingertip.design.design_file import flatten
 from fingertip.design.fit import fit_lengths
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS, find_kind

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from fingertip.design import Design
-from fingertip.design.files import flatten
+from fingertip.design.design_file import flatten
 from fingertip.design.parameters import PARAMETERS, find_kind
 from fingertip.design.proportions import KEYS, fill_in, load_proportions
 

@@ -11,7 +11,7 @@ import pytest
 
 from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design import Design
-from fingertip.design.files import load_tables
+from fingertip.design.design_file import load_tables
 from fingertip.design.fit import fit_lengths
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ELECTRONIC_TABLES, PARAMETERS
@@ -134,7 +134,7 @@ def test_a_refusal_names_any_changed_number_of_any_bundled_design_first(
     shares = (0.97, 1.03, 0.9, 1.1, 0.7, 1.3)
     for number, name in enumerate(NUMERIC, sorted(list_bundled_files(DESIGN)).index(preset)):
         check_change(name, preset, shares[number % len(shares)])
-    monkeypatch.setattr("fingertip.design.model.list_moved", lambda tables, given: None)
+    monkeypatch.setattr("fingertip.design.design.list_moved", lambda tables, given: None)
     for name in NUMERIC:
         for share in shares:
             check_change(name, preset, share)

@@ -17,7 +17,7 @@ import pytest
 from pydantic import ValidationError
 
 from fingertip.design import Design
-from fingertip.design.files import load_tables
+from fingertip.design.design_file import load_tables
 from fingertip.design.geometry import DesignTables
 from fingertip.design.interfaces import adapter
 from fingertip.design.parameters import PARAMETERS
@@ -81,7 +81,7 @@ BASES = {
 @pytest.fixture(autouse=True)
 def _without_fits(monkeypatch: pytest.MonkeyPatch) -> None:
     """A fit takes most of the time of a refusal, and `test_remedies` tests it."""
-    monkeypatch.setattr("fingertip.design.model.list_moved", lambda tables, given: None)
+    monkeypatch.setattr("fingertip.design.design.list_moved", lambda tables, given: None)
 
 
 def check_rules(tables: DesignTables) -> list[BrokenRule]:

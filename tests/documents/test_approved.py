@@ -29,7 +29,7 @@ from fingertip.documents.finger import (
 from fingertip.documents.firmware import render_readme
 from fingertip.documents.robot import describe_model, render_robot_readme, render_set_readme
 from fingertip.firmware.fingers import plan_fingers
-from fingertip.robot.model import build_finger
+from fingertip.robot.finger_model import build_finger
 from tests.approved import check_text, read_text
 from tests.conftest import ROOT, design_file
 

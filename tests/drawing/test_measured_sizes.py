@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.cad.report import Build
+from fingertip.cad.build_result import Build
 from fingertip.design.geometry.sizes import AXES, Circle, Size
 from fingertip.design.geometry.solids import Axis, Point3
 from fingertip.pictures.drawing.draw import part_drawings

@@ -10,7 +10,7 @@ from fingertip.board.components.front_end import POWER_UP_S
 from fingertip.catalogues.electronics import load_controllers
 from fingertip.catalogues.output_files import BUFFER, TIMER
 from fingertip.design import Design
-from fingertip.design.files import load_tables
+from fingertip.design.design_file import load_tables
 from fingertip.documents.wiring import SKETCH_PINS
 from fingertip.firmware.fingers import BUFFER_SAMPLES
 from fingertip.firmware.packaging import controller_changes, find_warnings

@@ -20,7 +20,7 @@ from fingertip.firmware.packaging import find_warnings
 from fingertip.firmware.sources import library_settings
 from fingertip.foundation import jit
 from fingertip.foundation.errors import FingertipError
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
+from fingertip.lab.campaign.campaign import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.lab.campaign.run import simulate_trace
 from fingertip.sim.runs.grip import ForceCurve
 from fingertip.slip.detectors.fast import FastDetector

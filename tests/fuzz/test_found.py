@@ -15,7 +15,7 @@ from fingertip.design import Design
 from fingertip.foundation.errors import DesignError, SweepError, TraceError
 from fingertip.sim import ManipulationFile, SceneFile
 from fingertip.sweep.axes import Axis, round_significant
-from fingertip.sweep.plan import SweepPlan
+from fingertip.sweep.sweep_plan import SweepPlan
 from tests.conftest import run_fingertip
 from tools.fuzz import originals
 

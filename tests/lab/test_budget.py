@@ -16,7 +16,7 @@ from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import binomial_interval, quantile_ranks
-from fingertip.lab.accuracy import budget, report
+from fingertip.lab.accuracy import accuracy_summary, budget
 from fingertip.lab.accuracy.budget import Curve
 from fingertip.lab.campaign.run import quantile_interval_s
 from fingertip.pad import layer
@@ -90,12 +90,12 @@ def test_text_names_each_output_once_in_the_table_or_by_its_kind() -> None:
         {"pad_share": 0.5},
         {"pad_share": (3e-3, 2e-3, 1e-3)},
     )
-    found = report.list_kinds([curve], GROUPS)
+    found = accuracy_summary.list_kinds([curve], GROUPS)
     named = [name for names in found.values() for name in names]
     assert sorted([*named, "pad_share"]) == sorted(GROUPS)
     assert (
         "| pad_share | 0.5 | a [mm] | 3 / 2* / 1 | 3.0e-03 / 2.0e-03 / 1.0e-03 | 1 / 2 / 3 | - | "
-        "0.011 rms" in (report.budget_text("x", [curve], GROUPS))
+        "0.011 rms" in (accuracy_summary.budget_text("x", [curve], GROUPS))
     )
 
 

@@ -21,7 +21,7 @@ from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.numerics import poisson_interval
 from fingertip.lab.campaign import run
-from fingertip.lab.campaign.plan import (
+from fingertip.lab.campaign.campaign import (
     HELD_OUT_FROM,
     TUNING_SEEDS,
     CampaignPlan,

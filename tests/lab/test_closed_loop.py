@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
+from fingertip.lab.campaign.campaign import TUNING_SEEDS, CampaignPlan, generate_cases
 from fingertip.lab.campaign.closed_loop import (
     FIRST_SEED,
     NO_CONTROL,
@@ -16,7 +17,6 @@ from fingertip.lab.campaign.closed_loop import (
     run_closed_loop,
     summarise,
 )
-from fingertip.lab.campaign.plan import TUNING_SEEDS, CampaignPlan, generate_cases
 from fingertip.lab.validation import check_closed_loop
 from fingertip.pad.response import Pad
 from fingertip.sim import Observation

@@ -20,8 +20,8 @@ from typer.testing import CliRunner
 from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.lab import validation as lab
+from fingertip.lab.campaign.campaign import CampaignPlan, Case
 from fingertip.lab.campaign.closed_loop import NO_CONTROL, evaluate_manipulation, summarise
-from fingertip.lab.campaign.plan import CampaignPlan, Case
 from fingertip.lab.campaign.run import SCALES, CampaignResult, DetectorResult, TrialResult
 from fingertip.lab.validation import Validation, check_closed_loop, check_detection
 from fingertip.sim.runs.grip import GripDecision

@@ -12,7 +12,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.lab.campaign.plan import NEGATIVE_SCENES, CampaignPlan, Case
+from fingertip.lab.campaign.campaign import NEGATIVE_SCENES, CampaignPlan, Case
 from fingertip.lab.campaign.run import find_onset_s, measure_vibration_n, median_of_known
 from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.runs.timeline import TrapezoidalMove

@@ -17,7 +17,7 @@ from benchmarks.slip.mix import MixSize, assess
 from benchmarks.slip.mix_signals import LabelledSignal, Slide, filter_as_board
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, check_first_seed
+from fingertip.lab.campaign.campaign import HELD_OUT_FROM, check_first_seed
 from fingertip.sim.simulation import article_trials
 from fingertip.slip.traces.truth import Interval
 from tests.designs import ARTICLE

@@ -19,7 +19,7 @@ import pytest
 
 from fingertip.board.kicad.sexpr import read_expression
 from fingertip.design import Design
-from fingertip.design.files import list_parameters
+from fingertip.design.design_file import list_parameters
 from fingertip.page.board_section import render_board
 from fingertip.page.layout_svg import render_back, render_copper, render_placement
 from fingertip.page.markdown_sheets import render_basis, render_casting, render_drawing

@@ -16,9 +16,17 @@ from fingertip.cad.kernel.mesh import Mesh
 from fingertip.design.finger_set import load_set
 from fingertip.pad.response import Pad
 from fingertip.robot.contact import FORCES_N, ContactLaw, TactileMesh, fit_contact
+from fingertip.robot.finger_model import (
+    Body,
+    CollisionShape,
+    FingerModel,
+    Joint,
+    SensorSite,
+    Strand,
+    measure_inertia,
+)
 from fingertip.robot.formats import Placed, render_model
-from fingertip.robot.model import Body, FingerModel, Strand, measure_inertia
-from fingertip.sim.contact.materials import SURFACES
+from fingertip.sim.contact.surface_files import SURFACES
 from fingertip.tasks.robot import _place
 from tests.robot.test_model import numbers
 
@@ -42,24 +50,24 @@ FACES = np.array(
 CUBE = Mesh(CORNERS, FACES)
 GRAY = (0.5, 0.5, 0.5)
 CONTACT = ContactLaw(0.02, 2.0, 1e-3, 5e3, 7.0, 0.03, (), (), 25.0, 9e3, 0.4, 5e-4)
+OFFSET_M = (0.001, 0.002, 0.003)
 FINGER = FingerModel(
-    "cube",
-    (Body("bone", CUBE, 2.0, GRAY),),
-    measure_inertia((Body("bone", CUBE, 2.0, GRAY),), (0.001, 0.002, 0.003)),
-    (0.001, 0.002, 0.003),
-    True,
-    60.0,
-    0.7,
-    (0.0, 0.0, 0.03),
-    (0.0, -0.004, 0.02),
-    0.0025,
-    0.003,
-    (CUBE,),
-    0.1,
-    CONTACT,
-    TactileMesh(CORNERS[:3], np.tile([0.0, -1.0, 0.0], (3, 3)), FACES[:1]),
-    Body("hand_stub", CUBE, 1.0, GRAY),
-    (Strand((0.006, -0.005, -0.008), (0.006, -0.001, 0.006), 0.0044),),
+    name="cube",
+    bodies=(Body("bone", CUBE, 2.0, GRAY),),
+    inertia=measure_inertia((Body("bone", CUBE, 2.0, GRAY),), OFFSET_M),
+    offset_m=OFFSET_M,
+    tip_m=(0.0, 0.0, 0.03),
+    joint=Joint(turns=True, travel_deg=60.0, stop_moment_n_m=0.7),
+    sensor=SensorSite(
+        middle_m=(0.0, -0.004, 0.02),
+        active_radius_m=0.0025,
+        below_skin_m=0.003,
+        taxels=TactileMesh(CORNERS[:3], np.tile([0.0, -1.0, 0.0], (3, 3)), FACES[:1]),
+    ),
+    collision=CollisionShape(pieces=(CUBE,), error_mm=0.1),
+    contact=CONTACT,
+    stub=Body("hand_stub", CUBE, 1.0, GRAY),
+    strands=(Strand((0.006, -0.005, -0.008), (0.006, -0.001, 0.006), 0.0044),),
 )
 
 
@@ -75,9 +83,8 @@ def read(finger: FingerModel, file_format: str, x_m: float = 0.0) -> ElementTree
     [(True, 60.0, "revolute"), (True, 0.0, "continuous"), (False, 0.0, "fixed")],
 )
 def test_the_joint_is_of_its_kind_with_its_stops(turns: bool, travel_deg: float, kind: str) -> None:
-    finger = replace(
-        FINGER, turns=turns, travel_deg=travel_deg, stub=FINGER.stub if turns else None
-    )
+    joint = Joint(turns, travel_deg, FINGER.joint.stop_moment_n_m)
+    finger = replace(FINGER, joint=joint, stub=FINGER.stub if turns else None)
     robot = read(finger, "urdf", 0.02)
     scene = read(finger, "mjcf", 0.02)
     joints = {joint.get("name"): joint for joint in robot.iter("joint")}
@@ -120,7 +127,8 @@ def test_the_joint_is_of_its_kind_with_its_stops(turns: bool, travel_deg: float,
 @pytest.mark.parametrize("turns", [True, False])
 def test_every_link_states_its_mass_and_the_stub_that_of_its_mesh(turns: bool) -> None:
     """A cube of 10 mm weighs 2 g as the finger, and 1 g as the stub."""
-    finger = replace(FINGER, turns=turns, stub=FINGER.stub if turns else None)
+    joint = replace(FINGER.joint, turns=turns)
+    finger = replace(FINGER, joint=joint, stub=FINGER.stub if turns else None)
     robot = read(finger, "urdf")
     scene = read(finger, "mjcf")
     masses = {

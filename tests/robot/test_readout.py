@@ -12,12 +12,12 @@ from fingertip import Design, FingertipError, Readout
 from fingertip.foundation import jit
 from fingertip.pad.response import Pad
 from fingertip.pad.touch import Pose
-from fingertip.sim.contact.materials import SURFACES
+from fingertip.sim.contact.surface_files import SURFACES
 from fingertip.sim.signal import bridge
 from fingertip.sim.signal import readout as module
-from fingertip.sim.signal.finger import Finger, FingerDrive, FingerSetup, FingerSignals
 from fingertip.sim.signal.grid import CostMeter, Grid
 from fingertip.sim.signal.parameters import PathTables, Sensing
+from fingertip.sim.signal.simulated_finger import Finger, FingerDrive, FingerSetup, FingerSignals
 
 CASES = {
     "fsr400": (),

@@ -18,9 +18,9 @@ from fingertip.design.finger_set import load_set
 from fingertip.foundation.errors import SweepError
 from fingertip.sweep.database import SweepDatabase
 from fingertip.sweep.outputs import GROUPS, SET_GROUPS, load_outputs
-from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.point_evaluator import PointEvaluator
-from fingertip.sweep.report.files import write_report
+from fingertip.sweep.report.report_files import write_report
+from fingertip.sweep.sweep_plan import SweepPlan
 from tests.conftest import ROOT
 
 HAND = ROOT / "params" / "sweeps" / "hand.toml"

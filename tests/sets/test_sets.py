@@ -26,7 +26,7 @@ from fingertip.casting.sheet import casting_sheet, mix
 from fingertip.catalogues.electronics import NAMES
 from fingertip.cli import app
 from fingertip.design import Design
-from fingertip.design.files import to_toml
+from fingertip.design.design_file import to_toml
 from fingertip.design.finger_set import FingerSet, Form, load_set
 from fingertip.documents.acceptance import acceptance_sheet
 from fingertip.documents.finger_set import (

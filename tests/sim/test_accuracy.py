@@ -15,8 +15,8 @@ from fingertip.board.components.values import SUPPLIES
 from fingertip.catalogues.file_kinds import SCENE, list_bundled_files
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.lab.accuracy import extremes, measure, report
-from fingertip.lab.accuracy.report import FILES
+from fingertip.lab.accuracy import accuracy_summary, extremes, measure
+from fingertip.lab.accuracy.accuracy_summary import FILES
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.signal.grid import Grid
 from tests.conftest import run_fingertip
@@ -118,7 +118,7 @@ def test_command_states_errors_that_fall_with_the_step(tmp_path: Path) -> None:
 def test_wrong_case_ends_the_command_with_1_and_is_described(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for module in (extremes, report):
+    for module in (extremes, accuracy_summary):
         monkeypatch.setattr(module, "FAMILIES", {"broken": ("nothing", 1.0, lambda draw: 2.0)})
     monkeypatch.setattr(
         measure, "measure_steps", lambda *_: [measure.StepError("r", 1e-4, {"force_n": 1e-5}, 1, 1)]

@@ -13,8 +13,8 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.lab.accuracy import extremes
+from fingertip.lab.accuracy.accuracy_summary import EXTREMES, _describe_cases
 from fingertip.lab.accuracy.extremes import Draw
-from fingertip.lab.accuracy.report import EXTREMES, _describe_cases
 from fingertip.pad.layer import find_contacts
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import Backing, Pad

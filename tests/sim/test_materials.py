@@ -22,10 +22,15 @@ from fingertip.sim import (
     run_scene,
 )
 from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES, SurfaceFile, SurfaceTable
+from fingertip.sim.contact.surface_files import (
+    ARTICLE_SURFACES,
+    SURFACES,
+    SurfaceFile,
+    SurfaceTable,
+)
 from fingertip.sim.contact.surfaces import SurfaceProfile, average_over_patch, generate_profile
 from fingertip.sim.contact.vibration import ProfileForce
-from fingertip.sim.report import find_warnings
+from fingertip.sim.simulation_summary import find_warnings
 from tests.conftest import run_fingertip
 
 DESIGN = Design()

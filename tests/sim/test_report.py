@@ -17,10 +17,10 @@ from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.pad.touch import Pose
 from fingertip.sim import ManipulationFile, SceneFile, load_simulation, run_manipulation, run_scene
-from fingertip.sim.plan import plan_simulation
-from fingertip.sim.report import as_data, as_text, draw
 from fingertip.sim.runs.scene import SceneRecord
 from fingertip.sim.signal.grid import STAGES
+from fingertip.sim.simulation_summary import as_data, as_text, draw
+from fingertip.sim.stages import plan_simulation
 from fingertip.sim.trace_file import encode_trace
 from fingertip.slip.traces.truth import intervals
 from tests.approved import check_figures, check_text

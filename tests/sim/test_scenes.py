@@ -15,12 +15,12 @@ from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.pad.response import Pad
 from fingertip.sim import SceneFile, Trial, load_simulation, run_scene, simulate
-from fingertip.sim.report import find_warnings
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.signal.grid import STAGES, CostMeter, Grid, StageCost
+from fingertip.sim.simulation_summary import find_warnings
 from fingertip.slip.scored_detection import detect
 from tests.conftest import ROOT, design_file, run_fingertip
 from tests.designs import ARTICLE, article_design

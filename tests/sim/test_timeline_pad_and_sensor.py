@@ -15,7 +15,7 @@ from fingertip.pad.layer import find_contacts, find_rest_n
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import REFERENCE_POSE, Backing, Pad
 from fingertip.pad.touch import Pose
-from fingertip.sim.contact.materials import SURFACES
+from fingertip.sim.contact.surface_files import SURFACES
 from fingertip.sim.contact.surfaces import SurfaceProfile, generate_profile
 from fingertip.sim.contact.vibration import ContactResonance, ProfileForce, high_pass
 from fingertip.sim.runs.pose import MOUNTS, MountTable

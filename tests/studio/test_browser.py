@@ -14,7 +14,7 @@ import pytest
 
 from fingertip import Design
 from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
-from fingertip.design.files import to_toml
+from fingertip.design.design_file import to_toml
 from fingertip.studio.server import StudioServer
 from tests.browser import click, drawn_ms, find_barriers, open_browser, picture, wait, watch
 from tests.studio.conftest import serve

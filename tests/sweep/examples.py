@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 from fingertip.cli import app
 from fingertip.sweep.database import SweepDatabase, SweepRow, SweepTable
-from fingertip.sweep.plan import SweepPlan
+from fingertip.sweep.sweep_plan import SweepPlan
 
 BOARD: dict[str, Any] = {
     "name": "boards",

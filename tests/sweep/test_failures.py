@@ -18,9 +18,9 @@ import pytest
 from fingertip.sweep.database import SweepDatabase, SweepRow
 from fingertip.sweep.database_file import FILE
 from fingertip.sweep.engines import ProcessEngine
-from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.point_evaluator import ChunkFunction
 from fingertip.sweep.run import compute_rows
+from fingertip.sweep.sweep_plan import SweepPlan
 from tests.conftest import ROOT
 from tests.sweep import examples, worker_functions
 from tests.sweep.examples import InlineEngine, make_plan

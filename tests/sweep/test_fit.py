@@ -12,10 +12,10 @@ from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
 from fingertip.sweep.database import SweepDatabase
 from fingertip.sweep.engines import ProcessEngine
-from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.point_evaluator import PointEvaluator
-from fingertip.sweep.report.files import write_csv, write_report
+from fingertip.sweep.report.report_files import write_csv, write_report
 from fingertip.sweep.run import compute_rows
+from fingertip.sweep.sweep_plan import SweepPlan
 
 TEXT = """name = "fitted"
 outputs = ["finger_length_mm"]

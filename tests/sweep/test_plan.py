@@ -7,7 +7,7 @@ import pytest
 
 from fingertip.foundation.errors import SweepError
 from fingertip.sweep.axes import round_significant
-from fingertip.sweep.plan import SweepPlan
+from fingertip.sweep.sweep_plan import SweepPlan
 from tests.conftest import ROOT
 from tests.sweep.examples import make_plan
 

@@ -24,7 +24,7 @@ from fingertip.design.parameters import ELECTRONIC_TABLES
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import PART_RULES, RULES
 from fingertip.foundation.errors import DesignError, Issue
-from fingertip.lab.campaign.plan import Case
+from fingertip.lab.campaign.campaign import Case
 from fingertip.lab.campaign.run import TrialResult
 from fingertip.sweep import compute
 from fingertip.sweep.compute import PointContext

@@ -18,13 +18,13 @@ from PIL import Image
 from fingertip.design import Design
 from fingertip.foundation.display import PALE_TEAL, RED, TEXT_COLOUR
 from fingertip.sweep.database import SweepDatabase, SweepRow
-from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.report import files
+from fingertip.sweep.report import report_files
 from fingertip.sweep.report.best_design_file import name_best_design
 from fingertip.sweep.report.feasibility_plot import draw_feasibility
-from fingertip.sweep.report.files import write_csv, write_report
 from fingertip.sweep.report.plots import draw_scatter_matrix
+from fingertip.sweep.report.report_files import write_csv, write_report
 from fingertip.sweep.report.statistics import classify_points
+from fingertip.sweep.sweep_plan import SweepPlan
 from tests.approved import check_figures, list_data
 from tests.figures import describe_figure, keep_figures, list_words
 from tests.sweep.examples import make_table
@@ -133,7 +133,7 @@ def test_reports_are_the_approved_ones(
     """
     pytest.importorskip("matplotlib")
     if name not in ("complete", "grid", "one_row"):
-        monkeypatch.setattr(files, "select_plots", lambda _: iter(()))
+        monkeypatch.setattr(report_files, "select_plots", lambda _: iter(()))
     with make_database(tmp_path / "sweep", **CASES[name]) as database, keep_figures() as figures:
         told: list[Any] = []
         data = write_report(database, tmp_path / "out", told.append)

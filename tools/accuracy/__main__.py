@@ -23,7 +23,7 @@ from benchmarks.peers.work_precision import WorkPrecision
 from fingertip.design import Design
 from fingertip.foundation import display
 from fingertip.foundation.jit import compiled
-from fingertip.lab.accuracy import report
+from fingertip.lab.accuracy import accuracy_summary
 from fingertip.lab.accuracy.budget import Curve, measure_budget
 from fingertip.lab.accuracy.measure import measure_accuracy
 from fingertip.sweep.outputs import load_outputs
@@ -52,10 +52,10 @@ def main() -> None:
     found = measure_accuracy(design, options.cases or 20)
     curves = measure_budget(design)
     groups = {name: output.group for name, output in load_outputs().items()}
-    whole = report.as_text(found).splitlines()
+    whole = accuracy_summary.as_text(found).splitlines()
     page = DOCS / "accuracy.md"
     tried = whole if options.cases else page.read_text().splitlines()
-    budget = report.budget_text(DESIGN, curves, groups).splitlines()
+    budget = accuracy_summary.budget_text(DESIGN, curves, groups).splitlines()
     peers, picture = _compare_solvers(options.rounds)
     values = {
         "design": DESIGN,

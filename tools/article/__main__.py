@@ -16,7 +16,7 @@ from pathlib import Path
 
 from fingertip.design import Design
 from fingertip.foundation.workers import find_workers, side_by_side
-from fingertip.lab.campaign.plan import CampaignPlan
+from fingertip.lab.campaign.campaign import CampaignPlan
 from tools.article.page import write_page
 from tools.article.studies import study
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
+from fingertip.lab.board_comparison import with_variant
+from fingertip.lab.campaign.campaign import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.lab.campaign.run import DetectorResult, run_campaign, run_cases, surface
-from fingertip.lab.divider import with_variant
 from fingertip.sim.signal.converter import simulate_quiescent_level
 
 VARIANTS = ("article", "precision")

@@ -14,8 +14,8 @@ from typing import Any
 from fingertip.design import Design
 from fingertip.documents.template import WIDTH, lay_out_page, render_text
 from fingertip.foundation.workers import find_workers, side_by_side
-from fingertip.lab.divider import with_variant
-from fingertip.sim.contact.materials import ARTICLE_SURFACES
+from fingertip.lab.board_comparison import with_variant
+from fingertip.sim.contact.surface_files import ARTICLE_SURFACES
 from fingertip.sim.signal.converter import simulate_quiescent_level
 from tools.article import level
 from tools.article.boards import VARIANTS

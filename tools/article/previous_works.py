@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, Case
+from fingertip.lab.campaign.campaign import HELD_OUT_FROM, Case
 from fingertip.lab.campaign.run import TrialResult, run_cases, score_trial, simulate_trace
-from fingertip.sim.contact.materials import SURFACES
+from fingertip.sim.contact.surface_files import SURFACES
 from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.fft import FftDetector
 from tools.article.boards import with_article_board

@@ -16,8 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.design import Design
+from fingertip.lab.board_comparison import with_variant
+from fingertip.lab.campaign.campaign import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, run_closed_loop, summarise
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.lab.campaign.run import (
     DetectorResult,
     TrialResult,
@@ -26,7 +27,6 @@ from fingertip.lab.campaign.run import (
     simulate_trace,
     surface,
 )
-from fingertip.lab.divider import with_variant
 from fingertip.sim.runs.timeline import TrapezoidalMove
 from fingertip.sim.signal.converter import simulate_quiescent_level
 from fingertip.sim.signal.grid import open_stream

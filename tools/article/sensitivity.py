@@ -18,7 +18,7 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign import run as campaign
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, Case
+from fingertip.lab.campaign.campaign import HELD_OUT_FROM, CampaignPlan, Case
 from fingertip.pad.response import Backing
 from fingertip.sim import SceneFile, run_scene
 from fingertip.slip.detectors.analog_and_digital import noise_level

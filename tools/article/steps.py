@@ -23,7 +23,7 @@ from fingertip.design import Design
 from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.workers import call_each
-from fingertip.lab.campaign.plan import (
+from fingertip.lab.campaign.campaign import (
     HELD_OUT_FROM,
     REPORTED_SEPARATELY,
     CampaignPlan,

@@ -12,10 +12,10 @@ from typing import Any, TypeVar
 from fingertip.design import Design
 from fingertip.documents.template import render_text
 from fingertip.foundation.progress import Work
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan
+from fingertip.lab.campaign.campaign import HELD_OUT_FROM, CampaignPlan
 from fingertip.lab.report.results import format_ms
 from fingertip.pad.response import Pad
-from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES
+from fingertip.sim.contact.surface_files import ARTICLE_SURFACES, SURFACES
 from tools.article import plots, sensitivity, tables
 from tools.article.boards import study_article_board, study_board_variants
 from tools.article.previous_works import study_previous_works

@@ -25,9 +25,9 @@ from benchmarks.slip.mix import EXCLUDED_FROM_TRAINING, UNSTEADY, Draw
 from benchmarks.slip.mix_signals import LabelledSignal
 from fingertip.design import Design
 from fingertip.foundation.workers import call_each
-from fingertip.lab.campaign.plan import NEGATIVE_SCENES, nominal_duration_s
+from fingertip.lab.campaign.campaign import NEGATIVE_SCENES, nominal_duration_s
 from fingertip.sim import SceneFile
-from fingertip.sim.contact.materials import SurfaceTable
+from fingertip.sim.contact.surface_files import SurfaceTable
 from fingertip.sim.runs.pose import GRASP_POSE
 from fingertip.sim.runs.scene_and_manipulation_files import DIRECTIONS
 from fingertip.sim.simulation import article_trials

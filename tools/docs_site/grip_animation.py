@@ -20,7 +20,7 @@ from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.design.geometry.solids import Box
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.raster import Camera, Canvas
-from fingertip.robot.model import build_finger
+from fingertip.robot.finger_model import build_finger
 
 _FROM_S = 1.9
 _EVERY_S = 0.01

@@ -8,8 +8,8 @@ from typing import Any
 import typer.main
 
 from fingertip.cli import app
-from fingertip.design.files import Parameter, format_value, list_parameters
-from fingertip.design.model import Design
+from fingertip.design.design import Design
+from fingertip.design.design_file import Parameter, format_value, list_parameters
 
 WIDTH = 80
 """Width of the help pages [columns]."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
 from fingertip.foundation.numerics import Array
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
+from fingertip.lab.campaign.campaign import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.lab.campaign.run import simulate_trace
 from fingertip.slip.detectors.fast_coefficients import design_board_filter
 from fingertip.slip.detectors.input_noise import input_noise_v

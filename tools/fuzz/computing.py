@@ -23,7 +23,7 @@ from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.electronics import NAMES, load_controllers
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, list_bundled_files
 from fingertip.design import Design
-from fingertip.design.files import to_toml
+from fingertip.design.design_file import to_toml
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, list_choices
 from fingertip.fitting.fitting import fit_design

@@ -145,7 +145,7 @@ def weighings() -> bytes:
 def sweep_database() -> bytes:
     """Database of a small finished sweep."""
     from fingertip.sweep.database import SweepDatabase
-    from fingertip.sweep.plan import SweepPlan
+    from fingertip.sweep.sweep_plan import SweepPlan
 
     tables = {"outputs": ["cutoff_3db_hz"], "axes": {"board.cutoff_hz": [60.0, 67.0, 75.0]}}
 

@@ -167,7 +167,7 @@ def read_end(path: Path) -> str:
 def _check_design(outcome: Outcome, folder: Path) -> None:
     """Check that the design that was printed can be read, is valid and is printed again alike."""
     from fingertip.design import Design
-    from fingertip.design.files import to_toml
+    from fingertip.design.design_file import to_toml
 
     path = folder / "printed.toml"
     path.write_text(outcome.stdout, encoding="utf-8")

@@ -18,14 +18,19 @@ import numpy as np
 from fingertip.bench.fit import Fitted, LevelFit, Pairs, fit_curve, fit_noise
 from fingertip.bench.trials import STROKE_M, TrialFile
 from fingertip.design import Design
-from fingertip.design.files import to_toml
+from fingertip.design.design_file import to_toml
 from fingertip.foundation import jit
 from fingertip.foundation.progress import Work
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, REPORTED_SEPARATELY, Case
+from fingertip.lab.campaign.campaign import (
+    HELD_OUT_FROM,
+    NEGATIVE_SCENES,
+    REPORTED_SEPARATELY,
+    Case,
+)
 from fingertip.lab.campaign.run import DetectorResult, evaluate, simulate_trace
 from fingertip.lab.report.results import summarise, to_number
 from fingertip.sim import SceneFile
-from fingertip.sim.contact.materials import SURFACES
+from fingertip.sim.contact.surface_files import SURFACES
 from fingertip.sim.runs.timeline import TrapezoidalMove
 
 TEXT = "recordings.txt"

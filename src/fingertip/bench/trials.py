@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from fingertip.design import Design
-from fingertip.design.files import load_tables, to_toml
+from fingertip.design.design_file import load_tables, to_toml
 from fingertip.documents.template import render
 from fingertip.foundation.errors import (
     FingertipError,

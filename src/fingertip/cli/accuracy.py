@@ -37,7 +37,7 @@ def accuracy(
     """
     from fingertip.foundation.errors import Issue
     from fingertip.foundation.output_set import SetWriter, hash_parameters
-    from fingertip.lab.accuracy import report
+    from fingertip.lab.accuracy import accuracy_summary
     from fingertip.lab.accuracy.budget import measure_budget
     from fingertip.lab.accuracy.measure import measure_accuracy
     from fingertip.sweep.outputs import load_outputs
@@ -52,12 +52,14 @@ def accuracy(
     if is_budget:
         curves = measure_budget(loaded, console.progress)
         shown = loaded.name, curves, {name: output.group for name, output in load_outputs().items()}
-        console.result(report.budget_data(*shown), report.budget_text(*shown))
+        console.result(accuracy_summary.budget_data(*shown), accuracy_summary.budget_text(*shown))
         return
 
     writer = SetWriter(out, "accuracy", loaded.name, hash_parameters(loaded.identity()))
-    writer.check(report.FILES)
+    writer.check(accuracy_summary.FILES)
     found = measure_accuracy(loaded, cases, console.progress, jobs)
-    writer.write(report.as_files(found))
-    text = f"{report.as_text(found)}\ndetails: {out / report.FILES[0]}"
-    console.result(report.as_data(found), text, passed=all(one.is_passed for one in found.extremes))
+    writer.write(accuracy_summary.as_files(found))
+    text = f"{accuracy_summary.as_text(found)}\ndetails: {out / accuracy_summary.FILES[0]}"
+    console.result(
+        accuracy_summary.as_data(found), text, passed=all(one.is_passed for one in found.extremes)
+    )

@@ -31,7 +31,7 @@ from fingertip.foundation.errors import FingertipError, Issue, join_words
 from fingertip.foundation.files import write_zip
 
 if TYPE_CHECKING:
-    from fingertip.cad.report import Build
+    from fingertip.cad.build_result import Build
 
 
 @command

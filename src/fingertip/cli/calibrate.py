@@ -62,7 +62,7 @@ def printer(
     refuses the design.
     """
     from fingertip.calibration.printer import apply_calibration, calibrate_printer
-    from fingertip.design.files import to_toml
+    from fingertip.design.design_file import to_toml
     from fingertip.foundation.files import round_for_output, write_file
 
     remedy = "" if force else "overwrite it with --force"
@@ -139,7 +139,7 @@ def sensor(
     """
     from fingertip.calibration.printer import apply_calibration
     from fingertip.calibration.sensor import calibrate_sensor, list_warnings, read_weighings
-    from fingertip.design.files import to_toml
+    from fingertip.design.design_file import to_toml
     from fingertip.foundation.files import write_file
 
     remedy = "" if force else "overwrite it with --force"

@@ -208,7 +208,7 @@ def _load(
     refused: dict[Path, list[Issue]],
 ) -> list[Given]:
     """Load designs and sets, and add what refuses one to `refused`."""
-    from fingertip.design.files import load_tables
+    from fingertip.design.design_file import load_tables
     from fingertip.design.finger_set import is_set
 
     if files:

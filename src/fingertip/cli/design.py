@@ -28,7 +28,7 @@ def params(
     """Print every parameter with its value, unit, bounds, kind
     (wish, measurement or derived) and description.
     """
-    from fingertip.design import files as export
+    from fingertip.design import design_file as export
 
     loaded = load_design(design, changes, console)
 
@@ -63,7 +63,7 @@ _MODELS = {
     "set": "design.finger_set:SetFile",
     "scene": "sim:SceneFile",
     "manipulation": "sim:ManipulationFile",
-    "surface": "sim.contact.materials:SurfaceFile",
+    "surface": "sim.contact.surface_files:SurfaceFile",
     "sweep": "sweep.sweep_file:SweepFile",
 }
 KINDS = tuple(_MODELS)

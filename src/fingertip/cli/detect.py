@@ -274,7 +274,7 @@ def validate(
     from fingertip.foundation.output_set import SetWriter, hash_parameters
     from fingertip.foundation.workers import find_workers
     from fingertip.lab import validation as campaign
-    from fingertip.lab.campaign.plan import CampaignPlan, check_first_seed
+    from fingertip.lab.campaign.campaign import CampaignPlan, check_first_seed
     from fingertip.slip.detectors import registry
 
     if recordings is not None and design is None:

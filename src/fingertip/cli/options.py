@@ -36,7 +36,7 @@ from fingertip.foundation.extras import describe_import_error
 
 if TYPE_CHECKING:
     from fingertip.design import Design
-    from fingertip.design.files import LoadedTables
+    from fingertip.design.design_file import LoadedTables
     from fingertip.design.finger_set import FingerSet
 
 PIPE_CLOSED = 141
@@ -220,7 +220,7 @@ def load_design(
     Raises DesignError.
     """
     if console and console.fits:
-        from fingertip.design.files import load_tables
+        from fingertip.design.design_file import load_tables
         from fingertip.fitting.fitting import fit_tables
 
         loaded = load_tables([file] if file else [], changes or ())
@@ -279,7 +279,7 @@ def list_words(changes: Iterable[str], console: Console) -> list[str]:
 def read_design(file: Path | None, changes: tuple[str, ...]) -> tuple[Design, bool]:
     """Read a design, and whether its file leaves it the default one. Raises DesignError."""
     from fingertip.design import Design
-    from fingertip.design.files import load_tables
+    from fingertip.design.design_file import load_tables
 
     loaded = load_tables([file] if file else [], changes)
 

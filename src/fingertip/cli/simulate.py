@@ -121,7 +121,7 @@ def simulate(
             "\n".join(scene.format_parameters()),
         )
     elif plan:
-        from fingertip.sim.plan import plan_simulation
+        from fingertip.sim.stages import plan_simulation
 
         found = plan_simulation(simulation)
         console.result(found.as_data(), "\n".join(found.as_text()))
@@ -153,7 +153,7 @@ def _write(
     """
     from fingertip.catalogues.output_files import SIGNAL
     from fingertip.foundation.files import open_atomic, write_file
-    from fingertip.sim import report as summary
+    from fingertip.sim import simulation_summary as summary
     from fingertip.sim import trace_file
 
     path = out or SIGNAL.folder(simulation.design) / f"{simulation.name}.csv"
@@ -201,7 +201,7 @@ def _simulate(
     """Simulate and write the trace; return what is known about it, the
     moments of grip, and the plot if asked for.
     """
-    from fingertip.sim import report as summary
+    from fingertip.sim import simulation_summary as summary
     from fingertip.sim import trace_file
 
     if grip is None and not plotted:

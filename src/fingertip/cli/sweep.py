@@ -21,7 +21,7 @@ from fingertip.foundation.progress import ShareText
 if TYPE_CHECKING:
     from fingertip.sweep.database import SweepDatabase
     from fingertip.sweep.engines import Engine
-    from fingertip.sweep.plan import SweepPlan
+    from fingertip.sweep.sweep_plan import SweepPlan
 
 
 def parse_sweep(typed: str) -> Path:
@@ -99,7 +99,7 @@ def _prepare(
     """Load a sweep file, and choose who computes its points. Raises SweepError."""
     from fingertip.foundation.workers import find_workers
     from fingertip.sweep.engines import DaskEngine, ProcessEngine
-    from fingertip.sweep.plan import SweepPlan
+    from fingertip.sweep.sweep_plan import SweepPlan
 
     if file is None:
         raise SweepError(
@@ -120,7 +120,7 @@ def _find_shown(
     file: Path | None, out: Path | None, changes: Sequence[str]
 ) -> tuple[Path, SweepPlan | None]:
     """Find the folder to report on, and its sweep; None if only the folder is given."""
-    from fingertip.sweep.plan import SweepPlan
+    from fingertip.sweep.sweep_plan import SweepPlan
 
     if file is not None:
         plan = SweepPlan.load(file, changes)
@@ -207,7 +207,7 @@ def _run(console: Console, database: SweepDatabase, engine: Engine) -> int:
 
 def _show_report(console: Console, folder: Path, plan: SweepPlan | None, csv: Path | None) -> None:
     from fingertip.sweep.database import SweepDatabase
-    from fingertip.sweep.report.files import write_report
+    from fingertip.sweep.report.report_files import write_report
 
     with SweepDatabase.open(folder) as database:
         data = write_report(database, folder, console.progress, plan)
@@ -217,7 +217,7 @@ def _show_report(console: Console, folder: Path, plan: SweepPlan | None, csv: Pa
 
 
 def _export(database: SweepDatabase, csv: Path | None) -> None:
-    from fingertip.sweep.report.files import write_csv
+    from fingertip.sweep.report.report_files import write_csv
 
     if csv is not None:
         write_csv(database, csv)

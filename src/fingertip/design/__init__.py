@@ -9,6 +9,6 @@ that passes.
 19.5
 """
 
-from fingertip.design.model import Design
+from fingertip.design.design import Design
 
 __all__ = ["Design"]

@@ -10,7 +10,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Collection, Iterable, Iterator
 
-from fingertip.design.files import Parameter, list_parameters, load_tables
+from fingertip.design.design_file import Parameter, list_parameters, load_tables
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS, Tables
 from fingertip.design.parameters.declaration import OWN, parse_tables

@@ -19,11 +19,17 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from fingertip.catalogues.electronics import NAMES, split_finger
 from fingertip.catalogues.file_kinds import DESIGN, SET, find_file, identify_kind, read_file
-from fingertip.design.files import LoadedTables, flatten, list_changes, load_tables, resolve_names
+from fingertip.design.design import Design
+from fingertip.design.design_file import (
+    LoadedTables,
+    flatten,
+    list_changes,
+    load_tables,
+    resolve_names,
+)
 from fingertip.design.hand_sizes import find_hand
-from fingertip.design.model import Design
 from fingertip.design.parameters.declaration import parse_tables, suggest_name
-from fingertip.design.parameters.finger import ForceCurve
+from fingertip.design.parameters.sensor_and_skin import ForceCurve
 from fingertip.foundation.errors import (
     DesignError,
     Issue,

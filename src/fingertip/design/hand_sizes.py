@@ -10,8 +10,8 @@ from typing import Any
 
 from fingertip.catalogues.file_kinds import PARAMS
 from fingertip.design.parameters import Tables
+from fingertip.design.parameters.bone_and_mold import Hand
 from fingertip.design.parameters.declaration import parse_tables, suggest_name
-from fingertip.design.parameters.parts import Hand
 from fingertip.foundation.errors import DesignError, Issue, TomlFileError, join_words
 from fingertip.foundation.tables import read_rows, read_toml
 

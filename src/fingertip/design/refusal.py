@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from fingertip.catalogues.electronics import SENSORS
 from fingertip.design import remedies
-from fingertip.design.files import flatten
+from fingertip.design.design_file import flatten
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import (

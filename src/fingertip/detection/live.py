@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fingertip.design import Design
-from fingertip.design.parameters.electronics import Detector as DetectorParameters
+from fingertip.design.parameters.board_and_detector import Detector as DetectorParameters
 from fingertip.detection.adaptation import Adaptation
 from fingertip.detection.recordings import find_force_scale, read_floors
 from fingertip.detection.warnings import StreamWatch, settings_warnings

@@ -13,7 +13,7 @@ from typing import Any
 
 from fingertip.casting.sheet import add_prices
 from fingertip.design import Design
-from fingertip.design.files import flatten, format_value
+from fingertip.design.design_file import flatten, format_value
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_unit
 from fingertip.documents.template import render_page

@@ -11,8 +11,8 @@ from fingertip.design.finger_set import FingerSet
 from fingertip.design.geometry.solids import Point3
 from fingertip.documents.template import WIDTH, render_page
 from fingertip.robot.contact import FACET_MM, FORCES_N, REFERENCE_N, SPACING_MM
+from fingertip.robot.finger_model import TOLERANCE_MM, FingerModel
 from fingertip.robot.formats import FRAME, MAX_SPEED_RAD_S, TIMESTEP_S
-from fingertip.robot.model import TOLERANCE_MM, FingerModel
 
 
 @dataclass(frozen=True)
@@ -58,13 +58,15 @@ class ModelFigures:
 def describe_model(finger: FingerModel, file_format: str) -> ModelFigures:
     inertia = finger.inertia
     contact = finger.contact
-    pieces = len(finger.pieces)
+    pieces = len(finger.collision.pieces)
     low_n = FORCES_N[0]
     high_n = FORCES_N[-1]
     surface = (
         "1 convex piece, its surface" if pieces == 1 else f"{pieces} convex pieces, their surface"
     )
-    errors = f"Collision: {surface} within {finger.piece_error_mm:.2f} mm of the skin's outline."
+    errors = (
+        f"Collision: {surface} within {finger.collision.error_mm:.2f} mm of the skin's outline."
+    )
 
     if file_format == "mjcf":
         errors += (
@@ -78,7 +80,7 @@ def describe_model(finger: FingerModel, file_format: str) -> ModelFigures:
     exact = ModelFigures(
         design=finger.name,
         format=file_format,
-        turns=finger.turns,
+        turns=finger.joint.turns,
         errors=errors,
         mass_kg=inertia.mass_kg,
         centre_m=inertia.centre_m,
@@ -88,12 +90,12 @@ def describe_model(finger: FingerModel, file_format: str) -> ModelFigures:
             for part in finger.bodies
         },
         tip_m=finger.tip_m,
-        sensor_m=finger.sensor_m,
+        sensor_m=finger.sensor.middle_m,
         offset_m=finger.offset_m,
-        travel_deg=finger.travel_deg,
-        stop_moment_n_m=finger.stop_moment_n_m,
+        travel_deg=finger.joint.travel_deg,
+        stop_moment_n_m=finger.joint.stop_moment_n_m,
         collision_pieces=pieces,
-        collision_error_mm=finger.piece_error_mm,
+        collision_error_mm=finger.collision.error_mm,
         contact_error=contact.error,
         solimp=contact.solimp,
         solref=contact.solref(contact.inverse_mass_per_kg),
@@ -103,7 +105,7 @@ def describe_model(finger: FingerModel, file_format: str) -> ModelFigures:
         stiffness_n_per_m=contact.pad_stiffness_n_per_m,
         depths_mm=contact.depths_mm,
         forces_n=contact.forces_n,
-        taxels=len(finger.taxels.points_mm),
+        taxels=len(finger.sensor.taxels.points_mm),
         below_interface_m=-1e-3 * float(finger.bodies[0].mesh.vertices[:, 2].min())
         - finger.offset_m[2],
         has_tendon=bool(finger.strands),

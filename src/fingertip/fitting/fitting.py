@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from fingertip.cad.verification.verify import check
 from fingertip.design import Design
-from fingertip.design.files import Changes, load_tables, merge
+from fingertip.design.design_file import Changes, load_tables, merge
 from fingertip.design.fit import LEAST_LOADS, Fit, Move, find_fit, fit_lengths
 from fingertip.design.geometry import DesignTables
 from fingertip.design.refusal import explain_invalid, read_valid

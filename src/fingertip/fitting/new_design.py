@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.catalogues.electronics import SENSORS, explain_sensor
+from fingertip.design.design import Design
+from fingertip.design.design_file import load_tables, merge
 from fingertip.design.design_text import write_design
-from fingertip.design.files import load_tables, merge
 from fingertip.design.fit import LEAST_LOADS, Move
 from fingertip.design.geometry import DesignTables
 from fingertip.design.hand_sizes import complete_hand, find_hand
-from fingertip.design.model import Design
 from fingertip.design.parameters.declaration import parse_tables, suggest_name
 from fingertip.fitting.fitting import fit_tables
 from fingertip.foundation.errors import DesignError, Issue, gather, raise_issues

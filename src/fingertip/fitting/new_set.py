@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fingertip.catalogues.electronics import NAMES
+from fingertip.design.design import Design
 from fingertip.design.geometry import DesignTables
-from fingertip.design.model import Design
 from fingertip.design.parameters.declaration import parse_tables, suggest_name
 from fingertip.design.proportions import load_proportions
 from fingertip.fitting import new_design

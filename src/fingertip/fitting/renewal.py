@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.catalogues.file_kinds import DESIGN, find_file, list_bundled_files, read_file
-from fingertip.design.files import flatten, load_tables
+from fingertip.design.design import Design
+from fingertip.design.design_file import flatten, load_tables
 from fingertip.design.fit import LEAST_LOADS, fit_lengths
 from fingertip.design.geometry import DesignTables
-from fingertip.design.model import Design
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import load_retired, parse_tables
 from fingertip.design.rules.ruleset import RuleChecker

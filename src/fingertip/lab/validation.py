@@ -13,20 +13,20 @@ from fingertip.foundation.files import encode_json
 from fingertip.foundation.progress import Work
 from fingertip.foundation.validation import Comparison
 from fingertip.foundation.workers import find_workers, side_by_side
+from fingertip.lab.board_comparison import BoardComparison, compare_with_board
+from fingertip.lab.campaign.campaign import (
+    HELD_OUT_FROM,
+    REPORTED_SEPARATELY,
+    CampaignPlan,
+    check_first_seed,
+)
 from fingertip.lab.campaign.closed_loop import (
     ClosedLoopSummary,
     ClosedLoopTrial,
     run_closed_loop,
     summarise,
 )
-from fingertip.lab.campaign.plan import (
-    HELD_OUT_FROM,
-    REPORTED_SEPARATELY,
-    CampaignPlan,
-    check_first_seed,
-)
 from fingertip.lab.campaign.run import SCALES, CampaignResult, run_campaign, surface
-from fingertip.lab.divider import BoardComparison, compare_with_board
 from fingertip.lab.report import plots, results
 from fingertip.lab.report.results import format_ms, to_number
 from fingertip.slip.detectors.registry import DETECTORS, check_detector

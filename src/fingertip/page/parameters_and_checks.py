@@ -13,7 +13,7 @@ from typing import Any
 from fingertip.cad.shapes.parts import shapes_of_parameters
 from fingertip.cad.verification.verify import list_causes
 from fingertip.design import Design
-from fingertip.design.files import Parameter, format_value, list_parameters
+from fingertip.design.design_file import Parameter, format_value, list_parameters
 from fingertip.documents.finger import draw_hand_sizes
 from fingertip.page.html import Markup, button, code, element, embed, fold, join, quantity, table
 from fingertip.page.model_section import label_item

@@ -27,7 +27,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.pad.layer import find_contacts
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import REFERENCE_POSE, Pad
-from fingertip.sim.contact.materials import SURFACES
+from fingertip.sim.contact.surface_files import SURFACES
 
 FORCES_N = (0.2, 0.35, 0.6, 1.0, 1.7, 2.8, 4.0, 6.0, 10.0)
 """Forces at which the contact is compared with the pad."""
@@ -36,9 +36,7 @@ _WIDTH = 1.6
 REFERENCE_N = 1.0
 """Force at which the damping is linearised."""
 _MAX_IMPEDANCE = 0.1
-"""Impedance from that depth on: the part of other forces on the
-masses that the contact takes away there.
-"""
+"""Impedance from that depth on: share of other forces on the masses that the contact cancels."""
 _POWERS = tuple(1.0 + 0.1 * step for step in range(21))
 _MIDPOINT = 1e-4
 """Midpoint of solimp: the least that MuJoCo takes."""
@@ -73,13 +71,14 @@ class ContactLaw:
 
     @property
     def solimp(self) -> tuple[float, ...]:
+        """Impedance of MuJoCo: least and largest one, width, midpoint and power."""
         return self.min_impedance, _MAX_IMPEDANCE, self.depth_m, _MIDPOINT, self.power
 
     def solref(self, inverse_mass_per_kg: float) -> tuple[float, float]:
         """Return stiffness and damping for a sum of inverse masses of finger and object [1/kg]."""
-        return -self.stiffness_n_per_m * inverse_mass_per_kg, -self.damping_n_s_per_m * math.sqrt(
-            inverse_mass_per_kg
-        )
+        stiffness = -self.stiffness_n_per_m * inverse_mass_per_kg
+        damping = -self.damping_n_s_per_m * math.sqrt(inverse_mass_per_kg)
+        return stiffness, damping
 
 
 def fit_contact(design: Design) -> ContactLaw:
@@ -127,22 +126,22 @@ WANTED_MM = 0.15
 """Distance to the skin at which no further cut is made."""
 MAX_PIECES = 4
 FACET_MM = 0.03
+"""Tolerance of the mesh that is cut."""
 _EXACT_MM = 0.005
-"""Tolerances of the mesh that is cut, and of the one that stands for the skin's true surface."""
+"""Tolerance of the mesh that stands for the skin's true surface."""
 _MIN_MM = 1.0
 """Least length of a piece."""
 _GRID_MM = 2.0**-10
 _SLIVER_MM = 0.005
 """Height of a triangle below which its plane says nothing; its neighbours lie as near."""
 _FLAT = 0.99
-"""Component along the finger from which on the normal of a facet
-is that of a cut or of the skin's end.
-"""
+"""A facet whose normal has at least this component along the finger is a cut, or the skin's end."""
 
 
 def cut_skin(design: Design) -> tuple[tuple[Mesh, ...], float]:
-    """Cut the skin, filled with what lies in it, into convex pieces;
-    with the greatest distance to its surface [mm].
+    """Cut the skin, filled with what lies in it, into convex pieces.
+
+    Returns the pieces, and the greatest distance of their outside to the skin's surface [mm].
     """
     outline = skin_outline(design)
     evaluator = MeshEvaluator(FACET_MM)
@@ -163,7 +162,7 @@ def cut_skin(design: Design) -> tuple[tuple[Mesh, ...], float]:
         distance = _measure(pieces, cuts, surface)
         worst = int(distance.argmax())
         cut = min(round(float(surface[worst, 2]), 3), last_cut_mm)
-        is_short = min(abs(cut - other) for other in cuts) < _MIN_MM
+        is_short = min(abs(cut - end) for end in cuts) < _MIN_MM
         if distance[worst] <= WANTED_MM or len(pieces) == MAX_PIECES or is_short:
             return tuple(pieces), float(distance[worst])
 
@@ -177,25 +176,33 @@ def _measure(pieces: list[Mesh], cuts: list[float], points: Array) -> Array:
     Distances are those to the planes of the facets: exact for a point inside a piece, and for one
     outside that lies before a facet, as those of a smooth surface do.
     """
-    found = np.zeros(len(points))
+    distances = np.zeros(len(points))
     for piece, (low, high) in zip(pieces, itertools.pairwise(cuts), strict=True):
-        a, b, c = (piece.vertices[piece.triangles[:, i]] for i in range(3))
-        normals = np.cross(b - a, c - a)
-        twice_area = np.linalg.norm(normals, axis=1)
-        normals /= twice_area[:, None]
-        longest = np.max(
-            [np.linalg.norm(one - other, axis=1) for one, other in ((a, b), (b, c), (c, a))], axis=0
-        )
-        ends_in_cut = (
-            normals[:, 2] <= -_FLAT if high == cuts[-1] else np.abs(normals[:, 2]) >= _FLAT
-        )
-        sides = ~ends_in_cut & (twice_area > _SLIVER_MM * longest)
-        near = np.flatnonzero((points[:, 2] > low) & (points[:, 2] <= high))
-        planes = np.einsum("ij,ij->i", normals, a)[sides]
-        for block in np.array_split(near, 1 + len(near) // 2000):
-            found[block] = np.abs((points[block] @ normals[sides].T - planes).max(axis=1))
+        normals, offsets = _list_side_planes(piece, is_last=high == cuts[-1])
+        inside = np.flatnonzero((points[:, 2] > low) & (points[:, 2] <= high))
 
-    return found
+        # In blocks, as a table of all points by all planes would not fit the memory.
+        for block in np.array_split(inside, 1 + len(inside) // 2000):
+            distances[block] = np.abs((points[block] @ normals.T - offsets).max(axis=1))
+
+    return distances
+
+
+def _list_side_planes(piece: Mesh, is_last: bool) -> tuple[Array, Array]:
+    """List the planes of the facets that stand for the skin: normals, and offsets.
+
+    Left out are slivers, and the facets of cuts; the last piece ends in the skin's own tip.
+    """
+    a, b, c = (piece.vertices[piece.triangles[:, i]] for i in range(3))
+    normals = np.cross(b - a, c - a)
+    twice_area = np.linalg.norm(normals, axis=1)
+    normals /= twice_area[:, None]
+    edges = (a - b, b - c, c - a)
+    longest = np.max([np.linalg.norm(edge, axis=1) for edge in edges], axis=0)
+
+    is_cut = normals[:, 2] <= -_FLAT if is_last else np.abs(normals[:, 2]) >= _FLAT
+    sides = ~is_cut & (twice_area > _SLIVER_MM * longest)
+    return normals[sides], np.einsum("ij,ij->i", normals, a)[sides]
 
 
 SPACING_MM = 0.5
@@ -205,14 +212,15 @@ _STEP_MM = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class TactileMesh:
-    """Mesh on the skin over the sensor, at whose vertices MuJoCo's
-    sensor `tactile` reads depth and speed of slip.
+    """Mesh on the skin over the sensor.
+
+    MuJoCo's sensor `tactile` reads depth and speed of slip at its vertices.
     """
 
     points_mm: Array
     normals: Array
-    """Outward normal of each point, and the two directions along the
-    skin in which slip is read: across, to the tip.
+    """Outward normal of each point, and the two directions along the skin in which slip is read:
+    across the finger, and to its tip.
     """
     triangles: Array
 
@@ -236,9 +244,8 @@ def mesh_active_area(form: PadForm) -> TactileMesh:
     points = np.stack([x, -form.skin_mm(x, z), z], axis=1)
     normals: Array = np.concatenate([out, across, np.cross(out, across)], axis=1)
 
-    return TactileMesh(
-        points.round(6), normals.round(9), triangles
-    )  # processors differ in digits beyond these
+    # Processors differ in digits beyond these.
+    return TactileMesh(points.round(6), normals.round(9), triangles)
 
 
 def _unit(vectors: Array) -> Array:

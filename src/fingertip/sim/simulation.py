@@ -36,7 +36,7 @@ from fingertip.foundation.errors import (
     gather,
     raise_issues,
 )
-from fingertip.sim.contact.materials import (
+from fingertip.sim.contact.surface_files import (
     ARTICLE_SURFACES,
     SURFACES,
     SurfaceFile,
@@ -53,7 +53,7 @@ from fingertip.sim.runs.scene import (
 )
 from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
 from fingertip.sim.runs.timeline import SLIDE_M
-from fingertip.sim.signal.finger import FingerSignals
+from fingertip.sim.signal.simulated_finger import FingerSignals
 from fingertip.sim.trace_file import open_trace, write_columns
 from fingertip.slip.traces.trace import Trace
 

@@ -18,17 +18,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic import ValidationError
 
+from fingertip.cad.build_result import DESIGN_HEADING
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.print_files import make_print_files
-from fingertip.cad.report import DESIGN_HEADING
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale, shapes_of_parameters
 from fingertip.cad.verification.check import Check, Solids
 from fingertip.cad.verification.verify import run_checks, verify
 from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues.output_files import DESIGN, PRINT_FOLDER
 from fingertip.design import Design
-from fingertip.design.files import flatten, to_toml
+from fingertip.design.design_file import flatten, to_toml
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.solids import Solid, scaled
 from fingertip.design.parameters import PARAMETERS

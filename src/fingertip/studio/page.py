@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from fingertip.cad.shapes.parts import shapes_of_parameters
 from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design import Design
-from fingertip.design.files import Parameter
+from fingertip.design.design_file import Parameter
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, list_choices
 from fingertip.design.search import describe_bands

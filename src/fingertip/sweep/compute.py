@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from fingertip.design.model import Design
+from fingertip.design.design import Design
 from fingertip.foundation.errors import Issue
 from fingertip.sweep.outputs import load_outputs
 from fingertip.sweep.sweep_file import SweepFile
@@ -149,7 +149,7 @@ def compute_detection(context: PointContext) -> OutputValues:
     """
     from fingertip.foundation.jit import compiled
     from fingertip.lab.campaign import run
-    from fingertip.lab.campaign.plan import Case
+    from fingertip.lab.campaign.campaign import Case
 
     assert context.scene is not None
     detector = context.file.detector

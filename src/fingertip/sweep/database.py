@@ -35,7 +35,7 @@ from fingertip.sweep.database_file import (
     make_error,
     translated_errors,
 )
-from fingertip.sweep.plan import SweepPlan
+from fingertip.sweep.sweep_plan import SweepPlan
 
 FORMAT = "2"
 """Version of the tables, and of the parameter and output names in them."""

@@ -19,8 +19,8 @@ from functools import cached_property, lru_cache, partial
 from typing import IO, TYPE_CHECKING, Any, TypeAlias
 
 from fingertip.catalogues.electronics import split_finger
+from fingertip.design.design import Design
 from fingertip.design.finger_set import FingerSet, build_set
-from fingertip.design.model import Design
 from fingertip.foundation.errors import FingertipError, Issue, gather, raise_issues
 from fingertip.foundation.files import round_for_output
 from fingertip.foundation.workers import report_step
@@ -28,7 +28,7 @@ from fingertip.sweep import designs
 from fingertip.sweep.axes import Value, is_of_parts
 from fingertip.sweep.compute import GROUP_FUNCTIONS, ISSUE, OutputValues, PointContext
 from fingertip.sweep.outputs import TRACES, OutputGroup
-from fingertip.sweep.plan import FITTED, SweepPlan
+from fingertip.sweep.sweep_plan import FITTED, SweepPlan
 
 if TYPE_CHECKING:
     from fingertip.sim.runs.scene_and_manipulation_files import SceneFile

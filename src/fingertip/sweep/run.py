@@ -20,14 +20,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.design.files import Changes, list_changes
+from fingertip.design.design_file import Changes, list_changes
 from fingertip.foundation.errors import Issue, SweepError, shorten
 from fingertip.foundation.extras import load
 from fingertip.foundation.workers import WorkerDiedError, find_workers
 from fingertip.sweep.database import MAX_REASON_LENGTH, StoredRow, SweepDatabase
 from fingertip.sweep.engines import Engine, ProcessEngine
-from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.point_evaluator import Chunk, ChunkFunction, ChunkResult, evaluate_chunk
+from fingertip.sweep.sweep_plan import SweepPlan
 
 if TYPE_CHECKING:
     import pandas

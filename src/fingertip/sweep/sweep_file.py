@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from fingertip.catalogues.electronics import split_finger
 from fingertip.catalogues.file_kinds import DESIGN, SCENE, SET, SWEEP, find_file, identify_kind
-from fingertip.design.files import load_tables, merge, resolve_names
+from fingertip.design.design_file import load_tables, merge, resolve_names
 from fingertip.design.finger_set import SetFile, read_set
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import quantity

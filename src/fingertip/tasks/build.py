@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from fingertip.cad.build_result import DESIGN_HEADING, Build, BuiltPart
 from fingertip.cad.files.cadquery_script import (
     drop_unused,
     write_finger,
@@ -18,7 +19,6 @@ from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.settings import FDM, SLA
 from fingertip.cad.program import digest_program
-from fingertip.cad.report import DESIGN_HEADING, Build, BuiltPart
 from fingertip.cad.shapes.parts import PARTS, exact_parts, hardware, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.cad.verification.check import Check
@@ -29,7 +29,7 @@ from fingertip.casting.sheet import CastingSheet, casting_sheet
 from fingertip.catalogues import output_files
 from fingertip.catalogues.output_files import PART_FORMATS, part_file
 from fingertip.design import Design
-from fingertip.design.files import to_toml
+from fingertip.design.design_file import to_toml
 from fingertip.design.interfaces.adapter import read_adapter
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.documents.finger import list_steps, render_sheet

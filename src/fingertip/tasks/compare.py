@@ -7,7 +7,7 @@ from pathlib import Path
 
 from fingertip.catalogues.output_files import DESIGN, DETECTION, REPORT, SIGNAL_FOLDER
 from fingertip.design import Design
-from fingertip.design.files import load_tables
+from fingertip.design.design_file import load_tables
 from fingertip.documents.comparison import Version
 from fingertip.foundation.errors import InputFileError, Issue
 from fingertip.foundation.files import temporary_folder

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from fingertip.cad.report import Build
+from fingertip.cad.build_result import Build
 from fingertip.cad.verification.second_opinion import list_packages
 from fingertip.catalogues import output_files
 from fingertip.design import Design

@@ -23,7 +23,7 @@ from fingertip.catalogues.output_files import (
     SIGNAL_FOLDER,
 )
 from fingertip.design import Design
-from fingertip.design.files import flatten, format_value, load_tables
+from fingertip.design.design_file import flatten, format_value, load_tables
 from fingertip.design.finger_set import FingerSet
 from fingertip.foundation.errors import FingertipError, InputFileError, Issue, OutputError
 from fingertip.foundation.output_set import (

@@ -14,8 +14,8 @@ from fingertip.design.finger_set import FingerSet, Form
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.documents.robot import describe_model, render_robot_readme, render_set_readme
 from fingertip.foundation.errors import DesignError, Issue
+from fingertip.robot.finger_model import build_finger
 from fingertip.robot.formats import Placed, render_model
-from fingertip.robot.model import build_finger
 
 _GAP_MM = 5.0
 """Distance between the skins of two fingers of a set."""

@@ -27,7 +27,7 @@ from fingertip.board.parts.nets import GND, VCC, VEE
 from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE, ARTICLE_AMPLIFIER
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier, find_gain_bandwidth_hz
-from fingertip.design.parameters.electronics import Board
+from fingertip.design.parameters.board_and_detector import Board
 
 
 @dataclass(frozen=True)

@@ -41,7 +41,7 @@ from fingertip.board.parts.nets import (
 from fingertip.board.parts.symbols import C_0603, CAPACITOR, R_0603, RESISTOR
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import BAND_CUTOFFS
-from fingertip.design.parameters.electronics import Board
+from fingertip.design.parameters.board_and_detector import Board
 
 _POINTS = 40
 

@@ -23,7 +23,7 @@ from fingertip.board.parts.nets import (
 )
 from fingertip.catalogues.electronics import Amplifier
 from fingertip.design.formulas.amplifiers import DIODE_V
-from fingertip.design.parameters.electronics import Detector
+from fingertip.design.parameters.board_and_detector import Detector
 
 # Internal limits of the AD623 (its data sheet, "input and output voltage range"): its input
 # followers shift their inputs up by the drop of a diode and must stay clear of both rails, as must

@@ -29,7 +29,7 @@ from fingertip.board.parts.nets import (
 )
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import SECTION_QUALITY
-from fingertip.design.parameters.electronics import Board
+from fingertip.design.parameters.board_and_detector import Board
 from fingertip.foundation.numerics import Array, bisect, bisect_arrays, find_maximum_arrays
 
 RECTIFYING_DIODE = "D1"

@@ -15,7 +15,7 @@ import numpy as np
 from fingertip.board.analysis.response import FilterModel, find_passbands
 from fingertip.board.circuits.network import Value
 from fingertip.board.parts.circuit import Circuit
-from fingertip.design.parameters.electronics import Board
+from fingertip.design.parameters.board_and_detector import Board
 from fingertip.foundation.numerics import Array
 
 COMPONENTS = ("R1", "R2", "R3", "R4", "R5", "C1", "C2", "C3", "C14", "C20")

@@ -28,7 +28,7 @@ from dataclasses import dataclass, replace
 
 from fingertip.board.components.selection import neighbouring_values, values_around
 from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE
-from fingertip.design.parameters.finger import TURN_ON_N
+from fingertip.design.parameters.sensor_and_skin import TURN_ON_N
 
 INTERLINK_CURVE = (
     (20.0, 30e3),

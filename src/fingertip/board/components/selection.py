@@ -24,7 +24,7 @@ from fingertip.design.formulas.filter import (
     find_preferred_neighbours,
     r_lp_ohm,
 )
-from fingertip.design.parameters.electronics import Board
+from fingertip.design.parameters.board_and_detector import Board
 from fingertip.foundation.numerics import Array
 
 SOLD = "preferred"

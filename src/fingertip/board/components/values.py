@@ -19,7 +19,7 @@ from fingertip.design.formulas.filter import (
     VMID_TOP_OHM,
     FilterComponents,
 )
-from fingertip.design.parameters.electronics import Board
+from fingertip.design.parameters.board_and_detector import Board
 from fingertip.foundation.errors import BoardError, Issue
 
 # Supplies of a board: signal ground, negative rail of the amplifiers, and headroom of each.

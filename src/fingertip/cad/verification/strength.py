@@ -41,7 +41,7 @@ from fingertip.design.formulas.stress_and_knock import (
 from fingertip.design.geometry.solids import Point3
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
-from fingertip.design.parameters.parts import Strength
+from fingertip.design.parameters.bone_and_mold import Strength
 from fingertip.foundation.files import round_for_output
 from fingertip.foundation.numerics import Array
 from fingertip.pad.layer import find_contacts

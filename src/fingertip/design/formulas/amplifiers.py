@@ -15,7 +15,7 @@ from collections.abc import Callable
 from fingertip.catalogues import electronics
 from fingertip.catalogues.electronics import Amplifier
 from fingertip.design.formulas import filter as filter_components
-from fingertip.design.parameters.electronics import Board
+from fingertip.design.parameters.board_and_detector import Board
 from fingertip.foundation.numerics import bisect
 
 

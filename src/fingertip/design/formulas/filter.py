@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from fingertip.design.parameters.electronics import Board
+from fingertip.design.parameters.board_and_detector import Board
 
 # Third-order Butterworth polynomial (s + 1)(s^2 + s + 1), from the article's reference 30.
 A1 = 1.0

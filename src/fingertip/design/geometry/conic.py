@@ -41,7 +41,7 @@ from fingertip.design.geometry.profile import (
 )
 
 if TYPE_CHECKING:
-    from fingertip.design.parameters.parts import Bone
+    from fingertip.design.parameters.bone_and_mold import Bone
 
 
 ELLIPSE = math.sqrt(0.5)

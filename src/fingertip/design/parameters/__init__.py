@@ -20,6 +20,8 @@ from pydantic import ConfigDict, Field
 from pydantic.fields import FieldInfo
 
 from fingertip.catalogues.materials import load_silicones
+from fingertip.design.parameters.board_and_detector import Board, Detector
+from fingertip.design.parameters.bone_and_mold import Bone, Hand, Mold, Printer, Strength
 from fingertip.design.parameters.declaration import (
     OWN,
     Above,
@@ -31,15 +33,13 @@ from fingertip.design.parameters.declaration import (
     suggest_name,
     text,
 )
-from fingertip.design.parameters.electronics import Board, Detector
-from fingertip.design.parameters.finger import (
+from fingertip.design.parameters.sensor_and_skin import (
     ChosenSilicone,
     CustomSensor,
     ForceCurve,
     Sensor,
     Skin,
 )
-from fingertip.design.parameters.parts import Bone, Hand, Mold, Printer, Strength
 from fingertip.foundation.errors import DesignError, Issue
 
 __all__ = [

@@ -9,8 +9,8 @@ from fingertip.catalogues.electronics import Amplifier, list_dual_amplifiers
 from fingertip.design.formulas import amplifiers as formulas
 from fingertip.design.formulas import filter as filter_components
 from fingertip.design.geometry import DesignTables
+from fingertip.design.parameters.board_and_detector import Board
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.design.parameters.electronics import Board
 from fingertip.design.rules.board import PREFERRED_SHARE, at_most_preferred
 from fingertip.design.rules.ruleset import Interval, Limit, Ruleset, Violation, at_most
 from fingertip.foundation.numerics import bisect

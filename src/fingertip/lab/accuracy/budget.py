@@ -35,7 +35,7 @@ from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Pair, binomial_interval
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.lab.accuracy.measure import REFERENCE, measure_steps
-from fingertip.lab.campaign.plan import Case
+from fingertip.lab.campaign.campaign import Case
 from fingertip.lab.campaign.run import DetectorResult, TrialResult, evaluate, simulate_trace
 from fingertip.pad.layer import GRID_MM, find_contacts
 from fingertip.pad.pad_geometry import PadForm

@@ -22,7 +22,7 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, gather, raise_issues
 from fingertip.foundation.workers import call_each
-from fingertip.lab.campaign.plan import HELD_OUT_FROM
+from fingertip.lab.campaign.campaign import HELD_OUT_FROM
 from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import (
     ManipulationFile,

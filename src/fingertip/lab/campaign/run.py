@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array, binomial_interval, poisson_interval, quantile_ranks
 from fingertip.foundation.workers import call_each
-from fingertip.lab.campaign.plan import (
+from fingertip.lab.campaign.campaign import (
     HELD_OUT_FROM,
     REPORTED_SEPARATELY,
     CampaignPlan,

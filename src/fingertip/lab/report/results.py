@@ -14,8 +14,8 @@ from typing import Any
 
 from fingertip.catalogues.electronics import PART_TO_PART
 from fingertip.documents.template import lay_out_page, render
+from fingertip.lab.campaign.campaign import REPORTED_SEPARATELY, TUNING_SEEDS
 from fingertip.lab.campaign.closed_loop import NO_CONTROL, ClosedLoopSummary, ClosedLoopTrial
-from fingertip.lab.campaign.plan import REPORTED_SEPARATELY, TUNING_SEEDS
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, speed_m_s, surface
 from fingertip.sim.signal.parameters import ACCELERATION_M_S2
 from fingertip.slip.traces.truth import (

@@ -18,7 +18,7 @@ import numpy as np
 
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array
-from fingertip.sim.contact.materials import SurfaceTable
+from fingertip.sim.contact.surface_files import SurfaceTable
 
 _ROUGH_OCTAVES = 5
 """Octaves of roughness below the cutoff wavelength: to at least 0.5

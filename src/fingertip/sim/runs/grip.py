@@ -48,7 +48,7 @@ Lines between them are within 0.5 % of the force above 0.3 N, where the sensor i
 class GripSettings:
     """Settings of the grip law.
 
-    Times and ratios were chosen on the tuning seeds of `fingertip.lab.campaign.plan`.
+    Times and ratios were chosen on the tuning seeds of `fingertip.lab.campaign.campaign`.
     """
 
     detector: str = "fast"

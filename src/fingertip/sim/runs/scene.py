@@ -1,7 +1,7 @@
 """Run a scene: its events drive one finger, chunk by chunk.
 
 A scene without a slide has no friction. Parts that no recorded output depends on do not run
-(`fingertip.sim.signal.finger`).
+(`fingertip.sim.signal.simulated_finger`).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from fingertip.foundation.progress import ReportProgress
 from fingertip.pad.response import Pad
 from fingertip.pad.touch import Pose
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
-from fingertip.sim.contact.materials import SurfaceTable
+from fingertip.sim.contact.surface_files import SurfaceTable
 from fingertip.sim.contact.surfaces import SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
 from fingertip.sim.runs.scene_and_manipulation_files import DIRECTIONS, SceneFile
@@ -37,7 +37,9 @@ from fingertip.sim.runs.timeline import (
     mount_pad,
 )
 from fingertip.sim.runs.tremor import HandMotion, largest_factor
-from fingertip.sim.signal.finger import (
+from fingertip.sim.signal.grid import CostMeter, Grid, StageCost, count_samples, report_share
+from fingertip.sim.signal.parameters import FILTER_OUTPUTS
+from fingertip.sim.signal.simulated_finger import (
     OF_BRIDGE,
     OF_CONTACT,
     Finger,
@@ -45,8 +47,6 @@ from fingertip.sim.signal.finger import (
     FingerSetup,
     FingerSignals,
 )
-from fingertip.sim.signal.grid import CostMeter, Grid, StageCost, count_samples, report_share
-from fingertip.sim.signal.parameters import FILTER_OUTPUTS
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import Interval, Origin, SlipCollector
 

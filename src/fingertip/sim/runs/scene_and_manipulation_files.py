@@ -26,7 +26,7 @@ from fingertip.foundation.validation import round_down, round_up
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import Pad
 from fingertip.pad.touch import Pose
-from fingertip.sim.contact.materials import (
+from fingertip.sim.contact.surface_files import (
     ARTICLE_SURFACES,
     SurfaceTable,
     find_pitch_issues,

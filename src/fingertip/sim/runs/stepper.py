@@ -19,8 +19,8 @@ from fingertip.sim.runs.grasp_loop import Grasp, GraspMotion, HeldObject, Pin, r
 from fingertip.sim.runs.hand import MotionPlan, Motors, put_on_object
 from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile
 from fingertip.sim.runs.timeline import mount_pad
-from fingertip.sim.signal.finger import Finger, FingerDrive, FingerSetup, FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, CostMeter, Grid, SampleClock, Sampler
+from fingertip.sim.signal.simulated_finger import Finger, FingerDrive, FingerSetup, FingerSignals
 
 PROFILE_MARGIN_M = 2e-3
 """Length of the surface profile before the point of first touch [m],

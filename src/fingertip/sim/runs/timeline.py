@@ -22,9 +22,9 @@ from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion
 from fingertip.sim.contact.vibration import smoothstep, transmit
 from fingertip.sim.runs.scene_and_manipulation_files import Motor, SceneFile, Slide, Tap
 from fingertip.sim.signal.bridge import Bridge, reads_whole_finger
-from fingertip.sim.signal.finger import FingerDrive, FingerSetup
 from fingertip.sim.signal.grid import CostMeter, Grid
 from fingertip.sim.signal.parameters import ACCELERATION_M_S2, Sensing
+from fingertip.sim.signal.simulated_finger import FingerDrive, FingerSetup
 
 SLIDE_M = 0.04
 LIFT_M = 0.05

@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from fingertip.board.components.values import BOARD_REMEDY
 from fingertip.catalogues.file_kinds import MANIPULATION, SCENE, FileKind
 from fingertip.design import Design
-from fingertip.design.files import format_parameter_table, format_value, load_tables
+from fingertip.design.design_file import format_parameter_table, format_value, load_tables
 from fingertip.design.parameters import Above, ParameterTable, choice, quantity
 from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
 from fingertip.foundation.errors import FingertipError, Issue, TraceError, raise_issues

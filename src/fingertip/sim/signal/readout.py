@@ -17,7 +17,7 @@ import numpy as np
 
 from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE
 from fingertip.design import Design
-from fingertip.design.parameters.electronics import Board
+from fingertip.design.parameters.board_and_detector import Board
 from fingertip.foundation.errors import Issue, TraceError, checked
 from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
@@ -31,9 +31,9 @@ from fingertip.sim.signal.converter import (
     run_poles,
 )
 from fingertip.sim.signal.filter_board import AnalogStream
-from fingertip.sim.signal.finger import BOARD_TOLERANCE_V
 from fingertip.sim.signal.grid import Grid, draw_noise, open_stream
 from fingertip.sim.signal.interference import RefinedNoise
+from fingertip.sim.signal.simulated_finger import BOARD_TOLERANCE_V
 
 _BLOCK = 2048
 """Steps for which noise is drawn at a time."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.design.parameters.electronics import Detector as DetectorParameters
+from fingertip.design.parameters.board_and_detector import Detector as DetectorParameters
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 

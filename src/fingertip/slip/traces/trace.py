@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.design.parameters.electronics import Detector as DetectorParameters
+from fingertip.design.parameters.board_and_detector import Detector as DetectorParameters
 from fingertip.foundation.display import html_table, to_dataframe
 from fingertip.foundation.errors import (
     ArgumentError,

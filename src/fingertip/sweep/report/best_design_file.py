@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.design.files import to_toml
+from fingertip.design.design_file import to_toml
 from fingertip.design.finger_set import build_set, set_to_toml
 from fingertip.foundation.files import format_csv
 from fingertip.sweep.database import SweepTable
 from fingertip.sweep.designs import DesignBuilder
-from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import statistics
+from fingertip.sweep.sweep_plan import SweepPlan
 
 _STEM_LENGTH = 34
 """Most characters of the sweep's name in that of its best design, which has at most 40."""

@@ -14,14 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.design.model import Design
+from fingertip.design.design import Design
 from fingertip.foundation.errors import DesignError, escape_control
 from fingertip.foundation.numerics import binomial_interval, quantile_ranks
 from fingertip.sweep.axes import select_changes
 from fingertip.sweep.database import STATUSES, SweepTable
 from fingertip.sweep.designs import apply_changes
 from fingertip.sweep.outputs import load_outputs
-from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import statistics
 from fingertip.sweep.report.best_design_file import (
     Objective,
@@ -30,6 +29,7 @@ from fingertip.sweep.report.best_design_file import (
     select_best,
 )
 from fingertip.sweep.sweep_file import SweepFile
+from fingertip.sweep.sweep_plan import SweepPlan
 
 _MAX_RULES = 12
 _MIN_CORRELATION = 0.1

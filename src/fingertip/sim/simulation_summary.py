@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fingertip.foundation.display import SERIES, TEXT_COLOUR, TRUTH, new_figure, style_axes, to_png
 from fingertip.foundation.files import round_for_output
-from fingertip.sim.contact.materials import SurfaceTable
+from fingertip.sim.contact.surface_files import SurfaceTable
 from fingertip.sim.runs.manipulation import ManipulationResult
 from fingertip.sim.runs.scene import SceneRecord, SceneResult
 from fingertip.sim.signal.parameters import OUTPUTS

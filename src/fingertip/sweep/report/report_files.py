@@ -14,9 +14,9 @@ from fingertip.foundation.files import encode_json, open_atomic
 from fingertip.foundation.output_set import SetWriter, hash_parameters
 from fingertip.foundation.progress import Work
 from fingertip.sweep.database import SweepDatabase
-from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import best_design_file, summary
 from fingertip.sweep.report.plots import select_plots
+from fingertip.sweep.sweep_plan import SweepPlan
 
 
 def write_report(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import ValidationError
 
-from fingertip.design.files import Changes, list_parameters, load_tables, merge
+from fingertip.design.design_file import Changes, list_parameters, load_tables, merge
 from fingertip.design.fit import list_moved
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS

@@ -22,7 +22,7 @@ from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.materials import SurfaceTable
+from fingertip.sim.contact.surface_files import SurfaceTable
 from fingertip.sim.contact.surfaces import SurfaceProfile, generate_profile
 from fingertip.sim.contact.vibration import ContactResonance, ProfileForce, transmit
 from fingertip.sim.signal.analog_circuit import AnalogBoard

@@ -14,7 +14,7 @@ from fingertip.board.components.values import BOARD_REMEDY, SUPPLIES
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import BAND_CUTOFFS
 from fingertip.foundation.errors import DesignError
-from fingertip.lab.campaign.plan import CampaignPlan
+from fingertip.lab.campaign.campaign import CampaignPlan
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, run_campaign
 from fingertip.lab.report.results import format_ms, to_number
 

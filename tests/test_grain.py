@@ -24,7 +24,7 @@ from os import (
 )
 
 # a comment
-TABLE = (1, 2)
+TABLE = (1, 2)  # fmt: skip
 """Docstring of a constant."""
 
 

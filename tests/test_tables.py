@@ -8,7 +8,6 @@ from typing import Literal
 
 import pytest
 
-from fingertip.catalogues.materials import MaterialProperty
 from fingertip.foundation.tables import load_table, read_rows
 
 
@@ -20,7 +19,7 @@ class Row:
     range_v: tuple[float, float]
     words: tuple[str, ...]
     is_new: bool
-    hardness: MaterialProperty | None
+    hardness: float | None
     count: int = 3
 
 
@@ -31,14 +30,13 @@ CELLS = {
     "range_v": "3 4m",
     "words": "one two",
     "is_new": "no",
-    "hardness": "30 to 40, common, unverified",
+    "hardness": "30",
 }
 
 
 def test_cells_are_read_by_the_types_of_the_fields() -> None:
-    hardness = MaterialProperty(30.0, 40.0, "common", verified=False)
     assert load_table(Row, [CELLS]) == (
-        Row("x", "a", 1500.0, (3.0, 0.004), ("one", "two"), False, hardness),
+        Row("x", "a", 1500.0, (3.0, 0.004), ("one", "two"), False, 30.0),
     )
     (row,) = load_table(Row, [CELLS | {"words": ["one two"], "hardness": "", "count": "5"}])
     assert (row.words, row.hardness, row.count) == (("one two",), None, 5)
@@ -55,7 +53,7 @@ def test_cells_are_read_by_the_types_of_the_fields() -> None:
         {"is_new": "no?"},
         {"name": 5},
         {"mass_kg": 5},
-        {"hardness": "30, common, unverifed"},
+        {"hardness": "30 to 40"},
         {"count": "1.5"},
         {"weight": "5"},
     ],

@@ -19,7 +19,7 @@ from fingertip.cad.printing.settings import FDM, slicer_settings
 from fingertip.cad.shapes.finger import cavity
 from fingertip.cad.shapes.parts import hardware, parts_by_name
 from fingertip.cad.verification.skin import pull_off_n
-from fingertip.casting.sheet import measure_poured_cm3
+from fingertip.casting.mixture import measure_poured_cm3
 from fingertip.catalogues import electronics, materials
 from fingertip.catalogues.electronics import load_controllers
 from fingertip.catalogues.hardware import THREADS

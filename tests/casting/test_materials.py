@@ -6,12 +6,13 @@ Quantities follow in closed form.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.casting.sheet import (
+from fingertip.casting.mixture import (
     MIN_COMPONENT_G,
     MIN_MIX_G,
     WASTE_FRACTION,
@@ -61,6 +62,23 @@ class TestEachSilicone:
         least_g = max(MIN_COMPONENT_G, MIN_MIX_G / (1 + ratio))
         assert batch.b_g == pytest.approx(least_g) == {10.0: 2.0, 1.0: 5.0}[ratio]
         assert batch.a_g == pytest.approx(ratio * least_g)
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        {"source": "neat"},
+        {"value": 30.0, "low": 20.0, "high": 40.0},
+        {"low": 20.0},
+        {"value": 30.0, "verifed": False},
+        {"value": "30 to 40"},
+    ],
+    ids=str,
+)
+def test_a_property_states_a_value_or_both_ends_of_a_range(table: dict[str, Any]) -> None:
+    assert MaterialProperty.from_table(value=30) == MaterialProperty(30.0, 30.0, "")
+    with pytest.raises((TypeError, ValueError)):
+        MaterialProperty.from_table(**table)
 
 
 def test_ratio_by_volume_is_converted_with_both_densities() -> None:

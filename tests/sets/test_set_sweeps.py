@@ -13,7 +13,7 @@ import pytest
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.verify import verify
-from fingertip.casting.sheet import measure_poured_cm3, mix
+from fingertip.casting.mixture import measure_poured_cm3, mix
 from fingertip.design.finger_set import load_set
 from fingertip.foundation.errors import SweepError
 from fingertip.sweep.database import SweepDatabase

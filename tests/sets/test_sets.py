@@ -22,7 +22,8 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.check import Check
-from fingertip.casting.sheet import casting_sheet, mix
+from fingertip.casting.mixture import mix
+from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues.electronics import NAMES
 from fingertip.cli import app
 from fingertip.design import Design

@@ -40,9 +40,7 @@ FILM_G_CM3 = 1.4
 
 @dataclass(frozen=True)
 class ForceSensor:
-    """Outline of a flat force-sensing resistor as bought: round head,
-    and tail that leads to the two solder tabs.
-    """
+    """Flat force-sensing resistor as bought: round head, and tail with two solder tabs."""
 
     model: str
     label: str
@@ -71,20 +69,25 @@ class ForceSensor:
 
 
 def plain_name(text: str) -> str:
-    """Reduce the name of a part to what people agree on: "FSR-402" is
-    "fsr402", "Arduino Nano 33 BLE" "nano33ble".
-    """
-    return re.sub(
-        "^(arduino|raspberrypi|stm32|interlink)", "", re.sub("[^a-z0-9]", "", text.lower())
-    )
+    """Reduce a name to its letters and digits, without the maker: "FSR-402" becomes "fsr402"."""
+    name = re.sub("[^a-z0-9]", "", text.lower())
+    return re.sub("^(arduino|raspberrypi|stm32|interlink)", "", name)
 
 
 _ROWS = tuple(read_rows(Path(__file__).with_name("sensors.csv")))
-_BY_NAME = {
-    plain_name(name): row
-    for row in _ROWS
-    for name in (row["model"], row["label"], *row["names"].split())
-}
+
+
+def _index_by_name() -> dict[str, dict[str, str]]:
+    """Index the rows of `sensors.csv` by every name that people give a sensor."""
+    rows = {}
+    for row in _ROWS:
+        for name in (row["model"], row["label"], *row["names"].split()):
+            rows[plain_name(name)] = row
+
+    return rows
+
+
+_BY_NAME = _index_by_name()
 SENSORS = {
     sensor.model: sensor
     for sensor in load_table(ForceSensor, (row for row in _ROWS if row["fits"] == "yes"))
@@ -92,7 +95,7 @@ SENSORS = {
 
 
 def spell_sensor(word: str) -> str:
-    """Spell the name of a sensor as the catalogue does: "FSR-402" is "fsr402".
+    """Spell the name of a sensor as the catalogue does: "FSR-402" becomes "fsr402".
 
     Other words stay as they are.
     """
@@ -101,23 +104,25 @@ def spell_sensor(word: str) -> str:
 
 
 def explain_sensor(word: str) -> str:
-    """Explain why a sensor that people know is not in the
-    catalogue; nothing of a word that is none.
+    """Explain why a sensor that people know is not in the catalogue.
+
+    Returns an empty text for a sensor of the catalogue, and for a word that names none.
     """
-    row = _BY_NAME.get(plain_name(word), {"fits": "yes"})
-    how = {"yes": "", "custom": "fits as custom: {reason}", "never": "never fits: {reason}"}[
-        row["fits"]
-    ]
-    return how and f"the {row['label']} {how.format(**row)}"
+    row = _BY_NAME.get(plain_name(word))
+    if row is None or row["fits"] == "yes":
+        return ""
+
+    how = "fits as custom" if row["fits"] == "custom" else "never fits"
+    return f"the {row['label']} {how}: {row['reason']}"
 
 
 @dataclass(frozen=True)
 class Amplifier:
+    """Dual operational amplifier, with the figures of its data sheet."""
+
     name: str
     symbol: str
-    """Name of its symbol in KiCad's library: its own, or a dual
-    amplifier's whose pins are drawn at the same places.
-    """
+    """Symbol in KiCad's library: its own, or one whose pins are drawn at the same places."""
     order_name: str
     """Name to order, with the grade."""
     bandwidth_hz: float
@@ -168,8 +173,8 @@ class Amplifier:
 
     @functools.cached_property
     def second_pole_hz(self) -> float:
-        """Frequency f2 of the second pole [Hz]: at unity gain it
-        lags by 90 degrees less the phase margin.
+        """Frequency f2 of the second pole [Hz], whose lag at unity gain is 90 degrees less the
+        phase margin.
         """
         lag = math.tan(math.radians(90.0 - self.phase_margin_deg))
         return self.bandwidth_hz / (lag * math.hypot(1.0, lag))
@@ -206,14 +211,13 @@ def list_dual_amplifiers() -> tuple[Amplifier, ...]:
 
 
 NAMES = ("thumb", "index", "middle", "ring", "little")
-"""Names of the fingers that one controller reads, in the order of
-its inputs and of a board's channels.
-"""
+"""Fingers that one controller reads, in the order of its inputs and of a board's channels."""
 
 
 def split_finger(name: str) -> tuple[str, str]:
-    """Split the parameter of one finger, such as
-    fingers.thumb.skin.width_mm, into both; "" stands for all fingers.
+    """Split "fingers.thumb.skin.width_mm" into finger and parameter.
+
+    The finger is empty for a parameter that holds for all of them.
     """
     words = name.split(".", 2)
     return (words[1], words[2]) if words[0] == "fingers" and len(words) == 3 else ("", name)
@@ -231,15 +235,20 @@ class ControllerBoard:
     """Clock, of the slowest board of the row."""
     has_floats: bool
     """True if the processor computes floats itself."""
-    converter: str
-    """Resolution and range of the analog inputs."""
-    timer: str
-    """Answer to whether `slip_timer.h` has its timer, or the
-    sketch for dividers alone; or "too slow".
+    adc_bits: int
+    """Resolution with which the library reads the analog inputs."""
+    adc_hardware_bits: int
+    """Resolution of the converter itself."""
+    adc_from_v: float
+    adc_to_v: float
+    """Range of the analog inputs [V]."""
+    timer: Literal["yes", "no", "in the sketch", "too slow"]
+    """Where its timer is: in `slip_timer.h`, nowhere, or in the sketch for dividers alone.
+    "too slow" marks a controller that cannot run the library.
     """
     note: str
-    inputs: str
-    """Analog inputs that are free, as its core names them, separated by spaces."""
+    inputs: tuple[str, ...]
+    """Analog inputs that are free, as its core names them."""
     ram_kb: int
     convert_us: float
     """Time in which one input is converted [us]: by `analogRead`, or in a scan by DMA."""
@@ -247,6 +256,15 @@ class ControllerBoard:
     """True if the converter scans all inputs by itself, and the interrupt waits for none."""
     names: tuple[str, ...] = ()
     """Other names, as `plain_name` writes them."""
+
+    @property
+    def converter(self) -> str:
+        """Resolution and range of the analog inputs, such as "12 bits, 0 to 3.3 V"."""
+        bits = f"{self.adc_bits}"
+        if self.adc_hardware_bits != self.adc_bits:
+            bits = f"{bits} of {self.adc_hardware_bits}"
+
+        return f"{bits} bits, {self.adc_from_v:g} to {self.adc_to_v:g} V"
 
     @property
     def core(self) -> str:
@@ -261,4 +279,5 @@ def load_controllers() -> tuple[ControllerBoard, ...]:
 
 
 def list_keys() -> tuple[str, ...]:
+    """List the controllers that run the library, by their names for the command line."""
     return tuple(board.key for board in load_controllers() if board.timer != "too slow")

@@ -39,21 +39,36 @@ class MaterialProperty:
     """Key of a source of the catalogue."""
     verified: bool = True
 
-    @classmethod
-    def parse(cls, text: str) -> Self:
-        """Parse a value or a range, its source and a mark if it is
-        not verified: "0.7 to 2, common, unverified".
-        """
-        figures, *rest = text.split(", ")
-        verified = rest[-1:] != ["unverified"]
-        (source,) = rest[: None if verified else -1] or [""]
-        low, _, high = figures.partition(" to ")
+    @property
+    def middle(self) -> float:
+        return (self.low + self.high) / 2
 
-        return cls(float(low), float(high or low), source, verified)
+    @classmethod
+    def from_table(
+        cls,
+        *,
+        value: float | None = None,
+        low: float | None = None,
+        high: float | None = None,
+        source: str = "",
+        verified: bool = True,
+    ) -> Self:
+        """Return the property that a table of `silicones.toml` states, by value or by range.
+
+        Raises ValueError if it states both, or neither.
+        """
+        if value is not None and low is None and high is None:
+            return cls(float(value), float(value), source, verified)
+        if value is None and low is not None and high is not None:
+            return cls(float(low), float(high), source, verified)
+
+        raise ValueError("a property has a value, or a low and a high end")
 
 
 @dataclass(frozen=True)
 class Silicone:
+    """Silicone for the skin: a product, or a kind of products such as `addition_40a`."""
+
     name: str
     label: str
     cure: Cure
@@ -65,18 +80,16 @@ class Silicone:
     viscosity_pa_s: MaterialProperty
     """Viscosity of the mixture at room temperature, right after stirring."""
     density_g_cm3: MaterialProperty
-    shore_a: MaterialProperty | None
-    """Hardness, Shore A; None if it is stated on another scale."""
     modulus_mpa: MaterialProperty
     """Young's modulus at small strain."""
     shrinkage_percent: MaterialProperty
     pot_life_min: MaterialProperty
-    """Pot life at room temperature, from the start of stirring,
-    as the card or the container states it.
-    """
+    """Pot life at room temperature, from the start of stirring, as the container states it."""
     cure_h: MaterialProperty
     """Time at room temperature until the skin can be demolded."""
     elongation_percent: MaterialProperty
+    shore_a: MaterialProperty | None = None
+    """Hardness, Shore A; None if it is stated on another scale."""
     shore_00: MaterialProperty | None = None
     tensile_strength_mpa: MaterialProperty | None = None
     density_a_g_cm3: MaterialProperty | None = None
@@ -85,8 +98,9 @@ class Silicone:
 
     @property
     def planned_pot_life_min(self) -> float:
-        """Pot life that the casting sheet plans with [min]: the least
-        of a range, or that of the example to buy.
+        """Pot life that the casting sheet plans with [min].
+
+        It is the least of a range, or `WANTED_POT_LIFE_MIN` where the range reaches that far.
         """
         return min(max(self.pot_life_min.low, WANTED_POT_LIFE_MIN), self.pot_life_min.high)
 
@@ -110,32 +124,37 @@ def load_sources() -> dict[str, str]:
 @functools.cache
 def load_silicones() -> dict[str, Silicone]:
     """Load the catalogue: name -> silicone, in the order of the file."""
-    rows = ({"name": name, **row} for name, row in _load()["silicones"].items())
+    rows = []
+    for name, table in _load()["silicones"].items():
+        properties = {
+            field: MaterialProperty.from_table(**cell)
+            for field, cell in table.items()
+            if isinstance(cell, dict)
+        }
+        rows.append({"name": name, **table, **properties})
+
     return {silicone.name: silicone for silicone in load_table(Silicone, rows)}
 
 
-def find_example(silicone: Silicone) -> dict[str, str] | None:
-    """Find the product of the catalogue that comes nearest in hardness to a kind of silicone; None
-    for a product.
+def find_example(silicone: Silicone) -> Silicone | None:
+    """Find the product that comes nearest in hardness to a kind of silicone.
 
-    It has the same cure system and lasts as long as asked for. There is none for a kind that no
-    product belongs to.
+    It cures by the same system and leaves `WANTED_POT_LIFE_MIN`. Returns None for a product, and
+    for a kind without such a product.
     """
     if silicone.name not in GENERIC or silicone.shore_a is None:
         return None
 
-    wanted = silicone.shore_a.low
-    found = [
-        (abs(product.shore_a.low - wanted), name)
+    shore_a = silicone.shore_a.low
+    by_distance = {
+        (abs(product.shore_a.low - shore_a), name): product
         for name, product in load_silicones().items()
         if name not in GENERIC
         and product.cure == silicone.cure
         and product.shore_a
         and product.pot_life_min.low >= WANTED_POT_LIFE_MIN
-    ]
-    return (
-        {"name": min(found)[1], "label": load_silicones()[min(found)[1]].label} if found else None
-    )
+    }
+    return by_distance[min(by_distance)] if by_distance else None
 
 
 Process = Literal["sla", "fdm", "powder"]
@@ -143,20 +162,27 @@ Process = Literal["sla", "fdm", "powder"]
 
 @dataclass(frozen=True)
 class PrintMaterial:
+    """Material of the printed parts."""
+
     name: str
-    label: str
+    product: str
+    """Name to buy it by."""
+    remark: str
+    """How it is printed; empty for a material of one's own."""
     process: Process
     """Printer that it is for: resin, filament or powder bed."""
     strength_mpa: float
-    """Tensile strength across the layers [MPa], as a bone prints; the
-    lower end where the source gives a range.
-    """
+    """Tensile strength across the layers of a bone [MPa], the lower end of a range."""
     modulus_mpa: float
     density_g_cm3: float
     """Density of a print without hollows; no document of a product was found for any."""
     source: str
     verified: tuple[str, ...]
     """Names of the figures that the source confirms."""
+
+    @property
+    def label(self) -> str:
+        return f"{self.product} ({self.remark})" if self.remark else self.product
 
 
 PRINT_MATERIALS = {

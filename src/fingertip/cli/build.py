@@ -158,7 +158,7 @@ def _format_build(result: Build) -> list[str]:
     """Format verdict, what it takes and strength in five or six lines."""
     from fingertip.cad.verification.check import count_checks
     from fingertip.cad.verification.strength import describe_loads
-    from fingertip.casting.sheet import add_prices
+    from fingertip.casting.shopping import add_prices
 
     lines = [f"{result.design.name}: {count_checks(result.checks)}; in {result.folder}"]
     sheet = result.casting

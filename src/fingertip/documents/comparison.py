@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from fingertip.casting.sheet import add_prices
+from fingertip.casting.shopping import add_prices
 from fingertip.design import Design
 from fingertip.design.design_file import flatten, format_value
 from fingertip.design.parameters import PARAMETERS
@@ -273,7 +273,7 @@ def _read_price(version: Version) -> str:
         return _NOTHING
 
     priced = [
-        _Priced(_find(thing, "price_usd", kind=str) or "0", _find(thing, "reason", kind=str) or "")
+        _Priced(_find(thing, "price_usd", kind=str) or "", _find(thing, "reason", kind=str) or "")
         for thing in things
     ]
     least, most, _ = add_prices(priced)

@@ -12,7 +12,8 @@ import textwrap
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from fingertip.casting.sheet import CastingSheet, add_prices
+from fingertip.casting.sheet import CastingSheet
+from fingertip.casting.shopping import add_prices
 from fingertip.design import Design
 from fingertip.design.hand_sizes import SIZES
 from fingertip.documents.template import render, render_page

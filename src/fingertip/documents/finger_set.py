@@ -7,14 +7,15 @@ multiplied or added up.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 from fingertip.board.circuits.channels import describe_sockets, list_pins
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE
-from fingertip.casting.sheet import CastingSheet, Thing, mix
+from fingertip.casting.mixture import mix
+from fingertip.casting.sheet import CastingSheet
+from fingertip.casting.shopping import Purchase, Thing, list_purchases
 from fingertip.catalogues.electronics import NAMES
 from fingertip.catalogues.materials import Silicone
 from fingertip.catalogues.output_files import BOARD_DESIGN, BOARD_FOLDER
@@ -261,39 +262,33 @@ def _merge_things(
     sheets: Sequence[FormSheets], cups: Sequence[Cup], has_board: bool
 ) -> Iterator[SharedThing]:
     """Add up what to buy: what each finger takes, what each mixture takes, and tools once."""
-    rows: dict[tuple[str, str], list[tuple[Form, Thing]]] = {}
-    for each in sheets:
-        for thing in each.casting.things:
-            rows.setdefault((thing.key, thing.label), []).append((each.form, thing))
+    by_key: dict[str, dict[str, list[tuple[Form, Purchase]]]] = {}
+    for sheet in sheets:
+        casting = sheet.casting
+        design = sheet.form.design
+        for purchase in list_purchases(design, casting.batch, casting.mount, casting):
+            by_label = by_key.setdefault(purchase.thing.key, {})
+            by_label.setdefault(purchase.thing.label, []).append((sheet.form, purchase))
 
-    for key in dict.fromkeys(key for key, _ in rows):  # sizes of one thing stand together
-        for found in (found for (other, _), found in rows.items() if other == key):
-            form, thing = found[0]
-            number, unit = _read_amount(thing.amount)
-            if key == "silicone":
-                number = sum(
-                    cup.total_g
-                    for cup in cups
-                    if cup.silicone == form.design.silicone.material.label
-                )
+    for by_label in by_key.values():  # sizes of one thing stand together
+        for alike in by_label.values():
+            form, purchase = alike[0]
+            thing = purchase.thing
+            number = purchase.number
+            if thing.key == "silicone":
+                label = form.design.silicone.material.label
+                number = sum(cup.total_g for cup in cups if cup.silicone == label)
             elif thing.each == "mixture":
                 number *= len(cups)
-            elif thing.each or (key == "board" and not has_board):
-                number = sum(_read_amount(own.amount)[0] * form.count for form, own in found)
+            elif thing.each or (thing.key == "board" and not has_board):
+                number = sum(own.number * form.count for form, own in alike)
 
-            amount = f"{number:.4g}{unit}" if number else thing.amount
-            fingers = (
-                ()
-                if len(found) == len(sheets)
-                else tuple(name for form, _ in found for name in form.fingers)
+            names = [name for form, _ in alike for name in form.fingers]
+            is_for_all = len(alike) == len(sheets)
+            yield SharedThing(
+                **{**vars(thing), "amount": purchase.amount(number)},
+                fingers=() if is_for_all else tuple(names),
             )
-            yield SharedThing(**{**vars(thing), "amount": amount}, fingers=fingers)
-
-
-def _read_amount(amount: str) -> tuple[float, str]:
-    """Read an amount such as "2" or "5 g"; 0 without a number."""
-    found = re.fullmatch(r"(\d+(?:\.\d+)?)(.*)", amount)
-    return (float(found[1]), found[2]) if found else (0.0, amount)
 
 
 def render_sheet(name: str, sheets: SetSheets) -> str:

@@ -141,7 +141,7 @@ def list_limits(
     )
 
     return {
-        "analog inputs": len(board.inputs.split()) // inputs,
+        "analog inputs": len(board.inputs) // inputs,
         "conversions": math.floor(share * 1e6 / (conversions * board.convert_us * sample_rate_hz)),
         "bytes of memory": math.floor(by_ram),
         "cycles while all slip": math.floor(load.available / load.mean),
@@ -187,16 +187,20 @@ def _parse_generic(text: str) -> ControllerBoard | None:
     if not 8 <= given.get("bit", 0) <= 24:
         return None
 
+    bits = round(given["bit"])
     return ControllerBoard(
         key=GENERIC,
         name="your controller",
         processor="processor of your own",
         clock_mhz=given["mhz"],
         has_floats="floats" in words,
-        converter=f"{given['bit']:.0f} bits, 0 to {given.get('v', 3.3):g} V",
+        adc_bits=bits,
+        adc_hardware_bits=bits,
+        adc_from_v=0.0,
+        adc_to_v=given.get("v", 3.3),
         timer="no",
         note="where `slip_timer.h` knows no timer of it, start one of your own",
-        inputs=" ".join(pins),
+        inputs=tuple(pins),
         ram_kb=32,
         convert_us=50.0,
         has_scan=False,
@@ -399,10 +403,10 @@ def _read_inputs(
     letters: Sequence[str],
     issues: list[Issue],
 ) -> list[str]:
-    known = board.inputs.split() if board else []
+    known = board.inputs if board else ()
     signals = [f"{signal} of {name}" for name in names for signal in letters]
     if inputs is None:
-        return known[: len(signals)] if board else ["A0", "A1"][: len(letters)]
+        return list(known[: len(signals)]) if board else ["A0", "A1"][: len(letters)]
 
     pins = [word.strip() for word in inputs.split(",")]
     number = "two" if len(letters) == 2 else "one"
@@ -420,6 +424,6 @@ def _read_inputs(
                 + (f" of {board.name}" if board else "")
             )
 
-    usual = ",".join((known or ["A0", "A1"])[: len(signals)])
+    usual = ",".join((known or ("A0", "A1"))[: len(signals)])
     issues += (Issue("--inputs", f"{problem}; give --inputs {usual}.") for problem in problems)
     return pins

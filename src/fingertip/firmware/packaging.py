@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import functools
 import json
+import math
 from collections.abc import Iterator
 from importlib import resources
 from typing import Any
@@ -116,19 +117,16 @@ def cost_table() -> str:
 def find_warnings(design: Design, controller: ControllerBoard | None = None) -> Iterator[str]:
     """Warn of a board or a converter that the inputs of a controller do not fit."""
     has_divider = not design.board.has_filter
-    if (
-        controller
-        and not has_divider
-        and not controller.converter.endswith(f" to {design.detector.adc_range_v:g} V")
-    ):
-        range_v = controller.converter.split()[-2]
+    if controller and not has_divider and not _fits_range(controller, design):
+        range_v = f"{controller.adc_to_v:g}"
         yield (
             f"{controller.name} converts {controller.converter}, not "
             f"{design.detector.adc_range_text}: voltages and "
             f"forces would be wrong; with --set detector.adc_range_v={range_v} they are right."
         )
 
-    if controller and int(bits := controller.converter.split()[0]) < design.detector.adc_bits:
+    if controller and controller.adc_bits < design.detector.adc_bits:
+        bits = controller.adc_bits
         yield (
             f"{controller.name} converts {bits} bits, not {design.detector.adc_bits}: its steps "
             "are noise that the "
@@ -138,7 +136,7 @@ def find_warnings(design: Design, controller: ControllerBoard | None = None) -> 
     detector = design.detector
     problems = []
     if has_divider:
-        bears_v = max(3.6, float(controller.converter.split()[-2])) if controller else 3.6
+        bears_v = max(_LEAST_PIN_V, controller.adc_to_v) if controller else _LEAST_PIN_V
         if design.board.supply_v > bears_v:
             yield (
                 f"the sensor's {design.board.supply_v:g} V may destroy a pin, which bears "
@@ -161,6 +159,15 @@ def find_warnings(design: Design, controller: ControllerBoard | None = None) -> 
     if problems:
         changes = " ".join(f"--set {change}" for change in controller_changes())
         yield f"{', and '.join(problems)}; with {changes} the board fits a controller."
+
+
+_LEAST_PIN_V = 3.6
+"""Voltage that a pin of any controller bears [V]."""
+
+
+def _fits_range(controller: ControllerBoard, design: Design) -> bool:
+    """Return whether the converter has the range that the design states."""
+    return math.isclose(controller.adc_to_v, design.detector.adc_range_v, rel_tol=1e-6)
 
 
 def controller_changes() -> tuple[str, ...]:

@@ -3,8 +3,7 @@ problem an issue.
 
 The columns of a table are the fields of a dataclass; a field with a default may be left out. A
 number may end in a prefix such as k, a flag is yes or no, words are separated by spaces or stand in
-a list of TOML, and nothing is None. A field whose class has a method `parse` is read by it. Lines
-of a CSV file that begin with # are comments.
+a list of TOML, and an empty cell is None. Lines of a CSV file that begin with # are comments.
 """
 
 from __future__ import annotations
@@ -68,26 +67,24 @@ def load_table(kind: type[Row], rows: Iterable[Mapping[str, Any]]) -> tuple[Row,
     )
 
 
-def _read(wanted: Any, value: Any) -> Any:
-    """Read a cell as the type of its field. What is no text or list was read before."""
-    if get_origin(wanted) is types.UnionType:
+def _read(kind: Any, value: Any) -> Any:
+    """Read a cell as the type of its field. Values that are neither text nor list stay."""
+    if get_origin(kind) is types.UnionType:
         if value == "":
             return None
 
-        wanted = get_args(wanted)[0]
+        kind = get_args(kind)[0]
 
-    if get_origin(wanted) is tuple and isinstance(value, str | list):
+    if get_origin(kind) is tuple and isinstance(value, str | list):
         items = value.split() if isinstance(value, str) else value
-        kinds = get_args(wanted)
+        kinds = get_args(kind)
         kinds = kinds[:1] * len(items) if kinds[-1] is ... else kinds
         return tuple(_read(*pair) for pair in zip(kinds, items, strict=True))
 
-    if get_origin(wanted) is Literal and value not in get_args(wanted):
-        raise ValueError(f"{value!r} is none of {get_args(wanted)}")
-    if hasattr(wanted, "parse"):
-        return wanted.parse(value)
+    if get_origin(kind) is Literal and value not in get_args(kind):
+        raise ValueError(f"{value!r} is none of {get_args(kind)}")
 
-    return _READERS[wanted](value) if wanted in _READERS else value
+    return _READERS[kind](value) if kind in _READERS else value
 
 
 _READERS: Mapping[Any, Callable[[str], Any]] = {

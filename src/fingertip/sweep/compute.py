@@ -259,7 +259,7 @@ def compute_mold(context: PointContext) -> OutputValues:
 
 def compute_casting(context: PointContext) -> OutputValues:
     from fingertip.cad.verification.skin import pull_off_n, slide_mm
-    from fingertip.casting.sheet import compute_batch, measure_poured_cm3
+    from fingertip.casting.mixture import compute_batch, measure_poured_cm3
 
     poured_cm3 = measure_poured_cm3(context.design, context.evaluator())
     batch = compute_batch(context.design.silicone.material, poured_cm3)

@@ -11,7 +11,7 @@ import functools
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from fingertip.board.parts.circuit import Circuit, Component, reference_sort_key
 from fingertip.foundation import tables
@@ -134,6 +134,9 @@ class MatingPart:
     """Part that a person buys for the cable of one connector."""
 
     footprint: str
+    kind: Literal["plug", "contact", "leads", "cable", "socket"]
+    choice: Literal["", "either:", "or:", "or"]
+    """Words before the item where another one does too."""
     item: str
     per: str
     """Use of one of them: for the connector, for each of its wires, or for two of them."""

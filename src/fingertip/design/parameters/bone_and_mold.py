@@ -297,7 +297,8 @@ class Strength(ParameterTable):
 
         return PrintMaterial(
             name=OWN,
-            label=self.own_label,
+            product=self.own_label,
+            remark="",
             process=self.own_process,
             strength_mpa=self.own_strength_mpa,
             modulus_mpa=self.own_modulus_mpa,

@@ -239,10 +239,11 @@ class ChosenSilicone(ParameterTable):
         if self.product != OWN:
             return load_silicones()[self.product]
 
-        stated = {
-            name: MaterialProperty(value := getattr(self, name), value, "design")
-            for name in _STATED
-        }
+        stated = {}
+        for name in _STATED:
+            value = getattr(self, name)
+            stated[name] = MaterialProperty(value, value, "design")
+
         return Silicone(
             name=OWN,
             label=self.label,

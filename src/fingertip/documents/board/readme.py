@@ -136,9 +136,10 @@ def _list_cables(circuit: Circuit, design: Design) -> Iterator[tuple[str, ...]]:
         names = join_words([connector.reference for connector in alike])
         for mating in table.list_mating_parts(alike[0]):
             # The cable of a sensor is its own wires.
-            is_lead, is_cable = (mating.item.startswith(word) for word in ("or leads", "either"))
             is_sensor = alike[0].reference in sensors
-            if is_sensor and (is_cable or (is_lead and not takes_leads)):
+            if is_sensor and mating.kind == "cable":
+                continue
+            if is_sensor and mating.kind == "leads" and not takes_leads:
                 continue
 
             part = mating.part
@@ -148,13 +149,10 @@ def _list_cables(circuit: Circuit, design: Design) -> Iterator[tuple[str, ...]]:
                 else (mating.reason, "")
             )
             count = mating.count(len(circuit.list_wires(alike[0])))
-            item = mating.item
-            yield (
-                names,
-                str(count * len(alike)),
-                item.removeprefix("or: ") if is_sensor else item,
-                *numbers,
-            )
+            # Where the cable is left out, its plug is no alternative.
+            is_alternative = not (is_sensor and mating.kind == "plug")
+            item = f"{mating.choice} {mating.item}".lstrip() if is_alternative else mating.item
+            yield (names, str(count * len(alike)), item, *numbers)
 
 
 def _collect_order(circuit: Circuit, stored: StoredProject) -> dict[str, Any]:

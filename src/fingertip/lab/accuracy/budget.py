@@ -27,7 +27,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.skin import min_thickness
 from fingertip.cad.verification.strength import STATIONS, assess_strength
-from fingertip.casting.sheet import compute_batch, measure_poured_cm3
+from fingertip.casting.mixture import compute_batch, measure_poured_cm3
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.foundation import extras

@@ -10,7 +10,6 @@ from dataclasses import replace
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.sheet import (
     MIN_COMPONENT_G,
     MIN_MIX_G,
@@ -24,6 +23,7 @@ from fingertip.casting.sheet import (
 from fingertip.catalogues.materials import MaterialProperty, Silicone, load_silicones, load_sources
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
+from fingertip.models.parts import PARTS
 
 SILICONES = load_silicones()
 SOURCES = load_sources()

@@ -19,18 +19,19 @@ from fingertip.board.parts.circuit import SENSOR_CONNECTOR
 from fingertip.board.parts.table import find_plug_wire
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.settings import PROFILE, Profile, choose_plate_kind, estimate_print
-from fingertip.cad.shapes.finger import cavity, core_within_skin
 from fingertip.cad.verification.mold import palmar_limits
 from fingertip.catalogues.materials import Silicone, find_example
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.design import Design
-from fingertip.design.geometry.dimensions import HEAD_MM, KNOT_WIRES, LONGER_MM, SHORTER_MM
-from fingertip.design.geometry.mold_layout import POURED
+from fingertip.design.geometry.casting_layout import POURED
 from fingertip.design.geometry.plunge import LOWERING_S
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
-from fingertip.design.interfaces.interface import MATING_PLAY_MM
 from fingertip.foundation.tables import load_table, read_rows
+from fingertip.models.core import core_within_skin
+from fingertip.models.dimensions import HEAD_MM, KNOT_WIRES, LONGER_MM, SHORTER_MM
+from fingertip.models.mold import cavity
+from fingertip.models.outlines import MATING_PLAY_MM
 
 WASTE_FRACTION = 0.25
 """Extra silicone, which stays on cup and stick, as a fraction of what is poured.

@@ -12,14 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes import bench
-from fingertip.cad.shapes.parts import PARTS, find_frames, hardware, parts_by_name
 from fingertip.catalogues.electronics import FILM_G_CM3
 from fingertip.catalogues.hardware import STEEL_G_CM3
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Point3, cylinder
 from fingertip.design.interfaces import interface_of
-from fingertip.design.interfaces.interface import CrossBolted, middle_y
+from fingertip.design.interfaces.interface import CrossBolted
+from fingertip.models.hand_stub import guide
+from fingertip.models.parts import PARTS, find_frames, hardware, parts_by_name
+from fingertip.models.solids import Point3, cylinder
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.robot.contact import ContactLaw, TactileMesh, cut_skin, fit_contact, mesh_active_area
 
@@ -123,7 +123,7 @@ def build_finger(design: Design) -> FingerModel:
 
     if isinstance(interface, CrossBolted):
         bolt = interface.bolt(design)
-        at = (middle_y(dims), interface.cross_bolt_z(design))
+        at = (dims.base_middle_y, interface.cross_bolt_z(design))
         half = bolt.crossed_mm / 2
         solids.append(
             (
@@ -162,7 +162,7 @@ def build_finger(design: Design) -> FingerModel:
         stub = Body(part.name, evaluator.mesh(part.solid(design)), print_g_cm3, part.colour)
 
     anchor = dims.anchor
-    if anchor and (way := bench.guide(design)):
+    if anchor and (way := guide(design)):
         for x in way.x:
             horn = (x, anchor.horn_y + anchor.horn_radius, anchor.horn_low_z)
             radius = anchor.horn_radius + anchor.line / 2

@@ -16,8 +16,6 @@ import pytest
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.settings import FDM, slicer_settings
-from fingertip.cad.shapes.finger import cavity
-from fingertip.cad.shapes.parts import hardware, parts_by_name
 from fingertip.cad.verification.skin import pull_off_n
 from fingertip.casting.mixture import measure_poured_cm3
 from fingertip.catalogues import electronics, materials
@@ -25,6 +23,8 @@ from fingertip.catalogues.electronics import load_controllers
 from fingertip.catalogues.hardware import THREADS
 from fingertip.design import Design
 from fingertip.design.interfaces import interface_of
+from fingertip.models.mold import cavity
+from fingertip.models.parts import hardware, parts_by_name
 from tests.approved import check_figures
 from tests.cad.part_checks import run_all_checks
 from tests.conftest import design_file, some_of

@@ -19,7 +19,6 @@ from typing import TypeVar
 import tomlkit
 from pydantic.fields import FieldInfo
 
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.electronics import NAMES, load_controllers
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, list_bundled_files
 from fingertip.design import Design
@@ -29,6 +28,7 @@ from fingertip.design.parameters.declaration import find_bounds, list_choices
 from fingertip.fitting.fitting import fit_design
 from fingertip.fitting.new_design import PRESETS
 from fingertip.foundation.errors import FingertipError, TraceError, raise_issues
+from fingertip.models.parts import parts_by_name
 from fingertip.sim import ManipulationFile, SceneFile, Simulation, load_simulation
 from fingertip.sim.signal.parameters import FILTER_OUTPUTS
 from fingertip.sweep.outputs import load_outputs

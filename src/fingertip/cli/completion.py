@@ -126,7 +126,7 @@ COMPLETIONS: Mapping[str, Callable[..., Iterable[str]]] = {
     "finger": lambda: [f"{name}=" for name in NAMES],
     "preset": _table("fitting.new_design:PRESETS"),
     "formats": _sets_of_formats,
-    "parts": _table("cad.shapes.parts:PARTS"),
+    "parts": _table("models.parts:PARTS"),
     "material": _choices("silicone.product"),
     "detector": list_detectors,
     "grip": list_detectors,

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.print_files import PrintFiles, make_print_files
-from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification import assembly, bone, joint, mold, printing, skin
 from fingertip.cad.verification.check import Check, RegisteredCheck, Solids
 from fingertip.cad.verification.printing import check_mesh_file, check_print_files
@@ -27,6 +26,7 @@ from fingertip.foundation.errors import FingertipError, Issue
 from fingertip.foundation.extras import call_plugins
 from fingertip.foundation.progress import Work
 from fingertip.foundation.validation import Comparison, Relation
+from fingertip.models.parts import PARTS, parts_by_name
 
 CHECKS: tuple[RegisteredCheck, ...] = (
     *assembly.CHECKS,

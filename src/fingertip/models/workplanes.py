@@ -1,13 +1,12 @@
-"""Primitives of parts as cadquery workplanes, from plain numbers [mm].
+"""Solids as CadQuery workplanes: the one module that imports CadQuery, and Open CASCADE (OCP).
 
-The B-rep kernel makes the STEP files of them; the scripts of `fingertip build --formats cq` hold
-this file.
+The program makes its STEP files of the same primitives, with Open CASCADE's own booleans.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import cadquery as cq
 from OCP.BRepBuilderAPI import (
@@ -24,8 +23,121 @@ from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
 from OCP.TColStd import TColStd_Array1OfReal, TColStd_Array2OfReal
 from OCP.TopoDS import TopoDS
 
+from .parts import find_solid, list_tagged_planes, list_tagged_points
+from .solids import (
+    Box,
+    Cone,
+    Difference,
+    ElbowTube,
+    Intersection,
+    Prism,
+    Scaled,
+    Solid,
+    SuperconicSolid,
+    Union,
+)
+
+if TYPE_CHECKING:
+    from .program_types import Finger
+
 SEWING_MM = 1e-6
 """Distance within which edges of neighbouring faces are sewn together [mm]."""
+_NEAR_MM = 0.02
+"""Distance of a face from the point by which it is tagged [mm]."""
+
+
+def make_part(finger: Finger, name: str) -> cq.Workplane:
+    """Make a part, or a bought item such as "sensor", with tagged faces, such as
+    `make_part(finger, "bone").faces(tag="pocket")`.
+
+    Raises ValueError where the finger has no such part, or its parameters give no solid.
+    """
+    solid = find_solid(finger, name)
+    try:
+        part = to_workplane(solid)
+    except Exception as error:
+        message = (
+            f"{name}: these parameters give no solid; `fingertip build` says which rule they "
+            "break, and what repairs it."
+        )
+        raise ValueError(message) from error
+
+    faces = part.val().Faces()
+    for tag, numbers in find_tagged_faces(part.val(), finger, name).items():
+        part.newObject([faces[i] for i in numbers]).tag(tag)
+
+    return part
+
+
+def find_tagged_faces(made: cq.Solid, finger: Finger, name: str) -> dict[str, list[int]]:
+    """Find the faces of each tag, by their numbers in a part."""
+    faces = list(enumerate(made.Faces()))
+    tagged = {}
+
+    for tag, points in list_tagged_points(finger, name).items():
+        near = [cq.Vertex.makeVertex(*point) for point in points]
+        tagged[tag] = [i for i, face in faces if min(map(face.distance, near)) < _NEAR_MM]
+
+    for tag, selectors in list_tagged_planes(finger, name).items():
+        found = cq.Workplane(made)
+        for each in selectors:
+            found = found.faces(each if isinstance(each, str) else in_plane(each))
+
+        tagged[tag] = [i for i, face in faces if any(map(face.isSame, found.vals()))]
+
+    return {tag: numbers for tag, numbers in tagged.items() if numbers}
+
+
+def to_workplane(solid: Solid) -> cq.Workplane:
+    """Make the CadQuery workplane of a solid; what occurs in it several times is made once."""
+    made: dict[Solid, cq.Workplane] = {}
+
+    def make(solid: Solid) -> cq.Workplane:
+        if solid not in made:
+            made[solid] = combine(solid)
+
+        return made[solid]
+
+    def combine(solid: Solid) -> cq.Workplane:
+        match solid:
+            case Union((first, *others)):
+                return make(first).union(stack(*map(make, others)), clean=False)
+            case Difference(first, tools):
+                return make(first).cut(stack(*map(make, tools)), clean=False)
+            case Intersection((first, *others)):
+                part = make(first)
+                for other in others:
+                    part = part.intersect(make(other), clean=False)
+
+                return part
+            case Scaled(inner, factor):
+                return cq.Workplane(make(inner).val().scale(factor))
+            case _:
+                return make_primitive(solid)
+
+    return make(solid).solids()  # out of the compound that a boolean returns
+
+
+def stack(*parts: cq.Workplane) -> cq.Workplane:
+    """Put several parts on the stack of one workplane, so that a boolean takes them at once."""
+    return cq.Workplane().newObject([part.val() for part in parts])
+
+
+def make_primitive(solid: Solid) -> cq.Workplane:
+    """Make the workplane of a solid without booleans."""
+    match solid:
+        case Box(low, high):
+            return box(low, high)
+        case Cone(axis, centre, low, high, low_radius, high_radius):
+            return cone(axis, centre, low, high, (low_radius, high_radius))
+        case Prism(axis, corners, low, high, holes):
+            return prism(axis, corners, low, high, holes)
+        case ElbowTube():
+            return elbow_tube(solid)
+        case SuperconicSolid(body):
+            return superconic(body.section, body.spans)
+
+    raise ValueError(f"{type(solid).__name__} has no workplane.")
 
 
 def volume(shape: Any) -> float:
@@ -130,30 +242,16 @@ def box(low: Sequence[float], high: Sequence[float]) -> cq.Workplane:
     )
 
 
-def cylinder(
-    axis: str,
-    centre: Sequence[float],
-    low: float,
-    high: float,
-    radius: float,
-) -> cq.Workplane:
-    """Make a cylinder about an axis through `centre`, from `low` to `high` along it."""
-    base = point(axis, centre, low)
-    direction = point(axis, (0.0, 0.0), 1.0)
-    return cq.Workplane(cq.Solid.makeCylinder(radius, high - low, base, direction))
-
-
 def cone(
-    axis: str,
-    centre: Sequence[float],
-    low: float,
-    high: float,
-    low_radius: float,
-    high_radius: float,
+    axis: str, centre: Sequence[float], low: float, high: float, radii: tuple[float, float]
 ) -> cq.Workplane:
-    """Make the frustum of a cone with different radii at `low` and `high`."""
+    """Make the frustum of a cone with radii at `low` and `high`, or a cylinder."""
     base = point(axis, centre, low)
     direction = point(axis, (0.0, 0.0), 1.0)
+    (low_radius, high_radius) = radii
+    if low_radius == high_radius:  # the kernel's cones reject equal radii
+        return cq.Workplane(cq.Solid.makeCylinder(low_radius, high - low, base, direction))
+
     return cq.Workplane(cq.Solid.makeCone(low_radius, high_radius, high - low, base, direction))
 
 
@@ -170,44 +268,21 @@ def prism(
     return cq.Workplane(cq.Solid.extrudeLinear(outline, inner, point(axis, (0.0, 0.0), high - low)))
 
 
-def elbow_tube(
-    start_y: float,
-    start_z: float,
-    exit_z: float,
-    end_y: float,
-    bend_radius: float,
-    radius: float,
-) -> cq.Workplane:
-    """Make a round tube at x = 0 from (start_y, start_z) along -z,
-    a bend, then along +y to (end_y, exit_z).
-    """
-    turn_y = start_y + bend_radius
-    turn_z = exit_z + bend_radius
+def elbow_tube(tube: ElbowTube) -> cq.Workplane:
+    """Make a round tube with a bend."""
+    turn_y = tube.start_y + tube.bend_radius
+    turn_z = tube.exit_z + tube.bend_radius
     down = cq.Vector(0, 0, -1)
-    first = cq.Solid.makeCylinder(radius, start_z - turn_z, cq.Vector(0, start_y, start_z), down)
-    circle = cq.Wire.makeCircle(radius, cq.Vector(0, start_y, turn_z), down)
+    start = cq.Vector(0, tube.start_y, tube.start_z)
+    first = cq.Solid.makeCylinder(tube.radius, tube.start_z - turn_z, start, down)
+    circle = cq.Wire.makeCircle(tube.radius, cq.Vector(0, tube.start_y, turn_z), down)
     bend = cq.Solid.revolve(
         circle, [], 90, cq.Vector(-1, turn_y, turn_z), cq.Vector(1, turn_y, turn_z)
     )
-    last = cq.Solid.makeCylinder(
-        radius, end_y - turn_y, cq.Vector(0, turn_y, exit_z), cq.Vector(0, 1, 0)
-    )
+    turned = cq.Vector(0, turn_y, tube.exit_z)
+    last = cq.Solid.makeCylinder(tube.radius, tube.end_y - turn_y, turned, cq.Vector(0, 1, 0))
 
     return cq.Workplane(first.fuse(bend, last))
-
-
-def scaled(part: cq.Workplane, factor: float) -> cq.Workplane:
-    """Scale a part about the origin."""
-    return cq.Workplane(part.val().scale(factor))
-
-
-def stack(*parts: cq.Workplane) -> cq.Workplane:
-    """Put several parts on the stack of one workplane, so that a boolean takes them at once."""
-    return cq.Workplane().newObject([part.val() for part in parts])
-
-
-def union(first: cq.Workplane, *others: cq.Workplane) -> cq.Workplane:
-    return first.union(stack(*others), clean=False)
 
 
 def in_plane(y: float) -> cq.Selector:

@@ -1,22 +1,21 @@
 """Constructive solid geometry: parts as trees of primitives and boolean operations, independent of
 any kernel.
 
-Each part is described once as a tree of the frozen dataclasses below. Two geometry kernels evaluate
-the tree and share no geometry code: `cad.kernel.mesh` (numpy and manifold3d) and `cad.kernel.brep`
-(Open CASCADE). All lengths are in mm and all axes are parallel to x, y or z. Solids compare and
-hash by value, so that a kernel evaluates equal solids once.
+Each part is described once as a tree of the frozen dataclasses below. `workplanes` evaluates it
+with CadQuery. The program has two kernels for it that share no geometry code, one for meshes and
+one for exact solids. All lengths are in mm and all axes are parallel to x, y or z. Solids compare
+and hash by value, so that a kernel evaluates equal solids once.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from fingertip.design.geometry.conic import ConicBody
+from .conic import ConicBody
 
 if TYPE_CHECKING:
-    from fingertip.foundation.body_file import Body
-    from fingertip.foundation.numerics import Array
+    from .program_types import Array, Body
 
 Axis = Literal["x", "y", "z"]
 Point3: TypeAlias = tuple[float, float, float]
@@ -113,7 +112,7 @@ class ElbowTube:
 
 @dataclass(frozen=True)
 class SuperconicSolid:
-    """Solid bounded by a superconic surface, as `design.geometry.conic` defines it."""
+    """Solid bounded by a superconic surface, as `conic` defines it."""
 
     body: ConicBody
 
@@ -164,6 +163,8 @@ class Scaled:
 
 Primitive: TypeAlias = Box | Cone | Prism | ElbowTube | SuperconicSolid | Placed
 Solid: TypeAlias = Primitive | Union | Difference | Intersection | Scaled
+Shapes: TypeAlias = tuple[tuple[Solid, ...], tuple[Solid, ...]]
+"""Solids that an interface adds to the filled bone, and those that it removes from it."""
 
 
 def union(*solids: Solid) -> Solid:
@@ -184,25 +185,3 @@ def intersection(*solids: Solid) -> Solid:
 def scaled(solid: Solid, factor: float) -> Solid:
     """Scale a solid about the origin; a factor of one returns it as it is."""
     return solid if factor == 1.0 else Scaled(solid, factor)
-
-
-def call_of(primitive: Primitive) -> tuple[str, tuple[Any, ...]]:
-    """Return name and arguments of the function of
-    `cad.kernel.cadquery_primitives` that makes a primitive.
-    """
-    match primitive:
-        case Box(low, high):
-            return "box", (low, high)
-        case Cone(axis, centre, low, high, low_radius, high_radius):
-            if low_radius == high_radius:  # the kernel's cones reject equal radii
-                return "cylinder", (axis, centre, low, high, low_radius)
-
-            return "cone", (axis, centre, low, high, low_radius, high_radius)
-        case Prism(axis, corners, low, high, holes):
-            return "prism", (axis, corners, low, high, *([holes] if holes else []))
-        case ElbowTube(start_y, start_z, exit_z, end_y, bend_radius, radius):
-            return "elbow_tube", (start_y, start_z, exit_z, end_y, bend_radius, radius)
-        case SuperconicSolid(body):
-            return "superconic", (body.section, body.spans)
-        case Placed(body, rows):
-            return "placed", (body.brep, rows)

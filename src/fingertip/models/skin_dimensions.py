@@ -10,13 +10,12 @@ import math
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from fingertip.catalogues.electronics import SENSORS, ForceSensor
-from fingertip.design.geometry.conic import ConicBody, CrossSection
-from fingertip.design.geometry.outlines import RAMP_SLOPE, ramp_depth
-from fingertip.design.geometry.profile import Crown, Tip, largest_drop, weight_of_fullness
+from .conic import ConicBody, CrossSection
+from .outlines import RAMP_SLOPE, ramp_depth
+from .profile import Crown, Tip, largest_drop, weight_of_fullness
 
 if TYPE_CHECKING:
-    from fingertip.design.parameters import Tables
+    from .program_types import Finger, ForceSensor
 
 CROWN_FLANK = math.tan(math.radians(25.0))
 """Slope at which a crown's arc ends towards the tip [mm per mm]: beyond
@@ -28,42 +27,27 @@ _MIN_BEYOND_CROWN_MM = 1.0
 
 
 class SkinDimensions:
-    """Lengths [mm] and outlines of the skin of one design, and of the seat of its sensor."""
+    """Lengths [mm] and outlines of the skin of one finger, and of the seat of its sensor."""
 
-    def __init__(self, design: Tables) -> None:
-        self._design = design
+    def __init__(self, finger: Finger) -> None:
+        self._finger = finger
 
     @cached_property
     def sensor(self) -> ForceSensor:
-        """Outline of the force-sensing resistor, from the catalogue or from [custom_sensor]."""
-        if self._design.sensor.model != "custom":
-            return SENSORS[self._design.sensor.model]
-
-        own = self._design.custom_sensor
-        return ForceSensor(
-            model="custom",
-            label="custom sensor",
-            active_diameter_mm=own.active_diameter_mm,
-            head_diameter_mm=own.head_diameter_mm,
-            thickness_mm=own.thickness_mm,
-            length_mm=own.length_mm,
-            tail_width_mm=own.tail_width_mm,
-            tab_pitch_mm=2.54,
-            source="the design file",
-            unverified=(),
-        )
+        """Outline of the force-sensing resistor."""
+        return self._finger.force_sensor
 
     @cached_property
     def sensor_z(self) -> float:
-        return self._design.skin.length_mm - self._design.sensor.distance_from_tip_mm
+        return self._finger.skin.length_mm - self._finger.sensor.distance_from_tip_mm
 
     @cached_property
     def taper_end_z(self) -> float:
-        return self._design.skin.length_mm - self._design.skin.tip_length_mm
+        return self._finger.skin.length_mm - self._finger.skin.tip_length_mm
 
     @cached_property
     def outer(self) -> ConicBody:
-        skin = self._design.skin
+        skin = self._finger.skin
         section = CrossSection(
             half_width=skin.width_mm / 2,
             palmar=skin.semi_axis_palmar_mm,
@@ -81,7 +65,7 @@ class SkinDimensions:
         """Crown of the pad; None without one, or where it does not fit
         between the skin's proximal end and its tip.
         """
-        skin = self._design.skin
+        skin = self._finger.skin
         apex = self.crown_apex_z
 
         if (
@@ -97,12 +81,12 @@ class SkinDimensions:
 
     @cached_property
     def crown_apex_z(self) -> float:
-        return self.sensor_z - self._design.skin.crown_offset_mm
+        return self.sensor_z - self._finger.skin.crown_offset_mm
 
     @cached_property
     def max_crown_radius(self) -> float:
         """Largest radius whose arc ends before the tip's apex."""
-        room = self._design.skin.length_mm - _MIN_BEYOND_CROWN_MM - self.crown_apex_z
+        room = self._finger.skin.length_mm - _MIN_BEYOND_CROWN_MM - self.crown_apex_z
         return room * math.hypot(1.0, CROWN_FLANK) / CROWN_FLANK
 
     @cached_property
@@ -110,13 +94,13 @@ class SkinDimensions:
         """Largest drop whose two arcs fit between the crown's apex and
         the skin's proximal end, and are not steep.
         """
-        skin = self._design.skin
+        skin = self._finger.skin
         return largest_drop(skin.crown_radius_mm, self.crown_apex_z, skin.semi_axis_palmar_mm)
 
     @cached_property
     def base_palmar_height(self) -> float:
         """Palmar height of the skin at its proximal end, which a crown lowers."""
-        skin = self._design.skin
+        skin = self._finger.skin
         return skin.semi_axis_palmar_mm - (skin.crown_drop_mm if self.crown else 0.0)
 
     @cached_property
@@ -124,7 +108,7 @@ class SkinDimensions:
         """Depth of the plane around the sensor's head, at y =
         -platform_depth: the flat's, or that of a platform.
         """
-        skin = self._design.skin
+        skin = self._finger.skin
         return (
             skin.semi_axis_palmar_mm * self.outer.palmar_scale_at(self.sensor_z)
             - skin.thickness_palmar_mm
@@ -133,35 +117,35 @@ class SkinDimensions:
     @cached_property
     def flat_depth(self) -> float:
         """Depth of the bone's palmar flat, on which the tail lies, at y = -flat_depth."""
-        return self.platform_depth - self._design.bone.platform_mm
+        return self.platform_depth - self._finger.bone.platform_mm
 
     @cached_property
     def tail_half_width(self) -> float:
         """Half the width of the tail's slot, and of everything else in which it lies."""
-        return self.sensor.tail_width_mm / 2 + self._design.sensor.clearance_mm
+        return self.sensor.tail_width_mm / 2 + self._finger.sensor.clearance_mm
 
     @cached_property
     def platform_radius(self) -> float:
         """Radius of the platform: that of the pocket, or of a tail
         that is wider, and of the rim around it.
         """
-        clearance = self._design.sensor.clearance_mm
+        clearance = self._finger.sensor.clearance_mm
         widest = max(
             self.sensor.head_diameter_mm / 2 + clearance,
             math.hypot(self.tail_half_width, clearance),
         )
-        return widest + self._design.bone.rim_mm
+        return widest + self._finger.bone.rim_mm
 
     @cached_property
     def neck_half_width(self) -> float:
         """Half the width of the ramp, on which the tail's slot has a wall on both sides."""
-        return min(self.tail_half_width + self._design.bone.wall_mm, self.platform_radius)
+        return min(self.tail_half_width + self._finger.bone.wall_mm, self.platform_radius)
 
     @cached_property
     def ramp(self) -> tuple[float, float]:
         """Heights z at which the ramp from the flat to the platform begins and ends."""
         high = self.sensor_z - self.platform_radius
-        low = high - self._design.bone.platform_mm / RAMP_SLOPE
+        low = high - self._finger.bone.platform_mm / RAMP_SLOPE
         return low, high
 
     def flat_depth_at(self, z: float) -> float:
@@ -172,7 +156,7 @@ class SkinDimensions:
 
     def platform_half_width_at(self, z: float) -> float:
         """Return half the width of platform or ramp at a height z [mm]; 0 without one."""
-        if self._design.bone.platform_mm == 0.0 or z <= self.ramp[0]:
+        if self._finger.bone.platform_mm == 0.0 or z <= self.ramp[0]:
             return 0.0
 
         squared = self.platform_radius**2 - (z - self.sensor_z) ** 2

@@ -1,8 +1,7 @@
 """Arcs of sections and profiles along z, the curves of superconic bodies, by plain numbers.
 
 All quantities of a body along z, its scale and the scale of its palmar height, share the parameter
-and the weight of a piece. That is why NURBS represent the surface exactly. Scripts of `build
---formats cq` carry this module.
+and the weight of a piece. That is why NURBS represent the surface exactly.
 
 Reference: L. Piegl and W. Tiller, The NURBS Book, 2nd ed., section 7.3 (the quadratic rational
 Bezier arc).
@@ -11,15 +10,15 @@ Bezier arc).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
-from fingertip.foundation.numerics import bisect
-
 if TYPE_CHECKING:
-    from fingertip.foundation.numerics import Array
+    from .program_types import Array
 
+_HALVINGS = 40
+"""Halvings of a bisection: 1e-12 of its range."""
 Parameter = TypeVar("Parameter", float, "Array")
 """Parameter of a curve, or many of them."""
 
@@ -89,28 +88,37 @@ def dorsal_height_at(section: Section, x: float, scale: float = 1.0) -> float:
 
 def depth_with_width(section: Section, half_width: float) -> float:
     """Return the depth below y = 0 down to which a section has this half width [mm]."""
-    return bisect(lambda y: half_width_at(section, -y) >= half_width, 0.0, section[1], halvings=40)[
-        0
-    ]
+    return _last_that_holds(lambda y: half_width_at(section, -y) >= half_width, section[1])
 
 
 def height_with_width(section: Section, half_width: float, scale: float) -> float:
     """Return the height above y = 0 up to which a scaled section has this half width [mm]."""
-    return bisect(
-        lambda y: half_width_at(section, y, scale) >= half_width, 0.0, section[2], halvings=40
-    )[0]
+    return _last_that_holds(lambda y: half_width_at(section, y, scale) >= half_width, section[2])
 
 
 def depth_with_step(outer: Section, inner: Section, step: float, deepest: float) -> float:
     """Return the depth, `deepest` at most, down to which a
     section stands out of another by a step [mm].
     """
-    return bisect(
-        lambda y: half_width_at(outer, -y) - half_width_at(inner, -y) >= step,
-        0.0,
-        deepest,
-        halvings=40,
-    )[0]
+    return _last_that_holds(
+        lambda y: half_width_at(outer, -y) - half_width_at(inner, -y) >= step, deepest
+    )
+
+
+def _last_that_holds(holds: Callable[[float], bool], high: float) -> float:
+    """Find by bisection up to where a condition holds, from 0 to `high` at most."""
+    low = 0.0
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if not low < middle < high:  # the ends are neighbouring floats
+            break
+
+        if holds(middle):
+            low = middle
+        else:
+            high = middle
+
+    return low
 
 
 def farthest_corner(

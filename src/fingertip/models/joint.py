@@ -10,6 +10,10 @@ they are its hard stops. Without stops the eyes are round all over, and narrower
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .program_types import Finger
 
 PIN_PLAY_MM = 0.1
 """Play of a printed pin in the bone's bore [mm]."""
@@ -109,3 +113,9 @@ class TendonAnchor:
     @property
     def horn_low_z(self) -> float:
         return self.low_z - self.horn_radius
+
+
+def joint_of(finger: Finger) -> Joint:
+    joint = finger.dimensions.joint
+    assert joint, "only a clevis has a joint"
+    return joint

@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
-from fingertip.design.geometry.profile import (
+from .profile import (
     Crown,
     Span,
     Tip,
@@ -41,8 +41,7 @@ from fingertip.design.geometry.profile import (
 )
 
 if TYPE_CHECKING:
-    from fingertip.design.parameters.bone_and_mold import Bone
-
+    from .program_types import Finger
 
 ELLIPSE = math.sqrt(0.5)
 
@@ -166,13 +165,14 @@ def quarter_outline(section: CrossSection, dorsal: bool, count: int) -> list[tup
     return [(section.half_width * x, height * y) for x, y in list_arc_points(count, weight)]
 
 
-def add_groove(bone: Bone, body: ConicBody) -> ConicBody:
+def add_groove(finger: Finger, body: ConicBody) -> ConicBody:
     """Add a groove around the bone; silicone fills it and keeps the skin from slipping off.
 
     The flanks rise at 45 degrees at the sides or at the back, whichever is wider. Flanks and floor
     are four more stations of the superconic body, so that no boolean is needed and both kernels
     represent the groove directly.
     """
+    bone = finger.bone
     if bone.groove_depth_mm == 0.0:
         return body
 

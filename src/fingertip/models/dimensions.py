@@ -10,16 +10,16 @@ from __future__ import annotations
 import math
 from functools import cached_property
 
-from fingertip.design.geometry.conic import ConicBody, CrossSection
-from fingertip.design.geometry.joint import (
+from .conic import ConicBody, CrossSection
+from .joint import (
     BESIDE_LINE_MM,
     HORN_RADIUS_MM,
     MIN_HORN_RADIUS_MM,
     Joint,
     TendonAnchor,
 )
-from fingertip.design.geometry.outlines import LEDGE_MM, RAMP_SLOPE
-from fingertip.design.geometry.profile import (
+from .outlines import LEDGE_MM, RAMP_SLOPE
+from .profile import (
     Tip,
     depth_with_step,
     depth_with_width,
@@ -27,7 +27,7 @@ from fingertip.design.geometry.profile import (
     height_with_width,
     weight_of_fullness,
 )
-from fingertip.design.geometry.skin_dimensions import SkinDimensions
+from .skin_dimensions import SkinDimensions
 
 KNOT_WIRES = 3.0
 """Least thickness of a knot in both wires, in diameters of one of them. An assumption."""
@@ -74,8 +74,8 @@ class Dimensions(SkinDimensions):
 
     @cached_property
     def joint(self) -> Joint | None:
-        bone = self._design.bone
-        hand = self._design.hand
+        bone = self._finger.bone
+        hand = self._finger.hand
         if bone.interface != "clevis":
             return None
 
@@ -113,7 +113,7 @@ class Dimensions(SkinDimensions):
         if self.joint is None:
             return None
 
-        return self.anchor.low_z if self.anchor else -self._design.bone.collar_length_mm
+        return self.anchor.low_z if self.anchor else -self._finger.bone.collar_length_mm
 
     @property
     def eyes(self) -> CrossSection:
@@ -122,17 +122,17 @@ class Dimensions(SkinDimensions):
 
     @cached_property
     def base_end_z(self) -> float:
-        return self.joint.low_z if self.joint else -self._design.bone.base_length_mm
+        return self.joint.low_z if self.joint else -self._finger.bone.base_length_mm
 
     @cached_property
     def full_base_length(self) -> float:
         """Length along which the base has its full outline [mm]. The eyes of a clevis are lower."""
-        return -self.joint.shoulder_z if self.joint else self._design.bone.base_length_mm
+        return -self.joint.shoulder_z if self.joint else self._finger.bone.base_length_mm
 
     @cached_property
     def anchor(self) -> TendonAnchor | None:
         """Anchor of the tendon; None without a tendon."""
-        hand = self._design.hand
+        hand = self._finger.hand
         joint = self.joint
         section = self.collar.section
         if joint is None or hand.tendon_distance_mm == 0.0:
@@ -144,16 +144,16 @@ class Dimensions(SkinDimensions):
             section.half_width, section.dorsal, section.dorsal_weight, _RIM_POINTS
         )
         share = (half + LEDGE_MM) / section.half_width
-        high = -self._design.bone.collar_length_mm - corner * (1.0 - min(1.0, share))
+        high = -self._finger.bone.collar_length_mm - corner * (1.0 - min(1.0, share))
         low = high - line - BESIDE_LINE_MM
         y = joint.axis_y - hand.tendon_distance_mm
         back = self.bone_outline.section.dorsal_height_at(half) - 1.5 * line
         # The tendon presses on the horns at a grip: they are rounder where that needs more, and
         # there is room.
-        stated = self._design.strength
-        lever = (self._design.skin.length_mm - joint.axis_z) / hand.tendon_distance_mm
+        stated = self._finger.strength
+        lever = (self._finger.skin.length_mm - joint.axis_z) / hand.tendon_distance_mm
         pressed_n = _HORN_RESERVE * stated.min_grip_factor * stated.grip_force_n * lever / 2
-        wanted = max(HORN_RADIUS_MM, pressed_n / line / stated.material.strength_mpa)
+        wanted = max(HORN_RADIUS_MM, pressed_n / line / self._finger.layer_strength_mpa)
         radius = max(MIN_HORN_RADIUS_MM, min(wanted, low - joint.shoulder_z, back - y))
 
         return TendonAnchor(
@@ -194,8 +194,8 @@ class Dimensions(SkinDimensions):
 
     @cached_property
     def bone_outline(self) -> ConicBody:
-        skin = self._design.skin
-        bone = self._design.bone
+        skin = self._finger.skin
+        bone = self._finger.bone
         half_width = skin.width_mm / 2
         section = CrossSection(
             half_width=half_width - skin.thickness_side_mm,
@@ -220,7 +220,7 @@ class Dimensions(SkinDimensions):
         """Largest height of a platform whose ramp begins on the
         flat: past collar, end of the tail and groove.
         """
-        bone = self._design.bone
+        bone = self._finger.bone
         low = max(0.0, self.tail_end_z)
 
         if bone.groove_depth_mm:
@@ -240,13 +240,13 @@ class Dimensions(SkinDimensions):
         section = self.bone_outline.section
         joint = self.joint
         between = joint.half_width if joint and joint.is_fork else 0.0
-        needed = max(self.tail_half_width, between) + self._design.bone.wall_mm
+        needed = max(self.tail_half_width, between) + self._finger.bone.wall_mm
         deepest = depth_with_width(section, needed)
 
         if self.crown:
             # The pad's base is lower than the bone's outline: the corners of the base stay within
             # the collar.
-            lowest = min(deepest, self.base_palmar_height - self._design.skin.thickness_side_mm)
+            lowest = min(deepest, self.base_palmar_height - self._finger.skin.thickness_side_mm)
             deepest = min(
                 lowest, depth_with_step(self.collar.section, section, _MIN_COLLAR_STEP_MM, lowest)
             )
@@ -261,9 +261,14 @@ class Dimensions(SkinDimensions):
             -depth
         )
 
+    @property
+    def base_middle_y(self) -> float:
+        """Height of the middle of the base, between its dorsal side and its palmar flat."""
+        return (self.bone_outline.section.dorsal - self.base_flat_depth) / 2
+
     @cached_property
     def pocket_depth(self) -> float:
-        return self.sensor.thickness_mm + self._design.sensor.adhesive_thickness_mm
+        return self.sensor.thickness_mm + self._finger.sensor.adhesive_thickness_mm
 
     @cached_property
     def tail_end_z(self) -> float:
@@ -272,7 +277,7 @@ class Dimensions(SkinDimensions):
         Along a ramp the film is longer.
         """
         along_ramp = (
-            self._design.bone.platform_mm * (math.hypot(1.0, RAMP_SLOPE) - 1.0) / RAMP_SLOPE
+            self._finger.bone.platform_mm * (math.hypot(1.0, RAMP_SLOPE) - 1.0) / RAMP_SLOPE
         )
         return self.sensor_z + self.sensor.head_diameter_mm / 2 - self.sensor.length_mm + along_ramp
 
@@ -281,7 +286,7 @@ class Dimensions(SkinDimensions):
         """Proximal end of the trough of the tail, behind the hole of
         the wires: a knot in both lies on its mouth.
         """
-        return self.channel_exit_z - self._design.bone.channel_diameter_mm / 2 - _PAST_HOLE_MM
+        return self.channel_exit_z - self._finger.bone.channel_diameter_mm / 2 - _PAST_HOLE_MM
 
     @cached_property
     def channel_exit_z(self) -> float:
@@ -290,9 +295,9 @@ class Dimensions(SkinDimensions):
         It lies behind the tabs of a sensor longer than stated, and behind the collar or the
         tendon's loop.
         """
-        bone = self._design.bone
+        bone = self._finger.bone
         channel_radius = bone.channel_diameter_mm / 2
-        tabs_end = self.tail_end_z - self._design.sensor.tab_length_mm - LONGER_MM
+        tabs_end = self.tail_end_z - self._finger.sensor.tab_length_mm - LONGER_MM
         behind = self.anchor.low_z if self.anchor else -bone.collar_length_mm
 
         return min(tabs_end + channel_radius, behind - channel_radius - bone.wall_mm)
@@ -309,16 +314,16 @@ class Dimensions(SkinDimensions):
         outline = outline or self.bone_outline
         section = outline.section
         scale = outline.scale_at(z)
-        thick_y = height_with_width(section, half_width + self._design.bone.wall_mm, scale)
+        thick_y = height_with_width(section, half_width + self._finger.bone.wall_mm, scale)
         edge_y = height_with_width(section, half_width, scale)
 
-        return thick_y if edge_y - thick_y > _SHARP * self._design.bone.wall_mm else None
+        return thick_y if edge_y - thick_y > _SHARP * self._finger.bone.wall_mm else None
 
     @cached_property
     def collar(self) -> ConicBody:
         """Flange that carries the skin's end."""
-        skin = self._design.skin
-        bone = self._design.bone
+        skin = self._finger.skin
+        bone = self._finger.bone
         section = CrossSection(
             half_width=skin.width_mm / 2 - bone.collar_inset_mm,
             palmar=self.base_palmar_height - bone.collar_inset_mm,
@@ -331,7 +336,7 @@ class Dimensions(SkinDimensions):
 
     @cached_property
     def shrinkage(self) -> float:
-        return 1.0 / (1.0 - self._design.mold.silicone_shrinkage_percent / 100.0)
+        return 1.0 / (1.0 - self._finger.mold.silicone_shrinkage_percent / 100.0)
 
     def sensor_rim_margin(self, rim_mm: float, clearance_mm: float) -> float:
         """Compute the least margin along x [mm] between the flat's

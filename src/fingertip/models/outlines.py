@@ -1,9 +1,8 @@
-"""Outlines of extruded solids and corners of prisms, by plain numbers: feet, ramps, eyes, horns,
-belts and letters.
+"""Outlines of extruded solids and corners of prisms, by plain numbers: feet, ramps, eyes, horns and
+belts.
 
 Feet are the fillets where a thin part of the bone stands on a wider one, drawn as chords of an arc.
-The chords run on into the solids on both sides, so that no faces coincide. Scripts of `build
---formats cq` carry this module.
+The chords run on into the solids on both sides, so that no faces coincide.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
-from fingertip.design.geometry.solids import Axis, Box, Cone, Prism, Solid, union
+from .solids import Axis, Box, Cone, Prism, Solid, union
 
 _CHORDS = 6
 """Chords of a quarter of a circle: the surface bends by 15 degrees at most."""
@@ -28,16 +27,14 @@ PAST_MM = 1.0
 """Length by which cuts reach past the face in which they open, and
 solids into those on which they stand [mm].
 """
+MATING_PLAY_MM = 0.2
+"""Play between an interface and a printed mating part [mm]. A recommendation."""
 RAMP_SLOPE = 0.4
 """Slope of the ramp from the platform down to the flat [mm per mm],
 which the sensor's film follows. An assumption.
 """
 _HORN_CHORDS = 12
 """Chords of a horn's quarter circle."""
-HEIGHT = 6.0
-"""Height of a letter, measured between the centre lines of its strokes [grid units]."""
-Rings = tuple[tuple[tuple[float, float], ...], ...]
-"""Outline of a letter, and its holes [grid units]."""
 
 
 def signed_area(ring: Sequence[tuple[float, float]]) -> float:
@@ -209,38 +206,3 @@ def belt_seat(
     return extrude(
         axis, ((z - high, outer), (z - low, inner), (z + low, inner), (z + high, outer)), -far, far
     )
-
-
-def engrave_letters(
-    axis: Axis,
-    letters: tuple[Rings, ...],
-    at: tuple[float, float, float, float],
-    low: float,
-    high: float,
-) -> tuple[Prism, ...]:
-    """Build letters; `at` holds the middle of their line, where that
-    comes to lie, and its units across and up.
-    """
-    (middle, centre, unit, up) = at
-    made = []
-
-    for letter in letters:
-        rings = [
-            [(unit * (middle - u), centre + up * (v - HEIGHT / 2)) for u, v in ring]
-            for ring in letter
-        ]
-        if axis == "y":
-            rings = [[(z, x) for x, z in ring] for ring in rings]
-
-        outline, *holes = rings if signed_area(rings[0]) > 0.0 else [ring[::-1] for ring in rings]
-        made.append(
-            Prism(
-                axis=axis,
-                corners=tuple(outline),
-                low=low,
-                high=high,
-                holes=tuple(map(tuple, holes)),
-            )
-        )
-
-    return tuple(made)

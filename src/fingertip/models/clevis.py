@@ -8,11 +8,11 @@ the pin pulls at its bore at a knock.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.conic import ConicBody
-from fingertip.design.geometry.joint import Joint, TendonAnchor
-from fingertip.design.geometry.outlines import (
+from .conic import ConicBody
+from .joint import Joint, TendonAnchor, joint_of
+from .outlines import (
     LEDGE_MM,
     TANGENT_STEP_MM,
     eye_corners,
@@ -20,9 +20,10 @@ from fingertip.design.geometry.outlines import (
     foot_line,
     horn_corners,
 )
-from fingertip.design.geometry.solids import (
+from .solids import (
     Box,
     Prism,
+    Shapes,
     Solid,
     SuperconicSolid,
     cylinder,
@@ -31,16 +32,38 @@ from fingertip.design.geometry.solids import (
     union,
 )
 
+if TYPE_CHECKING:
+    from .program_types import Finger
+
 _BACK_WAY_MM = 3.0
 """Half the width of the way of wires and rubber band on the back [mm]."""
 
 
-def joint_base(design: DesignTables, joint: Joint, top: float) -> Solid:
+def shapes(finger: Finger) -> Shapes:
+    """Build the base, and what is removed: the joint's space, the
+    bore of its pin and the way of the tendon.
+    """
+    joint = joint_of(finger)
+    anchor = finger.dimensions.anchor
+    top = finger.dimensions.stops_top_z
+    assert top is not None
+    added: list[Solid] = [joint_base(finger, joint, top)]
+    across = 2 * finger.dimensions.collar.section.half_width
+    removed = [space(finger, joint), pin_bore(joint, across)]
+
+    if anchor:
+        added.append(collar_slope(finger, anchor))
+        removed += tendon_way(finger, anchor, joint)
+
+    return tuple(added), tuple(removed)
+
+
+def joint_base(finger: Finger, joint: Joint, top: float) -> Solid:
     """Build the base up to a height with its hard stops; palmar it is
     as wide down to the end of the bent stop.
     """
-    dims = design.dimensions
-    collar = design.dimensions.collar.section
+    dims = finger.dimensions
+    collar = finger.dimensions.collar.section
     low = joint.low_z - joint.radius
     half = dims.joint_base_half_width
     outline = SuperconicSolid(ConicBody(collar, ((low, 1.0), (top, 1.0))))
@@ -51,45 +74,45 @@ def joint_base(design: DesignTables, joint: Joint, top: float) -> Solid:
         return base
 
     reach = 2 * (collar.half_width + collar.dorsal + collar.palmar)
-    within = Box((-reach, stop_toe_y(design, joint, top), -reach), (reach, reach, reach))
+    within = Box((-reach, stop_toe_y(finger, joint, top), -reach), (reach, reach, reach))
     return intersection(base, eye_profile(joint, reach), within)
 
 
-def stop_toe_y(design: DesignTables, joint: Joint, top: float) -> float:
+def stop_toe_y(finger: Finger, joint: Joint, top: float) -> float:
     """Palmar end of the stop of the bent finger, which is a wall thick there."""
     angle = math.radians(joint.travel_deg)
-    toe_z = top - design.bone.wall_mm - joint.axis_z
+    toe_z = top - finger.bone.wall_mm - joint.axis_z
     toe_at_wall = joint.axis_y - (joint.radius + toe_z * math.cos(angle)) / math.sin(angle)
 
-    return max(-design.dimensions.joint_depth, toe_at_wall)
+    return max(-finger.dimensions.joint_depth, toe_at_wall)
 
 
-def stop_top_y(design: DesignTables, joint: Joint) -> float:
+def stop_top_y(finger: Finger, joint: Joint) -> float:
     """Dorsal end of the stop of the straight finger.
 
     Cheeks end beside the gap, or where they would be an edge.
     """
-    collar = design.dimensions.collar
+    collar = finger.dimensions.collar
     if not joint.is_fork:
         return collar.section.dorsal
 
-    blunt = design.dimensions.blunt_up_to_y(
-        joint.half_width, -design.bone.collar_length_mm / 2, collar
+    blunt = finger.dimensions.blunt_up_to_y(
+        joint.half_width, -finger.bone.collar_length_mm / 2, collar
     )
     return collar.section.dorsal_height_at(joint.half_width) if blunt is None else blunt
 
 
-def stop_height_mm(design: DesignTables) -> float:
+def stop_height_mm(finger: Finger) -> float:
     """Height of the stop of the straight finger above the pin's axis; 0 without a joint."""
-    joint = design.dimensions.joint
-    return stop_top_y(design, joint) - joint.axis_y if joint else 0.0
+    joint = finger.dimensions.joint
+    return stop_top_y(finger, joint) - joint.axis_y if joint else 0.0
 
 
-def space(design: DesignTables, joint: Joint) -> Solid:
+def space(finger: Finger, joint: Joint) -> Solid:
     """Build the space that the hand needs: all but the eyes
     proximal to the base, and the gap between them.
     """
-    section = design.dimensions.collar.section
+    section = finger.dimensions.collar.section
     reach = 2 * (section.half_width + section.dorsal + section.palmar)
     low = joint.low_z - reach
     high = joint.shoulder_z
@@ -132,7 +155,7 @@ def space(design: DesignTables, joint: Joint) -> Solid:
         )
 
     gap = Box((-half, -reach, low), (half, reach, high))
-    above_stop = Box((-reach, stop_top_y(design, joint), low), (reach, reach, high))
+    above_stop = Box((-reach, stop_top_y(finger, joint), low), (reach, reach, high))
     return union(beside_eyes, gap, above_stop)
 
 
@@ -174,12 +197,12 @@ def pin_bore(joint: Joint, half_length: float) -> Solid:
     )
 
 
-def collar_slope(design: DesignTables, anchor: TendonAnchor) -> Solid:
+def collar_slope(finger: Finger, anchor: TendonAnchor) -> Solid:
     """Build the slope of 45 degrees between the tendon's groove and
     the collar, which prints without supports.
     """
-    section = design.dimensions.collar.section
-    foot = -design.bone.collar_length_mm
+    section = finger.dimensions.collar.section
+    foot = -finger.bone.collar_length_mm
     share = min(1.0 - TANGENT_STEP_MM, (anchor.half_width + LEDGE_MM) / section.half_width)
 
     return SuperconicSolid(
@@ -187,20 +210,20 @@ def collar_slope(design: DesignTables, anchor: TendonAnchor) -> Solid:
     )
 
 
-def tendon_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> tuple[Solid, ...]:
+def tendon_way(finger: Finger, anchor: TendonAnchor, joint: Joint) -> tuple[Solid, ...]:
     """Build what is removed for the tendon: sides of its groove, corners below its horns, and a way
     on the back.
 
     On the back wires and rubber band run to the joint at the height of the groove's floor.
     """
-    section = design.dimensions.collar.section
-    foot = -design.bone.collar_length_mm
+    section = finger.dimensions.collar.section
+    foot = -finger.bone.collar_length_mm
     reach = 2 * (section.half_width + section.dorsal + section.palmar)
     inner = anchor.half_width
     low = joint.low_z - reach
     up = anchor.low_z + anchor.line / 2
     corners = horn_corners((anchor.horn_y, anchor.horn_low_z), anchor.horn_radius, (low, up), reach)
-    slope = collar_slope(design, anchor)
+    slope = collar_slope(finger, anchor)
     sides = ((inner, reach), (-reach, -inner))
     right_groove, left_groove = (
         difference(Box((low_x, -reach, anchor.low_z), (high_x, reach, foot)), slope)
@@ -208,11 +231,11 @@ def tendon_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> tupl
     )
     right_horn, left_horn = (Prism("x", corners, *side) for side in sides)
 
-    return _back_way(design, anchor, joint), right_groove, right_horn, left_groove, left_horn
+    return _back_way(finger, anchor, joint), right_groove, right_horn, left_groove, left_horn
 
 
-def _back_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> Solid:
-    section = design.dimensions.bone_outline.section
+def _back_way(finger: Finger, anchor: TendonAnchor, joint: Joint) -> Solid:
+    section = finger.dimensions.bone_outline.section
     half = _BACK_WAY_MM
     low = joint.shoulder_z
     high = anchor.low_z + anchor.line / 2
@@ -226,12 +249,12 @@ def _back_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> Solid
     return difference(Box((-half, 0.0, low), (half, 4 * section.dorsal, high)), floor)
 
 
-def strands(design: DesignTables, anchor: TendonAnchor, low_z: float) -> tuple[Solid, ...]:
+def strands(finger: Finger, anchor: TendonAnchor, low_z: float) -> tuple[Solid, ...]:
     """Build both strands of the tendon beside the base, and straight
     from their horns to `low_z`, for checks.
     """
     radius = anchor.line / 2
-    top = design.dimensions.bone_outline.section.dorsal_height_at(anchor.half_width)
+    top = finger.dimensions.bone_outline.section.dorsal_height_at(anchor.half_width)
     beside = (anchor.z, anchor.horn_y + anchor.horn_radius)
     along = (anchor.horn_low_z, low_z)
 
@@ -257,11 +280,11 @@ def strands(design: DesignTables, anchor: TendonAnchor, low_z: float) -> tuple[S
     )
 
 
-def knuckle(design: DesignTables, joint: Joint, *added: Solid) -> Solid:
+def knuckle(finger: Finger, joint: Joint, *added: Solid) -> Solid:
     """Build the hand's part of the joint as `[hand]` describes it:
     shoulder and knuckle, with what is added to that.
     """
-    hand = design.hand
+    hand = finger.hand
     reach = 4 * joint.radius
     y = joint.axis_y
     z = joint.axis_z

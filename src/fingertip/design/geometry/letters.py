@@ -1,28 +1,19 @@
 """Stroke font of the text engraved into the mold.
 
 The font is made of straight strokes on a 4 x 6 grid. Both kernels therefore cut the same letters,
-and no system font is needed. Lower-case letters are engraved as capitals.
+and no system font is needed.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from functools import lru_cache
 from itertools import pairwise
+from types import MappingProxyType
 
-import numpy as np
+from fingertip.models.engraving import STROKE_WIDTH, Letter, Point
 
-from fingertip.design.geometry.outlines import Rings, signed_area
-
-Point = tuple[float, float]
-
-ADVANCE = 6.0
-"""Distance from one letter to the next [grid units]."""
-STROKE_WIDTH = 0.8
-MIN_STROKE_MM = 0.4
-"""Minimum stroke width [mm]. Narrower strokes close up in printing. The minimum letter height
-follows from it. An assumption.
-"""
 # A letter is a set of polylines, and a polyline a list of points "xy": x 0 to 4, y 0 (baseline) to
 # 6 (cap height). The letters have few strokes, because each one costs the B-rep kernel a boolean.
 _GLYPHS = {
@@ -67,36 +58,24 @@ _GLYPHS = {
 }
 
 
-def text_width(text: str) -> float:
-    """Compute the width of a line of text, from the first stroke to the last [grid units]."""
-    return ADVANCE * len(text) - (ADVANCE - 4.0)
+@lru_cache(maxsize=1)
+def outline_letters() -> Mapping[str, Letter]:
+    """Outline all letters of the font."""
+    return MappingProxyType({name: outline_letter(name, STROKE_WIDTH) for name in _GLYPHS})
 
 
-@lru_cache(maxsize=64)
-def letter_outlines(text: str, stroke_width: float) -> tuple[Rings, ...]:
-    """Outline the letters of a line of text in grid units, with x to the right and y up."""
+def outline_letter(name: str, stroke_width: float) -> Letter:
+    """Unite the strokes of a letter."""
     from manifold3d import CrossSection, FillRule  # noqa: PLC0415
 
-    outlines = []
-
-    for position, letter in enumerate(text.upper()):
-        united = CrossSection(stroke_rectangles(letter, stroke_width), FillRule.NonZero)
-        for piece in united.decompose():
-            rings = [
-                [
-                    (round(x, 9) + ADVANCE * position, round(y, 9))
-                    for x, y in np.asarray(ring).tolist()
-                ]
-                for ring in piece.to_polygons()
-            ]
-            outlines.append(
-                tuple(
-                    _rotate_to_minimum(ring)
-                    for ring in sorted(rings, key=signed_area, reverse=True)
-                )
-            )
-
-    return tuple(outlines)
+    united = CrossSection(stroke_rectangles(name, stroke_width), FillRule.NonZero)
+    return tuple(
+        tuple(
+            tuple((round(float(x), 9), round(float(y), 9)) for x, y in ring)
+            for ring in piece.to_polygons()
+        )
+        for piece in united.decompose()
+    )
 
 
 def stroke_rectangles(letter: str, stroke_width: float) -> list[tuple[Point, ...]]:
@@ -106,12 +85,6 @@ def stroke_rectangles(letter: str, stroke_width: float) -> list[tuple[Point, ...
     polylines = (polyline.split() for polyline in _GLYPHS[letter.upper()].split("|"))
     lines = ([(float(xy[0]), float(xy[1])) for xy in points] for points in polylines)
     return [_rectangle(a, b, stroke_width / 2) for line in lines for a, b in pairwise(line)]
-
-
-def _rotate_to_minimum(ring: list[Point]) -> tuple[Point, ...]:
-    """Start a ring at its smallest corner; which corner manifold3d starts at is not specified."""
-    first = ring.index(min(ring))
-    return (*ring[first:], *ring[:first])
 
 
 def _rectangle(a: Point, b: Point, half: float) -> tuple[Point, ...]:

@@ -145,7 +145,7 @@ def write(root: Path, path: str, text: str) -> None:
 def commit(root: Path, date: str) -> None:
     """Commit all files."""
     git(root, "add", "--all")
-    git(root, "commit", "--quiet", "--allow-empty", "--message=change", f"--date={date}", date=date)
+    git(root, "commit", "--allow-empty", "--message=change", f"--date={date}", date=date)
 
 
 def git(root: Path, *words: str, date: str = "2026-01-03T12:00:00") -> str:

@@ -145,7 +145,13 @@ def write(root: Path, path: str, text: str) -> None:
 def commit(root: Path, date: str) -> None:
     """Commit all files."""
     git(root, "add", "--all")
-    git(root, "commit", "--quiet", "--allow-empty", "--message=change", f"--date={date}", date=date)
+    git(root, "commit", "--allow-empty", "--message=change", f"--date={date}", date=date)
+
+
+def delete_releases(root: Path) -> None:
+    """Delete the tags of all releases."""
+    for tag in ("v0.1.0", "v0.9.0", "v0.10.0"):
+        git(root, "tag", "--delete", tag)
 
 
 def git(root: Path, *words: str, date: str = "2026-01-03T12:00:00") -> str:
@@ -191,7 +197,7 @@ def test_the_report_stands_beside_the_last_release(checkout: Path, tmp_path: Pat
 
 
 def test_a_commit_is_named_where_there_is_no_release(checkout: Path) -> None:
-    git(checkout, "tag", "--delete", "v0.1.0", "v0.9.0", "v0.10.0")
+    delete_releases(checkout)
 
     alone = write_report(checkout, beside=None, tests=None, tests_beside=None)
     assert read_cells(alone)["words of docs"] == ["5"]
@@ -230,7 +236,7 @@ def test_a_commit_that_does_not_exist_is_refused(checkout: Path, name: str) -> N
 
 
 def test_times_of_the_other_commit_need_one(checkout: Path, tmp_path: Path) -> None:
-    git(checkout, "tag", "--delete", "v0.1.0", "v0.9.0", "v0.10.0")
+    delete_releases(checkout)
     junit = tmp_path / "tests.xml"
     junit.write_text('<testsuite><testcase time="1.0"/></testsuite>')
     with pytest.raises(GrainError, match="add --beside COMMIT"):

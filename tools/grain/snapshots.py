@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import subprocess
 import tarfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -15,6 +15,8 @@ FOLDERS = ("src/fingertip", "tools", "benchmarks", "tests")
 """Folders whose modules are counted."""
 PAGES = ("README.md", "docs")
 """Page, and folder of pages, whose words are counted."""
+LIST_FILES = ("ls-files", "-z", "--cached", "--others", "--exclude-standard")
+"""Words of git that list the files it knows or would add."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,7 @@ def is_counted(path: str) -> bool:
 
 def read_checkout(root: Path) -> Snapshot:
     """Read the files that git knows or would add, as they stand."""
-    listed = run_git(root, "ls-files", "-z", "--cached", "--others", "--exclude-standard")
+    listed = run_git(root, LIST_FILES)
     paths = sorted(path for path in listed.decode().split("\0") if is_counted(path))
     files = {path: root / path for path in paths}
     return Snapshot(
@@ -55,7 +57,7 @@ def read_checkout(root: Path) -> Snapshot:
 def read_commit(root: Path, commit: str) -> Snapshot:
     """Read the files of a commit or a tag."""
     try:
-        archive = run_git(root, "archive", "--format=tar", "--end-of-options", commit)
+        archive = run_git(root, ["archive", "--format=tar", "--end-of-options", commit])
     except GrainError as error:
         remedy = "name one that `git log` lists, as in --beside HEAD"
         raise GrainError(f"this checkout has no commit {commit!r}; {remedy}") from error
@@ -71,11 +73,11 @@ def read_commit(root: Path, commit: str) -> Snapshot:
 
 def find_last_release(root: Path) -> str | None:
     """Find the newest tag of a release; None if there is none."""
-    tags = run_git(root, "tag", "--list", "v*", "--sort=-creatordate").decode().split()
+    tags = run_git(root, ["tag", "--list", "v*", "--sort=-creatordate"]).decode().split()
     return tags[0] if tags else None
 
 
-def run_git(root: Path, *words: str) -> bytes:
+def run_git(root: Path, words: Sequence[str]) -> bytes:
     """Return what git prints."""
     done = subprocess.run(["git", *words], cwd=root, capture_output=True, check=False)
     if done.returncode != 0:

@@ -8,7 +8,7 @@ ROS 2, and run from a clone:
     python3 examples/ros2_node.py --ros-args -p port:=/dev/ttyACM0 -p design:=first_finger -r
     __ns:=/index ros2 topic echo /index/wrench
 
-It ran with stand-ins for the classes of ROS (tests/bench/test_driver.py), and with no ROS.
+It ran with stand-ins for the classes of ROS (`tests/recorded_trials/test_driver.py`), without ROS.
 
 | topic | message | | --- | --- | | `wrench` | geometry_msgs/WrenchStamped, force along -z of
 `frame_id`, into the skin; NaN where no curve is known | | `slip` | std_msgs/Bool, true if it

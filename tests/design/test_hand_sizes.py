@@ -19,7 +19,7 @@ from fingertip.design.fit import LEAST_LOADS
 from fingertip.design.hand_sizes import SIZES, complete_hand, list_hands
 from fingertip.design.new_design import write_new_design
 from fingertip.design.parameters.parts import Hand
-from fingertip.documents.finger import draw_hand_sizes, list_steps
+from fingertip.documents.finger_sheets import draw_hand_sizes, list_steps
 from fingertip.foundation.errors import DesignError, join_words
 from tests.conftest import ROOT, run_fingertip
 

@@ -20,7 +20,7 @@ from fingertip.casting.sheet import CastingSheet, add_prices, casting_sheet
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
 from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
-from fingertip.documents.finger import FirstScreen, list_steps, render_sheet, render_start
+from fingertip.documents.finger_sheets import FirstScreen, list_steps, render_sheet, render_start
 from fingertip.documents.wiring import wiring_diagram
 from fingertip.pictures.casting_scenes import SCENES, draw_steps
 from fingertip.pictures.scene import Bench, Scene

@@ -178,7 +178,10 @@ class Detection:
         Raises MissingLibraryError.
         """
         return plot(
-            "fingertip.slip.report:draw", self.trace, self, title or f"detector {self.detector}"
+            "fingertip.slip.detection_results:draw",
+            self.trace,
+            self,
+            title or f"detector {self.detector}",
         )
 
     def to_dataframe(self) -> pandas.DataFrame:

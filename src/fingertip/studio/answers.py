@@ -34,7 +34,7 @@ from fingertip.design.geometry.solids import Solid, scaled
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.search import Band, as_typed, describe_bands, find_bands, is_number
-from fingertip.documents.finger import FirstScreen, render_start
+from fingertip.documents.finger_sheets import FirstScreen, render_start
 from fingertip.foundation.errors import DesignError, FingertipError, Issue
 from fingertip.page.html import Markup
 from fingertip.page.markdown_sheets import render_facts, split_sections

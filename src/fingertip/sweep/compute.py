@@ -377,7 +377,7 @@ def compute_set(context: PointContext) -> OutputValues:
     """Compute what a whole set takes, as `fingertip make` states it."""
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.casting.sheet import casting_sheet
-    from fingertip.documents.finger_set import plan_set
+    from fingertip.documents.set_sheets import plan_set
 
     assert context.fingers is not None
     forms = context.fingers.forms

@@ -32,7 +32,7 @@ from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.interfaces.adapter import read_adapter
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.documents.finger import list_steps, render_sheet
+from fingertip.documents.finger_sheets import list_steps, render_sheet
 from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, Issue, raise_issues
 from fingertip.foundation.output_set import SetWriter, read_manifest

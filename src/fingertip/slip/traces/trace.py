@@ -126,7 +126,7 @@ class Trace:
 
     def plot(self) -> Picture:
         """Draw the columns over time, with the true slips shaded. Raises MissingLibraryError."""
-        return plot("fingertip.slip.report:draw_trace", self)
+        return plot("fingertip.slip.detection_results:draw_trace", self)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the columns as a data frame. Raises MissingLibraryError."""

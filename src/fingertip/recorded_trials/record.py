@@ -15,7 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fingertip.bench.trials import (
+from fingertip.design import Design
+from fingertip.drivers import SampleReader
+from fingertip.foundation.errors import Issue, TraceError, raise_issues
+from fingertip.foundation.output_set import hash_parameters
+from fingertip.recorded_trials.trials import (
     KINDS,
     PAUSE_S,
     SAID,
@@ -26,10 +30,6 @@ from fingertip.bench.trials import (
     trial_path,
     write_trial,
 )
-from fingertip.design import Design
-from fingertip.drivers import SampleReader
-from fingertip.foundation.errors import Issue, TraceError, raise_issues
-from fingertip.foundation.output_set import hash_parameters
 from fingertip.sim.runs.grip import ForceCurve
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.fast_settings import GAP_S

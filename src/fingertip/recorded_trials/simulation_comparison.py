@@ -15,8 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.bench.fit import Fitted, LevelFit, Pairs, fit_curve, fit_noise
-from fingertip.bench.trials import STROKE_M, TrialFile
 from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.foundation import jit
@@ -24,6 +22,8 @@ from fingertip.foundation.progress import Work
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, REPORTED_SEPARATELY, Case
 from fingertip.lab.campaign.run import DetectorResult, evaluate, simulate_trace
 from fingertip.lab.report.results import summarise, to_number
+from fingertip.recorded_trials.simulation_fit import Fitted, LevelFit, Pairs, fit_curve, fit_noise
+from fingertip.recorded_trials.trials import STROKE_M, TrialFile
 from fingertip.sim import SceneFile
 from fingertip.sim.contact.materials import SURFACES
 from fingertip.sim.runs.timeline import TrapezoidalMove

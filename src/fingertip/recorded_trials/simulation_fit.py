@@ -14,13 +14,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fingertip.bench.trials import TrialFile
 from fingertip.calibration.printer import apply_calibration
 from fingertip.calibration.sensor import MIN_LOADS, MIN_WEIGHINGS, calibrate_sensor, parse_weighings
 from fingertip.catalogues.electronics import HYSTERESIS, PART_TO_PART
 from fingertip.design import Design
 from fingertip.foundation.numerics import CONFIDENCE, t_quantile
 from fingertip.lab.campaign.run import measure_vibration_n
+from fingertip.recorded_trials.trials import TrialFile
 from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N
 from fingertip.slip.traces.trace import Trace
 

@@ -20,8 +20,8 @@ from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.force import MEAN_S, Force, ForceScale
 from fingertip.slip.traces import sampling
-from fingertip.slip.traces.columns import bare_lines, parse_number, split_cells
-from fingertip.slip.traces.csv_dialect import Header, find_header
+from fingertip.slip.traces.cells import bare_lines, parse_number, split_cells
+from fingertip.slip.traces.csv_header import Header, find_header
 from fingertip.slip.traces.trace import NANOSEC, ColumnMap, bounded_lines
 
 NAME = "standard input"
@@ -79,16 +79,25 @@ def detect_stream(
     The header is read at once. If neither design nor `rate_hz` state a rate, it follows from the
     first samples' times.
 
-    Parameters ---------- lines CSV lines, as in a file: texts or bytes, or what has a method
-    `readline`, such as a `serial.Serial`. The detector `analog` takes the column `envelope_v` and,
-    if there is none, the output of the design's board, simulated for the voltage. channels Columns
-    of several voltages, by name or number. Each is judged alone, without the board's columns.
-    design, detector, rate_hz, scale, time_scale, columns, floors, progress As for `detect_file`,
-    but the voltage may not be the column of a force.
+    Parameters
+    ----------
+    lines
+        CSV lines, as in a file: texts or bytes, or what has a method `readline`, such as a
+        `serial.Serial`. The detector `analog` takes the column `envelope_v` and, if there is none,
+        the output of the design's board, simulated for the voltage.
+    channels
+        Columns of several voltages, by name or number. Each is judged alone, without the board's
+        columns.
+    design, detector, rate_hz, scale, time_scale, columns, floors, progress
+        As for `detect_file`, but the voltage may not be the column of a force.
 
-    Raises ------ TraceError If the lines have no header or an option does not apply; while
-    transitions are taken, at the first wrong line. DesignError If `rate_hz` is out of bounds, or
-    too low for the design's filters.
+    Raises
+    ------
+    TraceError
+        If the lines have no header or an option does not apply; while transitions are taken, at the
+        first wrong line.
+    DesignError
+        If `rate_hz` is out of bounds, or too low for the design's filters.
     """
     report = progress or (lambda message: None)
     given = design or Design()

@@ -1,4 +1,4 @@
-"""Bench: a built finger beside its simulation.
+"""Recorded trials of a built finger beside its simulation.
 
 Lines of the firmware's stream come in; a folder of labelled trials goes out
 (`fingertip record`), and figures measured beside simulated (`fingertip validate --recordings`).

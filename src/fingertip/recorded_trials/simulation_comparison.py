@@ -1,5 +1,4 @@
-"""Recordings beside their simulation: delays since the motion, false alarms by kind, and the fit of
-what must move.
+"""Comparison of recordings with their simulation: delays, false alarms, and a fit.
 
 Each trial is simulated under its own labels: surface, force, and the duration of its slide. Both
 sides are scored alike, from the motion of the slide on. Holds, taps and moving hands are compared
@@ -8,9 +7,10 @@ with scenes that stand for them.
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from fingertip.design.files import to_toml
 from fingertip.foundation import jit
 from fingertip.foundation.progress import Work
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, REPORTED_SEPARATELY, Case
-from fingertip.lab.campaign.run import DetectorResult, evaluate, simulate_trace
+from fingertip.lab.campaign.run import DetectorResult, TrialResult, evaluate, simulate_trace
 from fingertip.lab.report.results import summarise, to_number
 from fingertip.recorded_trials.simulation_fit import Fitted, LevelFit, Pairs, fit_curve, fit_noise
 from fingertip.recorded_trials.trials import STROKE_M, TrialFile
@@ -35,7 +35,7 @@ _UNKNOWN_SURFACE = "medium"
 _UNKNOWN_N = 1.0
 _SPEEDS_M_S = (0.005, 0.2)
 _MAX_N = 4.0
-"""Stand-ins for what no label states, and limits of what scenes take."""
+"""Values where no label states one, and limits of what scenes take."""
 _CAUSES = {
     "slide": "slip",
     "hold": "hold",
@@ -47,13 +47,12 @@ ROUNDS = ("level", "level again")
 
 
 def surface_of(trial: TrialFile) -> str:
+    """Return the surface of the simulation that stands for a trial's."""
     return trial.labels.surface if trial.labels.surface in SURFACES else _UNKNOWN_SURFACE
 
 
 def make_case(trial: TrialFile, levels: dict[str, float]) -> Case:
-    """Make the scene that a trial is compared with; `levels` holds
-    the fitted roughness of surfaces [um].
-    """
+    """Make the scene for a trial; `levels` holds the fitted roughness of surfaces [um]."""
     trace = trial.trace
     seed = HELD_OUT_FROM + trial.labels.trial
     labels = trial.labels
@@ -80,13 +79,13 @@ def make_case(trial: TrialFile, levels: dict[str, float]) -> Case:
             "acceleration_m_s2": move.acceleration_m_s2,
         }
 
-    name = surface_of(trial)
+    surface = surface_of(trial)
     scene = SceneFile(
         scene="sliding_finger",
-        contact={"surface": name},
+        contact={"surface": surface},
         hold=hold,
         slide=slide,
-        surface={"felt_um": levels.get(name, 0.0)},
+        surface={"felt_um": levels.get(surface, 0.0)},
     )
     return Case("slip", scene, seed)
 
@@ -114,22 +113,28 @@ def simulate(
 
 def judge(design: Design, trials: Sequence[TrialFile], detector: str) -> DetectorResult:
     """Run a detector on the trials whose motion is known."""
-    known = [trial for trial in trials if trial.trace.slip is not None]
-    results = (
-        evaluate(
-            make_case(trial, {}),
-            trace=trial.trace,
-            detector=detector,
-            design=design,
-            scales=(1.0,),
-        )
-        for trial in known
-    )
-    return DetectorResult(1.0, tuple(result for found in results for result in found))
+    results = list[TrialResult]()
+    for trial in trials:
+        if trial.trace.slip is not None:
+            results += evaluate(
+                make_case(trial, {}),
+                trace=trial.trace,
+                detector=detector,
+                design=design,
+                scales=(1.0,),
+            )
+
+    return DetectorResult(1.0, tuple(results))
+
+
+def _format_line(name: str, cells: Iterable[object]) -> str:
+    return f"{name:24}" + "".join(f"{cell!s:>26}" for cell in cells)
 
 
 @dataclass(frozen=True, eq=False)
 class RecordingsReport:
+    """Result of a detector on recordings and on their simulation, before and after a fit."""
+
     design: Design
     detector: str
     results: dict[str, DetectorResult]
@@ -142,22 +147,18 @@ class RecordingsReport:
     """Largest error of the contact that opens with the motion [s]; 0 if none is known."""
 
     def as_text(self) -> str:
-        def line(name: str, cells: Iterable[object]) -> str:
-            return f"{name:24}" + "".join(f"{cell!s:>26}" for cell in cells)
-
-        sides = [*self.results.values()]
-        rows = [*self._rows()]
-        worse = []
-        heading = (
+        results = [*self.results.values()]
+        lines = [
             f"{self.design.name}, {self.detector}; delays since the slide moves (95 % "
-            "intervals; inf: missed)"
-        )
-        lines = [heading, line("", self.results), line("slides", (one.slips for one in sides))]
+            "intervals; inf: missed)",
+            _format_line("", self.results),
+            _format_line("slides", (result.slips for result in results)),
+        ]
+        worse = []
 
-        for name, row in rows:
-            lines.append(
-                line(name, (f"{value:.3g} ({low:.3g}-{high:.3g})" for value, low, high in row))
-            )
+        for name, row in self._rows():
+            cells = (f"{value:.3g} ({low:.3g}-{high:.3g})" for value, low, high in row)
+            lines.append(_format_line(name, cells))
             measured, before, after = (value for value, *_ in row)
             if abs(after - measured) > abs(before - measured):
                 worse.append(
@@ -165,61 +166,71 @@ class RecordingsReport:
                     f"{measured:.3g}"
                 )
 
-        lines.append(
-            line("  of minutes", (f"{one.limited_minutes:.1f}" for one in sides))
-            + "  all trials not apart"
+        minutes = _format_line(
+            "  of minutes", (f"{result.limited_minutes:.1f}" for result in results)
         )
-        for cause in dict.fromkeys(
-            cause for one in sides for cause in one.alarms() if cause != "slip"
-        ):
-            apart = ", apart" if cause in REPORTED_SEPARATELY else ""
-            cells = (
-                (
-                    one.alarms().get(cause, 0),
-                    one.minutes().get(cause, one.minutes().get("slip", 0.0)),
-                )
-                for one in sides
-            )
-            lines.append(
-                line(f"  {cause}{apart}", (f"{count} in {time:.1f} min" for count, time in cells))
-            )
-
+        lines += [f"{minutes}  all trials not apart", *self._format_alarms()]
         lines += ["", "simulation: stated -> recordings (95 % interval)", *map(str, self.figures)]
         return "\n".join([*lines, *worse, *self.notes])
 
+    def _format_alarms(self) -> Iterator[str]:
+        """Yield a line for each cause of false alarms."""
+        results = [*self.results.values()]
+        causes = dict.fromkeys(itertools.chain.from_iterable(map(DetectorResult.alarms, results)))
+        for cause in causes:
+            if cause == "slip":
+                continue
+
+            cells = []
+            for result in results:
+                minutes = result.minutes()
+                duration = minutes.get(cause, minutes.get("slip", 0.0))
+                cells.append(f"{result.alarms().get(cause, 0)} in {duration:.1f} min")
+
+            apart = ", apart" if cause in REPORTED_SEPARATELY else ""
+            yield _format_line(f"  {cause}{apart}", cells)
+
     def _rows(self) -> Iterator[tuple[str, list[tuple[float, float, float]]]]:
-        """Yield figures of the table, each with its interval for each side."""
-        sides = self.results.values()
+        """Yield figures of the table, each with its interval for each result."""
+        results = self.results.values()
         error_s = self.onset_error_s
 
-        if all(one.slips for one in sides):
-            found = [(one.found_share, *one.found_interval) for one in sides]
-            yield "found [%]", [(100 * share, 100 * low, 100 * high) for share, low, high in found]
+        if all(result.slips for result in results):
+            shares = [(result.found_share, *result.found_interval) for result in results]
+            yield "found [%]", [(100 * share, 100 * low, 100 * high) for share, low, high in shares]
             for name, share in (("median [ms]", 0.5), ("90th percentile [ms]", 0.9)):
-                delays = [(one.delay_s(share), *one.delay_interval(share)) for one in sides]
+                delays = [
+                    (result.delay_s(share), *result.delay_interval(share)) for result in results
+                ]
                 value, low, high = delays[0]
-                delays[0] = value, max(0.0, low - error_s), high + error_s
+                delays[0] = (value, max(0.0, low - error_s), high + error_s)
                 yield name, [(1e3 * value, 1e3 * low, 1e3 * high) for value, low, high in delays]
 
-        yield "alarms/min", [(one.alarms_per_minute, *one.alarm_interval) for one in sides]
+        yield (
+            "alarms/min",
+            [(result.alarms_per_minute, *result.alarm_interval) for result in results],
+        )
 
     def as_data(self) -> dict[str, Any]:
         results = {
             name: {
-                "slides": one.slips,
-                **summarise(one),
-                "alarms": one.alarms(),
-                "minutes": one.minutes(),
+                "slides": result.slips,
+                **summarise(result),
+                "alarms": result.alarms(),
+                "minutes": result.minutes(),
             }
-            for name, one in self.results.items()
+            for name, result in self.results.items()
         }
-        fit = [
-            {
-                key: to_number(value) if isinstance(value, float) else value
-                for key, value in vars(one).items()
-            }
-            for one in self.figures
-        ]
+        fit = []
+        for figure in self.figures:
+            values = vars(figure).items()
+            fit.append(
+                {
+                    key: to_number(value) if isinstance(value, float) else value
+                    for key, value in values
+                }
+            )
+
         return {
             "design": self.design.name,
             "detector": self.detector,
@@ -230,9 +241,7 @@ class RecordingsReport:
         }
 
     def files(self) -> dict[str, bytes]:
-        """Return file name -> content: text, data, the fitted
-        design, and each surface with its fitted level.
-        """
+        """Return text, data, fitted design and fitted surfaces, as file name -> content."""
         surfaces = {
             f"surface_{name}.toml": f"[surface]\nfelt_um = {um:.6g}\n"
             for name, um in self.levels.items()
@@ -249,6 +258,43 @@ class RecordingsReport:
         }
 
         return {name: text.encode() for name, text in texts.items()}
+
+
+@dataclass
+class _Fit:
+    """Fit of the simulation to slides, round by round."""
+
+    design: Design
+    figures: list[Fitted]
+    levels: dict[str, LevelFit]
+    noise: Fitted | None = None
+    moved: dict[str, Fitted] = field(default_factory=dict)
+    """Last figure of each surface whose slides show vibration."""
+
+    def add_round(self, stated_noise_v: float, pairs: Pairs) -> None:
+        """Fit noise and levels to slides and their simulation under the present fit."""
+        self.noise = fit_noise(stated_noise_v, self.design.detector.noise_v, pairs)
+        changes = {"detector.noise_v": float(f"{self.noise.value:.4g}")}
+        self.design = self.design.with_values(changes)
+
+        for surface, level in self.levels.items():
+            figure = level.add_round([pair for pair in pairs if surface_of(pair[0]) == surface])
+            if figure:
+                self.moved[surface] = figure
+
+    @property
+    def levels_um(self) -> dict[str, float]:
+        """Roughness for the next round [um], by surface."""
+        return {surface: level.um for surface, level in self.levels.items()}
+
+    @property
+    def moved_um(self) -> dict[str, float]:
+        """Fitted roughness [um], by surface."""
+        return {surface: um for surface, um in self.levels_um.items() if surface in self.moved}
+
+    def list_figures(self) -> tuple[Fitted, ...]:
+        noise = [self.noise] if self.noise else []
+        return (*self.figures, *noise, *self.moved.values())
 
 
 @jit.compiled()
@@ -268,83 +314,81 @@ def compare(
     work = Work("recordings", stages, progress)
 
     def simulate_all(
-        stage: str, some: Sequence[TrialFile], of: Design, levels: dict[str, float]
+        stage: str, trials: Sequence[TrialFile], design: Design, levels_um: dict[str, float]
     ) -> Pairs:
         work.begin(stage)
-        found = []
-        for number, trial in enumerate(some, 1):
-            found.append((trial, simulate(of, trial, detector, levels)))
-            work.advance(number / len(some))
+        pairs = []
+        for number, trial in enumerate(trials, 1):
+            pairs.append((trial, simulate(design, trial, detector, levels_um)))
+            work.advance(number / len(trials))
 
-        return found
-
-    def sense_n(trial: TrialFile) -> float:
-        case = make_case(trial, {})
-        force_n = np.array([trial.labels.force_n])
-        return float(
-            case.scene.draw_pad(design, case.seed).sensed_n(force_n, None, is_relative=True)[0]
-        )
+        return pairs
 
     before = simulate_all("simulation", trials, design, {})
-    fitted, figures, note = fit_curve(design, trials, sense_n)
-    notes = [note] * bool(note)
-    moved = dict[str, Fitted]()
-    stated_um = {name: SURFACES[name].felt_um for name in map(surface_of, slides)}
-    fits = {name: LevelFit(name, um, um) for name, um in stated_um.items()}
+    fitted_design, figures, note = fit_curve(design, trials, lambda trial: _sense_n(design, trial))
+    notes = [note] if note else []
+    stated_um = {surface: SURFACES[surface].felt_um for surface in map(surface_of, slides)}
+    levels = {surface: LevelFit(surface, um, um) for surface, um in stated_um.items()}
+    fit = _Fit(fitted_design, list(figures), levels)
 
     for stage in ROUNDS if slides else ():
-        pairs = simulate_all(stage, slides, fitted, {name: fit.um for name, fit in fits.items()})
-        noise = moved["noise"] = fit_noise(design.detector.noise_v, fitted.detector.noise_v, pairs)
-        fitted = fitted.with_values({"detector.noise_v": float(f"{noise.value:.4g}")})
+        pairs = simulate_all(stage, slides, fit.design, fit.levels_um)
+        fit.add_round(design.detector.noise_v, pairs)
 
-        for name, fit in fits.items():
-            level = fit.add_round([pair for pair in pairs if surface_of(pair[0]) == name])
-            if level:
-                moved[name] = level
-
-    levels = {name: fit.um for name, fit in fits.items() if name in moved}
-    other = sorted(
-        {
-            trial.labels.surface or "(none)"
-            for trial in slides
-            if surface_of(trial) != trial.labels.surface
-        }
-    )
-    if other:
-        notes.append(
-            f"{', '.join(other)}: no surface of the simulation; {_UNKNOWN_SURFACE} stands for it"
-        )
-
-    blind = sum(trial.trace.slip is None for trial in slides)
-    if blind:
-        notes.append(
-            f"{blind} slides have no contact that opens with the motion: they count for curve and "
-            "noise alone"
-        )
-
-    errors_s = [trial.labels.onset_error_s for trial in slides if trial.trace.slip is not None]
-    known_s = [error_s for error_s in errors_s if error_s is not None]
-    if len(known_s) < len(errors_s):
-        notes.append(
-            f"{len(errors_s) - len(known_s)} slides state no error of their contact "
-            "(--onset-error-ms): "
-            "intervals of measured delays leave it out"
-        )
-
-    after = simulate_all("fitted", trials, fitted, levels)
-    sides = {
-        "measured": (design, trials),
-        "simulated": (design, [trial for _, trial in before]),
-        "fitted": (fitted, [trial for _, trial in after]),
+    after = simulate_all("fitted", trials, fit.design, fit.moved_um)
+    results = {
+        "measured": judge(design, trials, detector),
+        "simulated": judge(design, [simulated for _, simulated in before], detector),
+        "fitted": judge(fit.design, [simulated for _, simulated in after], detector),
     }
-    results = {name: judge(of, some, detector) for name, (of, some) in sides.items()}
+    errors_s = _list_onset_errors_s(slides)
+    known_s = [error_s for error_s in errors_s if error_s is not None]
     return RecordingsReport(
         design=design,
         detector=detector,
         results=results,
-        figures=(*figures, *moved.values()),
-        fitted=fitted,
-        levels=levels,
-        notes=tuple(notes),
+        figures=fit.list_figures(),
+        fitted=fit.design,
+        levels=fit.moved_um,
+        notes=(*notes, *_describe_slides(slides)),
         onset_error_s=max(known_s, default=0.0),
     )
+
+
+def _sense_n(design: Design, trial: TrialFile) -> float:
+    """Return the force that a calibrated sensor shows under the weight of a trial [N]."""
+    case = make_case(trial, {})
+    force_n = np.array([trial.labels.force_n])
+    pad = case.scene.draw_pad(design, case.seed)
+    return float(pad.sensed_n(force_n, None, is_relative=True)[0])
+
+
+def _list_onset_errors_s(slides: Sequence[TrialFile]) -> list[float | None]:
+    """List the stated errors of the contacts that open with the motion [s]."""
+    return [trial.labels.onset_error_s for trial in slides if trial.trace.slip is not None]
+
+
+def _describe_slides(slides: Sequence[TrialFile]) -> Iterator[str]:
+    """Yield notes on what the comparison assumes of slides, or leaves out."""
+    unknown = {
+        trial.labels.surface or "(none)"
+        for trial in slides
+        if surface_of(trial) != trial.labels.surface
+    }
+    if unknown:
+        names = ", ".join(sorted(unknown))
+        yield f"{names}: no surface of the simulation; {_UNKNOWN_SURFACE} stands for it"
+
+    blind = sum(trial.trace.slip is None for trial in slides)
+    if blind:
+        yield (
+            f"{blind} slides have no contact that opens with the motion: they count for curve and "
+            "noise alone"
+        )
+
+    without_error = sum(error_s is None for error_s in _list_onset_errors_s(slides))
+    if without_error:
+        yield (
+            f"{without_error} slides state no error of their contact (--onset-error-ms): "
+            "intervals of measured delays leave it out"
+        )

@@ -81,16 +81,32 @@ def build(
     that nobody changed since, are removed. The folder holds either the old files or the new ones at
     any moment.
 
-    Parameters ---------- design The fingertip. out Output folder; `out/<design name>` if None.
-    parts Names from `PARTS`; all parts of the design if None. formats Any of "stl", "3mf", "step"
-    and "cq", a CadQuery script; `find_formats` if None. tolerance_mm Largest distance of a facet
-    from the exact surface [mm], 0.0005 to 1. material Silicone of the casting sheet, a name from
-    `fingertip.catalogues.materials` or "own"; the design's silicone.product if None. The sheet is
-    written if all parts are built. pictures Whether a picture of each casting step is drawn, for
-    the casting sheet. drawings Whether the drawings are made too, beside the STEP files of all
-    parts. force Whether files may be overwritten that no build wrote, or that were changed since.
-    verify Whether trimesh reads each STL and 3MF file too, as a second opinion in the report, in a
-    process of its own. progress Called with a message at each step.
+    Parameters
+    ----------
+    design
+        The fingertip.
+    out
+        Output folder; `out/<design name>` if None.
+    parts
+        Names from `PARTS`; all parts of the design if None.
+    formats
+        Any of "stl", "3mf", "step" and "cq", a CadQuery script; `find_formats` if None.
+    tolerance_mm
+        Largest distance of a facet from the exact surface [mm], 0.0005 to 1.
+    material
+        Silicone of the casting sheet, a name from `fingertip.catalogues.materials` or "own"; the
+        design's silicone.product if None. The sheet is written if all parts are built.
+    pictures
+        Whether a picture of each casting step is drawn, for the casting sheet.
+    drawings
+        Whether the drawings are made too, beside the STEP files of all parts.
+    force
+        Whether files may be overwritten that no build wrote, or that were changed since.
+    verify
+        Whether trimesh reads each STL and 3MF file too, as a second opinion in the report, in a
+        process of its own.
+    progress
+        Called with a message at each step.
 
     Raises DesignError if a part, format, tolerance, silicone or folder name is not valid,
     MissingLibraryError if STEP files are requested and Open CASCADE cannot be loaded, GeometryError

@@ -4,14 +4,15 @@ The article mentions a Wheatstone bridge and an instrumentation amplifier withou
 resistances are selected to reproduce its voltages. The sensor is parallel to the lower resistor of
 one arm, and the other arm supplies the reference:
 
-    V = A Vs [1 / (1 + R_top (1 / R_shunt + G)) - R_low / (R_high + R_low)],  A = 1 + 100 kohm /
-    R_gain
+    V = A Vs [1 / (1 + R_top (1 / R_shunt + G)) - R_low / (R_high + R_low)]
+    A = 1 + 100 kohm / R_gain
 
 The voltage falls with the force, as in the article. On the boards for 3.3 V the sensor lies between
 ground and the inverting input of U2a, which holds it at the bias voltage. Its current flows through
 the feedback resistor R30,
 
-    T = V_bias [1 + R30 G / (1 + (R28 + R29) G)],  V_bias = Vs R32 / (R31 + R32)
+    T = V_bias [1 + R30 G / (1 + (R28 + R29) G)]
+    V_bias = Vs R32 / (R31 + R32)
 
 so that T rises with the force, from V_bias with an open sensor. The article's bridge with its AD623
 has ten to twenty times the noise: it amplifies the 35 nV/sqrt(Hz) of the AD623 by its gain, where

@@ -73,30 +73,6 @@ PAD_VIEW = "pad.svg"
 HAND_VIEW = "measure.svg"
 
 
-@dataclass(frozen=True)
-class PartFormat:
-    suffix: str
-    is_default: bool = True
-    """False if it is written only where it is named."""
-
-
-PART_FORMATS = {
-    "stl": PartFormat(".stl"),
-    "3mf": PartFormat(".3mf"),
-    "step": PartFormat(".step"),
-    "cq": PartFormat(".cq.py", is_default=False),
-}
-"""Formats of a part's files."""
-
-
-def part_file(part: str, file_format: str) -> str:
-    return f"{part}{PART_FORMATS[file_format].suffix}"
-
-
-def default_formats() -> tuple[str, ...]:
-    return tuple(name for name, each in PART_FORMATS.items() if each.is_default)
-
-
 PRINT_FOLDER = "print"
 STEPS_FOLDER = "steps"
 PRINTS = OutputSet("print", PRINT_FOLDER)

@@ -109,7 +109,7 @@ def _settings() -> Iterable[str]:
 
 def _sets_of_formats() -> Iterable[str]:
     """Formats, and the first two, three and so on of those that are written where none is named."""
-    from fingertip.catalogues.output_files import PART_FORMATS, default_formats
+    from fingertip.cad.files.part_formats import PART_FORMATS, default_formats
 
     names = default_formats()
     return [*PART_FORMATS, *(",".join(names[: i + 1]) for i in range(1, len(names)))]
@@ -143,7 +143,7 @@ _LISTS: Mapping[str, Callable[[], Iterable[str]]] = {
     "hands": COMPLETIONS["hand"],
     "presets": COMPLETIONS["preset"],
     "fingers": lambda: [", ".join(NAMES)],
-    "formats": lambda: [", ".join(_table("catalogues.output_files:PART_FORMATS")())],
+    "formats": lambda: [", ".join(_table("cad.files.part_formats:PART_FORMATS")())],
     "sweeps": lambda: _bundled("sweep"),
     "detectors": describe_detectors,
 }

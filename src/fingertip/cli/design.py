@@ -116,6 +116,9 @@ def _normalise(value: Any) -> Any:
     if isinstance(value, list):
         return [_normalise(item) for item in value]
 
+    if isinstance(value, str):  # a docstring is broken into lines where it stands
+        return "\n\n".join(" ".join(text.split()) for text in value.split("\n\n"))
+
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 

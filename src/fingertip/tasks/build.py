@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fingertip.cad.build_result import DESIGN_HEADING, Build, BuiltPart
+from fingertip.cad.files.part_formats import PART_FORMATS, default_formats, part_file
 from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.parts import exact_parts
@@ -21,7 +22,6 @@ from fingertip.cad.verification.second_opinion import list_packages, second_opin
 from fingertip.cad.verification.verify import VerifiedParts, verify
 from fingertip.casting.sheet import CastingSheet, casting_sheet
 from fingertip.catalogues import output_files
-from fingertip.catalogues.output_files import PART_FORMATS, part_file
 from fingertip.design import Design
 from fingertip.design.design_file import to_toml
 from fingertip.design.parameters.declaration import suggest_name
@@ -440,10 +440,10 @@ def find_formats(progress: Callable[[str], None] = lambda message: None) -> tupl
     and STEP where its kernel is installed.
     """
     if extras.is_installed("cadquery"):
-        return output_files.default_formats()
+        return default_formats()
 
     extras.say_left_out({"cadquery": "STEP files and checks against exact solids"}, progress)
-    return tuple(name for name in output_files.default_formats() if name != "step")
+    return tuple(name for name in default_formats() if name != "step")
 
 
 def select_names(option: str, requested: Iterable[str], known: tuple[str, ...]) -> tuple[str, ...]:

@@ -32,8 +32,8 @@ from numpy.typing import NDArray
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.kernel.tessellate import tessellate
 from fingertip.design import Design
-from fingertip.design.geometry.conic import ConicBody
-from fingertip.design.geometry.solids import SuperconicSolid
+from fingertip.models.conic import ConicBody
+from fingertip.models.solids import SuperconicSolid
 from tests.cad.test_tessellate import distance_to_surface
 
 DESIGN = Path(__file__).resolve().parent.parent / "params" / "fsr400.toml"
@@ -371,8 +371,8 @@ def print_design_costs(design: Design) -> None:
     with STEP against importing cadquery alone.
     """
     from fingertip.cad.kernel.mesh import MeshEvaluator
-    from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.verify import verify
+    from fingertip.models.parts import parts_by_name
 
     cpu = median_cpu_time(
         lambda: verify(design, parts_by_name(design), ("stl",), MeshEvaluator(0.01))

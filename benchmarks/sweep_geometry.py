@@ -65,7 +65,7 @@ def make_parts_with_cadquery(design: Any, folder: Path, shared: bool) -> None:
     import cadquery as cq
 
     from fingertip.cad.kernel.brep import BrepEvaluator
-    from fingertip.cad.shapes.parts import parts_by_name
+    from fingertip.models.parts import parts_by_name
 
     kernel = BrepEvaluator()
 
@@ -80,8 +80,8 @@ def make_parts_with_cadquery(design: Any, folder: Path, shared: bool) -> None:
 
 def compare_with_cadquery(designs: int) -> None:
     """Print the CPU times of both methods, and their ratios."""
-    from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.design import Design
+    from fingertip.models.parts import parts_by_name
     from fingertip.sweep.designs import CachedEvaluator
     from fingertip.sweep.point_evaluator import PointEvaluator
 

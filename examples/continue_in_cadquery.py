@@ -12,8 +12,8 @@ import cadquery as cq
 
 from fingertip import Design, bone, mesh_of, skin
 from fingertip.cad.files import stl
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.printing import check_mesh_file
+from fingertip.models.parts import PARTS
 
 design = Design.load("fsr400").replace({"skin.width_mm": 18})
 back = design.skin.semi_axis_dorsal_mm

@@ -20,7 +20,7 @@ design = fingertip.Design.load("fsr400", changes=["skin.width_mm=18", "name=wide
 design
 
 # %%
-design.plot(1200)
+fingertip.picture(design, 1200)
 
 # %% [markdown]
 # A design that cannot be made is refused, with a value that passes.
@@ -60,7 +60,7 @@ found = fingertip.detect(trace, design, "fast")
 found
 
 # %%
-found.plot("Slip over wood, simulated") if found.intervals else "nothing was found"
+fingertip.plot_detection(found, "Slip over wood, simulated")
 
 # %% [markdown]
 # ## The board

@@ -1,11 +1,13 @@
-"""The drawing of the layers in docs/architecture.md is what the
-contracts enforce and what the source imports.
+"""The drawing of the layers in docs/architecture.md is what the contracts enforce and what the
+source imports; no module names another in a string.
 """
 
 from __future__ import annotations
 
+import ast
 import re
 import tomllib
+from collections.abc import Container, Iterable, Iterator
 from itertools import product
 
 import grimp
@@ -25,6 +27,7 @@ DRAWN = {
 def imports() -> dict[str, set[str]]:
     """Folder -> folders that its modules import."""
     graph = grimp.build_graph("fingertip", cache_dir=None)
+    graph.remove_module("fingertip.models.program_types")  # types of the program
     found: dict[str, set[str]] = {folder: set() for folder in DRAWN}
     for module in graph.modules:
         for other in graph.find_modules_directly_imported_by(module):
@@ -67,3 +70,85 @@ def test_the_contract_has_the_order_of_the_drawing() -> None:
     # Siblings of one layer must not import each other: the drawing has no arrow between them
     # either.
     assert [ranks[name] for name in DRAWN] == sorted(ranks[name] for name in DRAWN)
+
+
+def read_modules() -> dict[str, ast.Module]:
+    """Module -> its syntax tree."""
+    folder = ROOT / "src"
+    modules = {}
+    for path in folder.glob("fingertip/**/*.py"):
+        name = ".".join(path.relative_to(folder).with_suffix("").parts)
+        modules[name.removesuffix(".__init__")] = ast.parse(path.read_text(encoding="utf-8"))
+
+    return modules
+
+
+def list_texts(tree: ast.Module) -> Iterator[str]:
+    """List the strings of a module that are no docstrings."""
+    holders = [
+        node
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)
+    ]
+    docstrings = {
+        id(statement.value)
+        for holder in holders
+        for statement in holder.body
+        if isinstance(statement, ast.Expr)
+    }
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Constant) or id(node) in docstrings:
+            continue
+
+        if isinstance(node.value, str):
+            yield node.value
+
+
+def find_named(texts: Iterable[str], modules: Container[str]) -> set[str]:
+    """Find the modules of the package that texts name, such as `slip.report` or
+    `fingertip.slip.report:draw`.
+    """
+    words = {word.strip(".") for text in texts for word in re.findall(r"[\w.]+", text)}
+    dotted = {word.removeprefix("fingertip.") for word in words if "." in word}
+    return {f"fingertip.{word}" for word in dotted if f"fingertip.{word}" in modules}
+
+
+def test_a_module_named_in_a_string_is_found() -> None:
+    """The next two tests could not fail without it."""
+    modules = {"fingertip.slip.report", "fingertip.slip"}
+    for text in ("fingertip.slip.report:draw", "slip.report", "see slip.report."):
+        assert find_named([text], modules) == {"fingertip.slip.report"}
+    assert find_named(["slip", "fingertip.slips", "report.py"], modules) == set()
+
+
+def test_no_module_below_the_commands_names_another_in_a_string() -> None:
+    """A name in a string is an import that no contract sees."""
+    modules = read_modules()
+    above = ("fingertip", "fingertip.__main__")
+    identifier = (
+        "fingertip.board.kicad.netlist"  # its string begins the identifiers of KiCad's files
+    )
+    named = {
+        module: found
+        for module, tree in modules.items()
+        if module not in (*above, identifier) and not module.startswith("fingertip.cli")
+        if (found := find_named(list_texts(tree), modules))
+    }
+    assert named == {}
+
+
+def test_no_module_reaches_itself_by_imports_and_names() -> None:
+    modules = read_modules()
+    graph = grimp.build_graph("fingertip", cache_dir=None)
+    graph.remove_module("fingertip")  # its names are imported for types alone
+    for module, tree in modules.items():
+        for named in find_named(list_texts(tree), modules) if module != "fingertip" else ():
+            graph.add_import(importer=module, imported=named)
+
+    in_a_circle = {
+        module
+        for module in graph.modules
+        for imported in graph.find_modules_directly_imported_by(module)
+        if graph.chain_exists(importer=imported, imported=module)
+    }
+    assert in_a_circle == set()

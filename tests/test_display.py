@@ -96,12 +96,14 @@ def test_tables_are_well_formed_and_escaped(
 def test_results_are_drawn(
     built: Build, trace: Trace, detection: Detection, tmp_path: Path
 ) -> None:
-    picture = built.design.plot(500)
+    picture = fingertip.picture(built.design, 500)
     assert picture.size_px[0] == 500
-    assert picture == built.plot(500) == fingertip.picture(built.design, 500)
     assert picture.save(tmp_path / "a.png").read_bytes() == picture.png
     require_module("matplotlib")
-    for picture in (trace.plot(), detection.plot("my title")):
+    for picture in (
+        fingertip.plot_trace(trace),
+        fingertip.plot_detection(detection, "my title"),
+    ):
         assert picture.size_px == Image.open(io.BytesIO(picture.png)).size
         assert picture._repr_png_() == picture.png
         assert repr(picture).startswith(f"Picture({picture.size_px[0]} x ")

@@ -21,7 +21,6 @@ from typing import Any
 import pytest
 
 from fingertip.board.fabrication.fabrication_files import provenance_record
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.output_files import (
     PART_FILES,
     PRINTS,
@@ -35,6 +34,7 @@ from fingertip.design import Design
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.folder_swap import recover
 from fingertip.foundation.output_set import MANIFEST, SetWriter, hash_parameters, read_manifest
+from fingertip.models.parts import parts_by_name
 from fingertip.slip.traces.truth import Origin, read_origin
 from fingertip.tasks import verification
 from fingertip.tasks.board import board_files, write_board

@@ -14,8 +14,8 @@ import pytest
 
 import fingertip
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.verify import verify
+from fingertip.models.parts import parts_by_name
 from tests.approved import check_text
 from tests.conftest import ROOT, run_python
 from tools.mutation.mutants import list_modules

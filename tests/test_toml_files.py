@@ -33,6 +33,7 @@ from fingertip.foundation.errors import TomlFileError
 from fingertip.sim import ManipulationFile, SceneFile
 from fingertip.sim.contact.surface_files import SurfaceFile
 from fingertip.sweep.sweep_file import SweepFile
+from tests.approved import check_text
 from tests.conftest import ROOT, run_fingertip
 from tests.tools import require_module
 
@@ -142,13 +143,10 @@ def schema_of(path: Path) -> Path:
     return (path.parent / first.removeprefix("#:schema ")).resolve()
 
 
-def test_schemas_are_current() -> None:
-    old = [
-        kind
-        for kind in SCHEMA_KINDS
-        if (SCHEMAS / f"{kind}.json").read_text() != json.dumps(make_schema(kind), indent=2) + "\n"
-    ]
-    assert not old, "renew each: fingertip schema KIND > params/schemas/KIND.json"
+@pytest.mark.every_case
+@pytest.mark.parametrize("kind", SCHEMA_KINDS)
+def test_schemas_are_current(kind: str) -> None:
+    check_text(SCHEMAS / f"{kind}.json", json.dumps(make_schema(kind), indent=2) + "\n")
 
 
 def test_command_prints_what_is_bundled_and_refuses_an_unknown_kind() -> None:

@@ -6,12 +6,12 @@ import re
 
 import pytest
 
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.electronics import SENSORS
 from fingertip.catalogues.output_files import PART_FORMATS
 from fingertip.design import Design
 from fingertip.design.formulas.filter import ideal_components
 from fingertip.design.parameters import PARAMETERS
+from fingertip.models.parts import parts_by_name
 from fingertip.slip.detectors.registry import DETECTORS
 from tests.conftest import ROOT, run_fingertip
 

@@ -16,11 +16,11 @@ import numpy as np
 
 from benchmarks.strength.bone_elements import COARSE_MM, LOADED_MM, describe_solid, read_stresses
 from benchmarks.strength.eye_elements import FAR_MM, MESH, find_faces, mesh
-from fingertip.cad.shapes.finger import bone
 from fingertip.design import Design
-from fingertip.design.geometry.joint import HORN_RADIUS_MM
-from fingertip.design.geometry.solids import Box, intersection
 from fingertip.design.interfaces.clevis import tendon_force_per_n
+from fingertip.models.bone import bone
+from fingertip.models.joint import HORN_RADIUS_MM
+from fingertip.models.solids import Box, intersection
 
 INSIDE_MM = 0.2
 ABOUT_MM = 0.05

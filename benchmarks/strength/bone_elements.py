@@ -11,9 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fingertip.cad.shapes.finger import bone
 from fingertip.design import Design
-from fingertip.design.interfaces.interface import middle_y
+from fingertip.models.bone import bone
 
 YOUNG_MPA = 2800.0
 POISSON = 0.4
@@ -112,7 +111,7 @@ def is_held(design: Design, points: np.ndarray) -> np.ndarray:
         case "flange":
             return z < end + 1e-6
         case "socket":
-            radius = np.hypot(points[:, 0], points[:, 1] - middle_y(design.dimensions))
+            radius = np.hypot(points[:, 0], points[:, 1] - design.dimensions.base_middle_y)
             return (abs(radius - at.socket_diameter_mm / 2) < 0.02) & (
                 z < end + at.socket_depth_mm / 2
             )

@@ -22,10 +22,10 @@ from benchmarks.strength.bone_elements import (
     read_mesh,
     read_stresses,
 )
-from fingertip.cad.shapes.finger import bone
 from fingertip.design import Design
-from fingertip.design.geometry.joint import Joint
-from fingertip.design.geometry.solids import Box, intersection
+from fingertip.models.bone import bone
+from fingertip.models.joint import Joint
+from fingertip.models.solids import Box, intersection
 
 PLAY_MM = 0.01
 BASE_MM = 0.8

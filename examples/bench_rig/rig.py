@@ -29,7 +29,8 @@ from fingertip import Design, mesh_of, part_mesh
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import to_manifold
 from fingertip.cad.printing.overhang import MAX_UNSUPPORTED_MM2, find_ceilings
-from fingertip.cad.shapes import bench
+from fingertip.models.hand_stub import BAR_MM, bars
+from fingertip.models.stand import stand_outline
 
 PLATE = 4.0
 SLED = 10.0
@@ -84,7 +85,7 @@ class Rig:
             "choose bone.interface = post or clevis"
         )
         self.holder = "stand" if self.is_post else "hand_stub"
-        bar = bench.stand_outline(design) if self.is_post else bench.bars(design)[1]
+        bar = stand_outline(design) if self.is_post else bars(design)[1]
         self.bar = bar
         self.half = bar.high[0]
         self.rear = PAD_X - (design.dimensions.sensor_z - bar.low[2])
@@ -225,7 +226,7 @@ class Rig:
         holes = [rod("y", (w, u), -outer - 1, outer + 1, FREE)]
         holes += [rod("y", (self.screw_w, at), -outer - 1, outer + 1, THREAD) for at in self.screws]
         if not self.is_post:  # room for the rubber band around the stub
-            begin = self.rear + bench.BAR_MM - 38
+            begin = self.rear + BAR_MM - 38
             holes.append(box((begin, -inner, top - 1), (begin + 13, inner, top + 1.5)))
 
         return cut(union(*parts), *holes)

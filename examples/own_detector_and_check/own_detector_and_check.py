@@ -11,8 +11,9 @@ import numpy as np
 
 from fingertip.cad.verification.check import Check, Solids
 from fingertip.design import Design
+from fingertip.slip.detectors.detector import Detector, DetectorOutput
 from fingertip.slip.detectors.input_noise import input_noise_v
-from fingertip.slip.detectors.registry import Detector, DetectorOutput, DetectorType
+from fingertip.slip.detectors.registry import DetectorType
 
 MEAN_S = 0.01
 NOISE_RATIO = 2.5
@@ -55,7 +56,12 @@ class ChangeDetector(Detector):
 
 
 OWN = DetectorType(
-    "own", "voltage_v", "statistic of own", "own_detector_and_check:ChangeDetector", "black", "x"
+    words="own",
+    input_column="voltage_v",
+    quantity="statistic of own",
+    load=lambda: ChangeDetector,
+    colour="black",
+    marker="x",
 )
 
 

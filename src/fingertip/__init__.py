@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from fingertip.design import Design
     from fingertip.detection.live import StreamDetection, detect_stream
     from fingertip.detection.recordings import FileDetection, detect, detect_channels, detect_file
+    from fingertip.fitting.fitting import fit_design
     from fingertip.foundation.display import Picture
     from fingertip.foundation.errors import FingertipError
     from fingertip.lab.campaign.campaign import CampaignPlan
@@ -55,6 +56,7 @@ if TYPE_CHECKING:
     )
     from fingertip.sim.signal.readout import Readout
     from fingertip.slip.detectors.analog_and_digital import SlipChain
+    from fingertip.slip.plots import plot_detection, plot_trace
     from fingertip.slip.scored_detection import Detection
     from fingertip.slip.traces.read import read_trace
     from fingertip.slip.traces.trace import Trace
@@ -77,6 +79,7 @@ _NAMES = {
     "design": "Design",
     "detection.live": "StreamDetection detect_stream",
     "detection.recordings": "FileDetection detect detect_channels detect_file",
+    "fitting.fitting": "fit_design",
     "foundation.display": "Picture",
     "foundation.errors": "FingertipError",
     "lab.campaign.campaign": "CampaignPlan",
@@ -84,6 +87,7 @@ _NAMES = {
     "pictures.picture": "picture",
     "sim": "ManipulationFile SceneFile Trial run_manipulation run_scene simulate",
     "sim.signal.readout": "Readout",
+    "slip.plots": "plot_detection plot_trace",
     "slip.scored_detection": "Detection",
     "slip.detectors.analog_and_digital": "SlipChain",
     "slip.traces.read": "read_trace",
@@ -130,6 +134,7 @@ __all__ = [
     "detect_channels",
     "detect_file",
     "detect_stream",
+    "fit_design",
     "frames",
     "make",
     "mesh_of",
@@ -139,6 +144,8 @@ __all__ = [
     "part_trimesh",
     "part_workplane",
     "picture",
+    "plot_detection",
+    "plot_trace",
     "read_trace",
     "read_weighings",
     "run_manipulation",

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification import verify
 from fingertip.cad.verification.check import Check, Solids
 from fingertip.design import Design
+from fingertip.models.parts import parts_by_name
 from tests.conftest import design_file
 
 TOLERANCE = 0.02

@@ -14,13 +14,14 @@ import pytest
 
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes import finger
+from fingertip.cad.verification.printing import part_genus
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
-from fingertip.design.geometry.solids import difference
 from fingertip.design.interfaces import adapter
-from fingertip.design.interfaces.adapter import place_adapter
 from fingertip.foundation.errors import DesignError
+from fingertip.models import bone as finger
+from fingertip.models.adapter import place_adapter
+from fingertip.models.solids import difference
 from fingertip.tasks.build import build
 
 cq = pytest.importorskip("cadquery")
@@ -71,7 +72,7 @@ def test_the_bone_has_the_volume_of_base_and_adapter(
     assert bone.volume() == pytest.approx(
         mesh.manifold(base).volume() + adapter.volume() - shared, rel=1e-6
     )
-    assert (bone.genus(), finger.genus(design), len(bone.decompose())) == (2, 2, 1)
+    assert (bone.genus(), part_genus(design, "bone"), len(bone.decompose())) == (2, 2, 1)
     middle = (design.dimensions.bone_outline.section.dorsal - design.dimensions.base_flat_depth) / 2
     low = (-SIZE[0] / 2, middle - SIZE[1] / 2, -design.bone.base_length_mm - SIZE[2] + sunk_mm)
     assert adapter.bounding_box() == pytest.approx([*low, *np.add(low, SIZE)], abs=1e-4)

@@ -16,8 +16,6 @@ import pytest
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.settings import FDM, slicer_settings
-from fingertip.cad.shapes.finger import cavity
-from fingertip.cad.shapes.parts import hardware, parts_by_name
 from fingertip.cad.verification.skin import pull_off_n
 from fingertip.casting.mixture import measure_poured_cm3
 from fingertip.catalogues import electronics, materials
@@ -25,6 +23,8 @@ from fingertip.catalogues.electronics import load_controllers
 from fingertip.catalogues.hardware import THREADS
 from fingertip.design import Design
 from fingertip.design.interfaces import interface_of
+from fingertip.models.mold import cavity
+from fingertip.models.parts import hardware, parts_by_name
 from tests.approved import check_figures
 from tests.cad.part_checks import run_all_checks
 from tests.conftest import design_file, some_of
@@ -125,8 +125,7 @@ def test_figures_of_designs_are_the_approved_ones(
     name: str, list_figures: Callable[[Design], Iterator[str]]
 ) -> None:
     kind = list_figures.__name__.removeprefix("list_")
-    whole = APPROVED / f"fsr400_{kind}.txt" if name in ("socket", "article") else None
-    check_figures(APPROVED / f"{name}_{kind}.txt", list_figures(load(name)), 1e-4, 1e-4, whole)
+    check_figures(APPROVED / f"{name}_{kind}.txt", list_figures(load(name)), 1e-4, 1e-4)
 
 
 FAULTS = (
@@ -163,8 +162,7 @@ def test_values_of_checks_are_the_approved_ones(name: str) -> None:
             check.name
         )
     lines += (f"{wanted}: {' '.join(files)}" for wanted, files in exact.items())
-    whole = APPROVED / "fsr400_checks.txt" if name != "fsr400" else None
-    check_figures(APPROVED / f"{name}_checks.txt", lines, 1e-3, 1e-3, whole)
+    check_figures(APPROVED / f"{name}_checks.txt", lines, 1e-3, 1e-3)
 
 
 def test_catalogues_are_the_approved_ones() -> None:

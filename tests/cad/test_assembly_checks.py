@@ -13,18 +13,23 @@ import pytest
 
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes import finger
-from fingertip.cad.shapes.finger import filled_bone
-from fingertip.cad.shapes.parts import PARTS, Part, parts_by_name
 from fingertip.cad.verification.assembly import (
     brep_balance_solids,
     check_assembly,
     check_brep_assembly,
 )
 from fingertip.cad.verification.check import Solids
-from fingertip.cad.verification.printing import check_brep_solid, check_mesh_file, count_open_edges
+from fingertip.cad.verification.printing import (
+    check_brep_solid,
+    check_mesh_file,
+    count_open_edges,
+    part_genus,
+)
 from fingertip.design import Design
-from fingertip.design.geometry.solids import (
+from fingertip.models.bone import bone, filled_bone, sensor_recess
+from fingertip.models.interfaces import shapes_of
+from fingertip.models.parts import PARTS, Part, parts_by_name
+from fingertip.models.solids import (
     Box,
     Solid,
     SuperconicSolid,
@@ -34,7 +39,6 @@ from fingertip.design.geometry.solids import (
     scaled,
     union,
 )
-from fingertip.design.interfaces import interface_of
 from tests.oracles.conic_area import section_area
 
 TOLERANCE = 0.02
@@ -74,7 +78,7 @@ def brep_failures(
 
 
 def test_missing_doubled_or_inverted_triangles_fail(evaluator: MeshEvaluator) -> None:
-    whole = evaluator.mesh(finger.bone(FINGER))
+    whole = evaluator.mesh(bone(FINGER))
     assert count_open_edges(whole) == 0
     assert count_open_edges(replace(whole, triangles=np.delete(whole.triangles, 100, axis=0))) == 3
     assert (
@@ -141,10 +145,10 @@ def test_brep_solid_with_an_extra_hole_fails(evaluator: MeshEvaluator) -> None:
     """
     from fingertip.cad.kernel import brep
 
-    pierced = brep.BrepEvaluator().solid(difference(finger.bone(FINGER), HOLE))
+    pierced = brep.BrepEvaluator().solid(difference(bone(FINGER), HOLE))
     exact = BrepMeasurements(brep.volume(pierced), brep.genus(pierced))
-    mesh = evaluator.mesh(difference(finger.bone(FINGER), HOLE))
-    assert exact.genus == PARTS["bone"].genus(FINGER) + 1
+    mesh = evaluator.mesh(difference(bone(FINGER), HOLE))
+    assert exact.genus == part_genus(FINGER, "bone") + 1
     assert brep_failures(FINGER, PARTS["bone"], mesh, exact, TOLERANCE) == {"genus"}
 
 
@@ -177,7 +181,7 @@ def test_kernels_agree_on_volume_and_place_of_every_primitive(design: Design) ->
 def test_brep_volume_equals_the_closed_form() -> None:
     """On arcs of weight 4 other quadratures of the kernel are off by 0.3 to 11 mm3."""
     from fingertip.cad.kernel import brep
-    from fingertip.design.geometry.conic import ConicBody, CrossSection
+    from fingertip.models.conic import ConicBody, CrossSection
 
     section = CrossSection(10.55, 5.35, 7.15, 4.0, 0.75)
     shape = brep.BrepEvaluator().shape(
@@ -187,7 +191,7 @@ def test_brep_volume_equals_the_closed_form() -> None:
 
 
 def primitives(solid: Solid) -> set[Solid]:
-    from fingertip.design.geometry.solids import Difference, Intersection, Scaled, Union
+    from fingertip.models.solids import Difference, Intersection, Scaled, Union
 
     match solid:
         case Scaled(inner):
@@ -200,9 +204,9 @@ def primitives(solid: Solid) -> set[Solid]:
 
 
 def test_part_of_another_topology_fails(evaluator: MeshEvaluator) -> None:
-    whole = finger.bone(FINGER)
-    added, removed = interface_of(FINGER).shapes(FINGER)
-    hollows = (finger.sensor_recess(FINGER), *removed)
+    whole = bone(FINGER)
+    added, removed = shapes_of(FINGER)
+    hollows = (sensor_recess(FINGER), *removed)
     without_channel = difference(union(filled_bone(FINGER), *added), *hollows)
     second_body = union(whole, Box((30.0, 30.0, 30.0), (31.0, 31.0, 31.0)))
     assert "bodies" in mesh_failures(PARTS["bone"], evaluator.mesh(second_body))

@@ -13,12 +13,15 @@ import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations
-from fingertip.cad.shapes import bench
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification import verify
 from fingertip.design import Design
-from fingertip.design.geometry.solids import cylinder, union
-from fingertip.design.interfaces.clevis_solids import pin_bore
+from fingertip.models.clevis import pin_bore
+from fingertip.models.hand_stub import hand_stub, stub_bore_radius
+from fingertip.models.joint import joint_of
+from fingertip.models.parts import PARTS
+from fingertip.models.pin import pin as build_pin
+from fingertip.models.solids import cylinder, union
+from fingertip.models.stand import socket_ceiling_mm, stand, stand_outline
 
 DESIGN = Design.load("first_finger")
 
@@ -46,8 +49,8 @@ def test_the_gap_beside_the_post_is_measured() -> None:
 
 def test_a_stand_whose_socket_is_too_wide_for_a_bridge_prints_on_the_end_of_its_handle() -> None:
     wide = Design.load("fsr402", changes=["bone.post_width_mm=12.8", "bone.post_height_mm=7.8"])
-    assert bench.socket_ceiling_mm(wide) == pytest.approx(2 * math.sqrt(6.55**2 - 4.05**2))
-    assert bench.socket_ceiling_mm(DESIGN) == pytest.approx(5.65 * math.sqrt(2)), (
+    assert socket_ceiling_mm(wide) == pytest.approx(2 * math.sqrt(6.55**2 - 4.05**2))
+    assert socket_ceiling_mm(DESIGN) == pytest.approx(5.65 * math.sqrt(2)), (
         "round side, wider than the flat"
     )
     assert [print_orientations(design)["stand"].rotate_x_deg for design in (DESIGN, wide)] == [
@@ -59,15 +62,15 @@ def test_a_stand_whose_socket_is_too_wide_for_a_bridge_prints_on_the_end_of_its_
 
 def test_its_volume_is_that_of_its_outline_without_socket_and_hole() -> None:
     """Post of 11 x 10 x 14.5 mm, gap 0.15, wall 2.4; 0.5 below the post, handle 26, hole 3.2 mm."""
-    low = bench.stand_outline(DESIGN).low
-    high = bench.stand_outline(DESIGN).high
+    low = stand_outline(DESIGN).low
+    high = stand_outline(DESIGN).high
     r = 5.65
     h = 5.15
     whole = (11 + 0.3 + 4.8) * (10 + 0.3 + 4.8) * (high[2] - low[2])
     socket = (
         2 * (h * math.sqrt(r * r - h * h) + r * r * math.asin(h / r)) * (high[2] - low[2] - 26.0)
     )
-    volume = MeshEvaluator(0.005).manifold(bench.stand(DESIGN)).volume()
+    volume = MeshEvaluator(0.005).manifold(stand(DESIGN)).volume()
     assert volume == pytest.approx(whole - socket - math.pi * 1.6**2 * 4.8, rel=1e-3)
     assert low[2] == pytest.approx(-DESIGN.bone.base_length_mm - 14.5 - 0.5 - 26.0)
 
@@ -89,7 +92,7 @@ def test_a_stand_that_does_not_fit_is_found(
     change: Any, failed: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(
-        PARTS, "stand", replace(PARTS["stand"], solid=lambda design: change(bench.stand(design)))
+        PARTS, "stand", replace(PARTS["stand"], solid=lambda design: change(stand(design)))
     )
     assert failed <= {name for name, check in run().items() if not check.passed}
 
@@ -115,7 +118,7 @@ def test_the_stub_has_the_sizes_of_the_hand() -> None:
     hand = design.hand
     joint = design.dimensions.joint
     anchor = design.dimensions.anchor
-    solid = MeshEvaluator(0.005).manifold(bench.hand_stub(design))
+    solid = MeshEvaluator(0.005).manifold(hand_stub(design))
     tongue = solid.trim_by_plane((0.0, 0.0, 1.0), joint.low_z + 0.1)
     low, high = np.split(np.array(tongue.bounding_box()), 2)
     assert high[0] - low[0] == pytest.approx(hand.width_mm)
@@ -154,7 +157,7 @@ def test_a_stub_that_does_not_fit_is_found(
     change: Any, failed: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def changed(design: Design) -> Any:
-        return change(bench.hand_stub(design), bench.joint_of(design))
+        return change(hand_stub(design), joint_of(design))
 
     monkeypatch.setitem(PARTS, "hand_stub", replace(PARTS["hand_stub"], solid=changed))
     assert not run(JOINTED["tongue"], "hand_stub")[f"hand_stub.{failed}"].passed
@@ -163,10 +166,10 @@ def test_a_stub_that_does_not_fit_is_found(
 def test_pin_wedges_in_a_cheek_and_turns_in_the_tongue() -> None:
     """The taper begins wider than the bore of the cheek, and ends as thin as the pin."""
     design = JOINTED["tongue"]
-    joint = bench.joint_of(design)
-    pin = MeshEvaluator(0.005).manifold(bench.pin(design))
+    joint = joint_of(design)
+    pin = MeshEvaluator(0.005).manifold(build_pin(design))
     areas = [pin.slice(z).area() for z in (0.5, 1.01, 5.5)]
     radii = [joint.pin_radius + out for out in (1.0, 0.1, -0.05)]
     assert areas == pytest.approx([math.pi * radius**2 for radius in radii], rel=0.01)
     assert radii[1] > joint.pin_radius > radii[2]
-    assert bench.stub_bore_radius(joint) - radii[2] == pytest.approx(0.15)
+    assert stub_bore_radius(joint) - radii[2] == pytest.approx(0.15)

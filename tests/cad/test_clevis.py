@@ -12,14 +12,15 @@ import pytest
 from manifold3d import CrossSection
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
 from fingertip.design.formulas.stress_and_knock import OF_CHORDS, pin_peak, shoulder_in_bending
-from fingertip.design.geometry.outlines import eye_corners
-from fingertip.design.geometry.solids import cylinder, union
-from fingertip.design.interfaces import clevis, clevis_rules, clevis_solids, interface_of
-from fingertip.design.new_design import PRESETS
+from fingertip.design.interfaces import clevis, clevis_rules, interface_of
+from fingertip.fitting.new_design import PRESETS
+from fingertip.models import clevis as clevis_models
+from fingertip.models.outlines import eye_corners
+from fingertip.models.parts import PARTS, parts_by_name
+from fingertip.models.solids import cylinder, union
 from tests.cad.part_checks import run_all_checks
 from tests.conftest import design_file
 
@@ -175,7 +176,7 @@ def test_strands_lie_in_groove_and_on_horns(name: str) -> None:
     assert joint
     evaluator = MeshEvaluator(0.02)
     solid = evaluator.manifold(bone)
-    strands = evaluator.manifold(union(*clevis_solids.strands(design, anchor, joint.low_z)))
+    strands = evaluator.manifold(union(*clevis_models.strands(design, anchor, joint.low_z)))
     assert (strands ^ solid).volume() == pytest.approx(0.0, abs=1e-3)
     for shift in ((0.0, 0.0, -0.2), (0.0, 0.2, 0.0)):
         assert (strands.translate(shift) ^ solid).volume() > 0.05

@@ -10,14 +10,15 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.finger import bone, filled_bone, sensor_body, sensor_recess
 from fingertip.design import Design
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.conic import ConicBody
-from fingertip.design.geometry.outlines import RAMP_SLOPE
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
-from fingertip.design.geometry.solids import Box, SuperconicSolid, difference
-from fingertip.design.new_design import PRESETS
+from fingertip.fitting.new_design import PRESETS
+from fingertip.models.bone import bone, filled_bone, sensor_recess
+from fingertip.models.conic import ConicBody
+from fingertip.models.outlines import RAMP_SLOPE
+from fingertip.models.sensor import sensor_body
+from fingertip.models.solids import Box, SuperconicSolid, difference
 from tests.conftest import DESIGNS, design_file
 from tests.oracles.conic_area import section_area
 

@@ -11,19 +11,21 @@ from typing import Any
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import finger, parts
 from fingertip.cad.verification import skin as skin_checks
 from fingertip.cad.verification.bone import check_bone, check_laid_in
 from fingertip.cad.verification.check import Solids, search_distance
+from fingertip.cad.verification.printing import part_genus
 from fingertip.design import Design
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
-from fingertip.design.geometry.solids import Box, cylinder, difference, union
-from fingertip.design.interfaces import INTERFACES, clevis_solids
+from fingertip.models import bone as finger
+from fingertip.models import clevis as clevis_models
+from fingertip.models import interfaces, parts
+from fingertip.models.solids import Box, cylinder, difference, union
 from fingertip.pad.survey import GRASP_DEG, WIDE_DEG, survey_pad
 from tests.cad.part_checks import SOCKET, TOLERANCE, failed_checks, run_checks
 
-EYE = clevis_solids.eye_profile
-SPACE = clevis_solids.space
+EYE = clevis_models.eye_profile
+SPACE = clevis_models.space
 UNLIMITED = [*SOCKET, "strength.min_grip_factor=0", "strength.min_knock_factor=0"]
 
 
@@ -31,7 +33,8 @@ UNLIMITED = [*SOCKET, "strength.min_grip_factor=0", "strength.min_knock_factor=0
 class Defect:
     """A function that returns another shape, and the checks that fail for it."""
 
-    owner: object
+    owner: Any
+    """Module, or a mapping of functions."""
     name: str
     change: Callable[..., object]
     """Called with what the function returns and with its arguments."""
@@ -90,31 +93,31 @@ DEFECTS = {
         {"sensor.unsupported_area"},
     ),
     "socket too close to the outside": Defect(
-        INTERFACES["socket"],
-        "shapes",
+        interfaces.SHAPES,
+        "socket",
         change_socket(low_radius=5.0, high_radius=5.0),
         {"bone.wall.socket_to_outside"},
         UNLIMITED,
     ),
     "socket too close to sensor and channel": Defect(
-        INTERFACES["socket"],
-        "shapes",
+        interfaces.SHAPES,
+        "socket",
         change_socket(high=-6.0, low_radius=3.4, high_radius=3.4),
         {"bone.wall.socket_to_sensor", "bone.wall.channel_to_interface"},
         UNLIMITED,
     ),
     "cross bolt too close to the channel": Defect(
-        INTERFACES["post"],
-        "shapes",
+        interfaces.SHAPES,
+        "post",
         lambda shapes, design: (shapes[0], (replace(*shapes[1], centre=(0.0, -19.6)),)),
         {"bone.wall.channel_to_interface", "stand.bolt_overlap"},
     ),
     "eyes so large that they block the travel": Defect(
-        clevis_solids,
+        clevis_models,
         "eye_profile",
-        lambda eye, joint, reach: clevis_solids.union(
+        lambda eye, joint, reach: clevis_models.union(
             eye,
-            clevis_solids.cylinder(
+            clevis_models.cylinder(
                 "x", (joint.axis_y, joint.axis_z), -reach, reach, joint.radius + 0.5
             ),
         ),
@@ -122,21 +125,21 @@ DEFECTS = {
         design="adult_finger",
     ),
     "missing stops": Defect(
-        clevis_solids,
+        clevis_models,
         "eye_profile",
         lambda _, joint, reach: EYE(replace(joint, travel_deg=0.0), reach),
         {"joint.stop_straight_overlap", "joint.stop_bent_overlap"},
         design="adult_finger",
     ),
     "missing way of the tendon": Defect(
-        clevis_solids,
+        clevis_models,
         "tendon_way",
         lambda _, design, anchor, joint: (),
         {"joint.tendon_overlap"},
         design="adult_finger",
     ),
     "narrow joint": Defect(
-        clevis_solids,
+        clevis_models,
         "space",
         lambda _, design, joint: SPACE(design, replace(joint, half_width=joint.half_width - 0.2)),
         {"joint.clearance", "hand_stub.clearance"},
@@ -149,12 +152,13 @@ DEFECTS = {
 @pytest.mark.parametrize("name", DEFECTS)
 def test_defect_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     defect = DEFECTS[name]
-    original = getattr(defect.owner, defect.name)
+    functions = defect.owner if isinstance(defect.owner, dict) else vars(defect.owner)
+    original = functions[defect.name]
 
     def changed(*arguments: object, **named: object) -> object:
         return defect.change(original(*arguments, **named), *arguments, **named)
 
-    monkeypatch.setattr(defect.owner, defect.name, changed)
+    monkeypatch.setitem(functions, defect.name, changed)
     assert failed_checks(*defect.changes, name=defect.design) == defect.failed
 
 
@@ -288,7 +292,7 @@ def test_longer_sensors_are_laid_in(name: str, changes: tuple[str, ...]) -> None
     design = Design.load(name, changes=changes)
     part = parts.PARTS["bone"]
     assert find_failed(design) == set()
-    assert MeshEvaluator(0.05).manifold(part.solid(design)).genus() == part.genus(design)
+    assert MeshEvaluator(0.05).manifold(part.solid(design)).genus() == part_genus(design, "bone")
 
 
 def test_the_first_finger_reaches_what_is_wanted() -> None:

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 
 import pytest
 
-from fingertip.cad.shapes import engraving
-from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines, stroke_rectangles
 from fingertip.design.design_file import list_parameters
-from fingertip.design.geometry.outlines import HEIGHT
+from fingertip.design.geometry.letters import outline_letters, stroke_rectangles
+from fingertip.models import engraving
+from fingertip.models.engraving import HEIGHT, STROKE_WIDTH, letter_outlines
 
 ALLOWED = string.ascii_letters + string.digits + "-_"
 LETTERS = string.ascii_uppercase + string.digits + "-_"
@@ -48,7 +48,7 @@ def test_outlines_are_valid_and_cover_the_same_area_as_the_strokes() -> None:
     wrong = []
     for letter in ALLOWED:
         rectangles = stroke_rectangles(letter, STROKE_WIDTH)
-        pieces = letter_outlines(letter, STROKE_WIDTH)
+        pieces = letter_outlines(outline_letters(), letter)
         wrong += [letter for ring in rectangles if area(ring) <= 0]
         wrong += [
             letter
@@ -73,10 +73,10 @@ def test_outlines_are_valid_and_cover_the_same_area_as_the_strokes() -> None:
 
 
 def test_all_letters_differ_and_follow_each_other_at_a_constant_distance() -> None:
-    shapes = {letter: tuple(letter_outlines(letter, STROKE_WIDTH)) for letter in LETTERS}
+    shapes = {letter: tuple(letter_outlines(outline_letters(), letter)) for letter in LETTERS}
     assert len(set(shapes.values())) == len(shapes)
-    first = letter_outlines("I", STROKE_WIDTH)
-    second = letter_outlines("II", STROKE_WIDTH)
+    first = letter_outlines(outline_letters(), "I")
+    second = letter_outlines(outline_letters(), "II")
     moved = [
         tuple(tuple((x + engraving.ADVANCE, y) for x, y in ring) for ring in rings)
         for rings in first

@@ -18,12 +18,12 @@ import pytest
 
 from fingertip.cad.build_result import Build
 from fingertip.cad.files.step_process import BrepMeasurements, StepFiles, StepJob, StepProcess
-from fingertip.cad.shapes.parts import PARTS, hardware
 from fingertip.cad.verification.check import Check
 from fingertip.cli.check_reports import to_junit
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Box, Solid, difference
 from fingertip.foundation.errors import GeometryError
+from fingertip.models.parts import PARTS, hardware
+from fingertip.models.solids import Box, Solid, difference
 from tests.conftest import design_file, run_fingertip
 
 if TYPE_CHECKING:

@@ -12,16 +12,18 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import finger, mold
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification import assembly, trapped_air
 from fingertip.cad.verification import mold as checks
 from fingertip.cad.verification.check import Solids
 from fingertip.design import Design
-from fingertip.design.geometry.mold_layout import POURED
+from fingertip.design.geometry.casting_layout import POURED
 from fingertip.design.geometry.plunge import LOWERING_S
-from fingertip.design.geometry.solids import Box, cylinder, difference, union
 from fingertip.foundation.errors import DesignError
+from fingertip.models import mold
+from fingertip.models.core import core_within_skin
+from fingertip.models.parts import parts_by_name
+from fingertip.models.skin import skin
+from fingertip.models.solids import Box, cylinder, difference, union
 from tests.cad.part_checks import TOLERANCE
 
 EVALUATOR = MeshEvaluator(TOLERANCE)
@@ -98,10 +100,10 @@ def test_core_and_halves_that_catch_are_found(monkeypatch: pytest.MonkeyPatch) -
     """A core wider than its cavity, and a dorsal half that is pulled off before the core
     is lifted.
     """
-    core = mold.core
+    core = checks.build_core
     barb = Box((-9.3, 0.0, 14.0), (9.3, 1.0, 15.0))
     with monkeypatch.context() as patch:
-        patch.setattr(mold, "core", lambda design: union(core(design), barb))
+        patch.setattr(checks, "build_core", lambda design: union(core(design), barb))
         found = {
             check.name for check in checks._check_motions(FINGER, EVALUATOR) if not check.passed
         }
@@ -124,8 +126,8 @@ def test_air_in_a_pocket_is_found_whole_and_none_in_the_design(
     horizontal roof holds some in one lean only.
     """
     assert checks.worst_air_mm3(FINGER, EVALUATOR) == 0.0
-    whole = finger.core_within_skin(FINGER)
-    free = EVALUATOR.manifold(difference(finger.cavity(FINGER), whole))
+    whole = core_within_skin(FINGER)
+    free = EVALUATOR.manifold(difference(mold.cavity(FINGER), whole))
     for lean in trapped_air.LEANS_DEG:
         assert trapped_air._flood_mm3(free, lean) == 0.0, "the flood agrees that there is no summit"
     bore = cylinder("z", (3.0, 1.0), 15.0, 40.0, 1.0)
@@ -180,8 +182,8 @@ def test_pressure_between_cylinders_is_that_of_an_annular_gap() -> None:
 
 
 def test_silicone_stands_where_pictures_show_it_before_the_core_is_lowered() -> None:
-    exact = EVALUATOR.manifold(finger.skin(FINGER)).volume() * FINGER.dimensions.shrinkage**3
-    below = EVALUATOR.manifold(finger.cavity(FINGER)).trim_by_plane(
+    exact = EVALUATOR.manifold(skin(FINGER)).volume() * FINGER.dimensions.shrinkage**3
+    below = EVALUATOR.manifold(mold.cavity(FINGER)).trim_by_plane(
         (0.0, 0.0, 1.0), FINGER.mold_layout.pour_z
     )
     assert below.volume() == pytest.approx(POURED * exact, rel=0.03)

@@ -13,11 +13,11 @@ from fingertip.cad.printing.overhang import (
     MAX_UNSUPPORTED_MM2,
     find_ceilings,
 )
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.check import Solids
 from fingertip.cad.verification.printing import check_overhang
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Box, Cone, Prism, Solid, cylinder, difference, union
+from fingertip.models.parts import PARTS
+from fingertip.models.solids import Box, Cone, Prism, Solid, cylinder, difference, union
 
 TOLERANCE = 0.02
 WIDTH = 6.0

@@ -36,13 +36,13 @@ from fingertip.cad.printing.settings import (
     describe_part,
     slicer_settings,
 )
-from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.verification.printing import check_print_files
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.design import Design
-from fingertip.design.geometry.mold_layout import LIP_GAP_MM
-from fingertip.design.geometry.solids import scaled
-from fingertip.design.new_design import PRESETS
+from fingertip.fitting.new_design import PRESETS
+from fingertip.models.mold_layout import LIP_GAP_MM
+from fingertip.models.parts import PARTS, parts_by_name, print_scale
+from fingertip.models.solids import scaled
 from fingertip.tasks.build import build
 from fingertip.tasks.verification import verify_sets
 from tests.conftest import DESIGNS, design_file

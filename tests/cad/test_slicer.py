@@ -16,10 +16,10 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import Pose
 from fingertip.cad.printing.settings import FDM, PROFILE, estimate_print, slicer_settings
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
-from fingertip.design.new_design import PRESETS
+from fingertip.fitting.new_design import PRESETS
+from fingertip.models.parts import parts_by_name
 from tests.conftest import DESIGNS, design_file
 from tests.tools import require_tool
 

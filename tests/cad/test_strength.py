@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification import strength as assess
 from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.check import Solids
@@ -31,10 +30,12 @@ from fingertip.design.formulas.stress_and_knock import (
     hole_in_tension,
     shoulder_in_bending,
 )
-from fingertip.design.geometry.solids import Difference
 from fingertip.design.interfaces import interface_of
-from fingertip.design.interfaces.clevis_solids import stop_height_mm
 from fingertip.design.interfaces.interface import Bolt, base_size
+from fingertip.models.clevis import stop_height_mm
+from fingertip.models.interfaces import shapes_of
+from fingertip.models.parts import PARTS
+from fingertip.models.solids import Difference
 from tests.conftest import run_fingertip
 
 DESIGN = Design()
@@ -262,7 +263,7 @@ def test_flange_with_two_rows_has_the_sizes_that_a_section_shows_and_four_bolts_
     design = Design.load(changes=[f"bone.{change}" for change in changes])
     flange = interface_of(design)
     sizes = {size.name: size for size in interface_of(design).sizes(design)}
-    (plate, _), holes = flange.shapes(design)
+    (plate, _), holes = shapes_of(design)
     outline, *bores = sorted(
         MeshEvaluator(0.001).manifold(Difference(plate, holes)).slice(-25.0).to_polygons(), key=len
     )

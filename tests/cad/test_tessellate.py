@@ -18,9 +18,10 @@ from fingertip.cad.verification.deviation import (
 )
 from fingertip.cad.verification.printing import count_open_edges
 from fingertip.design import Design
-from fingertip.design.geometry.conic import ConicBody, CrossSection
-from fingertip.design.geometry.profile import Tip, arc_point
-from fingertip.design.geometry.solids import (
+from fingertip.foundation.numerics import Array
+from fingertip.models.conic import ConicBody, CrossSection
+from fingertip.models.profile import Tip, arc_point
+from fingertip.models.solids import (
     Box,
     Cone,
     ElbowTube,
@@ -29,7 +30,6 @@ from fingertip.design.geometry.solids import (
     cylinder,
     difference,
 )
-from fingertip.foundation.numerics import Array
 from tests.oracles.conic_area import section_area
 
 SECTION = CrossSection(8.5, 6.0, 7.0, 0.8, 0.75)

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.calibration.printer import CALIPER_MM, calibrate_printer, find_nominal_mm
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
+from fingertip.models.parts import parts_by_name
 from tests.conftest import run_fingertip
 
 DESIGN = Design.load("first_finger")

@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.mixture import (
     MIN_COMPONENT_G,
     MIN_MIX_G,
@@ -25,6 +24,7 @@ from fingertip.casting.mixture import (
 from fingertip.catalogues.materials import MaterialProperty, Silicone, load_silicones, load_sources
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
+from fingertip.models.parts import PARTS
 
 SILICONES = load_silicones()
 SOURCES = load_sources()

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
+from fingertip.models.parts import PARTS
 from tests.conftest import design_file, run_fingertip
 
 FSR400 = design_file("fsr400")

@@ -13,7 +13,7 @@ from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.verification import check
 from fingertip.cli.check_reports import Finding
-from fingertip.design.geometry.solids import Box
+from fingertip.models.solids import Box
 from tests.conftest import design_file, run_fingertip
 
 FSR400 = design_file("fsr400")

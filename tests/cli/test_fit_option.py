@@ -13,6 +13,7 @@ import typer
 
 from fingertip.cli import options
 from fingertip.design import Design
+from fingertip.fitting.fitting import fit_design
 from fingertip.foundation.errors import DesignError, FingertipError, Issue
 from tests.conftest import run_fingertip
 
@@ -56,7 +57,7 @@ def test_what_moved_is_listed_and_passes_when_it_is_typed(tmp_path: Path) -> Non
     assert (
         quiet.stdout.splitlines()[: len(listed) + 2] == done.stderr.splitlines()[: len(listed) + 2]
     )
-    moves = first.fit({"skin.thickness_palmar_mm": 2.7}).moves
+    moves = fit_design(first, {"skin.thickness_palmar_mm": 2.7}).moves
     assert [(move.name, move.before, move.after) for move in moves] == [
         (move["parameter"], move["was"], move["is"]) for move in listed
     ]
@@ -96,7 +97,7 @@ def test_each_finger_of_a_set_is_fitted(tmp_path: Path) -> None:
     )
     listed = json.loads(run_fingertip(*words).stdout)["fitted"]
     assert {move["design"] for move in listed} == {"adult_finger", "adult_ring"}
-    moves = Design.load("adult_finger").fit({"skin.thickness_palmar_mm": 2.7}).moves
+    moves = fit_design(Design.load("adult_finger"), {"skin.thickness_palmar_mm": 2.7}).moves
     of_index = [
         (move["parameter"], move["is"]) for move in listed if move["design"] == "adult_finger"
     ]

@@ -12,7 +12,7 @@ import pytest
 from fingertip.catalogues.electronics import SENSORS
 from fingertip.design import Design
 from fingertip.design.design_file import list_parameters
-from fingertip.design.new_design import PRESETS, write_new_design
+from fingertip.fitting.new_design import PRESETS, write_new_design
 from tests.conftest import ROOT, run_fingertip
 
 CHOICES = (*SENSORS, "custom")

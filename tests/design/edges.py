@@ -88,8 +88,11 @@ def find_edge(
 ) -> tuple[float, float] | None:
     """Bisect a parameter between values that break and pass a rule, down to neighbouring numbers.
 
-    Returns ------- tuple The last value that breaks the rule, and the first one that passes it;
-    None if the prerequisites of the rule do not pass between them.
+    Returns
+    -------
+    tuple
+        The last value that breaks the rule, and the first one that passes it; None if the
+        prerequisites of the rule do not pass between them.
     """
     is_whole = PARAMETERS[name].annotation is int
     for _ in range(2000):

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fingertip.design.geometry.conic import ELLIPSE, ConicBody, CrossSection
-from fingertip.design.geometry.profile import Tip, arc_abscissa, arc_point
+from fingertip.models.conic import ELLIPSE, ConicBody, CrossSection
+from fingertip.models.profile import Tip, arc_abscissa, arc_point
 from tests.oracles.conic_area import arc_area
 
 WEIGHTS = st.floats(0.4, 8.0)

@@ -8,16 +8,16 @@ import pytest
 
 from benchmarks.fit_near_presets import draw, judge
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.verification.fitting import fit_finger
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
 from fingertip.design.design_file import load_tables
-from fingertip.design.fit import DERIVED, fit_design
+from fingertip.design.fit import DERIVED, fit_lengths
 from fingertip.design.geometry import DesignTables
 from fingertip.design.hand_sizes import find_hand
-from fingertip.design.new_design import PRESETS, write_new_design
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import PART_RULES
+from fingertip.fitting.fitting import fit_finger
+from fingertip.fitting.new_design import PRESETS, write_new_design
 from fingertip.foundation.errors import DesignError, TomlFileError
 from tests.conftest import design_file
 
@@ -35,23 +35,23 @@ def test_a_tendon_that_runs_through_the_hands_fork_is_refused() -> None:
 
 @pytest.mark.full
 def test_given_lengths_stay_and_a_limit_shortens_the_skin() -> None:
-    assert all(fit_design(tables(name)).moves == () for name in PRESETS), "presets need no fit"
-    limited = fit_design(tables("adult_finger", **{"hand.length_limit_mm": 38.5})).tables
+    assert all(fit_lengths(tables(name)).moves == () for name in PRESETS), "presets need no fit"
+    limited = fit_lengths(tables("adult_finger", **{"hand.length_limit_mm": 38.5})).tables
     assert limited.skin.length_mm + limited.bone.base_length_mm <= 38.5
     begin = tables("adult_finger", **{"hand.clearance_radius_mm": 7.0, "bone.base_length_mm": 14.6})
-    assert "bone.base_length_mm" in [move.name for move in fit_design(begin).moves]
+    assert "bone.base_length_mm" in [move.name for move in fit_lengths(begin).moves]
     with pytest.raises(DesignError, match=r"bone\.base_length_mm"):
-        fit_design(begin.with_values({"bone.base_length_mm": 9.0}), given=["bone.base_length_mm"])
+        fit_lengths(begin.with_values({"bone.base_length_mm": 9.0}), given=["bone.base_length_mm"])
 
 
 @pytest.mark.full
 def test_remedy_for_a_narrow_finger_passes_and_keeps_its_joint() -> None:
     preset = tables("child_finger")
     with pytest.raises(DesignError) as refused:
-        fit_design(preset.with_values({"skin.width_mm": 10.0}), ["skin.width_mm"], before=preset)
+        fit_lengths(preset.with_values({"skin.width_mm": 10.0}), ["skin.width_mm"], before=preset)
     assert "bone.interface" not in str(refused.value)
     (width,) = re.findall(r"at least ([0-9.]+) mm\.", str(refused.value))
-    assert fit_design(preset.with_values({"skin.width_mm": float(width)}), ["skin.width_mm"])
+    assert fit_lengths(preset.with_values({"skin.width_mm": float(width)}), ["skin.width_mm"])
 
 
 def test_a_file_that_is_no_hand_is_refused(tmp_path) -> None:
@@ -71,7 +71,7 @@ def test_one_short_base_moves_to_the_bound_of_its_rule_and_nothing_else() -> Non
     begin = tables("adult_finger", **{"bone.base_length_mm": 14.0})
     (broken,) = find_violations(PART_RULES, begin)
     ((least, _),) = broken.violation.passing
-    (move,) = fit_design(begin).moves
+    (move,) = fit_lengths(begin).moves
     assert (move.name, move.before) == ("bone.base_length_mm", 14.0)
     assert least <= move.after <= least + 0.02
     assert move.reason == f"bone.base_length_mm: {broken.violation.problem}"
@@ -80,8 +80,8 @@ def test_one_short_base_moves_to_the_bound_of_its_rule_and_nothing_else() -> Non
 @pytest.mark.parametrize("number", [4, 6, pytest.param(15, marks=pytest.mark.full)])
 def test_what_is_given_or_measured_stays_and_each_move_is_needed(number: int) -> None:
     begin, given, _ = draw(number, "begun", 7)
-    fit = fit_design(begin, given)
-    assert fit == fit_design(begin, given)
+    fit = fit_lengths(begin, given)
+    assert fit == fit_lengths(begin, given)
     assert fit.moves
     assert not list(find_violations(PART_RULES, fit.tables))
     moved = {move.name: move.after for move in fit.moves}

@@ -17,9 +17,10 @@ from fingertip.design import Design
 from fingertip.design.design_file import to_toml
 from fingertip.design.fit import LEAST_LOADS
 from fingertip.design.hand_sizes import SIZES, complete_hand, list_hands
-from fingertip.design.new_design import write_new_design
 from fingertip.design.parameters.bone_and_mold import Hand
 from fingertip.documents.finger import draw_hand_sizes, list_steps
+from fingertip.fitting.fitting import fit_tables
+from fingertip.fitting.new_design import write_new_design
 from fingertip.foundation.errors import DesignError, join_words
 from tests.conftest import ROOT, run_fingertip
 
@@ -67,7 +68,7 @@ def test_a_hand_of_which_a_size_is_left_out_gets_a_finger_and_keeps_all_others(
     values, guessed = complete_hand(given, BASE.hand)
     assert set(guessed) == {f"hand.{key}" for key in values.keys() - given.keys()}
     tables = BASE.model_dump()
-    fitted = Design.fit_tables(
+    fitted = fit_tables(
         tables | {"hand": tables["hand"] | values}, tables, provisional=(*guessed, *LEAST_LOADS)
     )
     assert {key: getattr(fitted.hand, key) for key in given} == given

@@ -11,9 +11,9 @@ import pytest
 
 from fingertip.cad.verification.verify import check
 from fingertip.design.hand_sizes import find_hand, list_hands
-from fingertip.design.new_design import NewDesign, write_new_design
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import RULES
+from fingertip.fitting.new_design import NewDesign, write_new_design
 from fingertip.foundation.errors import DesignError
 from tests.conftest import some_of
 

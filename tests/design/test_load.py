@@ -9,11 +9,13 @@ from pathlib import Path
 import pytest
 
 from fingertip.catalogues.electronics import SENSORS
+from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design import Design
 from fingertip.design.design_file import list_parameters, to_toml
 from fingertip.design.design_text import write_design
 from fingertip.foundation.errors import DesignError
-from tests.conftest import DESIGNS, design_file
+from tests.approved import check_text
+from tests.conftest import design_file
 
 
 def load_issues(*files: Path, changes: tuple[str, ...] = ()) -> dict[str, str]:
@@ -37,14 +39,17 @@ def test_later_values_win(tmp_path: Path) -> None:
     assert design.skin == Design().skin
 
 
-@pytest.mark.parametrize("name", DESIGNS)
-def test_bundled_designs_are_written_as_new_ones_are_and_can_be_read_in_a_minute(name: str) -> None:
-    text = design_file(name).read_text()
-    design = Design.load(design_file(name))
-    schema, *heading = text.partition("\n\n")[0].splitlines()
+@pytest.mark.every_case
+@pytest.mark.parametrize("path", list_bundled_files(DESIGN).values(), ids=lambda path: path.stem)
+def test_bundled_designs_are_written_as_new_ones_are_and_can_be_read_in_a_minute(
+    path: Path,
+) -> None:
+    schema, *heading = path.read_text(encoding="utf-8").partition("\n\n")[0].splitlines()
     assert schema == "#:schema schemas/design.json"
-    lines = write_design(design, (line.removeprefix("#").strip() for line in heading))
-    assert text == f"{schema}\n{lines}"
+
+    text = write_design(Design.load(path), (line.removeprefix("#").strip() for line in heading))
+
+    check_text(path, f"{schema}\n{text}")
     assert sum(not line.startswith("#") for line in text.splitlines() if line) <= 40
 
 

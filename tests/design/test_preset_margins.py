@@ -11,7 +11,7 @@ from fingertip.cad.verification.strength import assess_strength
 from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files, read_file
 from fingertip.design import Design
 from fingertip.design.design_file import flatten
-from fingertip.design.fit import fit_design
+from fingertip.design.fit import fit_lengths
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS, find_kind
 from fingertip.design.parameters.declaration import find_unit
@@ -49,7 +49,7 @@ def test_each_size_moves_by_three_percent_and_derived_ones_follow(name: str) -> 
     moves = list_moves(name)
     assert len(moves) >= 8
     for path, value in moves if FULL else random.Random(5).sample(moves, 2):
-        fit = fit_design(tables.with_values({path: value}), STATED)
+        fit = fit_lengths(tables.with_values({path: value}), STATED)
         assert not list(find_violations(RULES, fit.tables)), (path, value)
         assert {move.name for move in fit.moves} <= {*PARAMETERS} - {*STATED}
 

@@ -12,7 +12,7 @@ import pytest
 from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design import Design
 from fingertip.design.design_file import load_tables
-from fingertip.design.fit import fit_design
+from fingertip.design.fit import fit_lengths
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ELECTRONIC_TABLES, PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
@@ -69,7 +69,7 @@ def check_remedies(changes: Sequence[str], name: str = "fsr400") -> tuple[Issue,
         ways = [[alternative] for alternative in read_alternatives(issue)]
         if "add --fit" in issue.message:
             loaded = load_tables([design_file(name)], changes)
-            fit = fit_design(DesignTables(**loaded.tables), loaded.changed)
+            fit = fit_lengths(DesignTables(**loaded.tables), loaded.changed)
             assert issue.message.endswith(
                 f"add --fit, which moves {join_words(move.name for move in fit.moves)}."
             )

@@ -15,9 +15,9 @@ from fingertip.design import Design
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import load_retired
 from fingertip.design.proportions import fill_in
-from fingertip.design.renewal import LEFT_OUT, renew_design
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import RULES
+from fingertip.fitting.renewal import LEFT_OUT, renew_design
 from fingertip.foundation.errors import DesignError
 from fingertip.sweep.outputs import check_outputs, load_outputs
 from tests.conftest import run_fingertip, some_of

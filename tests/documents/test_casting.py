@@ -15,14 +15,13 @@ from PIL import Image
 
 from fingertip.board import board_circuit, board_values
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import PARTS
-from fingertip.casting.sheet import CastingSheet, casting_sheet
-from fingertip.casting.shopping import add_prices
+from fingertip.casting.sheet import CastingSheet, add_prices, casting_sheet
 from fingertip.design import Design
-from fingertip.design.new_design import PRESETS
 from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
 from fingertip.documents.finger import FirstScreen, list_steps, render_sheet, render_start
 from fingertip.documents.wiring import wiring_diagram
+from fingertip.fitting.new_design import PRESETS
+from fingertip.models.parts import PARTS
 from fingertip.pictures.casting_scenes import SCENES, draw_steps
 from fingertip.pictures.scene import Bench, Scene
 from fingertip.tasks.board import board_files

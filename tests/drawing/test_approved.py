@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
 from fingertip.design.geometry.sizes import Circle, PartDrawing, Size, ViewName
+from fingertip.models.parts import PARTS
 from fingertip.pictures.drawing.draw import part_drawings
 from fingertip.pictures.drawing.layout import lay_out
 from fingertip.pictures.drawing.primitives import PROJECTIONS, Arrow, ProjectedView, Sheet, Text

@@ -13,7 +13,7 @@ import pytest
 
 from fingertip.cad.build_result import Build
 from fingertip.design.geometry.sizes import AXES, Circle, Size
-from fingertip.design.geometry.solids import Axis, Point3
+from fingertip.models.solids import Axis, Point3
 from fingertip.pictures.drawing.draw import part_drawings
 from fingertip.tasks.build import build
 from tests.conftest import some_of

@@ -12,11 +12,11 @@ from itertools import combinations, pairwise
 
 import pytest
 
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design import Design
-from fingertip.design.geometry import solids
 from fingertip.design.geometry.sizes import general
 from fingertip.foundation.errors import GeometryError
+from fingertip.models import solids
+from fingertip.models.parts import parts_by_name
 from fingertip.pictures.drawing.draw import part_drawings, project_part, run_apart
 from fingertip.pictures.drawing.primitives import Hatch, Point, Sheet, Text
 

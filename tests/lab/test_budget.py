@@ -12,13 +12,13 @@ import pytest
 
 from benchmarks.peers import trial
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import binomial_interval, quantile_ranks
 from fingertip.lab.accuracy import accuracy_summary, budget
 from fingertip.lab.accuracy.budget import Curve
 from fingertip.lab.campaign.run import quantile_interval_s
+from fingertip.models.parts import PARTS
 from fingertip.pad import layer
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.touch import Pose

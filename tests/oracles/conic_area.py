@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from fingertip.design.geometry.conic import CrossSection
+from fingertip.models.conic import CrossSection
 
 
 def arc_area(w: float) -> float:

@@ -14,8 +14,8 @@ import pytest
 from fingertip import Design, make
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.output_files import PAGE, PART_FILES
+from fingertip.models.parts import parts_by_name
 from fingertip.page.parameters_and_checks import ReportedCheck
 from fingertip.page.render import render_page
 from fingertip.page.sources import Report, Sources

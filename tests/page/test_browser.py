@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from fingertip.cad.files import stl
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.catalogues.output_files import PAGE
+from fingertip.models.parts import PARTS
 from tests.browser import HOW, click, drawn_ms, find_barriers, open_browser, picture, wait, watch
 from tests.conftest import ROOT
 from tests.tools import require_tool

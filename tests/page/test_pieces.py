@@ -16,9 +16,10 @@ from fingertip.board.analysis.report import bode_table
 from fingertip.board.kicad.project import read_archive
 from fingertip.board.kicad.sexpr import read_expression
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.shapes.parts import parts_by_name, shapes_of_parameters
+from fingertip.cad.parts import shapes_of_parameters
 from fingertip.catalogues.output_files import SCHEMATIC
 from fingertip.foundation.output_set import SetWriter
+from fingertip.models.parts import parts_by_name
 from fingertip.page import markdown_sheets
 from fingertip.page.board_section import draw_response
 from fingertip.page.html import Markup, code, element, figure, table

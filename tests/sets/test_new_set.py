@@ -9,7 +9,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.design.finger_set import load_set
-from fingertip.design.new_set import fit_set, start_set, write_set_file
+from fingertip.fitting.new_set import fit_set, start_set, write_set_file
 from fingertip.pad.survey import survey_pad
 from tests.conftest import run_fingertip
 

@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.verify import verify
 from fingertip.casting.mixture import measure_poured_cm3, mix
 from fingertip.design.finger_set import load_set
 from fingertip.foundation.errors import SweepError
+from fingertip.models.parts import PARTS, parts_by_name
 from fingertip.sweep.database import SweepDatabase
 from fingertip.sweep.outputs import GROUPS, SET_GROUPS, load_outputs
 from fingertip.sweep.point_evaluator import PointEvaluator

@@ -20,7 +20,6 @@ from typer.testing import CliRunner
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.check import Check
 from fingertip.casting.mixture import mix
 from fingertip.casting.sheet import casting_sheet
@@ -45,6 +44,7 @@ from fingertip.firmware.fingers import plan_set
 from fingertip.firmware.sources import GRIP_SOURCE, library_sources
 from fingertip.foundation.errors import DesignError, FingertipError, OutputError
 from fingertip.foundation.output_set import SetWriter
+from fingertip.models.parts import PARTS
 from fingertip.tasks.make_set import make_set
 from fingertip.tasks.verification import verify_sets
 from tests.approved import check_text

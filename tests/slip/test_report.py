@@ -14,7 +14,8 @@ import pytest
 from fingertip import Design, Trace, detect
 from fingertip.detection.warnings import calibration_warnings, hum_warnings, noise_warnings
 from fingertip.slip.detectors.analog_and_digital import ChainSettings, SlipChain
-from fingertip.slip.report import as_data, as_text, draw_trace
+from fingertip.slip.plots import draw_trace, plot_detection
+from fingertip.slip.report import as_data, as_text
 from fingertip.slip.traces.truth import Interval, Origin
 from tests.approved import check_figures, list_data
 from tests.figures import describe_figure, keep_figures, list_words
@@ -65,13 +66,15 @@ CASES = {
 def test_report_of_a_detection_is_the_approved_one(name: str) -> None:
     trace, detector = CASES[name]
     found = detect(trace, ARTICLE if trace.filtered_v is None else Design(), detector)
-    whole = APPROVED / "fast_simulated_with_a_motion.txt"
+    is_drawn = name == "fast, simulated with a motion"
     path = APPROVED / f"{name.replace(', ', '_').replace(' ', '_')}.txt"
     with keep_figures() as figures:
-        _ = found.plot("title"), draw_trace(trace) if path == whole else None
+        plot_detection(found, "title")
+        if is_drawn:
+            draw_trace(trace)
     drawn = (
         (line for one in figures for line in describe_figure(one))
-        if path == whole
+        if is_drawn
         else list_words(figures)
     )
     lines = [
@@ -80,14 +83,14 @@ def test_report_of_a_detection_is_the_approved_one(name: str) -> None:
         found._repr_html_().replace("<tr>", "\n<tr>"),
     ]
     lines += (*list_data(as_data(found, found.noise)), *drawn)
-    check_figures(path, lines, 1e-3, 1e-9, whole if path != whole else None)
+    check_figures(path, lines, 1e-3, 1e-9)
 
 
 def test_threshold_drawn_is_the_one_of_each_sample() -> None:
     trace, detector = CASES["fast, simulated with a motion"]
     found = detect(trace, ARTICLE, detector)
     with keep_figures() as figures:
-        found.plot()
+        plot_detection(found)
     assert found.threshold.lowest_v < found.threshold.highest_v
     for axes in (figures[0].axes[1], figures[0].axes[3]):
         (drawn,) = [

@@ -21,10 +21,10 @@ import pytest
 
 from fingertip import Design
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.check import Solids
 from fingertip.cad.verification.verify import run_checks
 from fingertip.foundation.errors import StudioError
+from fingertip.models.parts import parts_by_name
 from fingertip.studio.answers import DOWNLOADS, VIEW_TOLERANCE_MM
 from fingertip.studio.server import StudioServer
 from fingertip.tasks.build import build

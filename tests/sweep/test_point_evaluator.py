@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
@@ -26,6 +25,7 @@ from fingertip.design.search import PART_RULES, RULES
 from fingertip.foundation.errors import DesignError, Issue
 from fingertip.lab.campaign.campaign import Case
 from fingertip.lab.campaign.run import TrialResult
+from fingertip.models.parts import PARTS, parts_by_name
 from fingertip.sweep import compute
 from fingertip.sweep.compute import PointContext
 from fingertip.sweep.designs import (

@@ -17,8 +17,8 @@ from PIL import Image, ImageDraw
 
 from fingertip import Design
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.design.geometry.solids import Box, difference
+from fingertip.models.parts import parts_by_name
+from fingertip.models.solids import Box, difference
 from fingertip.pictures import picture, section
 from fingertip.pictures.picture import draw, find_free_place, place_on_hand
 from fingertip.pictures.scene import View

@@ -19,8 +19,8 @@ from PIL.ImageDraw import ImageDraw
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.casting.sheet import casting_sheet
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Point3
 from fingertip.documents.finger import list_steps
+from fingertip.models.solids import Point3
 from fingertip.pictures.casting_scenes import SCENES
 from fingertip.pictures.joint_scenes import JOINT_SCENES
 from fingertip.pictures.raster import Canvas

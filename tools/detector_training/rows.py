@@ -119,12 +119,23 @@ def collect(
 
     The detector assumes the cutoff and the gain of an ideal board; the real one deviates from them.
 
-    Parameters ---------- signals The signals. model Trees of the round before, or none. seed Seed
-    of the boards' deviations and of the choice of rows. factors Largest factor of each tick's
-    weight in the rounds before, for each signal; empty in the first.
+    Parameters
+    ----------
+    signals
+        The signals.
+    model
+        Trees of the round before, or none.
+    seed
+        Seed of the boards' deviations and of the choice of rows.
+    factors
+        Largest factor of each tick's weight in the rounds before, for each signal; empty in the
+        first.
 
-    Returns ------- tuple The rows, and the factors with those of this model. What one round has
-    learned, the next does not forget.
+    Returns
+    -------
+    tuple
+        The rows, and the factors with those of this model. What one round has learned, the next
+        does not forget.
     """
     rng = np.random.default_rng(seed)
     low = fast_state.UPPER_LOUD_20

@@ -16,10 +16,10 @@ from PIL import Image, ImageChops, ImageDraw, ImageFilter, ImageFont
 
 from fingertip import Design
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes.finger import sensor_body
-from fingertip.cad.shapes.parts import PARTS
-from fingertip.design.geometry.solids import Box, union
 from fingertip.foundation.numerics import Array
+from fingertip.models.parts import PARTS
+from fingertip.models.sensor import sensor_body
+from fingertip.models.solids import Box, union
 from fingertip.pictures.raster import Camera, Canvas, Colour, bounds, to_png
 
 _WIDTH_PX = 800

@@ -17,8 +17,8 @@ from PIL import Image, ImageDraw, ImageFont
 
 from fingertip import Design
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.design.geometry.solids import Box
 from fingertip.foundation.numerics import Array
+from fingertip.models.solids import Box
 from fingertip.pictures.raster import Camera, Canvas
 from fingertip.robot.finger_model import build_finger
 

@@ -19,15 +19,16 @@ from typing import TypeVar
 import tomlkit
 from pydantic.fields import FieldInfo
 
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.electronics import NAMES, load_controllers
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, list_bundled_files
 from fingertip.design import Design
 from fingertip.design.design_file import to_toml
-from fingertip.design.new_design import PRESETS
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, list_choices
+from fingertip.fitting.fitting import fit_design
+from fingertip.fitting.new_design import PRESETS
 from fingertip.foundation.errors import FingertipError, TraceError, raise_issues
+from fingertip.models.parts import parts_by_name
 from fingertip.sim import ManipulationFile, SceneFile, Simulation, load_simulation
 from fingertip.sim.signal.parameters import FILTER_OUTPUTS
 from fingertip.sweep.outputs import load_outputs
@@ -239,9 +240,11 @@ class _Drawing:
         """
 
     def _load(self, typed: list[str]) -> Design:
-        return Design.load(
-            self.base, changes=[each for each in typed if each != FIT], fit=FIT in typed
-        )
+        changes = [change for change in typed if change != FIT]
+        if FIT in typed:
+            return fit_design(Design.load(self.base), changes)
+
+        return Design.load(self.base, changes=changes)
 
     def _lacks_file(self, changes: list[str]) -> bool:
         """Tell whether an adapter needs a file, which no value mends."""

@@ -5,7 +5,7 @@ In: a design. Out: meshes and exact solids of its parts, the bytes of their file
 value and limit.
 
 >>> from fingertip import Design
->>> from fingertip.cad.shapes.parts import parts_by_name
+>>> from fingertip.models.parts import parts_by_name
 >>> list(parts_by_name(Design()))
 ['bone', 'skin', 'mold_palmar', 'mold_dorsal', 'core', 'stand']
 """

@@ -12,14 +12,14 @@ from fingertip import __version__
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.print_files import PrintFiles
-from fingertip.cad.shapes.parts import PARTS, Part, hardware
 from fingertip.cad.verification.check import Check, count_checks
 from fingertip.cad.verification.skin import describe_lying_skin
 from fingertip.cad.verification.strength import BoneStrength, strength_data
 from fingertip.catalogues.output_files import ASSEMBLY, PRINT_FOLDER
 from fingertip.design import Design
-from fingertip.foundation.display import Picture, html_table, to_dataframe
+from fingertip.foundation.display import html_table, to_dataframe
 from fingertip.foundation.files import round_for_output
+from fingertip.models.parts import PARTS, Part, hardware
 from fingertip.pad.survey import survey_pad
 
 if TYPE_CHECKING:
@@ -88,10 +88,6 @@ class Build:
         return text + (
             html_table("FAILED", ("check", "value", "limit", "unit"), failed) if failed else ""
         )
-
-    def plot(self, width_px: int = 1600) -> Picture:
-        """Draw the design that was built, in a picture of this width [pixels]."""
-        return self.design.plot(width_px)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return every check with value and limit as a data frame.

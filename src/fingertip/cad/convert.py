@@ -18,14 +18,12 @@ from fingertip.cad.kernel.mesh import (
     to_canonical_mesh,
     to_manifold,
 )
-from fingertip.cad.shapes.finger import cable_channel
-from fingertip.cad.shapes.parts import find_frames, hardware, parts_by_name, tagged_faces
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation import extras
 from fingertip.foundation.errors import ArgumentError, DesignError, Issue
-from fingertip.pad.pad_geometry import PadForm
+from fingertip.models.parts import find_frames, find_solid, hardware, parts_by_name
+from fingertip.models.solids import Solid
 
 if TYPE_CHECKING:
     import cadquery
@@ -39,8 +37,6 @@ decimals [mm] to which their corners are joined.
 """
 _KEPT = 32
 """Number of exact solids that are kept, and made once: a design has some ten."""
-_NEAR_MM = 0.02
-"""Distance from a place [mm]."""
 
 
 def part_solid(design: Design, name: str) -> cadquery.Solid:
@@ -108,32 +104,9 @@ def _evaluate(solid: Solid) -> Any:
 def _tag_faces(solid: Solid, design: Design, name: str) -> dict[str, list[int]]:
     """Find the faces of each tag, by their numbers in the solid."""
     cadquery = _load_cadquery("part_workplane")
-    from fingertip.cad.kernel.cadquery_primitives import in_plane  # noqa: PLC0415
+    from fingertip.models.workplanes import find_tagged_faces  # noqa: PLC0415
 
-    made = cadquery.Solid(_evaluate(solid))
-    form = PadForm.of_design(design)
-    places = {"pad": [(0.0, -form.platform_mm - form.over_sensor_mm, form.sensor_z_mm)]}
-
-    if name == "bone":  # where the bend of the channel meets its straight pieces
-        tube = cable_channel(design)
-        y = tube.start_y + tube.bend_radius
-        z = tube.exit_z + tube.bend_radius
-        places["channel"] = [(0.0, tube.start_y + tube.radius, z), (tube.radius, y, tube.exit_z)]
-
-    faces = dict(enumerate(made.Faces()))
-    tagged = {}
-    for tag, points in places.items():
-        near = [cadquery.Vertex.makeVertex(*point) for point in points]
-        tagged[tag] = [i for i, face in faces.items() if min(map(face.distance, near)) < _NEAR_MM]
-
-    for tag, selectors in tagged_faces(design, name).items():
-        found = cadquery.Workplane(made)
-        for each in selectors:
-            found = found.faces(each if isinstance(each, str) else in_plane(each))
-
-        tagged[tag] = [i for i, face in faces.items() if any(map(face.isSame, found.vals()))]
-
-    return {tag: found for tag, found in tagged.items() if found}
+    return find_tagged_faces(cadquery.Solid(_evaluate(solid)), design, name)
 
 
 def frames(design: Design) -> dict[str, cadquery.Location]:
@@ -219,13 +192,8 @@ def _load_cadquery(field: str) -> Any:
 
 def _find_solid(design: Design, name: str) -> Solid:
     parts = parts_by_name(design)
-    if name in parts:
-        return parts[name].solid(design)
+    known = (*parts, *(item.name for item in hardware(design, parts)))
+    if name not in known:
+        raise DesignError(Issue("name", f"there is no {name!r}; {suggest_name(name, known)}"))
 
-    bought = {item.name: item.solid for item in hardware(design, parts)}
-    if name not in bought:
-        raise DesignError(
-            Issue("name", f"there is no {name!r}; {suggest_name(name, (*parts, *bought))}")
-        )
-
-    return bought[name]
+    return find_solid(design, name)

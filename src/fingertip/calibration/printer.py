@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from fingertip.design import Design
-from fingertip.design.geometry.mold_layout import PLATE_LEDGE_MM
 from fingertip.foundation.errors import DesignError, Issue, raise_issues
+from fingertip.models.mold_layout import PLATE_LEDGE_MM
 
 CALIPER_MM = 0.03
 """Error of a reading, of the calipers and of the hand together [mm]. An assumption."""

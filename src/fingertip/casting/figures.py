@@ -14,11 +14,11 @@ from fingertip.cad.verification.mold import palmar_limits
 from fingertip.casting.mixture import Mixture
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.design import Design
-from fingertip.design.geometry.dimensions import HEAD_MM, LONGER_MM, SHORTER_MM
 from fingertip.design.geometry.plunge import LOWERING_S
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
-from fingertip.design.interfaces.interface import MATING_PLAY_MM
+from fingertip.models.dimensions import HEAD_MM, LONGER_MM, SHORTER_MM
+from fingertip.models.outlines import MATING_PLAY_MM
 
 _WORK_H = (4.0, 3.0)
 """Work on both days besides printing, with what dries meanwhile [h].

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.finger import cavity, core_within_skin
 from fingertip.catalogues.materials import Silicone
 from fingertip.design import Design
-from fingertip.design.geometry.mold_layout import POURED
+from fingertip.design.geometry.casting_layout import POURED
+from fingertip.models.core import core_within_skin
+from fingertip.models.mold import cavity
 
 WASTE_FRACTION = 0.25
 """Extra silicone, which stays on cup and stick, as a fraction of what is poured.

@@ -16,8 +16,8 @@ from fingertip.casting.figures import Mount, Printing
 from fingertip.casting.mixture import Mixture
 from fingertip.catalogues.materials import find_example
 from fingertip.design import Design
-from fingertip.design.geometry.dimensions import KNOT_WIRES
 from fingertip.foundation.tables import load_table, read_rows
+from fingertip.models.dimensions import KNOT_WIRES
 
 PriceClass = Literal["below 5", "5 to 20", "20 to 50"]
 PRICES_USD: Mapping[str, tuple[int, int]] = {

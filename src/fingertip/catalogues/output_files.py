@@ -76,17 +76,13 @@ HAND_VIEW = "measure.svg"
 @dataclass(frozen=True)
 class PartFormat:
     suffix: str
-    code: str = ""
-    """Module that writes a mesh with `to_bytes(mesh, name, note)` and
-    reads it with `from_bytes`; none for a solid.
-    """
     is_default: bool = True
     """False if it is written only where it is named."""
 
 
 PART_FORMATS = {
-    "stl": PartFormat(".stl", "fingertip.cad.files.stl"),
-    "3mf": PartFormat(".3mf", "fingertip.cad.files.threemf"),
+    "stl": PartFormat(".stl"),
+    "3mf": PartFormat(".3mf"),
     "step": PartFormat(".step"),
     "cq": PartFormat(".cq.py", is_default=False),
 }

@@ -57,9 +57,9 @@ def check_mesh(path: Path, given: Sequence[Given], tolerance_mm: float, verbose:
 
 def _find_one_design(path: Path, given: Sequence[Given]) -> Design:
     """Find the design that a mesh is compared with, which must have a part of its name."""
-    from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.mesh_files import name_part
     from fingertip.design import Design
+    from fingertip.models.parts import parts_by_name
 
     designs = [one.design for one in given if isinstance(one.design, Design)]
 

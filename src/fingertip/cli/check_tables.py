@@ -78,7 +78,7 @@ def offer_fit(
     """Name, as data, what a fit moves for checks that failed, if
     it mends them all and was not asked for.
     """
-    from fingertip.cad.verification.fitting import find_mend
+    from fingertip.fitting.fitting import find_mend
 
     if console.fits or not any(check.change for check in checks if not check.passed):
         return {}

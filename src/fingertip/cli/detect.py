@@ -83,7 +83,8 @@ def detect(
     from fingertip.detection.recordings import detect_file
     from fingertip.foundation import extras
     from fingertip.foundation.output_set import add_to_set, check_set
-    from fingertip.slip.report import as_data, as_text, draw
+    from fingertip.slip.plots import draw_detection
+    from fingertip.slip.report import as_data, as_text
 
     is_stream = str(trace) == "-"
     refuse(find_file_issues("--plot", plot, ".png"))
@@ -136,7 +137,7 @@ def detect(
     )
     console.warn(found.warnings)
     if plot is not None:
-        add_to_set(plot, draw(found.trace, found.detection, trace.name), "--plot")
+        add_to_set(plot, draw_detection(found.detection, trace.name), "--plot")
 
     console.result(
         as_data(found.detection, found.noise) | {"warnings": found.warnings},

@@ -28,8 +28,8 @@ from fingertip.foundation.progress import Work
 if TYPE_CHECKING:
     from fingertip.cad.verification.check import Check
     from fingertip.design import Design
-    from fingertip.design.new_design import NewDesign
-    from fingertip.design.new_set import Starts
+    from fingertip.fitting.new_design import NewDesign
+    from fingertip.fitting.new_set import Starts
 
 
 @command
@@ -101,14 +101,14 @@ def new(
 
         _write_renewed(console, order, old)
     elif finger:
-        from fingertip.design.new_set import start_set
+        from fingertip.fitting.new_set import start_set
 
         console.fits = True
         _write_set(
             console, order, partial(start_set, name, finger, sensor, preset, hand, order.changes)
         )
     else:
-        from fingertip.design.new_design import write_new_design
+        from fingertip.fitting.new_design import write_new_design
 
         console.fits = bool(preset or hand or changes)
         begin = partial(
@@ -185,7 +185,7 @@ def _write_one(
 
 
 def _write_renewed(console: Console, order: _Order, old: Path) -> None:
-    from fingertip.design.renewal import LEFT_OUT, renew_design
+    from fingertip.fitting.renewal import LEFT_OUT, renew_design
     from fingertip.foundation.files import write_file
 
     order.issues.extend(
@@ -248,7 +248,7 @@ def _tell_other_joint(made: NewDesign) -> Iterator[str]:
 
 def _write_set(console: Console, order: _Order, start: Callable[[], Starts]) -> None:
     from fingertip.design.hand_sizes import describe_guesses
-    from fingertip.design.new_set import fit_set, write_set_file
+    from fingertip.fitting.new_set import fit_set, write_set_file
     from fingertip.foundation.files import write_file
 
     path = order.path

@@ -220,11 +220,11 @@ def load_design(
     Raises DesignError.
     """
     if console and console.fits:
-        from fingertip.design import Design
         from fingertip.design.design_file import load_tables
+        from fingertip.fitting.fitting import fit_tables
 
         loaded = load_tables([file] if file else [], changes or ())
-        design = Design.fit_tables(
+        design = fit_tables(
             loaded.tables,
             before=loaded.before,
             changed=loaded.changed,
@@ -291,8 +291,8 @@ def read_design(file: Path | None, changes: tuple[str, ...]) -> tuple[Design, bo
 def load_fingers(file: Path, changes: Sequence[str] | None, console: Console) -> FingerSet:
     """Load a set of fingers; with --fit, fit each. Raises DesignError."""
     from fingertip.catalogues.electronics import split_finger
-    from fingertip.design import Design
     from fingertip.design.finger_set import build_set, load_set, read_set
+    from fingertip.fitting.fitting import fit_tables
 
     if not console.fits:
         return load_set(file, changes or ())
@@ -303,7 +303,7 @@ def load_fingers(file: Path, changes: Sequence[str] | None, console: Console) ->
         changed = [
             name for name in loaded.changed if name in typed
         ]  # what the set's file states may move
-        return Design.fit_tables(
+        return fit_tables(
             loaded.tables,
             before=loaded.before,
             changed=changed,

@@ -4,9 +4,8 @@ detector, validated as a whole and frozen.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -20,9 +19,8 @@ from fingertip.design.parameters.declaration import parse_tables
 from fingertip.design.refusal import describe_violations, explain_invalid, find_remedies, read_valid
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import RULES
-from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
+from fingertip.foundation.display import html_table, to_dataframe
 from fingertip.foundation.errors import DesignError, checked, raise_issues
-from fingertip.foundation.progress import ShareText
 
 if TYPE_CHECKING:
     import pandas
@@ -38,9 +36,12 @@ class Design(DesignTables):
 
     Its construction checks every bound and every rule, and reports all issues at once.
 
-    Raises ------ DesignError With one message for each unknown name, each parameter out of bounds
-    and each field that a broken rule blames. `fingertip.design.remedies` states what the remedies
-    in the messages promise.
+    Raises
+    ------
+    DesignError
+        With one message for each unknown name, each parameter out of bounds and each field that a
+        broken rule blames. `fingertip.design.remedies` states what the remedies in the messages
+        promise.
     """
 
     def __init__(self, /, **tables: Any) -> None:
@@ -48,18 +49,20 @@ class Design(DesignTables):
 
     @classmethod
     @checked
-    def load(cls, *files: str | Path, changes: Changes = (), fit: bool = False) -> Self:
+    def load(cls, *files: str | Path, changes: Changes = ()) -> Self:
         """Read a design: the defaults, then each file, then changes; later values win.
 
         A change is a text such as "skin.width_mm=18"; a mapping such as {"skin.width_mm": 18} holds
-        several, each once. With `fit`, what follows moves as in `Design.fit`.
+        several, each once.
 
-        Raises ------ DesignError If a file cannot be read, is not valid TOML or is of another kind,
-        or if the design is refused.
+        Raises
+        ------
+        DesignError
+            If a file cannot be read, is not valid TOML or is of another kind, or if the design is
+            refused.
         """
         loaded = load_tables(files, changes)
-        make = cls.fit_tables if fit else cls.from_tables
-        return make(loaded.tables, loaded.before, loaded.changed, provisional=loaded.provisional)
+        return cls.from_tables(loaded.tables, loaded.before, loaded.changed, loaded.provisional)
 
     @classmethod
     def from_tables(
@@ -100,81 +103,9 @@ class Design(DesignTables):
 
         return self.from_tables(tables, self.model_dump(), loaded.changed, self.provisional)
 
-    @checked
-    def fit(
-        self, changes: Changes = (), progress: Callable[[str], None] = lambda message: None
-    ) -> Self:
-        """Change the design, and move what follows until every rule passes and the bone holds its
-        loads.
-
-        What is changed stays, measurements too. A design that passes with the changes stays as it
-        is. `moves` of the result lists what moved:
-
-        >>> thinner = Design.load("adult_finger").fit({"skin.thickness_palmar_mm": 2.7})
-        >>> thinner.skin.thickness_palmar_mm, len(thinner.moves) > 0
-        (2.7, True)
-
-        Parameters
-        ----------
-        changes
-            Changes as those of `load`.
-        progress
-            Called with the share of the search that is done.
-
-        Raises
-        ------
-        DesignError
-            If no such design is found. It names what has to change.
-        """
-        loaded = load_tables((), changes)
-        tables = self.model_dump()
-        merge(tables, loaded.tables)
-
-        return self.fit_tables(
-            tables,
-            before=self.model_dump(),
-            changed=loaded.changed,
-            progress=progress,
-            provisional=self.provisional,
-        )
-
-    @classmethod
-    def fit_tables(
-        cls,
-        tables: Mapping[str, Any],
-        before: Mapping[str, Any] | None = None,
-        changed: Sequence[str] = (),
-        progress: Callable[[str], None] = lambda message: None,
-        provisional: Sequence[str] = (),
-    ) -> Self:
-        """Make a design of tables as `from_tables` does, and move what follows from the changes.
-
-        Raises DesignError.
-        """
-        # Strength is computed by what builds on a design, which therefore finds the function by its
-        # name.
-        fit_finger = import_module("fingertip.cad.verification.fitting").fit_finger
-        try:
-            begun = DesignTables(**tables)
-        except ValidationError as error:
-            raise DesignError(explain_invalid(tables, error, changed)) from None
-
-        fit = fit_finger(
-            begun,
-            changed,
-            read_valid(before),
-            lambda share: progress(ShareText("fitting", share)),
-            provisional,
-        )
-        design = cls.from_tables(fit.tables.model_dump(), before, changed, provisional)
-        design.__dict__["moves"] = fit.moves
-        return design
-
     @cached_property
     def moves(self) -> tuple[Move, ...]:
-        """Moves of `fit`, each with `name`, `before`, `after`
-        and `reason`; nothing in another design.
-        """
+        """Parameters that a fit moved, each with `name`, `before`, `after` and `reason`."""
         return ()
 
     @cached_property
@@ -221,16 +152,6 @@ class Design(DesignTables):
         caption = f"Design {self.name}: {count} from the default design"
 
         return html_table(caption, ("parameter", "value", "default", "unit", "meaning"), rows)
-
-    def plot(self, width_px: int = 1600) -> Picture:
-        """Draw the design: exploded views, and a section through the closed mold.
-
-        Parameters
-        ----------
-        width_px
-            Width of the picture [pixels].
-        """
-        return plot("fingertip.pictures.picture:draw", self, width_px)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return every parameter with value, default, unit, bounds, kind and description as a data

@@ -99,7 +99,7 @@ class Holds:
     """Factors on parameters that make it stronger."""
 
 
-def fit_design(
+def fit_lengths(
     tables: DesignTables,
     given: Collection[str] = (),
     before: DesignTables | None = None,
@@ -180,7 +180,7 @@ def find_fit(
     is_early: bool = False,
     is_remedy: bool = False,
 ) -> tuple[Fit | None, Sequence[BrokenRule]]:
-    """Find a design that passes as `fit_design` does; or else what is too weak in one that passes
+    """Find a design that passes as `fit_lengths` does; or else what is too weak in one that passes
     all rules.
 
     A search that gives up early moves no wish in place of what a whole one would have found. A fit

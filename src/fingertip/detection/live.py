@@ -17,6 +17,7 @@ from fingertip.detection.recordings import find_force_scale, read_floors
 from fingertip.detection.warnings import StreamWatch, settings_warnings
 from fingertip.foundation.errors import Issue, TraceError, shorten
 from fingertip.slip.detectors import registry
+from fingertip.slip.detectors.detector import Detector
 from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.force import MEAN_S, Force, ForceScale
 from fingertip.slip.traces import sampling
@@ -79,16 +80,25 @@ def detect_stream(
     The header is read at once. If neither design nor `rate_hz` state a rate, it follows from the
     first samples' times.
 
-    Parameters ---------- lines CSV lines, as in a file: texts or bytes, or what has a method
-    `readline`, such as a `serial.Serial`. The detector `analog` takes the column `envelope_v` and,
-    if there is none, the output of the design's board, simulated for the voltage. channels Columns
-    of several voltages, by name or number. Each is judged alone, without the board's columns.
-    design, detector, rate_hz, scale, time_scale, columns, floors, progress As for `detect_file`,
-    but the voltage may not be the column of a force.
+    Parameters
+    ----------
+    lines
+        CSV lines, as in a file: texts or bytes, or what has a method `readline`, such as a
+        `serial.Serial`. The detector `analog` takes the column `envelope_v` and, if there is none,
+        the output of the design's board, simulated for the voltage.
+    channels
+        Columns of several voltages, by name or number. Each is judged alone, without the board's
+        columns.
+    design, detector, rate_hz, scale, time_scale, columns, floors, progress
+        As for `detect_file`, but the voltage may not be the column of a force.
 
-    Raises ------ TraceError If the lines have no header or an option does not apply; while
-    transitions are taken, at the first wrong line. DesignError If `rate_hz` is out of bounds, or
-    too low for the design's filters.
+    Raises
+    ------
+    TraceError
+        If the lines have no header or an option does not apply; while transitions are taken, at the
+        first wrong line.
+    DesignError
+        If `rate_hz` is out of bounds, or too low for the design's filters.
     """
     report = progress or (lambda message: None)
     given = design or Design()
@@ -164,7 +174,7 @@ class _Channel:
     """Name in transitions and warnings; empty for a single one."""
     places: list[int]
     """Places in a line of what the detector takes."""
-    detector: registry.Detector
+    detector: Detector
     watch: StreamWatch | None
     scale: ForceScale | None
     is_on: bool = False
@@ -207,7 +217,7 @@ class _Channel:
             place(name),
             *([place(voltage.name_in_file(second))] if second and has_second else []),
         ]
-        instance: registry.Detector
+        instance: Detector
 
         if takes_envelope:
             from fingertip.sim.signal.converter import SimulatedBoardDetector  # noqa: PLC0415

@@ -44,14 +44,22 @@ def detect(
 ) -> Detection:
     """Detect slip in a trace, or in an array of voltages.
 
-    Parameters ---------- recording A trace, or what numpy makes an array of: voltages, which take
-    `rate_hz`, or rows of time and voltage; or a series of pandas whose index holds the times.
-    Without `envelope_v`, the detector `analog` takes the output of the design's board, simulated
-    for the voltage. design Source of filters, window, threshold and board; by default the default
-    design. It is adapted to the rate of the recording if it does not state one itself. detector
-    Name of a detector: `digital`, `analog`, `fft` or `fast`. noise_v White RMS noise of the signal;
-    by default the design's [V]. rate_hz Sampling rate to which any design is adapted [Hz]. Times of
-    the recording must agree with it.
+    Parameters
+    ----------
+    recording
+        A trace, or what numpy makes an array of: voltages, which take `rate_hz`, or rows of time
+        and voltage; or a series of pandas whose index holds the times. Without `envelope_v`, the
+        detector `analog` takes the output of the design's board, simulated for the voltage.
+    design
+        Source of filters, window, threshold and board; by default the default design. It is adapted
+        to the rate of the recording if it does not state one itself.
+    detector
+        Name of a detector: `digital`, `analog`, `fft` or `fast`.
+    noise_v
+        White RMS noise of the signal; by default the design's [V].
+    rate_hz
+        Sampling rate to which any design is adapted [Hz]. Times of the recording must agree with
+        it.
 
     Raises
     ------
@@ -200,19 +208,36 @@ def detect_file(
 ) -> FileDetection:
     """Detect slip in a recorded file: CSV, NumPy, MATLAB, Parquet, WAV, TDMS or LVM.
 
-    Parameters ---------- path The file. The detector `analog` takes its column `envelope_v` and, if
-    there is none, the output of the design's board, simulated for the voltage. design Source of
-    filters, window, threshold and board, by default the default design; of the sampling rate if it
-    states one, else it is adapted to that of the file. detector Name of a detector: `digital`,
-    `analog`, `fft` or `fast`. rate_hz Sampling rate to which the design is adapted [Hz]. Times in
-    the file must agree with it. calibrate_s Start and end of an interval during which nothing
-    happens, after the first sample [s]. Thresholds then follow from the noise there. floors
-    Recording of a rest, read as this one: `fast` starts with its floors, so that a start in a slip
-    is decided. scale Volts per unit of the file's voltage. time_scale Seconds per unit of the
-    file's times, such as 1e-3. columns Name in the file for each column of a trace, such as
-    ``{"voltage_v": "AI0"}``. The voltage may be the column of a force; its thresholds require
-    `calibrate_s`. origin What is known of the recording beside its columns; by default what the
-    manifest beside the file says. progress Called with each step of the progress.
+    Parameters
+    ----------
+    path
+        The file. The detector `analog` takes its column `envelope_v` and, if there is none, the
+        output of the design's board, simulated for the voltage.
+    design
+        Source of filters, window, threshold and board, by default the default design; of the
+        sampling rate if it states one, else it is adapted to that of the file.
+    detector
+        Name of a detector: `digital`, `analog`, `fft` or `fast`.
+    rate_hz
+        Sampling rate to which the design is adapted [Hz]. Times in the file must agree with it.
+    calibrate_s
+        Start and end of an interval during which nothing happens, after the first sample [s].
+        Thresholds then follow from the noise there.
+    floors
+        Recording of a rest, read as this one: `fast` starts with its floors, so that a start in a
+        slip is decided.
+    scale
+        Volts per unit of the file's voltage.
+    time_scale
+        Seconds per unit of the file's times, such as 1e-3.
+    columns
+        Name in the file for each column of a trace, such as ``{"voltage_v": "AI0"}``. The voltage
+        may be the column of a force; its thresholds require `calibrate_s`.
+    origin
+        What is known of the recording beside its columns; by default what the manifest beside the
+        file says.
+    progress
+        Called with each step of the progress.
 
     Raises
     ------

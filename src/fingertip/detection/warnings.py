@@ -11,9 +11,10 @@ from fingertip.design import Design
 from fingertip.design.formulas.filter import signal_ground_ratio
 from fingertip.foundation.errors import join_words
 from fingertip.foundation.numerics import Array
+from fingertip.slip.detectors.detector import Detector, DetectorOutput
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.input_noise import NoiseLevel
-from fingertip.slip.detectors.registry import DEFAULT, Detector, DetectorOutput, find_detector_type
+from fingertip.slip.detectors.registry import DEFAULT, find_detector_type
 from fingertip.slip.scored_detection import BEGIN_RATIO, BEGIN_S, MAX_NOISE_RATIO, Detection
 from fingertip.slip.traces.trace import Trace
 

@@ -8,8 +8,8 @@ from typing import Any
 
 from fingertip.catalogues.output_files import README, ROBOT_FILES
 from fingertip.design.finger_set import FingerSet
-from fingertip.design.geometry.solids import Point3
 from fingertip.documents.template import WIDTH, render_page
+from fingertip.models.solids import Point3
 from fingertip.robot.contact import FACET_MM, FORCES_N, REFERENCE_N, SPACING_MM
 from fingertip.robot.finger_model import TOLERANCE_MM, FingerModel
 from fingertip.robot.formats import FRAME, MAX_SPEED_RAD_S, TIMESTEP_S

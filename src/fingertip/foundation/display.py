@@ -1,6 +1,5 @@
 """Display of results: tables in HTML, data frames, pictures, and the style of all plots.
 
-A design cannot import what draws it, which builds on it. `plot` therefore finds it by its name.
 Every plot begins with `new_figure`, which raises an error if matplotlib is not installed. Modules
 that draw import matplotlib only where they use it, so that the plots can be listed without it.
 """
@@ -14,7 +13,6 @@ import logging
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -56,12 +54,6 @@ class Picture:
 
         write_file(Path(path), self.png, "picture")
         return Path(path)
-
-
-def plot(where: str, *arguments: Any) -> Picture:
-    """Draw something with a function that returns a PNG, named as ``module:function``."""
-    module, function = where.split(":")
-    return Picture(getattr(import_module(module), function)(*arguments))
 
 
 def html_table(caption: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.design.geometry.conic import ConicBody
 from fingertip.foundation.numerics import Array
+from fingertip.models.conic import ConicBody
 
 POISSON = 0.49
 """Poisson's ratio of silicone. Between 0.49 and 0.4999 the share of the sensor changes by 0.001 at

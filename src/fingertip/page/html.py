@@ -219,7 +219,7 @@ def read_viewer_library() -> str:
     return f"/*\n{read_asset('three.LICENSE')}*/\n{read_asset('three.bundle.js')}"
 
 
-def read_asset(name: str, package: str = "fingertip.page") -> str:
+def read_asset(name: str, package: str = __package__ or "") -> str:
     return (files(package) / "assets" / name).read_text(encoding="utf-8")
 
 

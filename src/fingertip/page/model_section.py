@@ -18,10 +18,10 @@ import numpy as np
 
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, print_scale
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.numerics import Array
+from fingertip.models.parts import PARTS, hardware, parts_by_name, print_scale
+from fingertip.models.solids import Solid
 from fingertip.page.html import Markup, button, element, join
 
 Offset = tuple[float, float, float]

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
-from fingertip.cad.shapes.parts import shapes_of_parameters
+from fingertip.cad.parts import shapes_of_parameters
 from fingertip.cad.verification.verify import list_causes
 from fingertip.design import Design
 from fingertip.design.design_file import Parameter, format_value, list_parameters

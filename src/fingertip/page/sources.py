@@ -16,7 +16,6 @@ from urllib.parse import quote
 
 from pydantic import TypeAdapter
 
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.casting.sheet import CastingSheet
 from fingertip.catalogues.output_files import (
     BOARD_FOLDER,
@@ -32,6 +31,7 @@ from fingertip.foundation.errors import Issue, OutputError, raise_issues
 from fingertip.foundation.folder_swap import hash_content
 from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
 from fingertip.foundation.output_set import Manifest, hash_parameters, read_manifest
+from fingertip.models.parts import parts_by_name
 from fingertip.page.html import embed
 from fingertip.page.parameters_and_checks import ReportedCheck
 

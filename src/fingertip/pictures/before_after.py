@@ -11,11 +11,11 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.finger import sensor_body
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.numerics import Array
+from fingertip.models.parts import parts_by_name
+from fingertip.models.sensor import sensor_body
+from fingertip.models.solids import Solid
 from fingertip.pictures.raster import Pen, to_png
 from fingertip.pictures.section import draw_scale_bar, slice_solid
 

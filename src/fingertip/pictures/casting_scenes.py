@@ -16,11 +16,13 @@ from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.settings import FDM
-from fingertip.cad.shapes.finger import cavity
 from fingertip.casting.sheet import CastingSheet
 from fingertip.design import Design
-from fingertip.design.geometry.dimensions import KNOT_WIRES
-from fingertip.design.geometry.mold_layout import (
+from fingertip.design.interfaces.rigid import Post, Socket
+from fingertip.foundation.progress import Work
+from fingertip.models.dimensions import KNOT_WIRES
+from fingertip.models.mold import cavity
+from fingertip.models.mold_layout import (
     BELT_MM,
     GAP_MM,
     NOTCH_MM,
@@ -28,7 +30,7 @@ from fingertip.design.geometry.mold_layout import (
     PLATE_MM,
     STRAP_Y_MM,
 )
-from fingertip.design.geometry.solids import (
+from fingertip.models.solids import (
     Box,
     Point3,
     Solid,
@@ -38,9 +40,6 @@ from fingertip.design.geometry.solids import (
     scaled,
     union,
 )
-from fingertip.design.interfaces.interface import middle_y
-from fingertip.design.interfaces.rigid import Post, Socket
-from fingertip.foundation.progress import Work
 from fingertip.pictures.joint_scenes import JOINT_SCENES
 from fingertip.pictures.raster import Camera, Canvas, bounds, to_png
 from fingertip.pictures.scene import (
@@ -556,7 +555,7 @@ def connect(bench: Bench, sheet: CastingSheet) -> Scene:
 
 def _show_mount(bench: Bench, sheet: CastingSheet) -> tuple[list[Shown], list[Label]]:
     """Show what holds the bone: a stand, or a plain part of the hand; nothing yet of a joint."""
-    design, y, bone = bench.design, middle_y(bench.dims), bench.design.bone
+    design, y, bone = bench.design, bench.dims.base_middle_y, bench.design.bone
     end = -bone.base_length_mm
     half = bench.dims.bone_outline.section.half_width
 

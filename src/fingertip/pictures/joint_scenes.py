@@ -9,11 +9,11 @@ import math
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.shapes.bench import BAND_NOTCH_MM, BAR_MM, NOTCH_DEPTH_MM, NOTCHES_MM, bars
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.sheet import CastingSheet
-from fingertip.design.geometry.joint import Joint, TendonAnchor
-from fingertip.design.geometry.solids import Box, Prism, cylinder, difference, union
+from fingertip.models.hand_stub import BAND_NOTCH_MM, BAR_MM, NOTCH_DEPTH_MM, NOTCHES_MM, bars
+from fingertip.models.joint import Joint, TendonAnchor
+from fingertip.models.parts import PARTS
+from fingertip.models.solids import Box, Prism, cylinder, difference, union
 from fingertip.pictures.raster import Camera
 from fingertip.pictures.scene import Arrow, Bench, Label, Scene, Shown
 

@@ -15,19 +15,19 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
-from fingertip.cad.shapes.finger import sensor_body
-from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.joint import turn_about_pin
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.cad.verification.walls import find_thin_walls
 from fingertip.design import Design
-from fingertip.design.geometry.joint import Joint
-from fingertip.design.geometry.solids import Point3, Solid
-from fingertip.design.interfaces.clevis_solids import knuckle
 from fingertip.foundation.display import Picture
 from fingertip.foundation.errors import Issue, TraceError, checked, raise_issues
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import Work
+from fingertip.models.clevis import knuckle
+from fingertip.models.joint import Joint
+from fingertip.models.parts import PARTS, parts_by_name
+from fingertip.models.sensor import sensor_body
+from fingertip.models.solids import Point3, Solid
 from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
 from fingertip.pictures.section import SENSOR_COLOUR, draw_scale_bar, draw_section, list_sections
 

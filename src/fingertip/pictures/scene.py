@@ -16,11 +16,11 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
-from fingertip.cad.shapes.finger import sensor_body
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Box, Point3, Solid, cylinder, difference
 from fingertip.foundation.numerics import Array
+from fingertip.models.parts import PARTS
+from fingertip.models.sensor import sensor_body
+from fingertip.models.solids import Box, Point3, Solid, cylinder, difference
 from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
 from fingertip.pictures.section import spread
 

@@ -19,14 +19,14 @@ from numpy.typing import NDArray
 from PIL import Image, ImageChops, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import mold
-from fingertip.cad.shapes.finger import sensor_body
-from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.design import Design
-from fingertip.design.geometry.mold_layout import GAP_MM, PLATE_MM
-from fingertip.design.geometry.solids import Solid, intersection
 from fingertip.design.interfaces import interface_of
 from fingertip.foundation.numerics import Array
+from fingertip.models import mold
+from fingertip.models.mold_layout import GAP_MM, PLATE_MM
+from fingertip.models.parts import PARTS, parts_by_name
+from fingertip.models.sensor import sensor_body
+from fingertip.models.solids import Solid, intersection
 from fingertip.pictures.raster import Colour, Font, Pen
 
 Point = tuple[float, float]

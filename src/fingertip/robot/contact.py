@@ -21,9 +21,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_arrays, to_canonical_mesh
-from fingertip.cad.shapes.finger import skin_outline
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
+from fingertip.models.skin import skin_outline
 from fingertip.pad.layer import find_contacts
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import REFERENCE_POSE, Pad

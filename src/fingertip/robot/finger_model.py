@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes import bench
-from fingertip.cad.shapes.parts import PARTS, find_frames, hardware, parts_by_name
 from fingertip.catalogues.electronics import FILM_G_CM3
 from fingertip.catalogues.hardware import STEEL_G_CM3
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Point3, cylinder
 from fingertip.design.interfaces import interface_of
-from fingertip.design.interfaces.interface import CrossBolted, middle_y
+from fingertip.design.interfaces.interface import CrossBolted
+from fingertip.models.hand_stub import guide as tendon_guide
+from fingertip.models.parts import PARTS, find_frames, hardware, parts_by_name
+from fingertip.models.solids import Point3, cylinder
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.robot.contact import ContactLaw, TactileMesh, cut_skin, fit_contact, mesh_active_area
 
@@ -200,7 +200,7 @@ def _mesh_bodies(design: Design, evaluator: MeshEvaluator) -> tuple[Body, ...]:
         half = bolt.crossed_mm / 2
         solid = cylinder(
             "x",
-            centre=(middle_y(design.dimensions), interface.cross_bolt_z(design)),
+            centre=(design.dimensions.base_middle_y, interface.cross_bolt_z(design)),
             low=-half,
             high=half,
             radius=bolt.thread_mm / 2,
@@ -219,7 +219,7 @@ def _mesh_stub(design: Design, evaluator: MeshEvaluator) -> Body:
 def _lead_tendon(design: Design, origin_mm: Point3) -> Iterator[Strand]:
     """Yield the strands of the tendon; none without one."""
     anchor = design.dimensions.anchor
-    guide = bench.guide(design) if anchor else None
+    guide = tendon_guide(design) if anchor else None
     if not anchor or not guide:
         return
 

@@ -15,7 +15,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from fingertip.design.geometry.solids import Point3
+from fingertip.models.solids import Point3
 from fingertip.robot.finger_model import (
     Body,
     FingerModel,

@@ -14,7 +14,7 @@ from fingertip.sim.contact.surface_files import SurfaceTable
 from fingertip.sim.runs.manipulation import ManipulationResult
 from fingertip.sim.runs.scene import SceneRecord, SceneResult
 from fingertip.sim.signal.parameters import OUTPUTS
-from fingertip.slip.report import draw_bars
+from fingertip.slip.plots import draw_bars
 from fingertip.slip.traces.truth import STICK_S, intervals, merge
 
 

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
+from fingertip.foundation.display import html_table, to_dataframe
 from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import find_not_positive
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.analog_and_digital import SlipChain, noise_level
+from fingertip.slip.detectors.detector import Detector, DetectorOutput
 from fingertip.slip.detectors.fast import FastDetector, FastOutput, Floors
 from fingertip.slip.detectors.input_noise import NoiseLevel
 from fingertip.slip.force import MEAN_S, Force, ForceScale
@@ -39,7 +40,7 @@ class UsedThreshold:
     """A thousandth of the signal's unit, which may be a force."""
 
     @classmethod
-    def of(cls, detector: str, output: registry.DetectorOutput) -> UsedThreshold:
+    def of(cls, detector: str, output: DetectorOutput) -> UsedThreshold:
         used = output.threshold_v
         on = np.flatnonzero(output.on)
         first_v = float(used[on[0]]) if len(on) else None
@@ -81,7 +82,7 @@ class Detection:
     """Noise level of the article's chain at this input noise;
     None for other detectors than `digital`.
     """
-    output: registry.DetectorOutput
+    output: DetectorOutput
     intervals: tuple[Interval, ...]
     score: Score | None
     """Score against the true slips; None if the trace does not contain them."""
@@ -172,15 +173,6 @@ class Detection:
 
         return html_table(repr(self), ("ON from [s]", "to [s]", "confidence", "slip"), rows)
 
-    def plot(self, title: str = "") -> Picture:
-        """Draw voltage, statistic with threshold, and ON/OFF over time.
-
-        Raises MissingLibraryError.
-        """
-        return plot(
-            "fingertip.slip.report:draw", self.trace, self, title or f"detector {self.detector}"
-        )
-
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the intervals; `is_true` is missing where true slip is not known.
 
@@ -263,9 +255,7 @@ MAX_NOISE_RATIO = 5.0
 """Largest ratio of noise to stated noise in the signals of the fit."""
 
 
-def _find_undecided(
-    detector: registry.Detector, output: registry.DetectorOutput, trace: Trace
-) -> Interval | None:
+def _find_undecided(detector: Detector, output: DetectorOutput, trace: Trace) -> Interval | None:
     """Find the time in which what `fast` took for its noise may have
     been slip: until it rests, or all of it.
     """
@@ -293,7 +283,7 @@ def _find_undecided(
     )
 
 
-def find_ratio(output: registry.DetectorOutput) -> Array:
+def find_ratio(output: DetectorOutput) -> Array:
     """Find the statistic over the threshold at each sample; 0 where the threshold is 0."""
     zeros = np.zeros(len(output.on))
     is_known = output.threshold_v > 0.0

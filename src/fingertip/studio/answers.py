@@ -21,8 +21,8 @@ from pydantic import ValidationError
 from fingertip.cad.build_result import DESIGN_HEADING
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.parts import shapes_of_parameters
 from fingertip.cad.printing.print_files import make_print_files
-from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale, shapes_of_parameters
 from fingertip.cad.verification.check import Check, Solids
 from fingertip.cad.verification.verify import run_checks, verify
 from fingertip.casting.sheet import casting_sheet
@@ -30,12 +30,14 @@ from fingertip.catalogues.output_files import DESIGN, PRINT_FOLDER
 from fingertip.design import Design
 from fingertip.design.design_file import flatten, to_toml
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.solids import Solid, scaled
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.search import Band, as_typed, describe_bands, find_bands, is_number
 from fingertip.documents.finger import FirstScreen, render_start
+from fingertip.fitting.fitting import fit_tables
 from fingertip.foundation.errors import DesignError, FingertipError, Issue
+from fingertip.models.parts import PARTS, parts_by_name, print_scale
+from fingertip.models.solids import Solid, scaled
 from fingertip.page.html import Markup
 from fingertip.page.markdown_sheets import render_facts, split_sections
 from fingertip.page.model_section import Item, measure_finger, place_items, render_boxes, scene_data
@@ -405,7 +407,7 @@ def answer_fit(
     Raises DesignError.
     """
     before = finder.opened.model_dump(mode="json")
-    fitted = Design.fit_tables(
+    fitted = fit_tables(
         tables,
         before=before,
         changed=given.split(),

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from fingertip.cad.shapes.parts import shapes_of_parameters
+from fingertip.cad.parts import shapes_of_parameters
 from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design import Design
 from fingertip.design.design_file import Parameter

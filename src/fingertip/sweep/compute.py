@@ -289,10 +289,10 @@ _CASTING_CHECKS = {
 
 
 def compute_core(context: PointContext) -> OutputValues:
-    from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.bone import check_laid_in, check_stand
     from fingertip.cad.verification.check import Solids
     from fingertip.cad.verification.mold import check_mold
+    from fingertip.models.parts import parts_by_name
 
     design, solids = (
         context.design,
@@ -322,9 +322,9 @@ def compute_walls(context: PointContext) -> OutputValues:
 
 def compute_printing(context: PointContext) -> OutputValues:
     from fingertip.cad.printing.settings import estimate_print
-    from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.check import Solids
     from fingertip.cad.verification.printing import check_overhang
+    from fingertip.models.parts import parts_by_name
 
     printed = [name for name, part in parts_by_name(context.design).items() if part.is_printed]
     solids = Solids.of(context.design, context.evaluator(), printed)
@@ -375,9 +375,9 @@ def compute_controller(context: PointContext) -> OutputValues:
 
 def compute_set(context: PointContext) -> OutputValues:
     """Compute what a whole set takes, as `fingertip make` states it."""
-    from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.casting.sheet import casting_sheet
     from fingertip.documents.finger_set import plan_set
+    from fingertip.models.parts import parts_by_name
 
     assert context.fingers is not None
     forms = context.fingers.forms
@@ -408,8 +408,8 @@ def compute_checks(context: PointContext) -> OutputValues:
     """Run every check of `fingertip check` on the design, or
     all of a set, at the sweep's tolerance.
     """
-    from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.verify import verify
+    from fingertip.models.parts import parts_by_name
 
     designs = (
         [form.design for form in context.fingers.forms] if context.fingers else [context.design]
@@ -444,7 +444,7 @@ def compute_checks(context: PointContext) -> OutputValues:
 
 
 def _mesh(context: PointContext, part: str) -> Mesh:
-    from fingertip.cad.shapes.parts import PARTS
+    from fingertip.models.parts import PARTS
 
     return context.evaluator().mesh(PARTS[part].solid(context.design))
 

@@ -14,12 +14,12 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, load_manifold, to_canonical_mesh
-from fingertip.cad.verification.fitting import fit_finger
 from fingertip.design.design import Design
-from fingertip.design.geometry.solids import Solid
 from fingertip.design.refusal import describe_violations
 from fingertip.design.search import ELECTRONIC_RULES
+from fingertip.fitting.fitting import fit_finger
 from fingertip.foundation.errors import DesignError, raise_issues
+from fingertip.models.solids import Solid
 from fingertip.sweep.axes import Value, is_of_parts, select_changes
 from fingertip.sweep.sweep_plan import SweepPlan
 

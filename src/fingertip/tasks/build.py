@@ -9,17 +9,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fingertip.cad.build_result import DESIGN_HEADING, Build, BuiltPart
-from fingertip.cad.files.cadquery_script import (
-    drop_unused,
-    write_finger,
-    write_functions,
-    write_script,
-)
 from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.parts import exact_parts
 from fingertip.cad.printing.settings import FDM, SLA
 from fingertip.cad.program import digest_program
-from fingertip.cad.shapes.parts import PARTS, exact_parts, hardware, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.printing import check_brep_solid
@@ -30,7 +24,6 @@ from fingertip.catalogues import output_files
 from fingertip.catalogues.output_files import PART_FORMATS, part_file
 from fingertip.design import Design
 from fingertip.design.design_file import to_toml
-from fingertip.design.interfaces.adapter import read_adapter
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.documents.finger import list_steps, render_sheet
 from fingertip.foundation import extras
@@ -38,6 +31,7 @@ from fingertip.foundation.errors import DesignError, Issue, raise_issues
 from fingertip.foundation.output_set import SetWriter, read_manifest
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.foundation.workers import in_background
+from fingertip.models.parts import PARTS, hardware, parts_by_name, print_scale
 from fingertip.pictures.drawing.draw import file_names, render_sheets, sheet_jobs
 
 
@@ -81,16 +75,32 @@ def build(
     that nobody changed since, are removed. The folder holds either the old files or the new ones at
     any moment.
 
-    Parameters ---------- design The fingertip. out Output folder; `out/<design name>` if None.
-    parts Names from `PARTS`; all parts of the design if None. formats Any of "stl", "3mf", "step"
-    and "cq", a CadQuery script; `find_formats` if None. tolerance_mm Largest distance of a facet
-    from the exact surface [mm], 0.0005 to 1. material Silicone of the casting sheet, a name from
-    `fingertip.catalogues.materials` or "own"; the design's silicone.product if None. The sheet is
-    written if all parts are built. pictures Whether a picture of each casting step is drawn, for
-    the casting sheet. drawings Whether the drawings are made too, beside the STEP files of all
-    parts. force Whether files may be overwritten that no build wrote, or that were changed since.
-    verify Whether trimesh reads each STL and 3MF file too, as a second opinion in the report, in a
-    process of its own. progress Called with a message at each step.
+    Parameters
+    ----------
+    design
+        The fingertip.
+    out
+        Output folder; `out/<design name>` if None.
+    parts
+        Names from `PARTS`; all parts of the design if None.
+    formats
+        Any of "stl", "3mf", "step" and "cq", a CadQuery script; `find_formats` if None.
+    tolerance_mm
+        Largest distance of a facet from the exact surface [mm], 0.0005 to 1.
+    material
+        Silicone of the casting sheet, a name from `fingertip.catalogues.materials` or "own"; the
+        design's silicone.product if None. The sheet is written if all parts are built.
+    pictures
+        Whether a picture of each casting step is drawn, for the casting sheet.
+    drawings
+        Whether the drawings are made too, beside the STEP files of all parts.
+    force
+        Whether files may be overwritten that no build wrote, or that were changed since.
+    verify
+        Whether trimesh reads each STL and 3MF file too, as a second opinion in the report, in a
+        process of its own.
+    progress
+        Called with a message at each step.
 
     Raises DesignError if a part, format, tolerance, silicone or folder name is not valid,
     MissingLibraryError if STEP files are requested and Open CASCADE cannot be loaded, GeometryError
@@ -312,12 +322,6 @@ def _collect(
     if plan.options.drawings:
         contents |= render_sheets(design, step.also)
 
-    if "cq" in plan.formats:
-        scripts = {
-            part_file(name, "cq"): write_script(design, name) for name in plan.names
-        } | write_functions(design)
-        contents |= drop_unused(scripts | write_finger(design)) if plan.is_whole else scripts
-
     if casting:
         drawn = [f"{output_files.STEPS_FOLDER}/{name}" for name in pictures]
         contents[output_files.SHEET] = render_sheet(casting, drawn).encode()
@@ -352,7 +356,7 @@ def copy_design(design: Design, name: str, heading: str) -> dict[str, bytes]:
     if design.bone.interface != "file":
         return {name: to_toml(design, heading).encode()}
 
-    body = read_adapter(design)
+    body = design.read_adapter()
     beside = f"adapter{'.step' if body.brep else '.stl'}"
     copy = design.with_values({"bone.adapter_file": beside})
     return {name: to_toml(copy, heading).encode(), beside: body.data}

@@ -35,7 +35,8 @@ from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from fingertip.sim.simulation import load_simulation
 from fingertip.sim.trace_file import encode_trace
 from fingertip.slip.detectors.registry import find_second_column
-from fingertip.slip.report import as_data, draw
+from fingertip.slip.plots import draw_detection
+from fingertip.slip.report import as_data
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
 from fingertip.tasks.build import BuildOptions, find_formats, plan_build, run_build
 from fingertip.tasks.firmware import plan_firmware
@@ -237,8 +238,8 @@ def simulate_and_detect(design: Design) -> tuple[dict[str, bytes], FileDetection
     data = as_data(found.detection, found.noise)
     contents[output_files.DETECTION] = encode_json(data)
     if extras.is_installed("matplotlib"):
-        contents[output_files.PLOT] = draw(
-            found.trace, found.detection, f"{design.name}: simulated trial"
+        contents[output_files.PLOT] = draw_detection(
+            found.detection, f"{design.name}: simulated trial"
         )
 
     return contents, found

@@ -14,7 +14,6 @@ from pathlib import Path
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
 from fingertip.cad.printing.overhang import bed_pose
-from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.cad.verification.check import count_checks
 from fingertip.catalogues.output_files import (
     ACCEPTANCE,
@@ -33,13 +32,14 @@ from fingertip.catalogues.output_files import (
 )
 from fingertip.design import Design
 from fingertip.design.finger_set import FingerSet, Form
-from fingertip.design.geometry.solids import scaled
 from fingertip.documents import finger_set
 from fingertip.documents.acceptance import acceptance_sheet
 from fingertip.foundation.errors import DesignError, Issue, OutputError, raise_issues
 from fingertip.foundation.files import encode_json
 from fingertip.foundation.input_files import find_link
 from fingertip.foundation.progress import Work
+from fingertip.models.parts import PARTS, print_scale
+from fingertip.models.solids import scaled
 from fingertip.page.render import render_set_page
 from fingertip.pictures.casting_scenes import draw_finger
 from fingertip.tasks.board import BRING_UP_FILES, plan_board

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.cad.program import digest_program
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.output_files import (
     DESIGN,
     PART_FILES,
@@ -33,6 +32,7 @@ from fingertip.foundation.output_set import (
     hash_parameters,
     read_manifest,
 )
+from fingertip.models.parts import parts_by_name
 from fingertip.tasks.report_file import read_json_file
 from fingertip.tasks.verification import verify_sets
 

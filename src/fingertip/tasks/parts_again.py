@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from fingertip.cad.kernel.mesh import MAX_TOLERANCE_MM, MIN_TOLERANCE_MM, MeshEvaluator
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.verify import verify
 from fingertip.catalogues.output_files import PRINT_FOLDER, REPORT
 from fingertip.design import Design
 from fingertip.foundation.errors import InputFileError, Issue
 from fingertip.foundation.output_set import read_manifest
+from fingertip.models.parts import parts_by_name
 from fingertip.tasks.report_file import read_json_file
 from fingertip.tasks.verification import compare_with_design
 

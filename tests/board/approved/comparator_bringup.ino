@@ -1,15 +1,96 @@
-Differences from ../../../pcb/bringup.ino:
-@@ -11,1 @@
-+static const float TAP_V = 0.0170f;
-@@ -78,1 @@
-+  report("T at rest: ", mean_v, 0.4206f, 0.4710f);
-@@ -80,2 @@
-+  report("S at rest: ", mean_v, 1.6083f, 1.6926f);
-+  report("S quiet, RMS: ", rms_v, 0.0f, 0.0052f);
-@@ -86,3 @@
-+  report("S with 66.7 Hz, RMS: ", tone_v, 0.3710f, 0.4575f);
-+  Serial.println("Measure TP4 and SLIP now, for 20 seconds.");
-+  measure(S_PIN, 44, 20);
-+  report("S with 136.4 Hz, RMS: ", tone_v, 0.5265f, 0.6132f);
-@@ -90,1 @@
-+  report("S with 1000.0 Hz, RMS: ", tone_v, 0.1589f, 0.2153f);
+// Tone generator for the bring-up of board fsr400 (bringup.md, Tone): a pin switches between 0 and 3.3 V.
+// It reads T and S of the board as well, and tells what is within its limits.
+#include <Arduino.h>
+
+static const int TONE_PIN = 4;
+static const uint32_t RATE_HZ = 6000;
+
+static const int T_PIN = A0, S_PIN = A1;
+static_assert(TONE_PIN != T_PIN && TONE_PIN != S_PIN, "TONE_PIN is an input here: take another pin");
+static const float STEP_V = 3.3f / 4096.0f;  // a converter of 12 bits with the supply as its range
+static const float TAP_V = 0.0170f;
+static float mean_v, rms_v, peak_v, tone_v;
+
+// Samples a pin for some periods of the tone, or without one (period 0); prints a text once the mean has settled.
+static void measure(int pin, uint32_t period, uint32_t seconds, const char *text = nullptr) {
+  const uint32_t whole = period ? period : RATE_HZ, settle = (2 * RATE_HZ / whole + 2) * whole;
+  const uint32_t count = (seconds * RATE_HZ / whole + 1) * whole, start = micros();
+  const float turn_c = cos(TWO_PI / whole), turn_s = sin(TWO_PI / whole);
+  float c = 1.0f, s = 0.0f, sum = 0.0f, squares = 0.0f, re = 0.0f, im = 0.0f, first = 0.0f;
+  uint32_t late = 0;
+  peak_v = 0.0f;
+  for (uint32_t i = 0; i < settle + count; i++) {
+    if (i == settle && text) {
+      Serial.println(text);
+    }
+    while (micros() - start < i * 500 / (RATE_HZ / 2000)) {
+    }
+    if (period) {
+      digitalWrite(TONE_PIN, i % period < period / 2 ? HIGH : LOW);
+    }
+    const float v = analogRead(pin) * STEP_V;
+    late += micros() - start > (i + 1) * 500 / (RATE_HZ / 2000);
+    if (i % whole == 0) {
+      c = 1.0f;
+      s = 0.0f;
+    }
+    if (i < settle) {
+      first += (v - first) * 0.001f;
+    } else {
+      const float d = v - first;
+      sum += d;
+      squares += d * d;
+      re += d * c;
+      im += d * s;
+      peak_v = fabs(d) > peak_v ? fabs(d) : peak_v;
+    }
+    const float next = c * turn_c - s * turn_s;
+    s = s * turn_c + c * turn_s;
+    c = next;
+  }
+  digitalWrite(TONE_PIN, LOW);
+  mean_v = first + sum / count;
+  rms_v = sqrt(fabs(squares / count - (sum / count) * (sum / count)));
+  tone_v = sqrt(2.0f * (re * re + im * im)) / count;
+  if (late > count / 100) {
+    Serial.println("This controller is too slow for 6000 samples per second: take a faster one.");
+  }
+}
+
+static void report(const char *name, float volts, float low, float high) {
+  Serial.print(name);
+  Serial.print(volts, 4);
+  Serial.print(" V, ");
+  Serial.print(low, 4);
+  Serial.print(" to ");
+  Serial.print(high, 4);
+  Serial.println(low <= volts && volts <= high ? " ok" : " FAILS");
+}
+
+void setup() {
+  pinMode(TONE_PIN, OUTPUT);
+  analogReadResolution(12);
+  Serial.begin(115200);
+}
+
+void loop() {
+  measure(T_PIN, 0, 1);
+  report("T at rest: ", mean_v, 0.4206f, 0.4710f);
+  measure(S_PIN, 0, 1);
+  report("S at rest: ", mean_v, 1.6083f, 1.6926f);
+  report("S quiet, RMS: ", rms_v, 0.0f, 0.0052f);
+  const float quiet_v = peak_v;
+  measure(S_PIN, 150, 1);
+  report("S with 40.0 Hz, RMS: ", tone_v, 0.1020f, 0.1487f);
+  measure(S_PIN, 90, 1);
+  report("S with 66.7 Hz, RMS: ", tone_v, 0.3710f, 0.4575f);
+  Serial.println("Measure TP4 and SLIP now, for 20 seconds.");
+  measure(S_PIN, 44, 20);
+  report("S with 136.4 Hz, RMS: ", tone_v, 0.5265f, 0.6132f);
+  measure(S_PIN, 6, 1);
+  report("S with 1000.0 Hz, RMS: ", tone_v, 0.1589f, 0.2153f);
+  measure(T_PIN, 6, 1);
+  report("T with 1000.0 Hz, RMS: ", tone_v, 0.0008f, 0.0024f);
+  measure(S_PIN, 0, 10, "Tap the board now, for 10 seconds.");
+  report("S tapped, peak: ", peak_v, 2.0f * quiet_v + STEP_V, TAP_V);
+}

@@ -6,7 +6,7 @@ Files hold no date, path or random identifier: the same part gives the same byte
 
 >>> from fingertip.cad.files import stl
 >>> from fingertip.cad.kernel.mesh import MeshEvaluator
->>> from fingertip.design.geometry.solids import Box
+>>> from fingertip.models.solids import Box
 >>> len(stl.to_bytes(MeshEvaluator(0.1).mesh(Box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))), "cube"))
 684
 """

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.workers import Worker, WorkerDiedError, report_step
+from fingertip.models.solids import Solid
 
 TIME_LIMIT_S = 180.0
 _SAVED = "saving the solids"

@@ -5,8 +5,8 @@ they meet; STEP files hold the same description. Superconic bodies become ration
 sewn into a solid. All other faces are planes, cylinders, cones and tori. Lofts and fillets are not
 used, because the kernel sometimes returns wrong solids for them without an error.
 
-The primitives are cadquery's, made by `kernel.cadquery_primitives`, and stand there once: scripts
-of `fingertip build --formats cq` hold the same functions. Booleans are Open CASCADE's own
+The primitives are cadquery's, made by `models.workplanes`, which the scripts of `fingertip build
+--formats cq` carry too. Booleans are Open CASCADE's own
 (`kernel.occ`), with several operands at once and in one thread. This module, these two,
 `cad.files.step_writer` and `drawing.hidden_lines` import cadquery or its bindings (OCP) at the top.
 Import them only where exact solids are needed, and this module first.
@@ -17,9 +17,9 @@ from __future__ import annotations
 from functools import reduce
 from pathlib import Path
 
-from fingertip.design.geometry.solids import Difference, Intersection, Scaled, Solid, Union, call_of
 from fingertip.foundation import extras
 from fingertip.foundation.errors import GeometryError, Issue, MissingLibraryError
+from fingertip.models.solids import Difference, Intersection, Placed, Scaled, Solid, Union
 
 try:
     from OCP.BinTools import BinTools
@@ -30,9 +30,9 @@ try:
     from OCP.TopoDS import TopoDS, TopoDS_Shape
     from OCP.TopTools import TopTools_IndexedMapOfShape
 
-    from fingertip.cad.kernel import cadquery_primitives as primitives
     from fingertip.cad.kernel import occ
-    from fingertip.cad.kernel.cadquery_primitives import volume as volume
+    from fingertip.models.workplanes import make_primitive
+    from fingertip.models.workplanes import volume as volume
 except ImportError as error:
     extras.require("STEP", "cadquery", alternative="leave STEP out with --formats stl,3mf")
     message = (
@@ -82,13 +82,10 @@ class BrepEvaluator:
                 scaling = gp_Trsf()
                 scaling.SetScale(gp_Pnt(), factor)
                 return occ.transform(self.shape(inner), scaling)
+            case Placed(body, rows):
+                return occ.placed(body.brep, rows)
             case _:
-                name, arguments = call_of(solid)
-                return (
-                    occ.placed(*arguments)
-                    if name == "placed"
-                    else getattr(primitives, name)(*arguments).val().wrapped
-                )
+                return make_primitive(solid).val().wrapped
 
 
 def genus(solid: TopoDS_Shape) -> int:

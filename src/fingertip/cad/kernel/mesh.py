@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.cad.kernel.tessellate import Triangles, tessellate
-from fingertip.design.geometry.solids import Difference, Intersection, Scaled, Solid, Union
 from fingertip.foundation.errors import DesignError, GeometryError, Issue
 from fingertip.foundation.interruption import hold_interruptions
 from fingertip.foundation.numerics import Array
+from fingertip.models.solids import Difference, Intersection, Scaled, Solid, Union
 
 if TYPE_CHECKING:
     import manifold3d

@@ -1,6 +1,6 @@
 """Operations of Open CASCADE on shapes.
 
-The primitives of parts are made by cadquery, in `cadquery_primitives`.
+The primitives of parts are made by cadquery, in `models.workplanes`.
 
 The order of what a boolean combines decides the order of the faces in STEP files.
 """
@@ -22,7 +22,7 @@ from OCP.TopExp import TopExp
 from OCP.TopoDS import TopoDS_Iterator, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape, TopTools_ListOfShape
 
-from fingertip.design.geometry.solids import Point3
+from fingertip.models.solids import Point3
 
 Point2 = tuple[float, float]
 

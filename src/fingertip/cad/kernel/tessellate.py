@@ -17,10 +17,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.design.geometry import solids
-from fingertip.design.geometry.conic import ELLIPSE, ConicBody, CrossSection, list_arc_points
-from fingertip.design.geometry.profile import Control, Span, arc_point, conic_point
 from fingertip.foundation.numerics import Array
+from fingertip.models import solids
+from fingertip.models.conic import ELLIPSE, ConicBody, CrossSection, list_arc_points
+from fingertip.models.profile import Control, Span, arc_point, conic_point
 
 Triangles: TypeAlias = NDArray[np.int64]
 Point2: TypeAlias = tuple[float, float]

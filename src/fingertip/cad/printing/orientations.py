@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, bed_pose
-from fingertip.cad.shapes import bench, finger
-from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Box, Solid, difference
 from fingertip.design.interfaces import interface_of
+from fingertip.models import bone as bone_model
+from fingertip.models.parts import PARTS, print_scale
+from fingertip.models.solids import Box, Solid, difference
+from fingertip.models.stand import socket_ceiling_mm
 
 
 @dataclass(frozen=True)
@@ -38,9 +39,7 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
     }
 
     if PARTS["stand"].exists_in(design):
-        lies = (
-            print_scale(design, PARTS["stand"]) * bench.socket_ceiling_mm(design) <= MAX_BRIDGE_MM
-        )
+        lies = print_scale(design, PARTS["stand"]) * socket_ceiling_mm(design) <= MAX_BRIDGE_MM
         orientations["stand"] = (
             Orientation(-90.0, "a flat side") if lies else Orientation(0.0, "the end of its handle")
         )
@@ -100,8 +99,8 @@ def supports_by_part(design: Design) -> dict[str, Supports]:
     below = interface.low_z(design) - design.bone.post_length_mm - reach
     outside = difference(
         Box((-reach, -reach, below), (reach, reach, 0.0)),
-        finger.sensor_recess(design),
-        finger.cable_channel(design),
+        bone_model.sensor_recess(design),
+        bone_model.cable_channel(design),
     )
     none_on = "anything else above the collar; the seat of the sensor; the channel of the cables"
 

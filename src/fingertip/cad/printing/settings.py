@@ -17,9 +17,9 @@ import numpy as np
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import Orientation, Supports, print_orientations
 from fingertip.cad.printing.overhang import OVERHANG_DEG, bed_pose
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.catalogues.materials import PrintMaterial
 from fingertip.design import Design
+from fingertip.models.parts import PARTS
 
 
 @dataclass(frozen=True)

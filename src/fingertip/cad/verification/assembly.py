@@ -13,14 +13,15 @@ from itertools import combinations
 
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import mold
-from fingertip.cad.shapes.finger import cavity, core_within_skin
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, Checks, Solids
 from fingertip.design import Design
-from fingertip.design.geometry.mold_layout import RIDGE_HEIGHT_MM
-from fingertip.design.geometry.outlines import signed_area
-from fingertip.design.geometry.solids import Cone, Solid, intersection, scaled, union
+from fingertip.models import mold
+from fingertip.models.core import core_within_skin
+from fingertip.models.mold import cavity
+from fingertip.models.mold_layout import RIDGE_HEIGHT_MM
+from fingertip.models.outlines import signed_area
+from fingertip.models.parts import PARTS
+from fingertip.models.solids import Cone, Solid, intersection, scaled, union
 
 CHECKS = Checks()
 

@@ -11,8 +11,6 @@ import math
 from collections.abc import Iterator
 
 from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
-from fingertip.cad.shapes import finger
-from fingertip.cad.shapes.finger import filled_bone, flat_slab
 from fingertip.cad.verification.check import (
     PLANE_OFFSET_MM,
     VOLUME_TOLERANCE_MM3,
@@ -25,12 +23,15 @@ from fingertip.cad.verification.check import (
 from fingertip.cad.verification.walls import NEGLIGIBLE_MM2, SPACING_MM, measure_walls
 from fingertip.catalogues.hardware import select_thread
 from fingertip.design import Design
-from fingertip.design.geometry.dimensions import HEAD_MM, LONGER_MM, TAIL_MM
-from fingertip.design.geometry.outlines import RAMP_SLOPE
-from fingertip.design.geometry.solids import Box, cylinder, union
 from fingertip.design.interfaces import interface_of
-from fingertip.design.interfaces.interface import MATING_PLAY_MM, middle_y
 from fingertip.design.interfaces.rigid import Post
+from fingertip.models import bone as bone_model
+from fingertip.models.bone import filled_bone, flat_slab
+from fingertip.models.dimensions import HEAD_MM, LONGER_MM, TAIL_MM
+from fingertip.models.interfaces import shapes_of
+from fingertip.models.outlines import MATING_PLAY_MM, RAMP_SLOPE
+from fingertip.models.sensor import sensor_body
+from fingertip.models.solids import Box, cylinder, union
 
 CHECKS = Checks()
 STRENGTH_CHECKS = Checks()
@@ -60,7 +61,7 @@ def check_bone(design: Design, solids: Solids) -> Iterator[Check]:
     wall = design.printer.min_wall_mm - evaluator.tolerance_mm
     whole = evaluator.manifold(filled_bone(design))
     outside = complement(evaluator, filled_bone(design))
-    recess = evaluator.manifold(finger.sensor_recess(design))
+    recess = evaluator.manifold(bone_model.sensor_recess(design))
     yield from _check_channel_walls(design, evaluator, outside, wall)
 
     # Pocket and slot open in the flat, so only what lies above flat, ramp and platform is measured.
@@ -84,7 +85,7 @@ def check_bone(design: Design, solids: Solids) -> Iterator[Check]:
 
     if name:
         # The hollow opens in the proximal face, so its mouth is left out.
-        hollow = evaluator.manifold(interface.shapes(design)[1][0])
+        hollow = evaluator.manifold(shapes_of(design)[1][0])
         deep = above_z(hollow, -design.bone.base_length_mm + 2 * wall)
         yield Check.min_distance(f"bone.wall.{name}_to_outside", deep, outside, wall)
         yield Check.min_distance(f"bone.wall.{name}_to_sensor", deep, recess, wall)
@@ -99,13 +100,13 @@ def _check_channel_walls(
     the trough's floor to short of its dorsal end.
     """
     dims = design.dimensions
-    channel = evaluator.manifold(finger.cable_channel(design))
+    channel = evaluator.manifold(bone_model.cable_channel(design))
     buried = channel.trim_by_plane((0.0, 1.0, 0.0), dims.pocket_depth - dims.flat_depth + wall)
     mouth = dims.bone_outline.section.dorsal - wall - design.bone.channel_diameter_mm
     buried = buried.trim_by_plane((0.0, -1.0, 0.0), -mouth)
     yield Check.min_distance("bone.wall.channel_to_outside", buried, outside, wall)
 
-    for hole in interface_of(design).shapes(design)[1][:1]:
+    for hole in shapes_of(design)[1][:1]:
         yield Check.min_distance(
             "bone.wall.channel_to_interface", buried, evaluator.manifold(hole), wall
         )
@@ -139,7 +140,7 @@ def _check_sensor_seat(design: Design, solids: Solids) -> Iterator[Check]:
     """
     dims = design.dimensions
     solid = solids["bone"]
-    body = solids.evaluator.manifold(finger.sensor_body(design))
+    body = solids.evaluator.manifold(sensor_body(design))
     # The depth of the slot is measured along y, so the gap under a film on the ramp is thinner.
     oblique = math.hypot(1.0, RAMP_SLOPE) if design.bone.platform_mm else 1.0
     clearance = min(design.sensor.clearance_mm, design.sensor.adhesive_thickness_mm / oblique)
@@ -170,7 +171,7 @@ def check_air_vent(design: Design, solids: Solids) -> Iterator[Check]:
     """
     evaluator = solids.evaluator
     solid = union(solids.parts["bone"], solids.parts["skin"])
-    air = complement(evaluator, solid) - evaluator.manifold(finger.sensor_body(design))
+    air = complement(evaluator, solid) - evaluator.manifold(sensor_body(design))
     # Inner walls have a negative volume, and surfaces that touch leave slivers.
     volumes = [body for body in air.decompose() if body.volume() > VOLUME_TOLERANCE_MM3]
     yield Check(
@@ -203,7 +204,7 @@ def check_laid_in(design: Design, solids: Solids) -> Iterator[Check]:
     own = design.custom_sensor.model_copy(update=sizes)
     sensor = design.sensor.model_copy(update={"model": "custom"})
     with_largest = design.model_copy(update={"sensor": sensor, "custom_sensor": own})
-    largest = solids.evaluator.manifold(finger.sensor_body(with_largest))
+    largest = solids.evaluator.manifold(sensor_body(with_largest))
     yield Check.zero_volume("sensor.room_overlap", float((largest ^ solids["bone"]).volume()))
     yield Check(
         name="sensor.vent_open",
@@ -225,7 +226,7 @@ def _find_open_share(design: Design, solids: Solids) -> float:
     far = 2 * design.skin.width_mm
     flat = -dims.flat_depth
     bead = Box((-far, -far, -design.bone.collar_length_mm), (far, flat, 0.0))
-    filled = union(solids.parts["bone"], solids.parts["skin"], finger.sensor_body(design), bead)
+    filled = union(solids.parts["bone"], solids.parts["skin"], sensor_body(design), bead)
     air = complement(solids.evaluator, filled)
     # Surfaces come apart here: the largest surrounds all, those of parts enclose negative volumes,
     # the rest is cut off.
@@ -257,7 +258,7 @@ def check_stand(design: Design, solids: Solids) -> Iterator[Check]:
     yield Check.min_distance("stand.post_gap", solids["bone"], solids["stand"], gap)
     far = design.skin.width_mm
     thread = select_thread(design.bone.cross_bolt_diameter_mm)
-    centre = (middle_y(design.dimensions), Post().cross_bolt_z(design))
+    centre = (design.dimensions.base_middle_y, Post().cross_bolt_z(design))
     bolt = solids.evaluator.manifold(
         cylinder(
             "x",

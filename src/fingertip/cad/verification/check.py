@@ -15,12 +15,12 @@ from types import MappingProxyType
 from typing import Any
 
 from fingertip.cad.kernel.mesh import Manifold, Mesh, MeshEvaluator
-from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.cad.verification.strength import BoneStrength, assess_strength
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Box, Solid, difference, scaled
 from fingertip.foundation.files import round_for_output
 from fingertip.foundation.validation import Comparison
+from fingertip.models.parts import PARTS, print_scale
+from fingertip.models.solids import Box, Solid, difference, scaled
 
 VOLUME_TOLERANCE_MM3 = 1e-3
 """Largest volume that counts as zero [mm3].

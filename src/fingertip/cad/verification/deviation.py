@@ -14,9 +14,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.design.geometry.conic import ConicBody
-from fingertip.design.geometry.profile import Span
 from fingertip.foundation.numerics import Array
+from fingertip.models.conic import ConicBody
+from fingertip.models.profile import Span
 
 _NEARBY_STEPS = 3
 """Gauss-Newton steps that suffice for points very near the surface."""

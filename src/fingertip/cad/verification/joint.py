@@ -8,8 +8,6 @@ import math
 from collections.abc import Iterator
 
 from fingertip.cad.kernel.mesh import Manifold
-from fingertip.cad.shapes import bench
-from fingertip.cad.shapes.finger import filled_bone
 from fingertip.cad.verification.check import (
     VOLUME_TOLERANCE_MM3,
     Check,
@@ -19,16 +17,11 @@ from fingertip.cad.verification.check import (
     search_distance,
 )
 from fingertip.design import Design
-from fingertip.design.geometry.joint import Joint
-from fingertip.design.geometry.solids import Box, cylinder, intersection, union
-from fingertip.design.interfaces.clevis_solids import (
-    eye_profile,
-    joint_base,
-    knuckle,
-    pin_bore,
-    space,
-    strands,
-)
+from fingertip.models.bone import filled_bone
+from fingertip.models.clevis import eye_profile, joint_base, knuckle, pin_bore, space, strands
+from fingertip.models.hand_stub import GUIDE_MM, guide, without_ways
+from fingertip.models.joint import Joint, joint_of
+from fingertip.models.solids import Box, cylinder, intersection, union
 
 CHECKS = Checks()
 
@@ -192,7 +185,7 @@ def _wedge(design: Design, joint: Joint) -> float:
 )
 def check_hand_stub(design: Design, solids: Solids) -> Iterator[Check]:
     """Check that the joint turns on the stub of a hand, and the walls of its way for the tendon."""
-    joint = bench.joint_of(design)
+    joint = joint_of(design)
     evaluator = solids.evaluator
     yield from _check_travel(
         "hand_stub",
@@ -202,12 +195,12 @@ def check_hand_stub(design: Design, solids: Solids) -> Iterator[Check]:
         hand=solids["hand_stub"],
         angles=_STUB_ANGLES,
     )
-    way = bench.guide(design)
+    way = guide(design)
 
     if way:
         wall = design.printer.min_wall_mm
-        outside = complement(evaluator, bench.without_ways(design))
-        low = way.mouth_z - bench.GUIDE_MM
+        outside = complement(evaluator, without_ways(design))
+        low = way.mouth_z - GUIDE_MM
         high = way.mouth_z - 2 * wall
         guides = union(
             *(

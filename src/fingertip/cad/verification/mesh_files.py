@@ -15,15 +15,15 @@ from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Manifold, Mesh, MeshEvaluator, to_manifold
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import bed_pose
-from fingertip.cad.shapes.parts import parts_by_name, print_scale
 from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check
 from fingertip.cad.verification.printing import check_triangles
 from fingertip.cad.verification.second_opinion import compare_readings, read_mesh
 from fingertip.design import Design
-from fingertip.design.geometry.solids import scaled
 from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.input_files import BODY_LIMIT, read_input
 from fingertip.foundation.numerics import Array
+from fingertip.models.parts import parts_by_name, print_scale
+from fingertip.models.solids import scaled
 
 _PULL_MM = (1.0, 5.0)
 """Distances by which one mold half is pulled off the other [mm]."""

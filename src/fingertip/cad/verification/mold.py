@@ -9,8 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
-from fingertip.cad.shapes import mold
-from fingertip.cad.shapes.finger import cavity, core_within_skin, skin
 from fingertip.cad.verification.assembly import HALVES, LIFT_MM
 from fingertip.cad.verification.check import (
     PLANE_OFFSET_MM,
@@ -23,18 +21,22 @@ from fingertip.cad.verification.check import (
 from fingertip.cad.verification.skin import check_fitting_stretch
 from fingertip.cad.verification.trapped_air import LEANS_DEG, trapped_mm3
 from fingertip.design import Design
-from fingertip.design.geometry.mold_layout import (
-    BAND_N,
+from fingertip.design.geometry.casting_layout import BAND_N, MAX_BENDING_MM
+from fingertip.design.geometry.plunge import LOWERING_S
+from fingertip.foundation.numerics import Array
+from fingertip.models import mold
+from fingertip.models.core import core as build_core
+from fingertip.models.core import core_within_skin
+from fingertip.models.mold import cavity
+from fingertip.models.mold_layout import (
     GAP_MM,
-    MAX_BENDING_MM,
     NOTCH_MM,
     RIDGE_END_MM,
     RIDGE_HEIGHT_MM,
     RIDGE_LENGTH_MM,
 )
-from fingertip.design.geometry.plunge import LOWERING_S
-from fingertip.design.geometry.solids import Solid, difference, scaled, union
-from fingertip.foundation.numerics import Array
+from fingertip.models.skin import skin
+from fingertip.models.solids import Solid, difference, scaled, union
 
 CHECKS = Checks()
 _THINNER = ("silicone.product", "silicone.viscosity_pa_s")
@@ -115,7 +117,7 @@ def _check_motions(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     palmar, dorsal = (
         evaluator.manifold(half(design)) for half in (mold.mold_palmar, mold.mold_dorsal)
     )
-    core = evaluator.manifold(mold.core(design))
+    core = evaluator.manifold(build_core(design))
     length = core.bounding_box()[5]
     way = [length * i / 8 for i in range(1, 9)]
     lowering = max(
@@ -125,7 +127,7 @@ def _check_motions(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     )
     yield Check.zero_volume("mold.lowering_overlap", lowering)
     cast = evaluator.manifold(
-        union(mold.core(design), scaled(skin(design), design.dimensions.shrinkage))
+        union(build_core(design), scaled(skin(design), design.dimensions.shrinkage))
     )
     lifts = (LIFT_MM * i / 2 for i in (1, 2))
     lifting = max(float((cast.translate((0.0, 0.0, -up)) ^ dorsal).volume()) for up in lifts)

@@ -14,7 +14,6 @@ from itertools import pairwise
 from typing import Any
 
 from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
-from fingertip.cad.shapes.finger import filled_bone, skin_interior, skin_outline
 from fingertip.cad.verification.check import (
     PLANE_OFFSET_MM,
     Check,
@@ -26,6 +25,8 @@ from fingertip.cad.verification.check import (
 )
 from fingertip.cad.verification.deviation import max_facet_deviation
 from fingertip.design import Design
+from fingertip.models.bone import filled_bone
+from fingertip.models.skin import skin_interior, skin_outline
 from fingertip.pad.pad_geometry import INNER_FRICTION
 from fingertip.pad.survey import FORCE_N, MAX_TURN_ON_N, survey_pad
 

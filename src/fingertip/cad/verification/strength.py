@@ -27,7 +27,6 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
 from fingertip.design.formulas.stress_and_knock import (
     AT_CORNER,
@@ -38,12 +37,13 @@ from fingertip.design.formulas.stress_and_knock import (
     Springs,
     StressFactors,
 )
-from fingertip.design.geometry.solids import Point3
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
 from fingertip.design.parameters.bone_and_mold import Strength
 from fingertip.foundation.files import round_for_output
 from fingertip.foundation.numerics import Array
+from fingertip.models.parts import PARTS
+from fingertip.models.solids import Point3
 from fingertip.pad.layer import find_contacts
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import REFERENCE_POSE

@@ -8,17 +8,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from importlib import import_module
 
-from fingertip.cad.files import threemf
+from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.print_files import PrintFiles, make_print_files
-from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification import assembly, bone, joint, mold, printing, skin
 from fingertip.cad.verification.check import Check, RegisteredCheck, Solids
 from fingertip.cad.verification.printing import check_mesh_file, check_print_files
 from fingertip.cad.verification.strength import BoneStrength
-from fingertip.catalogues.output_files import PART_FORMATS, part_file
+from fingertip.catalogues.output_files import part_file
 from fingertip.design import Design
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, find_unit
@@ -28,6 +26,7 @@ from fingertip.foundation.errors import FingertipError, Issue
 from fingertip.foundation.extras import call_plugins
 from fingertip.foundation.progress import Work
 from fingertip.foundation.validation import Comparison, Relation
+from fingertip.models.parts import PARTS, parts_by_name
 
 CHECKS: tuple[RegisteredCheck, ...] = (
     *assembly.CHECKS,
@@ -39,6 +38,8 @@ CHECKS: tuple[RegisteredCheck, ...] = (
     *bone.STRENGTH_CHECKS,
 )
 """Checks of parts, in the order of a report."""
+MESH_FORMATS = {"stl": stl, "3mf": threemf}
+"""Format of meshes -> module with its `to_bytes` and `from_bytes`."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ def verify(
 
     Raises GeometryError.
     """
-    codes = {name: import_module(code) for name in formats if (code := PART_FORMATS[name].code)}
+    codes = {name: MESH_FORMATS[name] for name in formats if name in MESH_FORMATS}
     solids = Solids.of(design, evaluator, parts)
     stages = {f"mesh of {name}": 1.0 for name in solids.parts} | {"checks": 2.0 * len(solids.parts)}
     meshes = {}

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Manifold, Mesh, MeshEvaluator, to_canonical_mesh
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
+from fingertip.models.parts import PARTS
 
 SPACING_MM = 0.35
 """Distance between the points from which rays start, on average [mm]."""

@@ -14,11 +14,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, Self
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
 
-from fingertip.design.geometry.dimensions import Dimensions
-from fingertip.design.geometry.mold_layout import MoldLayout
+from fingertip.catalogues.electronics import SENSORS, ForceSensor
+from fingertip.design.geometry.casting_layout import CastingLayout
+from fingertip.design.geometry.letters import outline_letters
 from fingertip.design.parameters import ELECTRONIC_TABLES, Tables
+from fingertip.models.dimensions import Dimensions
+from fingertip.models.engraving import Letter
+
+if TYPE_CHECKING:
+    from fingertip.foundation.body_file import Body
 
 
 class DesignTables(Tables):
@@ -27,8 +34,44 @@ class DesignTables(Tables):
         return Dimensions(self)
 
     @cached_property
-    def mold_layout(self) -> MoldLayout:
-        return MoldLayout(self, self.dimensions)
+    def mold_layout(self) -> CastingLayout:
+        return CastingLayout(self, self.dimensions)
+
+    @property
+    def force_sensor(self) -> ForceSensor:
+        """Outline of the force-sensing resistor, from the catalogue or from [custom_sensor]."""
+        if self.sensor.model != "custom":
+            return SENSORS[self.sensor.model]
+
+        own = self.custom_sensor
+        return ForceSensor(
+            model="custom",
+            label="custom sensor",
+            active_diameter_mm=own.active_diameter_mm,
+            head_diameter_mm=own.head_diameter_mm,
+            thickness_mm=own.thickness_mm,
+            length_mm=own.length_mm,
+            tail_width_mm=own.tail_width_mm,
+            tab_pitch_mm=2.54,
+            source="the design file",
+            unverified=(),
+        )
+
+    @property
+    def layer_strength_mpa(self) -> float:
+        """Tensile strength of the bone's material across its layers [MPa]."""
+        return self.strength.material.strength_mpa
+
+    @property
+    def letters(self) -> Mapping[str, Letter]:
+        """Outlines of the letters that are engraved into the mold."""
+        return outline_letters()
+
+    def read_adapter(self) -> Body:
+        """Read the file of the adapter. Raises InputFileError or MissingLibraryError."""
+        from fingertip.foundation.body_file import read_body  # needs numpy  # noqa: PLC0415
+
+        return read_body(Path(self.bone.adapter_file))
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Copy the tables with changes.

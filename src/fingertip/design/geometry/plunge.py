@@ -6,12 +6,12 @@ import math
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from fingertip.design.geometry.conic import list_arc_points, quarter_outline
 from fingertip.design.geometry.skin_thickness import chord_between, nearest_chord
+from fingertip.models.conic import list_arc_points, quarter_outline
 
 if TYPE_CHECKING:
-    from fingertip.design.geometry.dimensions import Dimensions
     from fingertip.design.parameters import Tables
+    from fingertip.models.dimensions import Dimensions
 
 _SAFE = 1.01
 """Factor on the estimate, which is up to 0.8 % below what sections of the solids give."""

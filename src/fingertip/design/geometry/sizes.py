@@ -12,8 +12,8 @@ import math
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from fingertip.design.geometry.solids import Axis, Point3
 from fingertip.design.parameters import Tables
+from fingertip.models.solids import Axis, Point3
 
 GENERAL = "ISO 2768-m"
 _GENERAL_MM = ((6.0, 0.1), (30.0, 0.2), (120.0, 0.3), (400.0, 0.5))

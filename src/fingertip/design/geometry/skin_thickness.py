@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from fingertip.design.geometry.conic import list_arc_points, quarter_outline
 from fingertip.foundation.numerics import bisect
+from fingertip.models.conic import list_arc_points, quarter_outline
 
 if TYPE_CHECKING:
-    from fingertip.design.geometry.dimensions import Dimensions
     from fingertip.design.parameters import Tables
+    from fingertip.models.dimensions import Dimensions
 
 _OUTLINE_POINTS = 24
 _OUTLINE_CHORDS = 48

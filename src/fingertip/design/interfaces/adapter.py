@@ -8,34 +8,23 @@ within the base.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fingertip.design.formulas.stress_and_knock import AT_CORNER, CORNER_REACH_MM, StressFactors
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.conic import quarter_outline
 from fingertip.design.geometry.sizes import Size
-from fingertip.design.geometry.solids import Placed, Point3
 from fingertip.design.interfaces import interface
-from fingertip.design.interfaces.interface import JointInterface, Shapes
+from fingertip.design.interfaces.interface import JointInterface
 from fingertip.design.rules.ruleset import Rule, Ruleset, Violation
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally
 from fingertip.foundation.errors import FingertipError, quote_value
+from fingertip.models.adapter import place_adapter
+from fingertip.models.conic import quarter_outline
 
 if TYPE_CHECKING:
     from manifold3d import CrossSection
 
-    from fingertip.foundation.body_file import Body
 
-_ROWS: Mapping[str, tuple[Point3, Point3, Point3]] = {
-    "x": ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
-    "y": ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
-    "z": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
-}
-"""Axis of the file that comes to lie along z -> rows of the
-rotation, which keeps the order of the axes.
-"""
 _TOUCH_MM = 1e-5
 _BESIDE_MM = 0.02
 """Gap that counts as none, and length by which an adapter may stand
@@ -48,38 +37,6 @@ and chords of a quarter of its outline.
 """
 
 
-def read_adapter(design: DesignTables) -> Body:
-    """Read the file of the adapter. Raises InputFileError or MissingLibraryError."""
-    from fingertip.foundation.body_file import read_body  # needs numpy  # noqa: PLC0415
-
-    return read_body(Path(design.bone.adapter_file))
-
-
-def place_adapter(design: DesignTables) -> Placed:
-    """Place the adapter at the end of the base. Raises InputFileError or MissingLibraryError."""
-    bone, turn = design.bone, math.radians(design.bone.adapter_turn_deg)
-    # Rounded, so that quarter turns are exact, and all others are the same on every processor.
-    cos = round(math.cos(turn), 12)
-    sin = round(math.sin(turn), 12)
-    up = -1.0 if bone.adapter_axis[0] == "-" else 1.0
-    turned = ((cos, -up * sin, 0.0), (sin, up * cos, 0.0), (0.0, 0.0, up))
-    columns = (*zip(*_ROWS[bone.adapter_axis[-1]], strict=True),)
-    x, y, z = (
-        tuple(sum(map(math.prod, zip(row, column, strict=True))) for column in columns)
-        for row in turned
-    )
-    origin = bone.adapter_x_mm, bone.adapter_y_mm, bone.adapter_z_mm
-    target = 0.0, interface.middle_y(design.dimensions), -bone.base_length_mm
-    moved = (
-        at - sum(map(math.prod, zip(row, origin, strict=True)))
-        for row, at in zip((x, y, z), target, strict=True)
-    )
-
-    return Placed(
-        read_adapter(design), tuple((*row, by) for row, by in zip((x, y, z), moved, strict=True))
-    )
-
-
 class Adapter(JointInterface):
     """Body of a file, at the end of the base. Its holes end at the base."""
 
@@ -87,14 +44,11 @@ class Adapter(JointInterface):
     face_on_plate = weakest = "the adapter"
     supports_below = "under the foot of the collar, the end of the base and the adapter"
 
-    def shapes(self, design: DesignTables) -> Shapes:
-        return (place_adapter(design),), ()
-
     def genus(self, design: DesignTables) -> int:
         """Count the holes of the file by Euler's formula; the base
         closes that of a ring on which both touch.
         """
-        body = read_adapter(design)
+        body = design.read_adapter()
         touch = _measure(design)[2]
         pieces: int = sum(2 - piece.num_contour() for piece in touch.decompose())
 
@@ -133,7 +87,7 @@ def adapter_is_read(design: DesignTables) -> Violation | None:
         return Violation("no file is named; add --set bone.adapter_file=PATH of a STEP or STL file")
 
     try:
-        read_adapter(design)
+        design.read_adapter()
     except FingertipError as error:
         return Violation(
             f"{quote_value(design.bone.adapter_file)} {error.issues[0].message.removesuffix('.')}"
@@ -177,7 +131,7 @@ def _rule_along(axis: str) -> Rule:
     return adapter_on_base
 
 
-_ALONG = tuple(map(_rule_along, _ROWS))
+_ALONG = tuple(map(_rule_along, "xyz"))
 
 
 @RULES.rule("bone.adapter_file", adapter_is_read, *_ALONG)

@@ -27,9 +27,6 @@ from fingertip.design.formulas.stress_and_knock import (
     pin_peak,
 )
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.dimensions import Dimensions
-from fingertip.design.geometry.joint import BESIDE_LINE_MM, Joint, TendonAnchor
-from fingertip.design.geometry.outlines import ramp_angle_deg
 from fingertip.design.geometry.sizes import (
     ARROW_DEG,
     BEFORE_FACE,
@@ -46,9 +43,12 @@ from fingertip.design.geometry.sizes import (
     general,
     size_text,
 )
-from fingertip.design.geometry.solids import Point3, Solid
-from fingertip.design.interfaces import clevis_solids
-from fingertip.design.interfaces.interface import JointInterface, Shapes
+from fingertip.design.interfaces.interface import JointInterface
+from fingertip.models import clevis as clevis_models
+from fingertip.models.dimensions import Dimensions
+from fingertip.models.joint import BESIDE_LINE_MM, Joint, TendonAnchor
+from fingertip.models.outlines import ramp_angle_deg
+from fingertip.models.solids import Point3
 
 
 class Clevis(JointInterface):
@@ -57,24 +57,6 @@ class Clevis(JointInterface):
     name = "clevis"
     face_on_plate = weakest = "the eyes of the joint"
     supports_below = "around the eyes of the joint"
-
-    def shapes(self, design: DesignTables) -> Shapes:
-        """Build the base, and what is removed: the joint's space, the
-        bore of its pin and the way of the tendon.
-        """
-        joint = _joint_of(design)
-        anchor = design.dimensions.anchor
-        top = design.dimensions.stops_top_z
-        assert top is not None
-        added: list[Solid] = [clevis_solids.joint_base(design, joint, top)]
-        across = 2 * design.dimensions.collar.section.half_width
-        removed = [clevis_solids.space(design, joint), clevis_solids.pin_bore(joint, across)]
-
-        if anchor:
-            added.append(clevis_solids.collar_slope(design, anchor))
-            removed += clevis_solids.tendon_way(design, anchor, joint)
-
-        return tuple(added), tuple(removed)
 
     def genus(self, design: DesignTables) -> int:
         """Count a hole in each cheek of a fork, or that of a tongue."""
@@ -131,7 +113,7 @@ class Clevis(JointInterface):
             # The stop pushes the finger away from the hand, and the pin holds it, besides the load
             # itself. The pressure on the stop grows outwards, so its force acts at two thirds of
             # the length.
-            pull = (load_z - joint.axis_z) / (2 / 3 * clevis_solids.stop_height_mm(design)) + 1.0
+            pull = (load_z - joint.axis_z) / (2 / 3 * clevis_models.stop_height_mm(design)) + 1.0
             if is_printed:
                 yield LocalStress(PIN, joint.axis_z, shears * pull, at_knock=False)
 
@@ -285,8 +267,8 @@ class Clevis(JointInterface):
                 view="end",
                 side="left",
                 axis="y",
-                start=(joint.half_width, clevis_solids.stop_toe_y(design, joint, top), joint.low_z),
-                end=(joint.half_width, clevis_solids.stop_top_y(design, joint), joint.low_z),
+                start=(joint.half_width, clevis_models.stop_toe_y(design, joint, top), joint.low_z),
+                end=(joint.half_width, clevis_models.stop_top_y(design, joint), joint.low_z),
             ),
         ]
 

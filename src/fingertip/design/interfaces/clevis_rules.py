@@ -7,11 +7,11 @@ from __future__ import annotations
 import math
 
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.dimensions import MAX_PROUD_MM
-from fingertip.design.geometry.joint import Joint
 from fingertip.design.rules.bone import collar_carries_skin
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally
+from fingertip.models.dimensions import MAX_PROUD_MM
+from fingertip.models.joint import Joint
 
 LENGTH_RULES = Ruleset()
 RULES = Ruleset()

@@ -8,12 +8,9 @@ from collections.abc import Iterator
 from fingertip.catalogues.hardware import select_thread, standard_length_mm
 from fingertip.design.formulas.stress_and_knock import LocalStress, StressFactors, at_foot
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.conic import ConicBody, CrossSection
-from fingertip.design.geometry.outlines import flat_foot, foot_line
 from fingertip.design.geometry.sizes import BEFORE_FACE, INNER, OUTER, STEP, Circle, Length, Size
-from fingertip.design.geometry.solids import Box, Solid, SuperconicSolid, cylinder, intersection
 from fingertip.design.interfaces import interface
-from fingertip.design.interfaces.interface import JointInterface, Shapes
+from fingertip.design.interfaces.interface import JointInterface
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_least
 
 RULES = Ruleset()
@@ -32,52 +29,13 @@ class Flange(JointInterface):
     def depth(self, design: DesignTables) -> float:
         return design.bone.flange_thickness_mm + design.bone.foot_radius_mm
 
-    def shapes(self, design: DesignTables) -> Shapes:
-        bone = design.bone
-        y = interface.middle_y(design.dimensions)
-        end = -bone.base_length_mm
-        x = bone.flange_width_mm / 2
-        half = bone.flange_height_mm / 2
-        top = end + bone.flange_thickness_mm
-        radius = bone.flange_hole_diameter_mm / 2
-        hole_x = bone.flange_spacing_x_mm / 2
-        rows = bone.flange_spacing_y_mm / 2
-        holes = tuple(
-            cylinder(
-                "z",
-                centre=(side * hole_x, y + row),
-                low=end - radius,
-                high=top + radius,
-                radius=radius,
-            )
-            for row in ((-rows, rows) if rows else (0.0,))
-            for side in (-1.0, 1.0)
-        )
-        plate = Box((-x, y - half, end), (x, y + half, top))
-        section = design.dimensions.bone_outline.section
-        flat = design.dimensions.base_flat_depth
-        into = top - radius
-        line = foot_line(bone.foot_radius_mm, top, -1.0)
-        reach = 2 * x
-        sides = flat_foot(
-            "x",
-            low_side=-flat,
-            high_side=reach,
-            foot=line,
-            end=into - radius,
-            reach=reach,
-        )
-        above = Box((-x, y - half, end), (x, y + half, top + reach))
-
-        return (plate, intersection(_conic_foot(section, line, into), sides, above)), holes
-
     def genus(self, design: DesignTables) -> int:
         return 4 if design.bone.flange_spacing_y_mm else 2
 
     def sizes(self, design: DesignTables) -> list[Size]:
         bone, y, end = (
             design.bone,
-            interface.middle_y(design.dimensions),
+            design.dimensions.base_middle_y,
             -design.bone.base_length_mm,
         )
         x = bone.flange_width_mm / 2
@@ -214,12 +172,6 @@ class Flange(JointInterface):
         across_mm = design.bone.flange_thickness_mm
         length_mm = standard_length_mm(across_mm + interface.MATING_WALL_MM + thread.nut_height_mm)
         return interface.Bolt(thread.diameter_mm, length_mm, across_mm, self.genus(design))
-
-
-def _conic_foot(section: CrossSection, foot: list[tuple[float, float]], end: float) -> Solid:
-    """Build the foot of a superconic section; it ends at z = `end` [mm]."""
-    stations = [(z, 1.0 + out / section.half_width) for z, out in (*foot, (end, foot[-1][1]))]
-    return SuperconicSolid(ConicBody(section, tuple(stations[::-1])))
 
 
 @RULES.at_least("bone.flange_spacing_x_mm")

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from fingertip.catalogues.hardware import select_thread, standard_length_mm
 from fingertip.design.formulas.stress_and_knock import LocalStress, StressFactors, hole_in_tension
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.dimensions import Dimensions
 from fingertip.design.geometry.sizes import (
     BEHIND_FACE,
     INNER,
@@ -24,20 +23,15 @@ from fingertip.design.geometry.sizes import (
     Tolerance,
     clearance,
 )
-from fingertip.design.geometry.solids import Solid, cylinder
 from fingertip.design.rules.ruleset import SLACK
+from fingertip.models.dimensions import Dimensions
 
 _CIRCLE_POINTS = 64
 """Intervals at which half a circle is sampled."""
-MATING_PLAY_MM = 0.2
 MATING_WALL_MM = 2.5
-"""Play between the interface and a printed mating part, and the wall of that [mm].
-Recommendations.
-"""
+"""Wall of a printed mating part [mm]. A recommendation."""
 MIN_SHOULDER_MM = 0.1
 """Least height of the step from a post to the base, or from the base to a flange [mm]."""
-Shapes = tuple[tuple[Solid, ...], tuple[Solid, ...]]
-"""Solids that are added to the filled bone, and those that are removed from it."""
 
 
 @dataclass(frozen=True)
@@ -68,10 +62,6 @@ class JointInterface:
     """Name of a hollow in the base around which checks measure the
     walls; the first solid that is removed.
     """
-
-    def shapes(self, design: DesignTables) -> Shapes:
-        """Build what the interface adds to the filled bone, and what it removes."""
-        raise NotImplementedError
 
     def genus(self, design: DesignTables) -> int:
         """Count the through holes of the interface."""
@@ -123,10 +113,6 @@ class JointInterface:
         return None
 
 
-def middle_y(dims: Dimensions) -> float:
-    return (dims.bone_outline.section.dorsal - dims.base_flat_depth) / 2
-
-
 def base_size(dims: Dimensions) -> tuple[float, float]:
     section = dims.bone_outline.section
     return 2 * section.half_width, section.dorsal + dims.base_flat_depth
@@ -134,7 +120,7 @@ def base_size(dims: Dimensions) -> tuple[float, float]:
 
 def base_length_size(design: DesignTables) -> Length:
     """Length of a base that ends in a plane."""
-    y = middle_y(design.dimensions)
+    y = design.dimensions.base_middle_y
     end = -design.bone.base_length_mm
     return Length(
         name="length of the base",
@@ -181,23 +167,11 @@ class CrossBolted(JointInterface):
     def cross_bolt_z(self, design: DesignTables) -> float:
         raise NotImplementedError
 
-    def bolt_hole(self, design: DesignTables) -> Solid:
-        dims = design.dimensions
-        across = 2 * dims.bone_outline.section.half_width
-        centre = (middle_y(dims), self.cross_bolt_z(design))
-        return cylinder(
-            "x",
-            centre=centre,
-            low=-across,
-            high=across,
-            radius=design.bone.cross_bolt_diameter_mm / 2,
-        )
-
     def bolt_sizes(self, design: DesignTables, begin_z: float) -> list[Size]:
         """Place of the cross bolt's axis from a face of the interface, and its hole."""
         dims = design.dimensions
         hole = design.bone.cross_bolt_diameter_mm
-        y = middle_y(dims)
+        y = dims.base_middle_y
         z = self.cross_bolt_z(design)
 
         return [

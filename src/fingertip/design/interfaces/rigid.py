@@ -7,16 +7,6 @@ from collections.abc import Iterator
 
 from fingertip.design.formulas.stress_and_knock import StressFactors, at_foot
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.conic import ConicBody, offset_section
-from fingertip.design.geometry.outlines import (
-    LEDGE_MM,
-    TANGENT_STEP_MM,
-    flat_foot,
-    foot_length,
-    foot_line,
-    round_foot,
-)
-from fingertip.design.geometry.profile import farthest_corner
 from fingertip.design.geometry.sizes import (
     ARROW_DEG,
     BEFORE_FACE,
@@ -27,28 +17,15 @@ from fingertip.design.geometry.sizes import (
     Length,
     Size,
 )
-from fingertip.design.geometry.solids import (
-    Box,
-    Cone,
-    Prism,
-    Solid,
-    SuperconicSolid,
-    cylinder,
-    difference,
-    intersection,
-)
 from fingertip.design.interfaces import interface
-from fingertip.design.interfaces.interface import Bolt, CrossBolted, Shapes
+from fingertip.design.interfaces.interface import Bolt, CrossBolted
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally
 from fingertip.foundation.numerics import bisect
+from fingertip.models import post, socket
+from fingertip.models.outlines import MATING_PLAY_MM
 
 RULES = Ruleset()
-
-_OUTLINE_POINTS = 16
-_CHAMFER_MM = 0.6
-_MIN_FLAT_MM = 0.02
-"""Depth of a post's flat below which it is left out [mm]: both kernels fail on slivers."""
 
 
 class Post(CrossBolted):
@@ -59,160 +36,23 @@ class Post(CrossBolted):
     weakest = "the post, its weakest section"
 
     def cross_bolt_z(self, design: DesignTables) -> float:
-        """Axis of the cross bolt: near the end of the post, where bending is least."""
-        hole = design.bone.cross_bolt_diameter_mm
-        bone = design.bone
-        return self.low_z(design) + min(
-            hole / 2 + max(bone.wall_mm, hole / 2), bone.post_length_mm / 2
-        )
+        return post.cross_bolt_z(design)
 
     def low_z(self, design: DesignTables) -> float:
-        return -design.bone.base_length_mm - design.bone.post_length_mm
-
-    def shapes(self, design: DesignTables) -> Shapes:
-        """Build a round post with a dorsal and a palmar flat, or
-        without them if it is as high as wide.
-        """
-        y = interface.middle_y(design.dimensions)
-        low = self.low_z(design)
-        high = design.bone.wall_mm / 2
-        high -= design.bone.base_length_mm
-        radius = design.bone.post_width_mm / 2
-        half = design.bone.post_height_mm / 2
-        post: Solid = cylinder(
-            "z",
-            centre=(0.0, y),
-            low=low,
-            high=high,
-            radius=radius,
-        )
-
-        if half <= radius - _MIN_FLAT_MM:
-            margin = (
-                radius  # past the round sides and the ends, by a length that scales with the design
-            )
-            post = intersection(
-                post,
-                Box(
-                    (-radius - margin, y - half, low - margin),
-                    (radius + margin, y + half, high + margin),
-                ),
-            )
-
-        if design.prints_without_supports:
-            post = intersection(
-                post,
-                *self._chamfer(
-                    y,
-                    low=low,
-                    up=high - low,
-                    radius=radius,
-                    half=min(half, radius),
-                ),
-            )
-
-        return (post, self._foot(design)), (self.bolt_hole(design),)
-
-    def _chamfer(
-        self,
-        y: float,
-        low: float,
-        up: float,
-        radius: float,
-        half: float,
-    ) -> tuple[Solid, Solid]:
-        """Build what is left of the post by a chamfer of its end, on
-        which it prints: the first layers spread.
-        """
-        least = radius - _CHAMFER_MM
-        flat = half - _CHAMFER_MM
-        sides = (
-            (y - flat, low),
-            (y + flat, low),
-            (y + flat + up, low + up),
-            (y - flat - up, low + up),
-        )
-
-        return Cone(
-            axis="z",
-            centre=(0.0, y),
-            low=low,
-            high=low + up,
-            low_radius=least,
-            high_radius=least + up,
-        ), Prism("x", sides, -2 * radius, 2 * radius)
-
-    def _foot(self, design: DesignTables) -> Solid:
-        """Build the fillet at the post's root, within the outline of the base."""
-        dims = design.dimensions
-        end = -design.bone.base_length_mm
-        bone = design.bone
-        y = interface.middle_y(dims)
-        top = end + bone.wall_mm / 2
-        half = bone.post_height_mm / 2
-        margin = dims.bone_outline.section.half_width
-        line = foot_line(bone.foot_radius_mm, end, 1.0, self._foot_reach(design))
-        low = end - self.foot_length(design) - margin
-        # A step inside the outline, because both run along z and would share a face.
-        section = offset_section(dims.bone_outline.section, -TANGENT_STEP_MM)
-        flat = dims.base_flat_depth
-        outline = difference(
-            SuperconicSolid(ConicBody(section, ((low, 1.0), (top + margin, 1.0)))),
-            Box(
-                (-2 * margin, -section.palmar - margin, low - margin),
-                (2 * margin, TANGENT_STEP_MM - flat, top + 2 * margin),
-            ),
-        )
-        foot = [outline, round_foot((0.0, y), bone.post_width_mm / 2, line, top)]
-
-        if half <= bone.post_width_mm / 2 - _MIN_FLAT_MM:
-            foot.append(
-                flat_foot(
-                    "x",
-                    low_side=y - half,
-                    high_side=y + half,
-                    foot=line,
-                    end=top + margin,
-                    reach=2 * margin,
-                )
-            )
-
-        return intersection(*foot)
-
-    def _foot_reach(self, design: DesignTables) -> float:
-        """Return how far a foot without supports stands out: to the
-        base's corners, but for a short ledge [mm].
-        """
-        if not design.prints_without_supports:
-            return 0.0
-
-        dims = design.dimensions
-        middle = interface.middle_y(design.dimensions)
-        section = dims.bone_outline.section
-        flat = -dims.base_flat_depth
-        corner = farthest_corner(
-            section.half_width,
-            height=section.dorsal,
-            weight=section.dorsal_weight,
-            count=_OUTLINE_POINTS,
-            middle=middle,
-        )
-        corner = max(corner, math.hypot(section.half_width_at(flat), flat - middle))
-
-        return max(0.0, corner - design.bone.post_width_mm / 2 - LEDGE_MM)
+        return post.low_z(design)
 
     def foot_length(self, design: DesignTables) -> float:
         """Return the length of the fillet at the post's root [mm],
         with the slope on which the base prints.
         """
-        return foot_length(design.bone.foot_radius_mm, self._foot_reach(design))
+        return post.post_foot_length(design)
 
     def genus(self, design: DesignTables) -> int:
         return 1
 
     def sizes(self, design: DesignTables) -> list[Size]:
         bone = design.bone
-        y = interface.middle_y(design.dimensions)
+        y = design.dimensions.base_middle_y
         foot = self.low_z(design)
         half = min(bone.post_height_mm, bone.post_width_mm) / 2
         radius = bone.foot_radius_mm
@@ -258,7 +98,7 @@ class Post(CrossBolted):
         ]
 
     def features(self, design: DesignTables) -> Iterator[tuple[str, tuple[float, float]]]:
-        yield "cross bolt", (self.cross_bolt_z(design), interface.middle_y(design.dimensions))
+        yield "cross bolt", (self.cross_bolt_z(design), design.dimensions.base_middle_y)
 
     def moment_share(self, design: DesignTables, z: float) -> float:
         """The moment falls from the foot, in proportion to the distance, to nothing at the end."""
@@ -280,7 +120,7 @@ class Post(CrossBolted):
         return factors.combined_with(self.hole_factors(design, z, across))
 
     def bolt(self, design: DesignTables) -> Bolt:
-        beside_mm = interface.MATING_PLAY_MM + 2 * interface.MATING_WALL_MM
+        beside_mm = MATING_PLAY_MM + 2 * interface.MATING_WALL_MM
         return self.choose_bolt(design, design.bone.post_width_mm, beside_mm)
 
 
@@ -329,25 +169,10 @@ class Socket(CrossBolted):
     walled_hollow = "socket"
 
     def cross_bolt_z(self, design: DesignTables) -> float:
-        """Axis of the cross bolt: halfway up the socket."""
-        return -design.bone.base_length_mm + design.bone.socket_depth_mm / 2
+        return socket.cross_bolt_z(design)
 
     def depth(self, design: DesignTables) -> float:
         return design.bone.socket_depth_mm
-
-    def shapes(self, design: DesignTables) -> Shapes:
-        radius = design.bone.socket_diameter_mm / 2
-        end = -design.bone.base_length_mm
-        centre = (0.0, interface.middle_y(design.dimensions))
-        bore = cylinder(
-            "z",
-            centre=centre,
-            low=end - radius,
-            high=end + design.bone.socket_depth_mm,
-            radius=radius,
-        )
-
-        return (), (bore, self.bolt_hole(design))
 
     def genus(self, design: DesignTables) -> int:
         """Count two: the socket is blind, but it opens into the hole of
@@ -358,7 +183,7 @@ class Socket(CrossBolted):
     def sizes(self, design: DesignTables) -> list[Size]:
         bone, y, end = (
             design.bone,
-            interface.middle_y(design.dimensions),
+            design.dimensions.base_middle_y,
             -design.bone.base_length_mm,
         )
         return [

@@ -5,8 +5,7 @@ collar and groove; and of mold and core.
 from __future__ import annotations
 
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.dimensions import HEAD_MM, KNOT_WIRES, TAIL_MM
-from fingertip.design.geometry.mold_layout import BELT_MM, MAX_BENDING_MM
+from fingertip.design.geometry.casting_layout import MAX_BENDING_MM
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 from fingertip.design.rules.skin import (
     SOUND_SECTIONS,
@@ -15,6 +14,8 @@ from fingertip.design.rules.skin import (
     tip_within_skin,
 )
 from fingertip.foundation.numerics import bisect
+from fingertip.models.dimensions import HEAD_MM, KNOT_WIRES, TAIL_MM
+from fingertip.models.mold_layout import BELT_MM
 
 WALL_RULES = Ruleset()
 RULES = Ruleset()

@@ -5,9 +5,9 @@ the skin, and the force curve is in order.
 from __future__ import annotations
 
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.dimensions import TAB_WIDTH_MM
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
+from fingertip.models.dimensions import TAB_WIDTH_MM
 
 RULES = Ruleset()
 

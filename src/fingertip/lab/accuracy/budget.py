@@ -24,7 +24,6 @@ from fingertip.board.analysis.tolerance import YIELD_BOARDS, compute_yields
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.values import select_components
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.skin import min_thickness
 from fingertip.cad.verification.strength import STATIONS, assess_strength
 from fingertip.casting.mixture import compute_batch, measure_poured_cm3
@@ -37,6 +36,7 @@ from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.lab.accuracy.measure import REFERENCE, measure_steps
 from fingertip.lab.campaign.campaign import Case
 from fingertip.lab.campaign.run import DetectorResult, TrialResult, evaluate, simulate_trace
+from fingertip.models.parts import PARTS
 from fingertip.pad.layer import GRID_MM, find_contacts
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.survey import GRASP_DEG, TILTS_DEG, WIDE_DEG, try_contacts

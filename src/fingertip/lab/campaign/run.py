@@ -25,6 +25,7 @@ from fingertip.sim import run_scene
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.grid import Grid
 from fingertip.slip.detectors import registry
+from fingertip.slip.detectors.detector import Detector, DetectorOutput
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import INCIPIENT_S, Interval, intervals, score
@@ -130,11 +131,11 @@ def evaluate(
 
 
 def _process(
-    detector: registry.Detector,
+    detector: Detector,
     inputs: tuple[Array, ...],
     scale: float,
     runs: dict[float, FastOutput],
-) -> registry.DetectorOutput:
+) -> DetectorOutput:
     if not isinstance(detector, FastDetector):
         return detector.process(*inputs)
     if scale not in runs:

@@ -11,13 +11,14 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, TypeVar
 
-from fingertip.cad.shapes.parts import PARTS, exact_parts, parts_by_name
+from fingertip.cad.parts import exact_parts
 from fingertip.design import Design
 from fingertip.design.geometry.sizes import Length, PartDrawing, ViewName
-from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.workers import Worker
+from fingertip.models.parts import PARTS, parts_by_name
+from fingertip.models.solids import Solid
 from fingertip.pictures.drawing import part_sizes
 from fingertip.pictures.drawing.layout import lay_out
 from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView, Sheet

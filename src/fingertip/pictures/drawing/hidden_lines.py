@@ -21,8 +21,8 @@ from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_REVERSED, TopAbs_WIRE
 from OCP.TopoDS import TopoDS, TopoDS_Shape
 
 from fingertip.cad.kernel import occ
-from fingertip.cad.kernel.cadquery_primitives import box
 from fingertip.design.geometry.sizes import ViewName
+from fingertip.models.workplanes import box
 from fingertip.pictures.drawing.primitives import PROJECTIONS, Line2, ProjectedView, Projection
 
 DEFLECTION_MM = 0.002

@@ -14,8 +14,8 @@ from itertools import product
 from typing import TypeAlias
 
 from fingertip.design.geometry.sizes import Circle, Length, PartDrawing, Side, ViewName
-from fingertip.design.geometry.solids import Point3
 from fingertip.foundation.errors import GeometryError, Issue
+from fingertip.models.solids import Point3
 from fingertip.pictures.drawing import dimensioning
 from fingertip.pictures.drawing.primitives import (
     PROJECTIONS,

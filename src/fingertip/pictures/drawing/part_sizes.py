@@ -8,9 +8,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import astuple
 
-from fingertip.cad.shapes import bench
 from fingertip.design import Design
-from fingertip.design.geometry import mold_layout as mold
 from fingertip.design.geometry.sizes import (
     ARROW_DEG,
     BEFORE_FACE,
@@ -32,10 +30,14 @@ from fingertip.design.geometry.sizes import (
     shared_clearance,
     symmetric,
 )
-from fingertip.design.geometry.solids import Point3
 from fingertip.design.interfaces import interface_of
-from fingertip.design.interfaces.interface import bolt_clearance, middle_y
+from fingertip.design.interfaces.interface import bolt_clearance
 from fingertip.design.interfaces.rigid import Post
+from fingertip.models import mold_layout as mold
+from fingertip.models.hand_stub import bars, guide, stub_bore_radius
+from fingertip.models.joint import joint_of
+from fingertip.models.solids import Point3
+from fingertip.models.stand import post_gap_mm, stand_outline
 
 ANY_MATERIAL = "any print material that the silicone tolerates"
 
@@ -73,9 +75,9 @@ def bone_drawing(design: Design) -> PartDrawing:
 
 def stand_drawing(design: Design) -> PartDrawing:
     bone = design.bone
-    gap = bench.post_gap_mm(design)
-    (_, _, low), (side, _, high) = astuple(bench.stand_outline(design))
-    y = middle_y(design.dimensions)
+    gap = post_gap_mm(design)
+    (_, _, low), (side, _, high) = astuple(stand_outline(design))
+    y = design.dimensions.base_middle_y
     bolt_z = Post().cross_bolt_z(design)
     hole = bone.cross_bolt_diameter_mm
     sizes = (
@@ -129,7 +131,7 @@ def stand_drawing(design: Design) -> PartDrawing:
 
 
 def pin_drawing(design: Design) -> PartDrawing:
-    radius = bench.joint_of(design).printed_pin_radius
+    radius = joint_of(design).printed_pin_radius
     length = design.dimensions.pin_length
     sizes = (
         Length(
@@ -162,9 +164,9 @@ def pin_drawing(design: Design) -> PartDrawing:
 
 
 def hand_stub_drawing(design: Design) -> PartDrawing:
-    joint = bench.joint_of(design)
-    (shoulder, bar) = bench.bars(design)
-    way = bench.guide(design)
+    joint = joint_of(design)
+    (shoulder, bar) = bars(design)
+    way = guide(design)
     (side, _, root) = shoulder.high
     y = joint.axis_y
     half = design.hand.width_mm / 2
@@ -194,7 +196,7 @@ def hand_stub_drawing(design: Design) -> PartDrawing:
             view="front",
             axis="x",
             centre=pin,
-            radius=bench.stub_bore_radius(joint),
+            radius=stub_bore_radius(joint),
             tolerance=bore(design),
             action="narrow: ream it to the pin; wide: take a thicker pin",
         ),

@@ -16,7 +16,7 @@ from itertools import pairwise
 from typing import ClassVar, Literal, TypeAlias
 
 from fingertip.design.geometry.sizes import ViewName
-from fingertip.design.geometry.solids import Point3
+from fingertip.models.solids import Point3
 
 Point: TypeAlias = tuple[float, float]
 Box: TypeAlias = tuple[float, float, float, float]

@@ -48,8 +48,8 @@ from fingertip.sim.signal.grid import (
     open_stream,
 )
 from fingertip.slip.detectors.analog_and_digital import AnalogDetector, measure_noise_level
+from fingertip.slip.detectors.detector import Detector, DetectorOutput
 from fingertip.slip.detectors.input_noise import NoiseLevel, input_noise_v
-from fingertip.slip.detectors.registry import Detector, DetectorOutput
 
 _FIRST, _SECOND, _INPUT = range(3)
 """Indices of the filter's state: voltages of the first and the

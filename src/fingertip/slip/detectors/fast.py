@@ -31,6 +31,7 @@ from fingertip.design import Design
 from fingertip.foundation.jit import as_samples
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors import fast_coefficients, fast_settings, fast_state
+from fingertip.slip.detectors.detector import Detector, DetectorOutput
 from fingertip.slip.detectors.fast_loop import LOOP
 from fingertip.slip.detectors.fast_settings import (
     FILTERS_SETTLE_S,
@@ -41,7 +42,6 @@ from fingertip.slip.detectors.fast_settings import (
     FastSettings,
 )
 from fingertip.slip.detectors.fast_state import COUNT
-from fingertip.slip.detectors.registry import Detector, DetectorOutput
 
 
 @dataclass(frozen=True)

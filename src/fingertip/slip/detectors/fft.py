@@ -22,8 +22,8 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.jit import as_samples
 from fingertip.foundation.numerics import Array, bisect
+from fingertip.slip.detectors.detector import Detector, DetectorOutput
 from fingertip.slip.detectors.input_noise import input_noise_v
-from fingertip.slip.detectors.registry import Detector, DetectorOutput
 
 # Thresholds for an energy detector in Gaussian noise, from a permitted false alarm rate.
 #

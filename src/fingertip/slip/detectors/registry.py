@@ -1,4 +1,4 @@
-"""Detectors: the interface that all share, and by name what each one takes and judges.
+"""Detectors by name: what each one takes and judges.
 
 The code of a detector is loaded when one is made, so that the command line can name the detectors
 without numpy. Other packages bring detectors by entry points of the group `fingertip.detectors`,
@@ -8,86 +8,18 @@ each of which is a `DetectorType`.
 from __future__ import annotations
 
 import functools
-from abc import ABC, abstractmethod
-from collections.abc import Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from fingertip.foundation.display import BLUE, ORANGE, RED, TEAL
 from fingertip.foundation.errors import Issue, TraceError, quote_value
 from fingertip.foundation.extras import blame_plugin, find_plugins, load_plugin
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from fingertip.design import Design
     from fingertip.foundation.numerics import Array
-
-
-@dataclass(frozen=True, eq=False)
-class DetectorOutput:
-    """Output of a detector: one value per input sample."""
-
-    statistic_v: Array
-    """Quantity that the detector compares with its threshold, in
-    the input's unit (volts for a voltage).
-    """
-    threshold_v: Array
-    """Threshold at each sample, in the same unit."""
-    on: NDArray[np.bool_]
-
-
-class Detector(ABC):
-    """Causal detector that keeps its state between chunks of samples.
-
-    The output has the same bits however the input is divided into chunks. The state can be pickled
-    between any two chunks.
-    """
-
-    _threshold_v: float
-    memory_s: float
-    """Longest time that ON outlasts the slip that caused it,
-    because its samples are still averaged [s].
-    """
-
-    @classmethod
-    def for_design(
-        cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0
-    ) -> Detector:
-        """Create it for a design, a noise [V] (None: the design's) and a factor of the threshold.
-
-        Raises TraceError.
-        """
-        raise NotImplementedError
-
-    @classmethod
-    def equivalent_noise_v(cls, design: Design, quiet_v: Array) -> float:
-        """Compute the white noise for which its threshold exceeds
-        a quiet signal as its rule requires [V].
-        """
-        raise NotImplementedError
-
-    @staticmethod
-    def min_noise_v(design: Design) -> float:
-        """Smallest noise of a voltage that is taken for stated [V]."""
-        return 0.0
-
-    @property
-    def threshold_v(self) -> float:
-        """Threshold in noise alone, while the force is constant [V]."""
-        return self._threshold_v
-
-    @abstractmethod
-    def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
-        """Process the next samples [V], any number of them, and return one output per sample."""
-
-    def step(self, voltage_v: float) -> bool:
-        """Process one sample [V] and return whether slip is ON;
-        some detectors do so without arrays.
-        """
-        return bool(self.process([voltage_v]).on[0])
+    from fingertip.slip.detectors.detector import Detector
 
 
 ENVELOPE_MEAN = "mean of the envelope"
@@ -104,10 +36,8 @@ class DetectorType:
     """Quantity that its threshold applies to.
     The design's threshold applies to the mean of the envelope.
     """
-    code: str
-    """Module, from this folder if it begins with a dot, and class in it, a subclass of
-    `Detector`.
-    """
+    load: Callable[[], type[Detector]]
+    """Function that imports the detector's class."""
     colour: str
     marker: str
     second_column: str | None = None
@@ -129,8 +59,37 @@ class DetectorType:
 
     @property
     def implementation(self) -> type[Detector]:
-        module, name = self.code.split(":")
-        return cast("type[Detector]", getattr(import_module(module, __package__), name))
+        return self.load()
+
+
+def _load_analog() -> type[Detector]:
+    from fingertip.slip.detectors.analog_and_digital import AnalogDetector  # noqa: PLC0415
+
+    return AnalogDetector
+
+
+def _load_digital() -> type[Detector]:
+    from fingertip.slip.detectors.analog_and_digital import SlipChain  # noqa: PLC0415
+
+    return SlipChain
+
+
+def _load_fft() -> type[Detector]:
+    from fingertip.slip.detectors.fft import FftDetector  # noqa: PLC0415
+
+    return FftDetector
+
+
+def _load_incipient() -> type[Detector]:
+    from fingertip.slip.detectors.fast import IncipientDetector  # noqa: PLC0415
+
+    return IncipientDetector
+
+
+def _load_fast() -> type[Detector]:
+    from fingertip.slip.detectors.fast import FastDetector  # noqa: PLC0415
+
+    return FastDetector
 
 
 _LOUD = (
@@ -142,7 +101,7 @@ DETECTORS: dict[str, DetectorType] = {
         words="on the board's output",
         input_column="envelope_v",
         quantity=ENVELOPE_MEAN,
-        code=".analog_and_digital:AnalogDetector",
+        load=_load_analog,
         colour=BLUE,
         marker="s",
         not_on_divider="takes the filter board's output, and a divider has none",
@@ -151,7 +110,7 @@ DETECTORS: dict[str, DetectorType] = {
         words="the article's chain in software",
         input_column="voltage_v",
         quantity=ENVELOPE_MEAN,
-        code=".analog_and_digital:SlipChain",
+        load=_load_digital,
         colour=TEAL,
         marker="o",
         not_on_divider=_LOUD,
@@ -160,7 +119,7 @@ DETECTORS: dict[str, DetectorType] = {
         words="the article's baseline",
         input_column="voltage_v",
         quantity="statistic of fft",
-        code=".fft:FftDetector",
+        load=_load_fft,
         colour=ORANGE,
         marker="^",
         not_on_divider=_LOUD,
@@ -169,7 +128,7 @@ DETECTORS: dict[str, DetectorType] = {
         words="fast at its early point",
         input_column="voltage_v",
         quantity="statistic of fast",
-        code=".fast:IncipientDetector",
+        load=_load_incipient,
         colour=RED,
         marker="o",
         second_column="filtered_v",
@@ -179,7 +138,7 @@ DETECTORS: dict[str, DetectorType] = {
         words="short-time energy",
         input_column="voltage_v",
         quantity="statistic of fast",
-        code=".fast:FastDetector",
+        load=_load_fast,
         colour=RED,
         marker="D",
         second_column="filtered_v",

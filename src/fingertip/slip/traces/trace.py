@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design.parameters.board_and_detector import Detector as DetectorParameters
-from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
+from fingertip.foundation.display import html_table, to_dataframe
 from fingertip.foundation.errors import (
     ArgumentError,
     InputFileError,
@@ -123,10 +123,6 @@ class Trace:
             if len(values)
         ]
         return html_table(repr(self), ("column", "smallest", "largest"), rows)
-
-    def plot(self) -> Picture:
-        """Draw the columns over time, with the true slips shaded. Raises MissingLibraryError."""
-        return plot("fingertip.slip.report:draw_trace", self)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the columns as a data frame. Raises MissingLibraryError."""

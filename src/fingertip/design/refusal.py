@@ -285,7 +285,7 @@ def explain_invalid(
 def _extend_bound(
     issue: Issue, tables: Mapping[str, Any], valid: DesignTables, invalid: frozenset[str]
 ) -> Issue:
-    """Add to a violated bound the value that rules require, if the bound itself would break them."""
+    """Add to a violated bound the value that rules require, if the bound itself breaks them."""
     name = issue.field
     value = dict(flatten(tables)).get(name)
     if name not in PARAMETERS or isinstance(value, bool) or not isinstance(value, int | float):

@@ -15,8 +15,8 @@ Next: copy this file as `lerobot_robot_so101_fingertip/__init__.py` into a packa
 whose prefix LeRobot looks for, and `pip install -e` it. Then record, with port and design of your
 finger:
 
-    lerobot-record --robot.type=so101_fingertip --robot.port=/dev/ttyACM1
-    --robot.fingertip_port=/dev/ttyACM0 ...
+    lerobot-record --robot.type=so101_fingertip --robot.port=/dev/ttyACM1 \\
+        --robot.fingertip_port=/dev/ttyACM0 ...
 
 `observation.state` then ends with `fingertip.force` [N] and `fingertip.slip`: 0, 1 incipient, or 2
 ON, the surest since the frame before, so that a slip of a few milliseconds is seen at 30 frames a

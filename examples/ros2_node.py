@@ -5,16 +5,18 @@ Needs ROS 2 (rclpy, geometry_msgs, std_msgs, diagnostic_msgs), fingertip in the 
 finger whose controller streams (`slip_lamp.ino` with STREAM = true, or `slip_stream.ino`). Source
 ROS 2, and run from a clone:
 
-    python3 examples/ros2_node.py --ros-args -p port:=/dev/ttyACM0 -p design:=first_finger -r
-    __ns:=/index ros2 topic echo /index/wrench
+    python3 examples/ros2_node.py --ros-args -p port:=/dev/ttyACM0 -p design:=first_finger \\
+        -r __ns:=/index
+    ros2 topic echo /index/wrench
 
-It ran with stand-ins for the classes of ROS (tests/bench/test_driver.py), and with no ROS.
+It ran with stand-ins for the classes of ROS (`tests/recorded_trials/test_driver.py`), without ROS.
 
-| topic | message | | --- | --- | | `wrench` | geometry_msgs/WrenchStamped, force along -z of
-`frame_id`, into the skin; NaN where no curve is known | | `slip` | std_msgs/Bool, true if it
-slipped since the last message | | `slip_incipient` | std_msgs/Bool, earlier and less sure; on a
-divider the same | | `/diagnostics` | diagnostic_msgs/DiagnosticArray, each second: samples lost,
-and the interval of the force |
+| topic | message |
+| --- | --- |
+| `wrench` | geometry_msgs/WrenchStamped, force along -z of `frame_id`; NaN without a known curve |
+| `slip` | std_msgs/Bool, true if it slipped since the last message |
+| `slip_incipient` | std_msgs/Bool, earlier and less sure; on a divider the same |
+| `/diagnostics` | diagnostic_msgs/DiagnosticArray, each second: lost samples, interval of force |
 
 `frame_id` is the frame of the sensor in the model that `fingertip robot --format urdf` writes. It
 presses along -z.

@@ -106,7 +106,7 @@ def list_texts(tree: ast.Module) -> Iterator[str]:
 
 def find_named(texts: Iterable[str], modules: Container[str]) -> set[str]:
     """Find the modules of the package that texts name, such as `slip.report` or
-    `fingertip.slip.report:draw`.
+    `fingertip.slip.detection_results:draw`.
     """
     words = {word.strip(".") for text in texts for word in re.findall(r"[\w.]+", text)}
     dotted = {word.removeprefix("fingertip.") for word in words if "." in word}
@@ -115,9 +115,9 @@ def find_named(texts: Iterable[str], modules: Container[str]) -> set[str]:
 
 def test_a_module_named_in_a_string_is_found() -> None:
     """The next two tests could not fail without it."""
-    modules = {"fingertip.slip.report", "fingertip.slip"}
-    for text in ("fingertip.slip.report:draw", "slip.report", "see slip.report."):
-        assert find_named([text], modules) == {"fingertip.slip.report"}
+    modules = {"fingertip.slip.detection_results", "fingertip.slip"}
+    for text in ("fingertip.slip.detection_results:draw", "slip.report", "see slip.report."):
+        assert find_named([text], modules) == {"fingertip.slip.detection_results"}
     assert find_named(["slip", "fingertip.slips", "report.py"], modules) == set()
 
 

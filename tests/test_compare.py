@@ -14,7 +14,7 @@ from PIL import Image
 from fingertip import Design
 from fingertip.documents.comparison import Version, compare_versions
 from fingertip.tasks.build import build
-from fingertip.tasks.compare import read_version
+from fingertip.tasks.versions import read_version
 from tests.conftest import run_fingertip
 
 COARSE_MM = 0.1

@@ -19,8 +19,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_analysis import analyse, bode_table
 from fingertip.board.analysis.loads import _find_margin_deg
-from fingertip.board.analysis.report import analyse, bode_table
 from fingertip.board.analysis.response import FilterModel, decibel, model_filter, target_response
 from fingertip.board.analysis.tolerance import COMPONENTS, QUANTITIES, TolerancedFilter, monte_carlo
 from fingertip.board.circuits.network import Network, Term, build_network, filter_quantities

@@ -15,8 +15,14 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.bringup import bench
-from fingertip.board.bringup.plan import PROBES, Board, BringUp, Limits, plan_bring_up
+from fingertip.board.bringup import stimulus
+from fingertip.board.bringup.expected_readings import (
+    PROBES,
+    BoardUnderTest,
+    BringUp,
+    Limits,
+    plan_bring_up,
+)
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.values import VARIANT_CHANGES
@@ -38,17 +44,17 @@ EACH = pytest.mark.parametrize("name", VARIANT_CHANGES)
 def plan_of(name: str) -> tuple[Design, BringUp]:
     design = load_article(VARIANT_CHANGES[name])
     values = board_values(design)
-    return design, plan_bring_up(Board.of_design(design, board_circuit(values)), values)
+    return design, plan_bring_up(BoardUnderTest.of_design(design, board_circuit(values)), values)
 
 
-def measure(board: Board, circuit: Circuit, net: str, samples: int) -> float:
+def measure(board: BoardUnderTest, circuit: Circuit, net: str, samples: int) -> float:
     """Tone at a net of a circuit, with its parts as they are [V]."""
-    path = bench.feed_tone(circuit, board.bench, board.gain_bandwidth_hz).restrict(net)
-    level = bench.level if board.is_sampled else bench.square_level
-    return bench.TONE_V * float(level(path, bench.SAMPLE_HZ / samples, net)[0])
+    path = stimulus.feed_tone(circuit, board.stimulus, board.gain_bandwidth_hz).restrict(net)
+    level = stimulus.tone_level if board.is_sampled else stimulus.square_wave_level
+    return stimulus.TONE_V * float(level(path, stimulus.SAMPLE_HZ / samples, net)[0])
 
 
-def rest(board: Board, circuit: Circuit, net: str, ohm: float | None) -> float:
+def rest(board: BoardUnderTest, circuit: Circuit, net: str, ohm: float | None) -> float:
     """Constant voltage of a net above ground [V]."""
     return (
         build_network(circuit, sensor_s=1.0 / ohm if ohm else 0.0)
@@ -77,7 +83,7 @@ def test_expected_readings_are_those_of_ngspice(tmp_path: Path, name: str) -> No
         )
         return run_ngspice(tmp_path, changed, f"op\nlet found = {volts}\nwrdata out found")[0][1]
 
-    light = board.bench.dummy_ohm[0]
+    light = board.stimulus.dummy_ohm[0]
     found = [(constant(net, 1e12, ground), limits) for net, limits in plan.open_v.items()]
     found += [(constant(TACTILE, ohm, ground), limits) for ohm, limits in plan.dummy_v.items()]
     found += [(constant(net, light, "0"), limits) for net, limits in plan.pins_v.items()]
@@ -86,13 +92,13 @@ def test_expected_readings_are_those_of_ngspice(tmp_path: Path, name: str) -> No
         .replace("dc 0 ac 1u", "dc 0 ac 0")
         .replace(
             "\n.ac ",
-            f"\nVT tone 0 dc 0 ac {bench.TONE_V:.9g}\nCT tone tm {bench.COUPLING_FARAD:g}\n"
-            f"RT tm sensor {board.bench.coupling_ohm:g}\n.ac ",
+            f"\nVT tone 0 dc 0 ac {stimulus.TONE_V:.9g}\nCT tone tm {stimulus.COUPLING_FARAD:g}\n"
+            f"RT tm sensor {board.stimulus.coupling_ohm:g}\n.ac ",
         )
     )
     for tone in plan.tones:
         squares = 0.0
-        for k in (1,) if board.is_sampled else bench.HARMONICS:
+        for k in (1,) if board.is_sampled else stimulus.HARMONICS:
             command = (
                 f"ac lin 1 {k * tone.hz:.9g} {k * tone.hz:.9g}\nlet m = "
                 f"abs(v({tone.net.lower()}))\nwrdata out m"
@@ -124,7 +130,10 @@ def test_good_boards_pass(name: str) -> None:
                 tone,
             )
         for net, limits in plan.pins_v.items():
-            assert allows(limits, rest(board, circuit, net, board.bench.dummy_ohm[0])), (seed, net)
+            assert allows(limits, rest(board, circuit, net, board.stimulus.dummy_ohm[0])), (
+                seed,
+                net,
+            )
 
 
 @pytest.mark.parametrize(
@@ -199,7 +208,7 @@ def test_each_net_is_measured_where_the_sheet_says(name: str) -> None:
     if "J2" in {part.reference for part in circuit.components}:
         assert circuit.net_by_pin["J2", "2"] == GND, "the sheet names this pin for the black probe"
     # The tone is well above a meter's error, and its edges stay below clipping.
-    high = next(tone for tone in plan.tones if tone.samples == plan.board.bench.periods[2])
+    high = next(tone for tone in plan.tones if tone.samples == plan.board.stimulus.periods[2])
     assert 0.2 < high.limits.expected < 0.6 * (1.0 if plan.board.is_sampled else 3.0)
     parts = load_project(name).placement.parts.items()
     pads = {
@@ -301,7 +310,7 @@ def test_sketch_measures_the_tone_behind_a_low_pass(tmp_path: Path, name: str) -
             "T" if tone.net == ADC_TACTILE else "S",
             pytest.approx(tone.hz, abs=0.06),
         )
-        expected = bench.TONE_V / math.hypot(1.0, tone.hz / 300.0)
+        expected = stimulus.TONE_V / math.hypot(1.0, tone.hz / 300.0)
         # With 6 samples a period the fifth harmonic appears as the first, and each sample follows
         # the edge.
         assert float(volts) == pytest.approx(expected, rel=0.02 if tone.samples > 6 else 0.1)
@@ -313,7 +322,9 @@ def test_sketch_measures_the_tone_behind_a_low_pass(tmp_path: Path, name: str) -
         ["FAILS", "ok"],
         False,
     )
-    (tmp_path / "main.cpp").write_text(_STAND_IN.replace("A0 = 14", f"A0 = {bench.TONE_PIN - 1}"))
+    (tmp_path / "main.cpp").write_text(
+        _STAND_IN.replace("A0 = 14", f"A0 = {stimulus.TONE_PIN - 1}")
+    )
     refused = subprocess.run(
         command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120
     )

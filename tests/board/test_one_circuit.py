@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_analysis import analyse, bode_table
 from fingertip.board.analysis.board_values import _model_variant, compute_filter
-from fingertip.board.analysis.report import analyse, bode_table
 from fingertip.board.circuits import board_circuit as circuits
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.fabrication.bom import bill_of_materials

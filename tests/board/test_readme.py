@@ -18,7 +18,7 @@ from xml.etree import ElementTree
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis.report import Analysis, analyse
+from fingertip.board.analysis.board_analysis import Analysis, analyse
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.placement import list_pads, read_reference
 from fingertip.board.kicad.sexpr import read_expression

@@ -53,7 +53,7 @@ FOLDERS = (
     ("build fsr400", "fingertip.tasks.build.verify"),
     ("make fsr400", "fingertip.tasks.build.verify"),
     ("board", "fingertip.foundation.output_set.SetWriter._write"),
-    ("compare fsr400 fsr402", "fingertip.tasks.compare.make"),
+    ("compare fsr400 fsr402", "fingertip.tasks.versions.make"),
     ("firmware fsr400", "fingertip.foundation.output_set.SetWriter._write"),
     ("robot fsr400", "fingertip.tasks.robot.build_finger"),
     ("validate", "fingertip.lab.validation.validate"),
@@ -61,7 +61,7 @@ FOLDERS = (
     ("page fsr400", "fingertip.tasks.views.read_sources"),
     ("accuracy", "fingertip.lab.accuracy.measure.measure_accuracy"),
     ("sweep board", "fingertip.sweep.run.compute_rows"),
-    ("record --port /dev/null", "fingertip.bench.record.Recorder.run"),
+    ("record --port /dev/null", "fingertip.recorded_trials.record.Recorder.run"),
 )
 """Words of a command whose --out is a folder, and what must not be called."""
 READ = {"--design", "--floors", "--hand", "--own", "--from"}

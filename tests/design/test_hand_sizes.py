@@ -18,7 +18,7 @@ from fingertip.design.design_file import to_toml
 from fingertip.design.fit import LEAST_LOADS
 from fingertip.design.hand_sizes import SIZES, complete_hand, list_hands
 from fingertip.design.parameters.bone_and_mold import Hand
-from fingertip.documents.finger import draw_hand_sizes, list_steps
+from fingertip.documents.finger_sheets import draw_hand_sizes, list_steps
 from fingertip.fitting.fitting import fit_tables
 from fingertip.fitting.new_design import write_new_design
 from fingertip.foundation.errors import DesignError, join_words

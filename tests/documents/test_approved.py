@@ -12,13 +12,12 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.bench.trials import prepare_folder
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.casting.sheet import casting_sheet
 from fingertip.design import Design
 from fingertip.design.finger_set import load_set
 from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
-from fingertip.documents.finger import (
+from fingertip.documents.finger_sheets import (
     FirstScreen,
     Loads,
     list_steps,
@@ -29,6 +28,7 @@ from fingertip.documents.finger import (
 from fingertip.documents.firmware import render_readme
 from fingertip.documents.robot import describe_model, render_robot_readme, render_set_readme
 from fingertip.firmware.fingers import plan_fingers
+from fingertip.recorded_trials.trials import prepare_folder
 from fingertip.robot.finger_model import build_finger
 from tests.approved import check_text, read_text
 from tests.conftest import ROOT, design_file

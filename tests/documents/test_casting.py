@@ -19,7 +19,7 @@ from fingertip.casting.sheet import CastingSheet, casting_sheet
 from fingertip.casting.shopping import add_prices
 from fingertip.design import Design
 from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
-from fingertip.documents.finger import FirstScreen, list_steps, render_sheet, render_start
+from fingertip.documents.finger_sheets import FirstScreen, list_steps, render_sheet, render_start
 from fingertip.documents.wiring import wiring_diagram
 from fingertip.fitting.new_design import PRESETS
 from fingertip.models.parts import PARTS

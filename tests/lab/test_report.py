@@ -240,8 +240,8 @@ def test_comparison_of_recordings_writes_no_file_unasked(
     found = SimpleNamespace(
         files=lambda: {"fitted.toml": b"x"}, as_data=dict, as_text=lambda: "measured beside it"
     )
-    monkeypatch.setattr("fingertip.bench.compare.compare", lambda *_: found)
-    monkeypatch.setattr("fingertip.bench.trials.read_recordings", lambda _: [])
+    monkeypatch.setattr("fingertip.recorded_trials.simulation_comparison.compare", lambda *_: found)
+    monkeypatch.setattr("fingertip.recorded_trials.trials.read_recordings", lambda _: [])
     words = ("validate", "first_finger", "--recordings", "recordings")
     done = run_fingertip(*words, PWD=str(tmp_path))
     assert (

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from fingertip import Design
-from fingertip.board.analysis.report import bode_table
+from fingertip.board.analysis.board_analysis import bode_table
 from fingertip.board.kicad.project import read_archive
 from fingertip.board.kicad.sexpr import read_expression
 from fingertip.cad.kernel.mesh import Mesh

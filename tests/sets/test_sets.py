@@ -29,7 +29,7 @@ from fingertip.design import Design
 from fingertip.design.design_file import to_toml
 from fingertip.design.finger_set import FingerSet, Form, load_set
 from fingertip.documents.acceptance import acceptance_sheet
-from fingertip.documents.finger_set import (
+from fingertip.documents.set_sheets import (
     MOLD_MIN,
     STIR_MIN,
     FormSheets,

@@ -14,8 +14,8 @@ from fingertip.design import Design
 from fingertip.detection.recordings import find_force_scale
 from fingertip.sim.signal.bridge import HYSTERESIS
 from fingertip.sim.signal.converter import compute_bridge_v
+from fingertip.slip.detection_results import as_data, as_text
 from fingertip.slip.force import MEAN_S
-from fingertip.slip.report import as_data, as_text
 from fingertip.slip.scored_detection import detect
 from fingertip.slip.traces.trace import Trace
 

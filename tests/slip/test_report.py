@@ -13,9 +13,9 @@ import pytest
 
 from fingertip import Design, Trace, detect
 from fingertip.detection.warnings import calibration_warnings, hum_warnings, noise_warnings
+from fingertip.slip.detection_results import as_data, as_text
 from fingertip.slip.detectors.analog_and_digital import ChainSettings, SlipChain
 from fingertip.slip.plots import draw_trace, plot_detection
-from fingertip.slip.report import as_data, as_text
 from fingertip.slip.traces.truth import Interval, Origin
 from tests.approved import check_figures, list_data
 from tests.figures import describe_figure, keep_figures, list_words

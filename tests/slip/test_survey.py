@@ -17,9 +17,9 @@ from fingertip.board.analysis.board_values import find_tactile_response
 from fingertip.board.analysis.limits import PRELOAD
 from fingertip.design import Design
 from fingertip.detection.warnings import flat_warnings
-from fingertip.slip.traces.columns import bare_lines, is_named, parse_number
+from fingertip.slip.traces.cells import bare_lines, is_named, parse_number
+from fingertip.slip.traces.column_survey import examine
 from fingertip.slip.traces.read import read_raw_trace
-from fingertip.slip.traces.survey import examine
 from fingertip.slip.traces.trace import ColumnMap
 from tests.slip.recordings import ONSET, T, V, csv, rows, run, single_onset
 

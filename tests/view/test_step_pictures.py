@@ -19,7 +19,7 @@ from PIL.ImageDraw import ImageDraw
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.casting.sheet import casting_sheet
 from fingertip.design import Design
-from fingertip.documents.finger import list_steps
+from fingertip.documents.finger_sheets import list_steps
 from fingertip.models.solids import Point3
 from fingertip.pictures.casting_scenes import SCENES
 from fingertip.pictures.joint_scenes import JOINT_SCENES

@@ -9,7 +9,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design import Design
-from fingertip.documents.finger import list_steps as steps_of
+from fingertip.documents.finger_sheets import list_steps as steps_of
 from fingertip.pictures.casting_scenes import draw_steps
 from fingertip.pictures.picture import draw
 

@@ -31,7 +31,7 @@ from fingertip.foundation.errors import (
 from fingertip.foundation.input_files import RECORDING_LIMIT, read_input
 from fingertip.foundation.numerics import CONFIDENCE, t_quantile
 from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, fit_conductance_curve
-from fingertip.slip.traces.columns import DELIMITERS, split_cells, unquote
+from fingertip.slip.traces.cells import DELIMITERS, split_cells, unquote
 
 LOADS = {"weight_g": NEWTON_PER_GRAM, "force_n": 1.0}
 """Columns of loads -> newtons per unit."""

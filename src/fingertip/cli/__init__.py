@@ -18,7 +18,6 @@ import typer
 
 from fingertip import __version__
 from fingertip.cli.accuracy import accuracy
-from fingertip.cli.bench import record
 from fingertip.cli.board import board
 from fingertip.cli.build import build, firmware, make, robot
 from fingertip.cli.calibrate import calibrate
@@ -33,6 +32,7 @@ from fingertip.cli.help_page import HelpCommand, HelpGroup
 from fingertip.cli.new import new
 from fingertip.cli.options import command, flag
 from fingertip.cli.pad import pad
+from fingertip.cli.recorded_trials import record
 from fingertip.cli.simulate import simulate
 from fingertip.cli.sweep import sweep
 from fingertip.foundation.errors import FingertipError, Issue

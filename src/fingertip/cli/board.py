@@ -164,7 +164,7 @@ def _write_board(console: Console, design: Design, options: _Options) -> None:
             ]
 
     if options.bode:
-        from fingertip.board.analysis.report import bode_table
+        from fingertip.board.analysis.board_analysis import bode_table
         from fingertip.foundation.files import write_file
 
         write_file(options.bode, bode_table(design).encode(), "--bode")
@@ -172,7 +172,7 @@ def _write_board(console: Console, design: Design, options: _Options) -> None:
         lines += ["", f"wrote {options.bode.as_posix()}"]
 
     if options.analysis:
-        from fingertip.board.analysis.report import analyse
+        from fingertip.board.analysis.board_analysis import analyse
 
         found = analyse(design)
         data["analysis"] = found.as_data()

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from fingertip.board.analysis.board_analysis import Analysis
     from fingertip.board.analysis.board_values import BoardValues
-    from fingertip.board.analysis.report import Analysis
     from fingertip.design import Design
 
 _FORCES_N = (0.0, 0.2, 0.8, 1.3, 3.0, 8.0, 20.0)

@@ -275,7 +275,7 @@ def make(
         return
 
     from fingertip.catalogues.output_files import PRINT_FOLDER, SHEET
-    from fingertip.slip.report import as_data
+    from fingertip.slip.detection_results import as_data
     from fingertip.tasks.make import make as make_everything
 
     loaded = load_design(design, changes, console)

@@ -112,7 +112,7 @@ def check_folder(
 
     `words` are the options of the command line that change the designs.
     """
-    from fingertip.bench.trials import DESIGN, list_trials
+    from fingertip.recorded_trials.trials import DESIGN, list_trials
 
     if list_trials(folder) and (folder / DESIGN).exists():
         return _check_recordings(folder)
@@ -129,7 +129,7 @@ def check_folder(
 
 
 def _check_recordings(folder: Path) -> Found:
-    from fingertip.bench.trials import check_recordings
+    from fingertip.recorded_trials.trials import check_recordings
 
     trials, faults, notes = check_recordings(folder)
     verdict = "must be mended before it is given away" if faults else "may be given away"

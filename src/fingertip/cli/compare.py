@@ -107,7 +107,7 @@ def _load_old(old: Path, new: Path) -> _Side:
 def _load_side(path: Path) -> _Side:
     from fingertip.catalogues.file_kinds import DESIGN, SET, is_bundled_name
     from fingertip.design.finger_set import is_set
-    from fingertip.tasks.compare import read_version
+    from fingertip.tasks.versions import read_version
 
     if path.is_dir() and not is_bundled_name(path, DESIGN, SET):
         return _Side(str(path), read_version(path))
@@ -139,7 +139,7 @@ def _load_revision(revision: str, path: Path) -> Design:
 
 def _read(side: _Side, console: Console) -> Version:
     from fingertip.documents.comparison import Version
-    from fingertip.tasks.compare import make_version
+    from fingertip.tasks.versions import make_version
 
     if isinstance(side.made, Version):
         return side.made

@@ -83,8 +83,8 @@ def detect(
     from fingertip.detection.recordings import detect_file
     from fingertip.foundation import extras
     from fingertip.foundation.output_set import add_to_set, check_set
+    from fingertip.slip.detection_results import as_data, as_text
     from fingertip.slip.plots import draw_detection
-    from fingertip.slip.report import as_data, as_text
 
     is_stream = str(trace) == "-"
     refuse(find_file_issues("--plot", plot, ".png"))
@@ -268,7 +268,7 @@ def validate(
     Exit code 1: a requirement is missed.
     """
     from fingertip.board.analysis.board_values import find_range_warnings
-    from fingertip.cli.bench import compare_recordings
+    from fingertip.cli.recorded_trials import compare_recordings
     from fingertip.detection.warnings import settings_warnings
     from fingertip.foundation import extras
     from fingertip.foundation.output_set import SetWriter, hash_parameters

@@ -96,7 +96,7 @@ def sheet(
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.casting.sheet import casting_sheet
     from fingertip.catalogues.output_files import SHEET, STEPS, STEPS_FOLDER
-    from fingertip.documents.finger import list_steps, render_sheet
+    from fingertip.documents.finger_sheets import list_steps, render_sheet
 
     refuse(find_file_issues("--out", out, ".md"))
     loaded = load_design(design, changes, console).with_silicone(material)
@@ -165,7 +165,7 @@ def picture(
     the sensor feels, or what to measure on a hand.
     """
     from fingertip.catalogues.output_files import EXPLODED_VIEW, HAND_VIEW, PAD_VIEW
-    from fingertip.documents.finger import draw_hand_sizes
+    from fingertip.documents.finger_sheets import draw_hand_sizes
     from fingertip.page.pad_section import draw_pad
     from fingertip.page.svg import write_svg
     from fingertip.pictures.picture import draw, find_width_issues

@@ -21,8 +21,8 @@ from fingertip.slip.detectors.detector import Detector
 from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.force import MEAN_S, Force, ForceScale
 from fingertip.slip.traces import sampling
-from fingertip.slip.traces.columns import bare_lines, parse_number, split_cells
-from fingertip.slip.traces.csv_dialect import Header, find_header
+from fingertip.slip.traces.cells import bare_lines, parse_number, split_cells
+from fingertip.slip.traces.csv_header import Header, find_header
 from fingertip.slip.traces.trace import NANOSEC, ColumnMap, bounded_lines
 
 NAME = "standard input"

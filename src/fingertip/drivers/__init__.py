@@ -30,7 +30,7 @@ from fingertip.slip.detectors import fast_state
 from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.detectors.fast_settings import GAP_S
 from fingertip.slip.force import MEAN_S, Force
-from fingertip.slip.traces.columns import parse_number, split_cells
+from fingertip.slip.traces.cells import parse_number, split_cells
 from fingertip.slip.traces.trace import ColumnMap
 
 SILENT_S = 5.0

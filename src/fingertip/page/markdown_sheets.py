@@ -14,7 +14,7 @@ from markdown_it.tree import SyntaxTreeNode
 from fingertip.catalogues import output_files as outputs
 from fingertip.design import Design
 from fingertip.design.design_file import list_parameters
-from fingertip.documents.finger import render_basis_table
+from fingertip.documents.finger_sheets import render_basis_table
 from fingertip.page.html import Markup, element, fold, join, list_links, note, table
 from fingertip.page.parameters_and_checks import link_parameters
 from fingertip.page.sources import COMMANDS, Sources

@@ -14,7 +14,7 @@ from fingertip.cad.parts import shapes_of_parameters
 from fingertip.cad.verification.verify import list_causes
 from fingertip.design import Design
 from fingertip.design.design_file import Parameter, format_value, list_parameters
-from fingertip.documents.finger import draw_hand_sizes
+from fingertip.documents.finger_sheets import draw_hand_sizes
 from fingertip.page.html import Markup, button, code, element, embed, fold, join, quantity, table
 from fingertip.page.model_section import label_item
 

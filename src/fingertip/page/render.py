@@ -14,8 +14,8 @@ from urllib.parse import quote
 from fingertip import __version__
 from fingertip.catalogues.output_files import PAGE
 from fingertip.design import Design
-from fingertip.documents.finger import FirstScreen, render_start
-from fingertip.documents.finger_set import SetSheets
+from fingertip.documents.finger_sheets import FirstScreen, render_start
+from fingertip.documents.set_sheets import SetSheets
 from fingertip.foundation.tables import read_rows
 from fingertip.page import markdown_sheets
 from fingertip.page.board_section import draw_response, render_board

@@ -26,7 +26,7 @@ from fingertip.catalogues.output_files import (
     STEPS_FOLDER,
 )
 from fingertip.design import Design
-from fingertip.documents.finger import Loads
+from fingertip.documents.finger_sheets import Loads
 from fingertip.foundation.errors import Issue, OutputError, raise_issues
 from fingertip.foundation.folder_swap import hash_content
 from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input

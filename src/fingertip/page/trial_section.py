@@ -18,7 +18,12 @@ from fingertip.foundation.numerics import Array
 from fingertip.page.html import Markup, element, figure, join, note
 from fingertip.page.sources import COMMANDS, Sources
 from fingertip.page.svg import Axis, Frame, figure_svg, legend, line, text
-from fingertip.slip.report import DETECTED, describe_detector, format_delay, format_motion_delay
+from fingertip.slip.detection_results import (
+    DETECTED,
+    describe_detector,
+    format_delay,
+    format_motion_delay,
+)
 from fingertip.slip.scored_detection import Detection
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import BAND_LABEL, Interval, encoder_band_s, parse_origin

@@ -1,5 +1,4 @@
-"""Slip on a sampled voltage: a trace comes in, and intervals go out, scored where the true slip is
-known.
+"""Slip on a sampled voltage: from traces to intervals, scored where true slip is known.
 
 Nothing here knows the simulation. `traces` reads recordings, and `detectors` judges their samples.
 

@@ -1,4 +1,4 @@
-"""Force on a finger beside its slip, off the sensor's curve with its interval.
+"""Force on a finger, from the sensor's curve, with its interval.
 
 No verdict on slip depends on it.
 """
@@ -45,8 +45,7 @@ class Force:
 
 @dataclass(frozen=True, eq=False)
 class ForceScale:
-    """Forces that a finger's tactile voltages mean, by the zero of its board and the stored curve
-    of its sensor.
+    """Force at each tactile voltage, by the zero of the board and the sensor's stored curve.
 
     No rest is taken from a recording, so that a hand may start while something touches it.
     """
@@ -61,9 +60,7 @@ class ForceScale:
 
     @classmethod
     def of(cls, design: Design, volts: Array, forces_n: Array) -> ForceScale:
-        """Take the interval of a design's sensor: calibrated, or of
-        a typical one from which real ones differ.
-        """
+        """Make the scale of a design's sensor; that of a typical sensor has the wider interval."""
         curve = design.force_curve
         if curve.curve == "calibrated":
             return cls(

@@ -9,9 +9,9 @@ import numpy as np
 
 from fingertip.foundation import display as style
 from fingertip.foundation.display import Picture
+from fingertip.slip.detection_results import DETECTED, format_delay, format_motion_delay
 from fingertip.slip.detectors.analog_and_digital import ChainOutput
 from fingertip.slip.detectors.registry import find_detector_type
-from fingertip.slip.report import DETECTED, format_delay, format_motion_delay
 from fingertip.slip.scored_detection import Detection
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import BAND_LABEL, Interval, encoder_band_s, intervals

@@ -41,17 +41,17 @@ class UsedThreshold:
 
     @classmethod
     def of(cls, detector: str, output: DetectorOutput) -> UsedThreshold:
-        used = output.threshold_v
+        threshold_v = output.threshold_v
         on = np.flatnonzero(output.on)
-        first_v = float(used[on[0]]) if len(on) else None
+        first_v = float(threshold_v[on[0]]) if len(on) else None
         quantity = registry.find_detector_type(detector).quantity
 
         return cls(
             quantity=quantity,
             first_on_v=first_v,
-            last_v=float(used[-1]),
-            lowest_v=float(np.nanmin(used)),
-            highest_v=float(np.nanmax(used)),
+            last_v=float(threshold_v[-1]),
+            lowest_v=float(np.nanmin(threshold_v)),
+            highest_v=float(np.nanmax(threshold_v)),
         )
 
     def describe(self) -> str:
@@ -87,28 +87,18 @@ class Detection:
     score: Score | None
     """Score against the true slips; None if the trace does not contain them."""
     confidences: tuple[float, ...]
-    """Greatest ratio of statistic to threshold in each interval:
-    by how much a controller may trust it.
-    """
+    """Greatest ratio of statistic to threshold in each interval, a measure of trust."""
     incipient: tuple[Interval, ...] | None
-    """Intervals of slip from its first signs on, with more false
-    alarms; None for other detectors than `fast`.
-    """
+    """Slip from its first signs on, with more false alarms; None for detectors but `fast`."""
     learned_noise_v: float | None
-    """White RMS noise that the detector has learned at the end
-    [V]; None for detectors that learn none.
-    """
+    """Learned white RMS noise at the end [V]; None for detectors that learn none."""
     floors: Floors | None
     """Floors that `fast` has learned at the end; None for other detectors."""
     undecided: Interval | None
-    """Time from the start on in which `fast` cannot tell slip
-    from noise, because nothing rested before.
-    """
+    """Time at the start in which `fast` cannot tell slip from noise, as nothing rested before."""
     trace: Trace
     scale: ForceScale | None = None
-    """Forces that the voltages mean; None where the curve of the sensor
-    is not known, or the signal is in no volts.
-    """
+    """Force at each voltage; None if the sensor's curve or the unit of the signal is unknown."""
 
     @property
     def forces(self) -> tuple[Force, ...] | None:
@@ -116,9 +106,9 @@ class Detection:
         if self.scale is None:
             return None
 
-        begins_s = [one.onset_s for one in self.intervals]
+        onsets_s = [interval.onset_s for interval in self.intervals]
         time_s = self.trace.time_s
-        places = ((time_s > at_s - MEAN_S) & (time_s <= at_s) for at_s in begins_s)
+        places = ((time_s > at_s - MEAN_S) & (time_s <= at_s) for at_s in onsets_s)
         return tuple(self.scale.read(float(self.trace.voltage_v[place].mean())) for place in places)
 
     @property
@@ -129,9 +119,7 @@ class Detection:
 
     @property
     def motion_delays_s(self) -> tuple[float | None, ...] | None:
-        """Delay of each slip since the robot moved [s], None if it
-        was missed; None if the motion is not known.
-        """
+        """Delay of each slip since the robot moved [s], None if missed; None without a motion."""
         motion_s = self.trace.origin.motion_s
         if self.score is None or motion_s is None:
             return None
@@ -142,18 +130,17 @@ class Detection:
         )
 
     def __repr__(self) -> str:
-        found = f"{len(self.intervals)} interval{'' if len(self.intervals) == 1 else 's'} ON"
+        count = f"{len(self.intervals)} interval{'' if len(self.intervals) == 1 else 's'} ON"
         if self.score is None:
-            return f"Detection({self.detector}: {found})"
+            return f"Detection({self.detector}: {count})"
 
         delays_s = [delay_s for delay_s in self.score.delays_s if delay_s is not None]
         text = f"{len(delays_s)} of {len(self.score.delays_s)} slips found"
         if delays_s:
             text += f", delay {1000 * float(np.median(delays_s)):.1f} ms"
 
-        return (
-            f"Detection({self.detector}: {found}, {text}, {len(self.score.false_intervals)} false)"
-        )
+        false = f"{len(self.score.false_intervals)} false"
+        return f"Detection({self.detector}: {count}, {text}, {false})"
 
     def _repr_html_(self) -> str:
         """Table of the intervals, for Jupyter."""
@@ -248,9 +235,7 @@ def detect(
 
 BEGIN_S = 0.3
 BEGIN_RATIO = 2.0
-"""Time in which `fast` learns its first floors [s], and ratio of its
-threshold then to one that shows a later rest.
-"""
+"""Time in which `fast` learns first floors [s], and fall of its threshold that shows a rest."""
 MAX_NOISE_RATIO = 5.0
 """Largest ratio of noise to stated noise in the signals of the fit."""
 
@@ -278,9 +263,8 @@ def _find_undecided(detector: Detector, output: DetectorOutput, trace: Trace) ->
     ):
         return None
 
-    return Interval(
-        float(times_s[0]), float(times_s[first + rested[0]] if len(rested) else times_s[-1])
-    )
+    end = first + rested[0] if len(rested) else -1
+    return Interval(float(times_s[0]), float(times_s[end]))
 
 
 def find_ratio(output: DetectorOutput) -> Array:
@@ -293,9 +277,9 @@ def find_ratio(output: DetectorOutput) -> Array:
 def _find_confidences(
     ratio: Array, time_s: Array, detected: tuple[Interval, ...]
 ) -> tuple[float, ...]:
-    first = np.searchsorted(time_s, [i.onset_s for i in detected])
-    last = np.searchsorted(time_s, [i.end_s for i in detected])
+    begins = np.searchsorted(time_s, [interval.onset_s for interval in detected])
+    ends = np.searchsorted(time_s, [interval.end_s for interval in detected])
     return tuple(
-        float(ratio[a : max(b, a + 1)].max())
-        for a, b in zip(first.tolist(), last.tolist(), strict=True)
+        float(ratio[begin : max(end, begin + 1)].max())
+        for begin, end in zip(begins.tolist(), ends.tolist(), strict=True)
     )

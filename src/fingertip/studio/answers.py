@@ -33,7 +33,7 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.search import Band, as_typed, describe_bands, find_bands, is_number
-from fingertip.documents.finger import FirstScreen, render_start
+from fingertip.documents.finger_sheets import FirstScreen, render_start
 from fingertip.fitting.fitting import fit_tables
 from fingertip.foundation.errors import DesignError, FingertipError, Issue
 from fingertip.models.parts import PARTS, parts_by_name, print_scale

@@ -376,7 +376,7 @@ def compute_controller(context: PointContext) -> OutputValues:
 def compute_set(context: PointContext) -> OutputValues:
     """Compute what a whole set takes, as `fingertip make` states it."""
     from fingertip.casting.sheet import casting_sheet
-    from fingertip.documents.finger_set import plan_set
+    from fingertip.documents.set_sheets import plan_set
     from fingertip.models.parts import parts_by_name
 
     assert context.fingers is not None

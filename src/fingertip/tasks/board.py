@@ -12,7 +12,7 @@ from pathlib import Path
 from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.gate import find_refusals
 from fingertip.board.analysis.interference import connect_cables
-from fingertip.board.bringup.plan import Board, plan_bring_up
+from fingertip.board.bringup.expected_readings import BoardUnderTest, plan_bring_up
 from fingertip.board.circuits.board_circuit import board_circuit, divider_circuit
 from fingertip.board.circuits.channels import leave_out_empty
 from fingertip.board.circuits.spice import spice_deck
@@ -345,7 +345,7 @@ def bring_up_files(design: Design) -> dict[str, bytes]:
     """Content of the bring-up sheet, of its sketch and of the wiring diagram, by name."""
     values = board_values(design)
     channels = design.board.channels
-    plan = plan_bring_up(Board.of_design(design, board_circuit(values)), values)
+    plan = plan_bring_up(BoardUnderTest.of_design(design, board_circuit(values)), values)
 
     return {
         output_files.BRING_UP: render_sheet(plan, values, design, output_files.WIRING).encode(),

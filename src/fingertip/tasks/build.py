@@ -25,7 +25,7 @@ from fingertip.catalogues.output_files import PART_FORMATS, part_file
 from fingertip.design import Design
 from fingertip.design.design_file import to_toml
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.documents.finger import list_steps, render_sheet
+from fingertip.documents.finger_sheets import list_steps, render_sheet
 from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, Issue, raise_issues
 from fingertip.foundation.output_set import SetWriter, read_manifest

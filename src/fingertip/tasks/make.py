@@ -34,9 +34,9 @@ from fingertip.sim.runs.scene import run_scene
 from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from fingertip.sim.simulation import load_simulation
 from fingertip.sim.trace_file import encode_trace
+from fingertip.slip.detection_results import as_data
 from fingertip.slip.detectors.registry import find_second_column
 from fingertip.slip.plots import draw_detection
-from fingertip.slip.report import as_data
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
 from fingertip.tasks.build import BuildOptions, find_formats, plan_build, run_build
 from fingertip.tasks.firmware import plan_firmware

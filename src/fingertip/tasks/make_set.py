@@ -32,8 +32,15 @@ from fingertip.catalogues.output_files import (
 )
 from fingertip.design import Design
 from fingertip.design.finger_set import FingerSet, Form
-from fingertip.documents import finger_set
 from fingertip.documents.acceptance import acceptance_sheet
+from fingertip.documents.set_sheets import (
+    FormSheets,
+    SetSheets,
+    find_short_pot_lives,
+    render_sheet,
+    set_sheets,
+    write_parts_csv,
+)
 from fingertip.foundation.errors import DesignError, Issue, OutputError, raise_issues
 from fingertip.foundation.files import encode_json
 from fingertip.foundation.input_files import find_link
@@ -59,7 +66,7 @@ class MadeSet:
     forms: tuple[Made, ...]
     board: tuple[Path, ...]
     """Files of the board for all fingers; none if each finger keeps its own."""
-    sheets: finger_set.SetSheets
+    sheets: SetSheets
 
     @property
     def passed(self) -> bool:
@@ -135,7 +142,7 @@ def make_set(
         )
         board = planned.write(progress)
 
-    sheets = finger_set.set_sheets(fingers, collected, has_board=board_design is not None)
+    sheets = set_sheets(fingers, collected, has_board=board_design is not None)
     failed = [made.parts.design.name for made in forms if not made.parts.passed]
     contents = _render_sheets(fingers, sheets, _list_files(collected, board, folder), failed)
     if board_design:
@@ -145,9 +152,7 @@ def make_set(
     return MadeSet(folder, tuple(forms), board, sheets)
 
 
-def _list_files(
-    sheets: Iterable[finger_set.FormSheets], board: Iterable[Path], folder: Path
-) -> list[str]:
+def _list_files(sheets: Iterable[FormSheets], board: Iterable[Path], folder: Path) -> list[str]:
     """List the files of a set that its page links to, without those of the page's own making."""
     own = f"{BOARD_FOLDER}/{README}"
     listed = [
@@ -160,7 +165,7 @@ def _list_files(
 
 
 def _render_sheets(
-    fingers: FingerSet, sheets: finger_set.SetSheets, files: Sequence[str], failed: Sequence[str]
+    fingers: FingerSet, sheets: SetSheets, files: Sequence[str], failed: Sequence[str]
 ) -> dict[str, bytes]:
     names = {
         OVERVIEW: "overview",
@@ -168,13 +173,13 @@ def _render_sheets(
         PARTS_LIST: "parts",
         ACCEPTANCE: "acceptance",
     }
-    pages = {file: finger_set.render_sheet(name, sheets) for file, name in names.items()}
+    pages = {file: render_sheet(name, sheets) for file, name in names.items()}
     pictures = {form.design.name: draw_finger(form.design, _PICTURE_PX) for form in fingers.forms}
-    start = finger_set.render_sheet("start", sheets)
+    start = render_sheet("start", sheets)
 
     return {
         **{name: text.encode() for name, text in pages.items()},
-        PARTS_CSV: finger_set.write_parts_csv(sheets.things),
+        PARTS_CSV: write_parts_csv(sheets.things),
         SET_REPORT: encode_json(asdict(sheets)),
         PAGE: render_set_page(
             sheets,
@@ -190,7 +195,7 @@ def _render_sheets(
 def _refuse_early(fingers: FingerSet) -> None:
     """Refuse what a set can be refused for, before the work starts. Raises DesignError."""
     evaluator = MeshEvaluator(_COARSE_MM)
-    issues = list(finger_set.find_short_pot_lives(form.design for form in fingers.forms))
+    issues = list(find_short_pot_lives(form.design for form in fingers.forms))
 
     for design in (form.design for form in fingers.forms):
         for name, lies in print_orientations(design).items():
@@ -221,7 +226,7 @@ def _name_larger_bed(design: Design, part: str, mesh: Mesh) -> str:
     return f"it fits with {' '.join(changes)}"
 
 
-def _collect(fingers: FingerSet, form: Form, made: Made) -> finger_set.FormSheets:
+def _collect(fingers: FingerSet, form: Form, made: Made) -> FormSheets:
     assert made.parts.casting is not None, "all parts are built"
     own = {
         name: acceptance_sheet(fingers.calibrated[name])
@@ -229,7 +234,7 @@ def _collect(fingers: FingerSet, form: Form, made: Made) -> finger_set.FormSheet
         if name in fingers.calibrated
     }
     verdict = count_checks(made.parts.checks)
-    return finger_set.FormSheets(
+    return FormSheets(
         form=form,
         casting=made.parts.casting,
         acceptance=acceptance_sheet(form.design),

@@ -1,5 +1,4 @@
-"""Analysis of a board: frequency response, noise, offsets, tolerances, loads, and the gate of a
-working board.
+"""Analysis of a board: response, noise, offsets, tolerances, loads, and the gate.
 
 A circuit comes in; figures with their limits go out, which `board_values` collects for a design.
 

@@ -1,5 +1,5 @@
-"""Figures of a design's board: values of its components, response,
-noise and limits, and the errata of the article.
+"""Figures of a design's board: component values, response, noise, limits, and errata of the
+article.
 """
 
 from __future__ import annotations
@@ -39,9 +39,7 @@ class BoardValues(ComponentValues):
     achieved_response: response.FrequencyResponse
     """Response of the circuit with preferred values and amplifiers as built."""
     output_offset: thresholds.OutputOffset | None
-    """Envelope offset due to the amplifiers' offsets; None on boards without a precision
-    rectifier.
-    """
+    """Offset of the envelope; None on boards without a precision rectifier."""
     supply_ripple: interference.SupplyRipple
     noise: NoiseLevels
     comparator_levels: thresholds.ComparatorLevels | None
@@ -49,9 +47,7 @@ class BoardValues(ComponentValues):
     aliasing: interference.AliasAttenuation
     voltage_limits: limits.VoltageLimits
     filter_load_ohm: float
-    """Smallest impedance that an amplifier of the filter (U1) drives
-    among vibrations, without the rectifying diode.
-    """
+    """Smallest impedance that U1 drives among vibrations, without the rectifying diode."""
     threshold_spread: thresholds.ThresholdSpread | None
     """Mean and worst case of the comparator's threshold; None in variants without one."""
     gate: tuple[GateCondition, ...]
@@ -66,9 +62,7 @@ class BoardValues(ComponentValues):
 
 
 def _round_to_ten_digits(data: Any) -> Any:
-    """Round all numbers of plain data to ten significant digits:
-    their last bits differ between processors.
-    """
+    """Round all numbers to ten significant digits: their last bits differ between processors."""
     if isinstance(data, dict):
         return {key: _round_to_ten_digits(value) for key, value in data.items()}
     if isinstance(data, list | tuple):
@@ -94,7 +88,7 @@ def compute_filter(board: Board) -> tuple[FilterSelection, response.FrequencyRes
 
 @functools.cache
 def _model_variant(variant: str) -> tuple[response.FilterModel, Mapping[str, Value]]:
-    """Model a filter once for all designs with a variant: they differ in values only."""
+    """Return the filter model of a variant; its designs differ in values only."""
     design = Design(board={"variant": variant, "supply_v": SUPPLIES[variant].nominal_v})
     circuit = board_circuit(select_components(design))
     network = build_network(circuit, find_gain_bandwidth_hz(design.board))
@@ -208,7 +202,7 @@ def find_tactile_range_v(design: Design) -> tuple[float, float]:
 
 
 def find_range_warnings(design: Design) -> Iterator[str]:
-    """Find a converter that clips the tactile voltage."""
+    """Yield a warning if the converter clips the tactile voltage."""
     board = design.board
     converter = design.detector
 
@@ -232,9 +226,7 @@ TOUCHES = (
     "within 4 ms on a "
     "held object takes it to -3.0 V"
 )
-"""Depth to which touches drive the filtered signal; `tests/board/test_touches.py`
-simulates each.
-"""
+"""Response of the filtered signal to touches; simulated in `tests/board/test_touches.py`."""
 
 
 @dataclass(frozen=True)
@@ -274,9 +266,13 @@ def board_errata(amplifier: str, rectifier: response.Rectifier) -> tuple[Erratum
         }
         notes |= dict.fromkeys(("envelope, eq. (11)", "rectifier"), instead[rectifier])
 
-    return tuple(
-        replace(e, correction=f"{e.correction} (does not apply to this board: {notes[e.subject]})")
-        if e.subject in notes
-        else e
-        for e in load_errata()
-    )
+    errata = []
+    for erratum in load_errata():
+        note = notes.get(erratum.subject)
+        if note:
+            correction = f"{erratum.correction} (does not apply to this board: {note})"
+            erratum = replace(erratum, correction=correction)
+
+        errata.append(erratum)
+
+    return tuple(errata)

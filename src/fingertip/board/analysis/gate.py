@@ -1,5 +1,4 @@
-"""Gate of the board: conditions that it must meet to work, each with its value and its limit, from
-its circuit.
+"""Gate of a board: the conditions under which its circuit works, each with value and limit.
 
 A required condition that fails means that the board cannot work; `fingertip.design.rules.board`
 refuses such a design by closed forms before a circuit exists. The converter is the exception: a
@@ -52,9 +51,7 @@ Level = Literal["required", "advised"]
 class GateCondition(Comparison):
     subject: str = ""
     level: Level = "required"
-    """Need for the condition: without a required one the board
-    cannot work, without an advised one only badly.
-    """
+    """A board that fails a required condition cannot work; with an advised one it works badly."""
     remedy: str = ""
     """Change that helps where it fails; empty where a rule refuses first."""
 
@@ -68,9 +65,7 @@ class GateCondition(Comparison):
 
     @property
     def margin(self) -> float:
-        """Ratio of limit to value, or of value to limit for a lower
-        bound: 1 or more where the condition holds.
-        """
+        """Ratio of limit to value (inverse for a lower bound); 1 or more if the condition holds."""
         numerator, denominator = (
             (self.limit, self.value) if self.relation == "at most" else (self.value, self.limit)
         )
@@ -134,7 +129,8 @@ def check_gate(
 
     `rises`: the tactile voltage rises with the force. Units: `rails` [V].
     """
-    board, amplifier = design.board, amplifiers.choose_amplifier(design.board)
+    board = design.board
+    amplifier = amplifiers.choose_amplifier(board)
     needed_hz = BANDWIDTH_MARGIN * board.passband_gain * board.cutoff_hz
     supply_v = amplifiers.total_supply_v(board)
     farads = (parse_component_value(c.value) for c in circuit.components if c.symbol.name == "C")
@@ -165,7 +161,7 @@ YIELD = "share of boards within 10 %"
 
 
 def check_yields(yields: Mapping[str, float]) -> Iterator[GateCondition]:
-    """Check the shares of boards within their tolerances that are near the design, by quantity."""
+    """Check the share of boards whose cutoff and gain are near the design's, by quantity."""
     remedy = (
         "set board.capacitor_tolerance_percent=5, board.resistor_tolerance_percent=1 and "
         "board.series=E96"
@@ -228,9 +224,7 @@ def _check_converter(
 def _check_currents(
     circuit: Circuit, design: Design, limits: VoltageLimits, rails: Mapping[str, float]
 ) -> Iterator[GateCondition]:
-    """Compare the peak output current of each amplifier of the
-    catalogue with what its data sheet gives.
-    """
+    """Compare the peak output current of each amplifier with its data sheet."""
     supply = SUPPLIES[design.board.variant]
     board = design.board
     amplifier = amplifiers.choose_amplifier(board)
@@ -289,10 +283,9 @@ def _constant_current_a(circuit: Circuit, buffered: str, rails: Mapping[str, flo
             if component.symbol.name == "R" or component.value == "FSR":
                 first, second = (circuit.net_by_pin[component.reference, pin] for pin in "12")
                 if buffered in (first, second):
-                    other = first if second == buffered else second
-                    total_a += float(network.values[component.reference]) * (
-                        volts[other] - volts[buffered]
-                    )
+                    far_end = first if second == buffered else second
+                    siemens = float(network.values[component.reference])
+                    total_a += siemens * (volts[far_end] - volts[buffered])
 
         largest_a = max(largest_a, abs(total_a))
 
@@ -302,9 +295,7 @@ def _constant_current_a(circuit: Circuit, buffered: str, rails: Mapping[str, flo
 def _check_offsets(
     circuit: Circuit, design: Design, amplifier: Amplifier
 ) -> Iterator[GateCondition]:
-    """Compare the offset of each filter output with its swing: the
-    part of the swing that the signal loses.
-    """
+    """Compare the offset of each filter output with its swing, which the offset reduces."""
     ground = SUPPLIES[design.board.variant].signal_ground
     network = build_network(circuit, amplifier.bandwidth_hz)
     swing_v = amplifiers.input_swing_v(design.board, amplifier)
@@ -332,18 +323,12 @@ def _check_offsets(
 def _check_stability(
     circuit: Circuit, amplifier: Amplifier, passband_gain: float
 ) -> Iterator[GateCondition]:
-    """Check the phase margin of each loop, whichever diode
-    conducts, and the filter's gain beyond its band.
-    """
+    """Check the phase margin of each loop with either diode, and the gain beyond the band."""
     margins: dict[str, float] = {}
-    diodes = (
-        [RECTIFYING_DIODE, BLOCKING_DIODE]
-        if any(c.reference == BLOCKING_DIODE for c in circuit.components)
-        else []
-    )
+    has_rectifier = any(part.reference == BLOCKING_DIODE for part in circuit.components)
+    diodes = [RECTIFYING_DIODE, BLOCKING_DIODE] if has_rectifier else [""]
     networks = [
-        build_network(circuit, amplifier.bandwidth_hz, conducting=[diode])
-        for diode in diodes or [""]
+        build_network(circuit, amplifier.bandwidth_hz, conducting=[diode]) for diode in diodes
     ]
 
     for network in networks:
@@ -351,9 +336,8 @@ def _check_stability(
             margins[name] = min(margin_deg, margins.get(name, math.inf))
 
     for name, margin_deg in margins.items():
-        if (
-            margin_deg == math.inf
-        ):  # a loop whose gain never reaches 1 cannot oscillate, and has no phase margin
+        # A loop whose gain never reaches 1 cannot oscillate, and has no phase margin.
+        if margin_deg == math.inf:
             continue
 
         yield at_least(MARGIN, name, margin_deg, MIN_PHASE_MARGIN_DEG, "degree")
@@ -373,31 +357,35 @@ def _check_stability(
 
 def find_smallest_margin(conditions: Iterable[GateCondition], *names: str) -> float:
     """Find the smallest margin of the required conditions, or of those with certain names."""
-    return min(
-        (
-            c.margin
-            for c in conditions
-            if (c.name in names if names else c.level == "required" and c.limit > 0.0)
-        ),
-        default=math.nan,
-    )
+    if names:
+        chosen = [condition for condition in conditions if condition.name in names]
+    else:
+        chosen = [
+            condition
+            for condition in conditions
+            if condition.level == "required" and condition.limit > 0.0
+        ]
+
+    return min((condition.margin for condition in chosen), default=math.nan)
 
 
 def gate_warnings(conditions: Iterable[GateCondition]) -> Iterator[str]:
-    """Describe the conditions that fail, those that are required
-    rather than advised ones about the same.
-    """
-    failed = [c for c in conditions if not c.passed]
-    required = {(c.name, c.subject) for c in failed if c.level == "required"}
+    """Describe the failed conditions; an advised one yields to a required one about the same."""
+    failures = [condition for condition in conditions if not condition.passed]
+    required = {
+        (condition.name, condition.subject)
+        for condition in failures
+        if condition.level == "required"
+    }
 
-    for condition in failed:
+    for condition in failures:
         if condition.level == "required" or (condition.name, condition.subject) not in required:
             remedy = f"; {condition.remedy}" if condition.remedy else ""
             yield f"{describe_condition(condition)}{remedy}."
 
 
 def find_refusals(conditions: Iterable[GateCondition]) -> Iterator[Issue]:
-    """Yield the required conditions that fail, with which a board is not made."""
+    """Yield the failed required conditions as issues; a board with one is not made."""
     for condition in conditions:
         if condition.level == "required" and not condition.passed:
             field = "detector.adc_range_v" if condition.name == HIGHEST else "detector.adc_polarity"

@@ -1,5 +1,4 @@
-"""Interference on the board: frequencies that alias, ripple on the supply, and slip at other
-fingers.
+"""Interference on a board: aliasing, ripple of the supply, and crosstalk between fingers.
 
 The signal's content beyond the band, noise and the skirt of a resonance, is small. A higher
 sampling rate with subsequent averaging moves the aliases away.
@@ -62,13 +61,10 @@ class AliasAttenuation:
     a board without an envelope that from the filtered signal to its pin.
     """
     filtered_gain: float | None
-    """Largest gain from the tactile voltage to the pin of the filtered
-    signal, in the band; None without such a pin.
+    """Largest gain from the tactile voltage to the filtered signal's pin; None without such a pin.
     """
     filtered_alias_db: float | None
-    """Level at `alias_hz` over the one at `band_hz`, from the tactile
-    voltage to that pin: both appear at `band_hz`.
-    """
+    """Gain at `alias_hz` over that at `band_hz`, from the tactile voltage to that pin."""
 
 
 def compute_alias_attenuation(circuit: Circuit, design: Design) -> AliasAttenuation:
@@ -82,7 +78,7 @@ def compute_alias_attenuation(circuit: Circuit, design: Design) -> AliasAttenuat
     pin = find_envelope_pin(circuit)
 
     def gains(source: str, pin: str, *f_hz: float) -> list[complex]:
-        """Gains from a net to a pin at frequencies, over the constant gain."""
+        """Return the gains from a net to a pin at frequencies, over the constant gain."""
         path = network.drive(source).restrict(pin)
         constant, *values = path.response(np.array([0.0, *f_hz]), {source: 1.0}, pin)[:, 0].tolist()
         return [value / constant for value in values]
@@ -123,9 +119,7 @@ DEAD_ZONE_V = 0.45
 """Voltage at which variant article's diode starts to conduct. Its output is zero below it."""
 _MAX_LOW_HZ = 30.0
 RIPPLE_END_HZ = 100e3
-"""Lower end of the band in which supply ripple counts, at most, and
-upper end: mains, harmonics, converters [Hz].
-"""
+"""Ends of the band in which ripple counts [Hz]: mains, harmonics and converters."""
 _FREQUENCIES_PER_DECADE = 28
 
 
@@ -144,9 +138,7 @@ class SupplyRipple:
     in variant article makes the diode conduct.
     """
     force_n: float = 0.0
-    """Force on the sensor in the worst case [N]; 0: it is open, as
-    always where the supply feeds the bridge.
-    """
+    """Force on the sensor in the worst case [N]; 0 if it is open, as with any bridge."""
 
 
 def compute_supply_ripple(
@@ -193,9 +185,7 @@ def _find_largest_gain(
     band_hz: tuple[float, float],
     force_n: float,
 ) -> tuple[float, float]:
-    """Find the largest gain from the supply to the filtered signal
-    at a force [N], and its frequency [Hz].
-    """
+    """Find the largest gain from supply to filtered signal at a force [N], and where [Hz]."""
     network = build_network(
         circuit, gain_bandwidth_hz, sensor_s=front_end.sensor_conductance_s(force_n)
     )
@@ -233,20 +223,14 @@ def describe_sensor(ripple: SupplyRipple) -> str:
 # a push-pull stage would draw.
 
 MAX_CROSSTALK_DB = -60.0
-"""Crosstalk above which a board warns: a firm slip at one finger
-then shows as the noise of the others.
-"""
+"""Crosstalk above which a board warns: a firm slip then reaches the noise of other fingers."""
 WIRE_OHM_PER_M = 0.22
 CONTACT_OHM = 0.02
 """Resistance of a wire of AWG 28 [ohm/m], and of one contact of a plug [ohm]."""
 WIRE_F_PER_M = 60e-12
-"""Capacitance between wires of neighbouring channels, as if they
-touched; ground between them lowers it [F/m].
-"""
+"""Capacitance of touching wires of neighbouring channels; a ground between them lowers it [F/m]."""
 REGULATOR_OHM = 0.5
-"""Output resistance of the controller's 3.3 V in the band of the vibrations [ohm], an
-assumption.
-"""
+"""Assumed output resistance of the controller's 3.3 V supply at these frequencies [ohm]."""
 _FORCES_N = (0.3, 8.0)
 _FREQUENCIES = 12
 
@@ -256,9 +240,7 @@ class SharedFigures:
     supply_current_a: float
     """Typical current at rest, with open sensors [A]."""
     crosstalk_db: float
-    """Largest ratio of the filtered signal of a finger at rest to that
-    of a finger that slips, at the controller.
-    """
+    """Largest ratio of the signal of a finger at rest to that of the slipping finger."""
     crosstalk_hz: float
     """Frequency of that ratio, in the band of the vibrations."""
 
@@ -266,31 +248,30 @@ class SharedFigures:
 def compute_shared_figures(
     circuit: Circuit, gain_bandwidth_hz: float, board: Board
 ) -> SharedFigures:
-    """Compute what the channels of a board share; empty places count for nothing."""
+    """Compute supply current and crosstalk of the fitted channels."""
     fitted = leave_out_empty(circuit)
     crosstalk_db, hz = find_crosstalk(fitted, board, gain_bandwidth_hz)
     return SharedFigures(compute_supply_current_a(fitted, board.supply_v), crosstalk_db, hz)
 
 
 def compute_supply_current_a(circuit: Circuit, supply_v: float) -> float:
-    """Typical current at rest [A]: of the amplifiers, and through the resistors at the supply."""
+    """Return the typical current at rest [A]: of amplifiers, and of resistors at the supply."""
     chips_a = {"AD623ARMZ": front_end.AD623_SUPPLY_A, "LMV331": front_end.COMPARATOR_SUPPLY_A}
-    chips_a |= {
-        name: each.supply_current_a * len(each.units) for name, each in front_end.AMPLIFIERS.items()
-    }
+    for name, amplifier in front_end.AMPLIFIERS.items():
+        chips_a[name] = amplifier.supply_current_a * len(amplifier.units)
+
     parts_a = [chips_a.get(part.symbol.name, 0.0) for part in circuit.components]
-    branches = []
+    resistors = []
 
     for part in circuit.components:
         ends = [circuit.net_by_pin.get((part.reference, pin), "") for pin in "12"]
         if part.symbol.name == "R" and VCC in ends:
-            branches.append(
-                (ends[1] if ends[0] == VCC else ends[0], parse_component_value(part.value))
-            )
+            far_end = ends[1] if ends[0] == VCC else ends[0]
+            resistors.append((far_end, parse_component_value(part.value)))
 
-    network = build_network(circuit).restrict(*(net for net, _ in branches))
+    network = build_network(circuit).restrict(*(net for net, _ in resistors))
     volts = network.operating_point({VCC: supply_v, VEE: -supply_v})
-    parts_a += [(supply_v - volts[net]) / ohm for net, ohm in branches]
+    parts_a += [(supply_v - volts[net]) / ohm for net, ohm in resistors]
     return sum(parts_a)
 
 
@@ -313,9 +294,7 @@ def crosstalk_warning(shared: SharedFigures, board: Board) -> str:
 
 
 def connect_cables(circuit: Circuit, board: Board) -> Circuit:
-    """Connect what lies between the board and its controller and
-    sensors: resistance, and capacitance of wires.
-    """
+    """Add the wires to controller and sensors to a circuit: resistance and capacitance."""
     *grounds, _ = list_pins(GND)  # no wire leads to the mounting pads
     moved = {("J3", *list_pins(POWER_IN)): HOST_SUPPLY, ("J3", grounds[-1]): HOST_GROUND}
     nets = [
@@ -330,7 +309,7 @@ def connect_cables(circuit: Circuit, board: Board) -> Circuit:
         (HOST_GROUND, GND, wire_ohm / len(grounds)),
     ]
 
-    for number, (one, other, ohm) in enumerate(ends, start=91):
+    for number, (host_end, board_end, ohm) in enumerate(ends, start=91):
         part = Component(
             reference=f"R{number}",
             value=f"{ohm:.10g}",
@@ -338,11 +317,11 @@ def connect_cables(circuit: Circuit, board: Board) -> Circuit:
             footprint=R_0603,
             role="wire of the supply",
         )
-        cabled = cabled.connect(part, {"1": one, "2": other})
+        cabled = cabled.connect(part, {"1": host_end, "2": board_end})
 
     pairs = [(SENSOR, SENSOR), *itertools.product((ADC_TACTILE, ADC_FILTERED), repeat=2)]
-    neighbours = [(k, one, other) for k in range(1, board.channels) for one, other in pairs]
-    for number, (k, one, other) in enumerate(neighbours, start=41):
+    neighbours = itertools.product(range(1, board.channels), pairs)
+    for number, (channel, (net, next_net)) in enumerate(neighbours, start=41):
         part = Component(
             reference=f"C{number}",
             value=f"{WIRE_F_PER_M * board.cable_m:.10g}",
@@ -350,7 +329,9 @@ def connect_cables(circuit: Circuit, board: Board) -> Circuit:
             footprint=C_0603,
             role="wires side by side",
         )
-        cabled = cabled.connect(part, {"1": name_net(one, k), "2": name_net(other, k + 1)})
+        cabled = cabled.connect(
+            part, {"1": name_net(net, channel), "2": name_net(next_net, channel + 1)}
+        )
 
     return cabled
 
@@ -389,7 +370,7 @@ def find_crosstalk(circuit: Circuit, board: Board, gain_bandwidth_hz: float) -> 
         name = HOST_GROUND if net.name == HOST_SUPPLY else net.name
         nets[name] = (*nets.get(name, ()), *net.nodes)
 
-    joined = replace(cabled, nets=tuple(Net(*each) for each in nets.items()))
+    joined = replace(cabled, nets=tuple(Net(name, nodes) for name, nodes in nets.items()))
     f = np.geomspace(*signal_band_hz(board.cutoff_hz), _FREQUENCIES)
     worst = (0.0, 0.0)
 

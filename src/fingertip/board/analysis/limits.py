@@ -48,9 +48,7 @@ class VoltageLimits:
     max_tactile_v: float
     """Range of the tactile voltage from an open sensor to its maximum force (20 N)."""
     sensor_amplifier_margin_v: float
-    """Smallest margin of the sensor amplifier's internal and output
-    voltages to their limits, over all forces.
-    """
+    """Smallest margin of the sensor amplifier's voltages to their limits, over all forces."""
     max_sensor_input_v: float
     """Highest voltage at an input of the sensor's amplifier, over all forces."""
     sensor_input_limit_v: float
@@ -62,26 +60,19 @@ class VoltageLimits:
     the second stage's output limits it or, on a TL082, its input.
     """
     filter_guaranteed_trough_v: float
-    """Peak below the signal ground that the amplifier's data
-    sheet guarantees, as a positive number.
-    """
+    """Guaranteed peak below the signal ground (data sheet), as a positive number."""
     has_phase_reversal: bool
     """True if the output jumps up where the signal goes further down, as a TL082's does."""
     vibration_peak_v: float
-    """Peak of the largest vibration of the tactile voltage that is not
-    clipped, at the frequency of maximum gain.
-    """
+    """Peak of the largest tactile vibration that is not clipped where the gain is largest."""
     max_envelope_v: float | None
-    """Approximate largest envelope above the signal ground: typical swing less the drop of the
-    rectifier's diode.
+    """Approximate largest envelope above the signal ground: typical swing less a diode's drop.
 
     None on boards without an envelope. In variants with a precision rectifier its amplifier (U3a)
     inverts: for an envelope V it goes to V and a drop below the signal ground.
     """
     clamp_high_rail_v: float
-    """Supply that limits the voltages at the ADC pins; clamps let
-    them rise one Schottky drop above it.
-    """
+    """Supply that limits the ADC pins; clamps conduct one Schottky drop above it."""
     tactile_pin_ohm: float
     """Resistance through which a leakage current at the tactile pin flows [ohm]."""
     output_pin_ohm: float
@@ -117,9 +108,7 @@ def compute_voltage_limits(
     gain: float,
     detector: Detector,
 ) -> VoltageLimits:
-    """Compute the limits of a board whose filter has a dual
-    amplifier of this type and this maximum gain.
-    """
+    """Compute the limits of a board, whose filter has this amplifier and this maximum gain."""
     # Each amplifier of the filter swings as a voltage follower: down to where its output or its
     # input ends first.
     up_v = supply.upper_headroom_v(supply_v) - amplifier.output_from_rail_v
@@ -205,7 +194,7 @@ def describe_adc_range(limits: VoltageLimits) -> str:
 
 
 def adc_range_warnings(limits: VoltageLimits) -> Iterator[str]:
-    """Find an ADC that clips the tactile voltage, in which slip then does not show."""
+    """Yield a warning if the ADC clips the tactile voltage: slip does not show then."""
     if limits.max_tactile_v > limits.adc_range_v:
         yield (
             f"the tactile voltage, up to {limits.max_tactile_v:.2f} V, is clipped: "
@@ -214,7 +203,7 @@ def adc_range_warnings(limits: VoltageLimits) -> Iterator[str]:
 
 
 def _bridge_amplifier_margin_v(volts: dict[str, float], supply: Supply, supply_v: float) -> float:
-    """Margin [V] of the bridge amplifier's internal and output voltages at an operating point."""
+    """Return the smallest margin of the bridge amplifier's voltages at an operating point [V]."""
     reference_v = volts[REFERENCE]
     sensor_v = volts[SENSOR]
     output_v = volts[TACTILE]
@@ -236,9 +225,7 @@ def _bridge_amplifier_margin_v(volts: dict[str, float], supply: Supply, supply_v
 
 IDLE_TOLERANCE_V = 0.1
 MAX_PRELOAD_V = 0.5
-"""Largest difference of an untouched finger from its expected voltage
-[V], and from which on it is another board's.
-"""
+"""Largest offset of an untouched finger; from the second value on it is another board's [V]."""
 PRELOAD = "the skin presses on the sensor: pull it on again"
 
 
@@ -265,9 +252,7 @@ class TactileResponse:
         return self.transfer_ohm < 0.0
 
     def describe_preload(self, rest_v: float) -> str | None:
-        """Describe the voltage at the least load [V] if it is
-        that of a sensor that a skin presses on.
-        """
+        """Warn if the voltage at the least load [V] is that of a sensor under a tight skin."""
         excess_v = rest_v - self.open_v
         if (excess_v > 0.0) != self.rises or not IDLE_TOLERANCE_V < abs(excess_v) <= MAX_PRELOAD_V:
             return None
@@ -279,9 +264,7 @@ class TactileResponse:
         )
 
     def tactile_v(self, conductance_s: float) -> float:
-        """Tactile voltage [V] for a sensor of this conductance [S],
-        without the limits of the amplifier's output.
-        """
+        """Return the tactile voltage [V] at a conductance [S], with an ideal amplifier output."""
         current_a = self.sensor_v * conductance_s / (1.0 + self.source_ohm * conductance_s)
         return self.open_v - self.transfer_ohm * current_a
 

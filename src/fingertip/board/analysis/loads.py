@@ -39,15 +39,13 @@ _FILTER_AMPLIFIERS = ("U1a", "U1b")
 
 
 def signal_band_hz(cutoff_hz: float) -> tuple[float, float]:
-    """Band of the vibrations [Hz]: from the cutoff to `BAND_CUTOFFS` cutoffs."""
+    """Return the band of the vibrations [Hz]: from the cutoff to `BAND_CUTOFFS` cutoffs."""
     return cutoff_hz, BAND_CUTOFFS * cutoff_hz
 
 
 @dataclass(frozen=True, eq=False)
 class OutputCurrent:
-    """Current of one amplifier's output over the band of the
-    vibrations, for 1 V of the tactile voltage.
-    """
+    """Output current of an amplifier among vibrations, for 1 V of the tactile voltage."""
 
     output: AmplifierOutput
     gain: Spectrum
@@ -62,14 +60,13 @@ def compute_output_currents(
     circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float
 ) -> tuple[OutputCurrent, ...]:
     """Compute the current of each amplifier's output, in the order of their references."""
-    given = [
-        net for net in (TACTILE, SUM) if net in circuit.net_by_pin.values()
-    ]  # SUM stays at 0 V
-    network = build_network(circuit, gain_bandwidth_hz, conducting=[RECTIFYING_DIODE]).drive(*given)
+    # SUM is driven with 0 V.
+    driven = [net for net in (TACTILE, SUM) if net in circuit.net_by_pin.values()]
+    network = build_network(circuit, gain_bandwidth_hz, conducting=[RECTIFYING_DIODE])
+    network = network.drive(*driven)
     f = np.geomspace(*signal_band_hz(cutoff_hz), _FREQUENCIES)
-    volts = dict(
-        zip(network.nets, network.response(f, {TACTILE: 1.0}, *network.nets).T, strict=True)
-    )
+    responses = network.response(f, {TACTILE: 1.0}, *network.nets).T
+    volts = dict(zip(network.nets, responses, strict=True))
     volts[TACTILE] = np.ones(len(f), dtype=np.complex128)
     nets = circuit.net_by_pin
     branches = [
@@ -85,14 +82,13 @@ def compute_output_currents(
             if output.net not in (first, second):
                 continue
 
-            admittance = network.values[reference] * (
-                2j * np.pi * f if reference.startswith("C") else 1.0
-            )
+            order = 2j * np.pi * f if reference.startswith("C") else 1.0
+            admittance = network.values[reference] * order
             # What is not among the equations, such as a rail, carries no signal.
-            difference = volts[output.net] - volts.get(
-                second if output.net == first else first, 0.0
-            )
-            (diode_s if reference == RECTIFYING_DIODE else filter_s)[:] += admittance * difference
+            far_end = second if output.net == first else first
+            difference = volts[output.net] - volts.get(far_end, 0.0)
+            current = diode_s if reference == RECTIFYING_DIODE else filter_s
+            current += admittance * difference
 
         currents.append(OutputCurrent(output, volts[output.net], filter_s, diode_s))
 
@@ -100,20 +96,18 @@ def compute_output_currents(
 
 
 def find_filter_load_ohm(circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float) -> float:
-    """Find the smallest impedance that an amplifier of the two
-    filter stages drives [ohm], without the diode.
-    """
+    """Find the smallest impedance that the filter's amplifiers drive [ohm], without the diode."""
     currents = compute_output_currents(circuit, gain_bandwidth_hz, cutoff_hz)
     filters = [current for current in currents if current.output.amplifier in _FILTER_AMPLIFIERS]
     return min(
-        float(np.abs(each.gain / each.filter_s).min()) for each in filters if each.filter_s.any()
+        float(np.abs(current.gain / current.filter_s).min())
+        for current in filters
+        if current.filter_s.any()
     )
 
 
 def load_warnings(design: Design, filter_load_ohm: float, capacitor_f: float) -> Iterator[str]:
-    """Find a filter whose amplifiers may swing less than
-    computed, because they drive too small a load.
-    """
+    """Yield a warning if the filter's amplifiers drive too small a load for their full swing."""
     board = design.board
     passing_uf = 1e6 * capacitor_f
     load_ohm = filter_load_ohm
@@ -156,9 +150,7 @@ _PEAK_POINTS = 97
 
 
 def compute_phase_margins_deg(circuit: Circuit, network: Network) -> dict[str, float]:
-    """Compute the phase margin of each operational amplifier of the
-    catalogue [degree], by reference and unit.
-    """
+    """Compute the phase margin of each operational amplifier [degree], by reference and unit."""
     f = np.geomspace(*LOOP_HZ, _LOOP_POINTS)
     margins = {}
 
@@ -183,9 +175,7 @@ def _voltage(network: Network, f: Array, net: str, driven: str) -> Spectrum:
 
 
 def _find_margin_deg(loop: Spectrum) -> float:
-    """Phase of a loop above -180 degrees where its gain last falls
-    through 1, by interpolation between two points.
-    """
+    """Return the phase above -180 degrees where a loop's gain last falls through 1 [degree]."""
     with np.errstate(divide="ignore"):  # far above its bandwidth a loop may have no gain left
         level = np.log(np.abs(loop))
 

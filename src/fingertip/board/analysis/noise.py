@@ -29,9 +29,7 @@ from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, FILTERED, STAG
 from fingertip.foundation.numerics import Array
 
 NETS = (TACTILE, STAGE1_OUT, FILTERED, ADC_TACTILE)
-"""Nets at which noise is reported: before the filter, between its
-stages, before the rectifier, ADC pin.
-"""
+"""Nets at which noise is reported: filter input, between its stages, filter output, ADC pin."""
 NOISE_BAND_HZ = (0.1, 1e6)
 NOISE_FORCE_N = 0.8
 """Force on the sensor: the middle one of the article's voltages."""
@@ -72,15 +70,11 @@ class NoiseLevels:
     filtered_v: float
     tactile_pin_v: float
     filtered_pin_v: float
-    """RMS noise of the filtered signal at the controller's pin; at
-    the filter's output of a board without one.
-    """
+    """RMS noise of the filtered signal at the controller's pin, or else at the filter's output."""
     unlimited_pin_v: float
     """The same without C20, the low-pass of the first stage."""
     mean_envelope_v: float | None
-    """Mean envelope due to noise, after rectification.
-    None in variant article: it is below the diode's threshold.
-    """
+    """Mean envelope due to noise; None in variant article, where the diode blocks it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +83,7 @@ class NoisyNetwork:
     sources: tuple[Source, ...]
 
     def squares(self, net: str) -> Array:
-        """Mean square of each source's noise at a net over `NOISE_BAND_HZ` [V^2]."""
+        """Return the mean square of each source's noise at a net over `NOISE_BAND_HZ` [V^2]."""
         low, high = NOISE_BAND_HZ
         f = np.geomspace(low, high, round(_POINTS_PER_DECADE * math.log10(high / low)) + 1)
         corners_hz = np.array([source.corner_hz for source in self.sources])
@@ -105,14 +99,12 @@ class NoisyNetwork:
         return np.asarray(np.trapezoid(np.abs(transfers * density) ** 2, f, axis=0))
 
     def total_v(self, net: str) -> float:
-        """RMS noise of all sources together at a net [V]."""
+        """Return the RMS noise of all sources at a net [V]."""
         return math.sqrt(float(self.squares(net).sum()))
 
 
 def add_noise(circuit: Circuit, gain_bandwidth_hz: float) -> NoisyNetwork:
-    """Build a circuit's network for a sensor under `NOISE_FORCE_N`, with the sources of
-    its noise.
-    """
+    """Build a circuit's network under `NOISE_FORCE_N`, with its sources of noise."""
     network = build_network(
         circuit, gain_bandwidth_hz, sensor_s=sensor_conductance_s(NOISE_FORCE_N)
     )
@@ -150,9 +142,7 @@ def _sources(circuit: Circuit, network: Network) -> Iterator[Source]:
 
 
 def _thermal_noise(value: float) -> float:
-    """Johnson-Nyquist noise density sqrt(4 k T x): of the current for
-    a conductance [S], or the voltage for [ohm].
-    """
+    """Return sqrt(4 k T x): Johnson-Nyquist noise current of x [S], or voltage of x [ohm]."""
     return math.sqrt(4.0 * BOLTZMANN_J_PER_K * TEMPERATURE_K * value)
 
 
@@ -178,7 +168,7 @@ def compute_noise_levels(
 
 
 def noise_warning(noise: NoiseLevels, threshold_v: float) -> str:
-    """Warn of noise that alone brings the envelope to the threshold; empty if it does not."""
+    """Return a warning if noise alone brings the envelope to the threshold, or ""."""
     if noise.mean_envelope_v is None or noise.mean_envelope_v < threshold_v:
         return ""
 
@@ -191,9 +181,7 @@ def noise_warning(noise: NoiseLevels, threshold_v: float) -> str:
 
 
 def noise_budget(board: NoisyNetwork) -> tuple[tuple[Contribution, ...], tuple[float, ...]]:
-    """Compute the RMS noise of each source at each of `NETS`, the
-    largest at FILTERED first, and the total.
-    """
+    """Compute the RMS noise of each source and in total at `NETS`; by that at FILTERED."""
     squares = [board.squares(net) for net in NETS]
     rows = [
         Contribution(source.name, tuple(math.sqrt(float(square[i])) for square in squares))

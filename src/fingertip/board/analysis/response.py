@@ -1,5 +1,4 @@
-"""Frequency response of the filter: poles, maximum gain and cutoff frequencies, from the circuit's
-transfer function.
+"""Frequency response of the filter, from its transfer function: poles, gain and cutoffs.
 
 Cutoffs and gain are those of the amplifiers as built: with their bandwidth and input capacitance,
 with C14, which costs a little gain at the lower end of the passband, and C20, which is a low-pass
@@ -33,9 +32,7 @@ from fingertip.design.parameters.board_and_detector import Board
 from fingertip.foundation.numerics import Array, bisect, bisect_arrays, find_maximum_arrays
 
 RECTIFYING_DIODE = "D1"
-"""Diode that conducts while the filtered signal is positive, on every board that has a
-rectifier.
-"""
+"""Diode that conducts while the filtered signal is positive."""
 Rectifier = Literal["diode", "precision", "software"]
 """A diode that charges R_LP parallel to C_LP (article), amplifiers that rectify and follow with one
 pole, or neither: then software computes the envelope, with the design's pole and a gain of 1.
@@ -60,13 +57,9 @@ nominal cutoff, and of the frequency at which the search ends to that of the nom
 _END_RATIO = 100.0
 """Ratio of the highest frequency at which the maximum is searched to the higher pole."""
 _FINE_GOLDEN_STEPS = 29
-"""Golden-section steps around the peak of one board: its frequency
-is then exact to 1e-6, its gain to 1e-12.
-"""
+"""Golden-section steps for one board: the peak is exact to 1e-6 in frequency, 1e-12 in gain."""
 _GOLDEN_STEPS = 24
-"""Golden-section steps around the peak of many boards: its frequency
-is then exact to 1e-5, its gain to 1e-10.
-"""
+"""Golden-section steps for many boards: exact to 1e-5 in frequency, 1e-10 in gain."""
 _HALVINGS = 36
 """Halvings of the step that contains the cutoff of many boards, which is then exact to 1e-11."""
 
@@ -92,9 +85,7 @@ class FrequencyResponse:
 
 @dataclass(frozen=True)
 class Passband:
-    """First maximum of the gain above the poles, from tactile voltage
-    to rectifier, and its -3.0103 dB frequencies.
-    """
+    """Passband from tactile voltage to rectifier: first maximum, and -3.0103 dB frequencies."""
 
     gain: float
     peak_hz: float
@@ -104,31 +95,24 @@ class Passband:
 
 @dataclass(frozen=True)
 class EnvelopeModel:
-    """Transfer function of the envelope for any component values:
-    the network's quantities are its symbols.
-    """
+    """Transfer function of the envelope, with the network's quantities as symbols."""
 
     stage: Stage
-    """First-order low-pass: from the filtered voltage (variant
-    article: from the diode's current) to the envelope.
-    """
+    """First-order low-pass from the filtered voltage, or in variant article the diode's current."""
 
     def decay_s(self, values: Mapping[str, Value]) -> Value:
         constant, slope = self.stage.evaluate(values).denominator
         return slope / constant
 
     def gain(self, values: Mapping[str, Value]) -> Value:
-        """Constant envelope for a constant input: a ratio of
-        voltages; in variant article a resistance [ohm].
-        """
+        """Return the constant gain: a voltage ratio, or in variant article a resistance [ohm]."""
         response = self.stage.evaluate(values)
         return response.numerator[0] / response.denominator[0]
 
 
 @dataclass(frozen=True)
 class FilterModel:
-    """Transfer functions of filter and envelope for any component values: the network's quantities
-    are their symbols.
+    """Transfer functions of filter and envelope, with the network's quantities as symbols.
 
     The first stage of the article is in two: the pole of C1 and R1, and the amplifier. Last comes
     the Sallen-Key section.
@@ -144,19 +128,17 @@ class FilterModel:
         return multiply(stage.evaluate(values) for stage in self.as_built)
 
     def first_pole_hz(self, values: Mapping[str, Value]) -> Value:
-        """Pole of C1 and R1."""
+        """Return the pole of C1 and R1 [Hz]."""
         constant, slope = self.ideal[0].evaluate(values).denominator
         return constant / slope / math.tau
 
     def section(self, values: Mapping[str, Value]) -> tuple[Value, Value]:
-        """f0 [Hz] and Q of the Sallen-Key section s^2 + s omega_0 / Q + omega_0^2."""
+        """Return f0 [Hz] and Q of the Sallen-Key section s^2 + s omega_0 / Q + omega_0^2."""
         constant, linear, square = self.ideal[-1].evaluate(values).denominator
         return (constant / square) ** 0.5 / math.tau, (constant * square) ** 0.5 / linear
 
     def passband(self, values: Mapping[str, Value]) -> Passband:
-        """Passband of one board, searched from well below to well
-        above the poles of its high-pass filter.
-        """
+        """Find the passband of one board, from well below to well above the high-pass poles."""
         poles = float(self.first_pole_hz(values)), float(self.section(values)[0])
         return find_passband(
             self.transfer(values), (min(poles) / _START_RATIO, max(poles) * _END_RATIO)
@@ -196,18 +178,14 @@ def model_envelope(circuit: Circuit) -> EnvelopeModel | None:
 
 
 def find_envelope_pin(circuit: Circuit) -> str:
-    """Find the pin of the ADC with the envelope, or with the
-    filtered signal from which software computes it.
-    """
+    """Return the ADC pin of the envelope, or of the signal from which software computes it."""
     return ADC_FILTERED if find_rectifier(circuit) == "software" else ADC_ENVELOPE
 
 
 def find_envelope_gain(
     model: FilterModel, circuit: Circuit, values: Mapping[str, Value]
 ) -> float | None:
-    """Find the gain from the positive half waves to the envelope;
-    None for a bare diode, which has a dead zone.
-    """
+    """Find the gain from positive half waves to the envelope; None for a diode with a dead zone."""
     if model.envelope is None:
         return 1.0
 
@@ -215,9 +193,7 @@ def find_envelope_gain(
 
 
 def model_software_envelope(cutoff_hz: float) -> EnvelopeModel:
-    """Model the envelope that software computes from the
-    filtered signal: gain 1, and one pole [Hz].
-    """
+    """Model the envelope that software computes: gain 1 and one pole [Hz]."""
     pole: Stage = Stage((((1.0, ()),),), (((1.0, ()),), ((1.0 / (math.tau * cutoff_hz), ()),)))
     return EnvelopeModel(pole)
 
@@ -237,33 +213,27 @@ def find_passband(transfer: Rational, band_hz: tuple[float, float]) -> Passband:
 
     peak = len(grid) - 2
     low, high = (np.array(first + (peak + side) * step) for side in (-1, 1))
-    place, found = find_maximum_arrays(
+    place, highest = find_maximum_arrays(
         lambda x: np.array(log_power(float(x))), low, high, _FINE_GOLDEN_STEPS
     )
-    maximum = max(float(found), grid[peak])
+    maximum = max(float(highest), grid[peak])
     level = maximum - math.log(2.0)
 
     def find_cutoff(i: int, direction: int) -> float:
-        """Step from grid point i until the gain is below the level,
-        and find the crossing within that step.
-        """
+        """Step from grid point i until the gain is below the level; find the crossing [Hz]."""
         while log_power(first + i * step) >= level:
             i += direction
 
         ends = sorted((first + (i - direction) * step, first + i * step))
-        return (
-            math.exp(bisect(lambda x: (log_power(x) < level) == (direction < 0), *ends)[0])
-            / math.tau
-        )
+        crossing = bisect(lambda x: (log_power(x) < level) == (direction < 0), *ends)[0]
+        return math.exp(crossing) / math.tau
 
     peak_hz = math.exp(float(place)) / math.tau
     return Passband(math.exp(0.5 * maximum), peak_hz, find_cutoff(peak, -1), find_cutoff(peak, 1))
 
 
 def find_passbands(transfer: Rational, nominal: Passband) -> tuple[Array, Array]:
-    """Find maximum gain and lower cutoff frequency [Hz] of many
-    boards at once, as `find_passband` does for one.
-    """
+    """Find maximum gain and lower cutoff [Hz] of many boards, as `find_passband` does for one."""
     power_gain = transfer.power_gain()
 
     def power(x: Array) -> Array:
@@ -272,10 +242,10 @@ def find_passbands(transfer: Rational, nominal: Passband) -> tuple[Array, Array]
     first, step, count = _grid((nominal.low_hz / _START_RATIO, nominal.peak_hz * _START_RATIO))
     grid = np.array([power(np.array(first + i * step)) for i in range(count + 1)])
     peak = np.clip(grid.argmax(axis=0), 1, count - 1)
-    _, found = find_maximum_arrays(
+    _, highest = find_maximum_arrays(
         power, first + (peak - 1) * step, first + (peak + 1) * step, _GOLDEN_STEPS
     )
-    maximum = np.maximum(found, grid.max(axis=0))
+    maximum = np.maximum(highest, grid.max(axis=0))
 
     # The last grid point before the peak that lies below half the maximum power brackets the
     # cutoff.
@@ -287,7 +257,7 @@ def find_passbands(transfer: Rational, nominal: Passband) -> tuple[Array, Array]
 
 
 def decibel(ratio: complex) -> float:
-    """20 log10 |ratio| [dB]; minus infinity for 0."""
+    """Return 20 log10 |ratio| [dB]; minus infinity for 0."""
     return 20.0 * math.log10(abs(ratio)) if ratio else -math.inf
 
 
@@ -327,7 +297,7 @@ def compute_response(
 
 
 def target_response(board: Board) -> FrequencyResponse:
-    """Response that a design asks for: what its ideal values achieve with ideal amplifiers."""
+    """Return the response of the ideal values with ideal amplifiers."""
     bandwidth_hz = find_gain_bandwidth_hz(board) / board.passband_gain
     return FrequencyResponse(
         passband_gain=board.passband_gain,

@@ -31,9 +31,7 @@ class ComparatorLevels:
     max_bias_v: float
     """Typical and maximum increase of the mean by the comparator's input bias current."""
     threshold_bias_v: float
-    """Typical increase of the ON threshold by the current of the
-    other input, if both inputs draw the same.
-    """
+    """Typical increase of the ON threshold by an equal current of the other input."""
     averaging_tau_s: float
 
 
@@ -77,20 +75,14 @@ def compute_comparator_levels(
 # voltages upwards, and little more than one downwards.
 
 BLOCKING_DIODE = "D4"
-"""Diode that conducts while the filtered signal is negative, and
-cuts the rectifier off from the filter.
-"""
+"""Diode that conducts while the filtered signal is negative, and cuts the rectifier off."""
 _FILTER_AND_RECTIFIER = ("U1", "U3")
-"""Amplifiers whose offsets count.
-That of the buffer of VMID moves envelope and signal ground alike.
-"""
+"""Amplifiers whose offsets count; that of VMID's buffer shifts envelope and ground alike."""
 
 
 @dataclass(frozen=True)
 class OutputOffset:
-    """Envelope offset above signal ground [V] due to the
-    amplifiers' offsets, at 25 degrees Celsius.
-    """
+    """Envelope offset above signal ground [V] by the amplifiers' offsets, at 25 degrees Celsius."""
 
     min_v: float
     max_v: float
@@ -124,9 +116,7 @@ def compute_output_offset(
 def _offset_gains(
     circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str, diode: str
 ) -> list[float]:
-    """Constant gains from the offset voltage of each amplifier to
-    the envelope above the signal ground.
-    """
+    """Return the constant gain from each amplifier's offset to the envelope."""
     network = build_network(circuit, gain_bandwidth_hz, conducting=[diode]).restrict(
         ENVELOPE, signal_ground
     )
@@ -167,26 +157,20 @@ class ThresholdShift:
 
 @dataclass(frozen=True)
 class ThresholdSpread:
-    """Mean and worst case of a comparator's threshold above the signal
-    ground [V], with the trimmer at its midpoint.
-    """
+    """Mean and worst case of a comparator's threshold [V], with the trimmer at its midpoint."""
 
     mean_v: float
     """Threshold with typical currents; offsets and tolerances have no preferred sign."""
     min_v: float
     max_v: float
     trim_v: float
-    """Largest shift in either direction that the trimmer can take
-    back: to the nearer end of its range.
-    """
+    """Largest shift that the trimmer can undo: to the nearer end of its range."""
     shifts: tuple[ThresholdShift, ...]
     """Largest shift by each cause; their sum is half of the range."""
 
     @property
     def to_trim_v(self) -> float:
-        """Sum of the shifts that trimming takes back [V]; tolerances
-        scale the threshold and the range alike.
-        """
+        """Sum of the shifts to trim [V]; tolerances scale threshold and range alike."""
         return math.fsum(shift.worst_v for shift in self.shifts if shift.cause != TOLERANCES)
 
 
@@ -239,7 +223,7 @@ def compute_threshold_spread(
 
 
 def _tolerance_v(network: Network, rails: Mapping[str, float], tolerance: float) -> float:
-    """Largest change of the threshold by the resistors around it [V]."""
+    """Return the largest change of the threshold by the resistors around it [V]."""
     part = network.restrict(THRESHOLD)
 
     def threshold_v(values: Mapping[str, Value]) -> float:
@@ -247,10 +231,8 @@ def _tolerance_v(network: Network, rails: Mapping[str, float], tolerance: float)
 
     nominal_v = threshold_v({})
     total_v = 0.0
-    for names, ratio in (
-        *(((name,), tolerance) for name in _RESISTORS),
-        (_TRIMMER, formulas.TRIMMER_TOLERANCE),
-    ):
+    groups = [((name,), tolerance) for name in _RESISTORS]
+    for names, ratio in (*groups, (_TRIMMER, formulas.TRIMMER_TOLERANCE)):
         changed = {name: part.values[name] / (1.0 + ratio) for name in names}
         total_v += abs(threshold_v(changed) - nominal_v)
 

@@ -37,7 +37,7 @@ class TolerancedFilter:
         return tuple(name for name in COMPONENTS if name in self.values)
 
     def deviate(self, deviations: Array) -> dict[str, Value]:
-        """Values of the network for relative deviations of the components, (..., components)."""
+        """Return the network's values for relative deviations, (..., components)."""
         values = dict(self.values)
         for name, ratio in zip(self.names, np.moveaxis(1.0 + deviations, -1, 0), strict=True):
             # A network's quantity is the conductance of a resistor.
@@ -54,9 +54,9 @@ class TolerancedFilter:
             self.model.transfer(values), self.model.passband(self.values)
         )
         section_hz, quality = self.model.section(values)
-        found = (cutoff_hz, quality, gain, self.model.first_pole_hz(values), section_hz)
+        figures = (cutoff_hz, quality, gain, self.model.first_pole_hz(values), section_hz)
 
-        return dict(zip(QUANTITIES, map(np.asarray, found), strict=True))
+        return dict(zip(QUANTITIES, map(np.asarray, figures), strict=True))
 
 
 @dataclass(frozen=True)
@@ -78,17 +78,15 @@ class Spread:
 def monte_carlo(
     board: TolerancedFilter, tolerances: Mapping[str, float], boards: int = 10_000, seed: int = 1
 ) -> dict[str, Spread]:
-    """Compute the spread of each quantity over boards with independent,
-    uniform component values; `tolerances` [%].
-    """
+    """Compute the spread of each quantity over boards with uniform tolerances [%]."""
     limits = _limits(board, tolerances)
     count = len(board.names)
-    drawn = board.quantities(draw_deviations(board, tolerances, boards, seed))
+    random = board.quantities(draw_deviations(board, tolerances, boards, seed))
     corners = board.quantities(limits * np.array(list(product((-1.0, 1.0), repeat=count))))
     exact = board.quantities(np.zeros(count))
     result = {}
 
-    for name, values in drawn.items():
+    for name, values in random.items():
         low, high = np.quantile(values, BAND_QUANTILES).tolist()
         worst = corners[name]
         middle = float(exact[name]), float(values.mean()), float(values.std(ddof=1))
@@ -100,9 +98,7 @@ def monte_carlo(
 def draw_deviations(
     board: TolerancedFilter, tolerances: Mapping[str, float], boards: int, seed: int
 ) -> Array:
-    """Draw relative deviations, (boards, components), independent
-    and uniform within these tolerances [%].
-    """
+    """Draw independent uniform deviations within tolerances [%]: ratios, (boards, components)."""
     uniform = np.random.default_rng(seed).uniform(-1.0, 1.0, (boards, len(board.names)))
     deviations: Array = _limits(board, tolerances) * uniform
     return deviations
@@ -113,19 +109,21 @@ def _limits(board: TolerancedFilter, tolerances: Mapping[str, float]) -> Array:
 
 
 def component_tolerances(circuit: Circuit) -> dict[str, float]:
-    """Tolerance [%] of each of `COMPONENTS` that a circuit has, as its parts are bought."""
+    """Return the tolerance [%] of each of `COMPONENTS` in a circuit, as bought."""
     requirements = {component.reference: component.requirement for component in circuit.components}
-    return {
-        name: found.tolerance_percent for name in COMPONENTS if (found := requirements.get(name))
-    }
+    percent = {}
+    for name in COMPONENTS:
+        requirement = requirements.get(name)
+        if requirement:
+            percent[name] = requirement.tolerance_percent
+
+    return percent
 
 
 YIELD_BOARDS = 4000
 YIELD_RATIO = 0.1
 LEAST_YIELD = 0.99
-"""Boards that are drawn for a yield, deviation from the design within
-which a board counts, and share that must.
-"""
+"""Boards drawn for a yield, deviation within which a board counts, and required share."""
 
 
 def compute_yields(
@@ -138,10 +136,10 @@ def compute_yields(
     """Compute the share of boards within `YIELD_RATIO` of the design's cutoff, and of its gain."""
     toleranced = TolerancedFilter(model, values)
     deviations = draw_deviations(toleranced, component_tolerances(circuit), boards, seed=1)
-    found = toleranced.quantities(deviations)
-    wanted = {"cutoff_hz": board.cutoff_hz, "passband_gain": board.passband_gain}
+    quantities = toleranced.quantities(deviations)
+    targets = {"cutoff_hz": board.cutoff_hz, "passband_gain": board.passband_gain}
 
     return {
-        name: float(np.mean(np.abs(found[name] / v - 1.0) <= YIELD_RATIO))
-        for name, v in wanted.items()
+        name: float(np.mean(np.abs(quantities[name] / target - 1.0) <= YIELD_RATIO))
+        for name, target in targets.items()
     }

@@ -1,5 +1,4 @@
-"""Circuit of a board from the table of its components, `components.csv`, with the selected values,
-or of a divider.
+"""Circuit of a board, from the table `components.csv` and the selected values; and of a divider.
 
 A row of the table holds for the boards whose properties (`_PROPERTIES`) it names. Its pins lead to
 nets, of which SGND and VNEG stand for the signal ground and the amplifiers' negative rail.
@@ -85,9 +84,7 @@ _SIZES = {
     "supply": symbols.C_0603,
     "bulk": symbols.C_0805,
 }
-"""Sizes of the capacitors by kind.
-Above what size 1206 offers for 16 V, a filter's has no direct voltage across it.
-"""
+"""Sizes of the capacitors by kind; filter capacitors beyond size 1206 carry no direct voltage."""
 
 
 @functools.cache
@@ -208,9 +205,7 @@ def _make_component(row: dict[str, str], values: ComponentValues) -> Component:
 
 
 def _find_value(row: dict[str, str], values: ComponentValues) -> float:
-    """Find a component's value [ohm, F]: the table's, which no
-    parameter changes, or the one that is selected.
-    """
+    """Return a component's value [ohm, F]: the fixed one of the table, or the selected one."""
     selected = {"R22": VMID_TOP_OHM, "R23": VMID_BOTTOM_OHM, **values.by_reference}
     return parse_value(row["value"]) if row["value"] else selected[row["reference"]]
 
@@ -238,7 +233,7 @@ _AXIAL = "Resistor_THT:R_Axial_DIN0207_L6.3mm_D2.5mm_P10.16mm_Horizontal"
 
 
 def divider_circuit(design: Design) -> Circuit:
-    """Circuit of sensor, resistor, and the three pins of the controller."""
+    """Build the circuit of sensor, resistor, and the three pins of the controller."""
     ohm = format_component_value(design.board.divider_ohm)
     converter = design.detector
     label = design.dimensions.sensor.label

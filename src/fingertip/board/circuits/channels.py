@@ -1,5 +1,4 @@
-"""Channels of a board for several fingers: what each finger has of its own, what all share, and
-their names.
+"""Channels of a board for several fingers: their own parts and nets, shared ones, and names.
 
 A channel is the circuit of one finger (`fingertip.board.circuits.board_circuit`) without supply,
 references and host connector, repeated for each place of the board. Part R28 of channel 3 is R328,
@@ -33,8 +32,7 @@ from fingertip.catalogues.electronics import NAMES
 PLACES = len(NAMES)
 """Channels that the board for several fingers has places for."""
 SOCKETS = ((3, "2", "3"), (3, "1", "3"), (4, "2", "3"), (2, "1", "2"), (3, "1", "2"))
-"""Number of pins of each finger's socket, and those of its sensor and of ground; the others are
-open.
+"""Number of pins of each finger's socket, then its sensor and ground pins; the others are open.
 
 No plug enters a smaller socket, and in another one of its own size it leaves a wire at an open pin.
 """
@@ -58,9 +56,7 @@ SHARED_PARTS = frozenset(
         "H4",
     )
 )
-"""Parts that the board has once: supply, references of mid-supply and of the sensor's
-bias, holes.
-"""
+"""Parts that all channels share: supply, references of mid-supply and of the bias, holes."""
 SHARED_NETS = frozenset((*RAILS, POWER_IN, "DIVIDED", BIAS, "HALF"))
 _FIRST_PARTS = 100
 """Number at which the references of the first channel begin; those of one finger stay below it."""
@@ -73,18 +69,14 @@ def name_part(reference: str, channel: int) -> str:
 
 
 def split_name(reference: str) -> tuple[int, str]:
-    """Split the name of a part into its channel, 0 for a shared
-    part, and its name on the board of one finger.
-    """
+    """Return the channel of a part, 0 for a shared one, and its reference on a one-finger board."""
     letters = reference.rstrip("0123456789")
     channel, number = divmod(int(reference[len(letters) :]), _FIRST_PARTS)
     return channel, f"{letters}{number}"
 
 
 def find_symbol(reference: str) -> tuple[int, str]:
-    """Find the channel on whose sheet a part is drawn, and its name
-    there; the sockets are on the root sheet, 0.
-    """
+    """Return the channel whose sheet shows a part, 0 for the root, and its reference there."""
     channel, own = split_name(reference)
     return (0, reference) if own == SENSOR_CONNECTOR else (channel, own)
 
@@ -95,9 +87,7 @@ def name_net(net: str, channel: int) -> str:
 
 
 def split_net(net: str) -> tuple[int, str]:
-    """Split the name of a net into its channel, 0 for a shared net,
-    and its name on the board of one finger.
-    """
+    """Return the channel of a net, 0 for a shared one, and its name on a one-finger board."""
     sheet, _, own = net.rpartition("/")
     return (int(sheet[1:]), own) if sheet else (0, own)
 
@@ -107,9 +97,7 @@ def name_sheet(channel: int) -> str:
 
 
 def host_pins() -> dict[str, str]:
-    """Pins of the host connector, by number: T, S and ground of
-    each channel in turn; the supply ends them.
-    """
+    """Return the host connector's nets by pin: T, S and ground of each channel; supply last."""
     nets = [
         name_net(net, channel)
         for channel in range(1, PLACES + 1)
@@ -121,9 +109,7 @@ def host_pins() -> dict[str, str]:
 
 
 def describe_sockets() -> tuple[str, ...]:
-    """Describe at which pins of its socket the wires of each
-    finger's sensor are, that of ground last.
-    """
+    """Describe the sensor and ground pins of each finger's socket."""
     return tuple(
         f"{socket}, pins {' and '.join(pins)}"
         for socket, (_, *pins) in zip(list_sockets(), SOCKETS, strict=True)
@@ -136,14 +122,12 @@ def list_sockets() -> tuple[str, ...]:
 
 
 def list_pins(net: str) -> tuple[str, ...]:
-    """List the pins of the host connector that are at a net, be it of each channel or shared."""
+    """List the pins of the host connector at a net, of one channel's or a shared one."""
     return tuple(number for number, own in host_pins().items() if split_net(own)[1] == net)
 
 
 def repeat_channel(single: Circuit, fitted: int) -> Circuit:
-    """Build the board of several fingers from that of one: five
-    places, of which the first ones are fitted.
-    """
+    """Build the board of several fingers from that of one: five places, the first ones fitted."""
     wiring: dict[Component, dict[str, str]] = {}
     pins = {
         component: {
@@ -175,11 +159,11 @@ def repeat_channel(single: Circuit, fitted: int) -> Circuit:
                     reference=name_part(component.reference, channel),
                     is_fitted=channel <= fitted,
                 )
-                named = {number: name_net(net, channel) for number, net in nets.items()}
+                own_nets = {number: name_net(net, channel) for number, net in nets.items()}
                 if component.reference == SENSOR_CONNECTOR:
-                    own, named = _place_socket(own, named, channel)
+                    own, own_nets = _place_socket(own, own_nets, channel)
 
-                wiring[own] = named
+                wiring[own] = own_nets
 
     return build_circuit(single.name, wiring)
 
@@ -187,7 +171,7 @@ def repeat_channel(single: Circuit, fitted: int) -> Circuit:
 def _place_socket(
     part: Component, nets: dict[str, str], channel: int
 ) -> tuple[Component, dict[str, str]]:
-    """Give the sensor's connector of one finger the size and the pins of its channel."""
+    """Return the sensor's connector of a channel, and its pins, with the size of that channel."""
     size, sensor, ground = SOCKETS[channel - 1]
     symbol = symbols.SYMBOLS[f"Conn_01x{size:02}_MountingPin"]
     wired = {sensor: nets["1"], ground: nets["2"], "MP": nets["MP"]}

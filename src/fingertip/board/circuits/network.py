@@ -41,13 +41,9 @@ INVERSE_GAIN = "1/A0"
 INVERSE_BANDWIDTH = "1/GBW"
 """Quantities of an amplifier, after its name: 1 / A0, and 1 / (2 pi GBW) [s]."""
 CONDUCTING_S = 1.0
-"""Conductance of a diode that conducts [S].
-It lies within the loop of an amplifier, which compensates its drop.
-"""
+"""Conductance of a conducting diode [S]; it lies in an amplifier's loop, which hides its drop."""
 MAX_SWITCH_OHM = 0.085
-"""Largest resistance of the MOSFET that protects the supply, at 2.5 V
-from gate to source [ohm] (its data sheet).
-"""
+"""Largest resistance of the supply's MOSFET at 2.5 V from gate to source [ohm] (data sheet)."""
 _TRIMMER_END_OHM = 1e-3
 """Resistance that remains between a trimmer's wiper and the end to which it is turned [ohm]."""
 
@@ -73,9 +69,7 @@ class Term(NamedTuple):
     net: str
     """Net or input whose voltage it contains."""
     quantity: str
-    """Name of a value, such as "R1"; its value is a conductance [S], a capacitance [F],
-    or `UNITY`.
-    """
+    """Name of its value, such as "R1": a conductance [S], a capacitance [F], or `UNITY`."""
     factor: float
     order: int
     """0 for G, 1 for C."""
@@ -106,12 +100,12 @@ class Network:
         return tuple(sorted({term.equation for term in self.terms}))
 
     def drive(self, *nets: str) -> Network:
-        """Network in which sources determine the voltages of more nets."""
+        """Return the network in which sources determine the voltages of more nets."""
         terms = tuple(term for term in self.terms if term.equation not in nets)
         return replace(self, terms=terms, inputs=(*self.inputs, *nets))
 
     def ground(self, *nets: str) -> Network:
-        """Network in which the voltages of these nets are 0."""
+        """Return the network in which the voltages of these nets are 0."""
         terms = tuple(
             term for term in self.terms if term.equation not in nets and term.net not in nets
         )
@@ -120,24 +114,23 @@ class Network:
         )
 
     def restrict(self, *outputs: str) -> Network:
-        """Part of the network that determines the voltages of some nets: they and all that their
-        equations contain.
+        """Return the part of the network that determines the voltages of some nets.
 
         An amplifier isolates its output: what only loads an output does not determine it.
         """
-        found = self.trace(outputs)
-        return replace(self, terms=tuple(term for term in self.terms if term.equation in found))
+        nets = self.trace(outputs)
+        return replace(self, terms=tuple(term for term in self.terms if term.equation in nets))
 
     def trace(self, names: Iterable[str]) -> set[str]:
-        """Find these names and all nets and inputs that determine their voltages."""
-        found = set[str]()
-        needed = set(names)
+        """Return these names and all nets and inputs that determine their voltages."""
+        traced = set[str]()
+        new = set(names)
 
-        while needed:
-            found |= needed
-            needed = set().union(*(self.contents.get(name, ()) for name in needed)) - found
+        while new:
+            traced |= new
+            new = set().union(*(self.contents.get(name, ()) for name in new)) - traced
 
-        return found
+        return traced
 
     @functools.cached_property
     def contents(self) -> Mapping[str, set[str]]:
@@ -153,9 +146,7 @@ class Network:
 
     @functools.cached_property
     def matrices(self) -> tuple[Array, Array]:
-        """Matrices (G, G_in) and (C, C_in) side by side, (..., nets,
-        nets + inputs), batched like the values.
-        """
+        """Matrices (G, G_in) and (C, C_in), (..., nets, nets + inputs), batched like the values."""
         row = {name: i for i, name in enumerate(self.nets)}
         column = {name: i for i, name in enumerate((*self.nets, *self.inputs))}
         batch = np.broadcast_shapes(
@@ -171,8 +162,7 @@ class Network:
         return G, C
 
     def response(self, f_hz: Array, inputs: Mapping[str, float], *nets: str) -> Spectrum:
-        """Voltages of nets at frequencies [Hz] for voltages of the inputs, (frequencies, nets);
-        other inputs are 0.
+        """Return voltages of nets at frequencies [Hz], (frequencies, nets); unnamed inputs are 0.
 
         Values may be arrays: of many boards at one frequency, or of quantities that vary with the
         frequency.
@@ -180,14 +170,14 @@ class Network:
         n = len(self.nets)
         s = 2j * math.pi * f_hz[:, None, None]
         G, C = self.matrices
-        given = np.array([inputs.get(name, 0.0) for name in self.inputs])
-        right = -(G[..., n:] @ given + s[:, :, 0] * (C[..., n:] @ given))
+        v_in = np.array([inputs.get(name, 0.0) for name in self.inputs])
+        right = -(G[..., n:] @ v_in + s[:, :, 0] * (C[..., n:] @ v_in))
         solution = np.linalg.solve(G[..., :n] + s * C[..., :n], right[:, :, None])[:, :, 0]
 
         return np.asarray(solution[:, [self.nets.index(net) for net in nets]], dtype=np.complex128)
 
     def transfers(self, f_hz: Array, net: str) -> Spectrum:
-        """Voltage at a net for 1 on the right-hand side of each equation, (frequencies, equations).
+        """Return a net's voltage for 1 on the right of each equation, (frequencies, equations).
 
         That is 1 A into a net, or 1 V at the input of an amplifier times its gain. One solution of
         the transposed equations serves all of them (adjoint method).
@@ -203,14 +193,12 @@ class Network:
         )
 
     def operating_point(self, inputs: Mapping[str, float]) -> dict[str, float]:
-        """Voltages [V] of all nets for constant voltages of the inputs [V]."""
+        """Return the voltages [V] of all nets for constant voltages of the inputs [V]."""
         volts = self.response(np.zeros(1), inputs, *self.nets)[0].real.tolist()
         return dict(zip(self.nets, volts, strict=True)) | dict(inputs)
 
     def constant_transfers(self, net: str, ground: str = GND) -> dict[str, float]:
-        """Voltage of a net above another one for a constant 1 on
-        the right-hand side of each equation.
-        """
+        """Return the voltage between two nets for a constant 1 on the right of each equation."""
         volts = self.transfers(np.zeros(1), net)[0].real
         if ground in self.nets:
             volts = volts - self.transfers(np.zeros(1), ground)[0].real
@@ -218,7 +206,7 @@ class Network:
         return dict(zip(self.nets, volts.tolist(), strict=True))
 
     def steady_state(self) -> Array:
-        """States for constant voltages of the inputs, (..., states, inputs)."""
+        """Return the states for constant voltages of the inputs, (..., states, inputs)."""
         n = len(self.nets)
         G, _ = self.matrices
         volts = np.linalg.solve(G[..., :n], -G[..., n:])
@@ -244,9 +232,9 @@ class Network:
         # The voltages follow from the states, x = charge v + charge_in v_in, and the equations
         # without capacitance.
         left = np.concatenate((charge[..., :n], G[..., algebraic, :n]), axis=-2)
-        given = -np.concatenate((charge[..., n:], G[..., algebraic, n:]), axis=-2)
+        right = -np.concatenate((charge[..., n:], G[..., algebraic, n:]), axis=-2)
         unit = np.broadcast_to(np.eye(n)[:, : len(state)], (*left.shape[:-1], len(state)))
-        volts = np.linalg.solve(left, np.concatenate((unit, given), axis=-1))
+        volts = np.linalg.solve(left, np.concatenate((unit, right), axis=-1))
         # Then the equations with capacitance give the rates of the states.
         rates = -(G[..., state, :n] @ volts) / own
         rates[..., len(state) :] -= G[..., state, n:] / own
@@ -280,9 +268,8 @@ def build_network(
         pins = {pin.number: nets[name, pin.number] for pin in component.symbol.pins}
 
         if symbol == "R" and pins["1"] in equations.gain_nets:
-            equations.values[name] = 1.0 / parse_component_value(
-                component.value
-            )  # part of its amplifier's gain
+            # The resistor is part of its amplifier's gain.
+            equations.values[name] = 1.0 / parse_component_value(component.value)
         elif symbol == "R":
             equations.add(name, 1.0 / parse_component_value(component.value), pins["1"], pins["2"])
         elif symbol == "C":
@@ -329,8 +316,7 @@ class _Equations:
         self._law = {
             n: n for n in nets.values() if n not in without_law and not n.startswith(UNCONNECTED)
         }
-        """Net -> net whose equation takes its current.
-        What an amplifier drives has the equation of the amplifier.
+        """Net -> net whose equation takes its current; a driven net has its amplifier's equation.
         """
         self._law |= dict.fromkeys(driven if is_supply_resistive else (), VCC)
         self._bandwidth_hz = gain_bandwidth_hz
@@ -345,11 +331,9 @@ class _Equations:
         second: str | None,
         order: int = 0,
     ) -> None:
-        """Add an admittance between two nets, or from one to ground, to the current
-        laws of both.
-        """
+        """Add an admittance between two nets, or to ground, to the current laws of both."""
         self.values[quantity] = value
-        for net, other in ((first, second), (second, first)):
+        for net, far_end in ((first, second), (second, first)):
             if net in self._law:
                 self.terms.append(
                     Term(
@@ -360,11 +344,11 @@ class _Equations:
                         order=order,
                     )
                 )
-                if other is not None:
+                if far_end is not None:
                     self.terms.append(
                         Term(
                             equation=self._law[net],
-                            net=other,
+                            net=far_end,
                             quantity=quantity,
                             factor=-1.0,
                             order=order,
@@ -372,8 +356,9 @@ class _Equations:
                     )
 
     def add_instrumentation_amplifier(self, pins: Mapping[str, str]) -> None:
-        """Add v_out (1 + s A / (2 pi GBW)) = A (v_plus - v_minus)
-        + v_ref with A = 1 + 100 kohm / R_gain.
+        """Add v_out (1 + s A / (2 pi GBW)) = A (v_plus - v_minus) + v_ref for an AD623.
+
+        A = 1 + 100 kohm / R_gain.
         """
         out = pins["6"]
         for quantity, factor in (
@@ -425,9 +410,7 @@ class _Equations:
         ]
 
     def add_amplifiers(self, reference: str, data: Amplifier, pins: Mapping[str, str]) -> None:
-        """Add v_out / A = v_plus - v_minus of each unit, with 1 / A
-        = 0, or as built 1 / A0 + s / (2 pi GBW).
-        """
+        """Add v_out / A = v_plus - v_minus of each unit; 1 / A is 0, or 1 / A0 + s / (2 pi GBW)."""
         for unit, (plus, minus, out) in data.units.items():
             net = pins[out]
             name = f"{reference}{unit}"
@@ -474,9 +457,7 @@ class _Equations:
 
 
 def filter_quantities(components: Mapping[str, float], amplifier: Amplifier) -> dict[str, Value]:
-    """Quantities of a network for other component values [ohm, F],
-    by reference, and another amplifier U1.
-    """
+    """Return a network's quantities for component values [ohm, F] and another amplifier U1."""
     values: dict[str, Value] = {
         name: 1.0 / v if name.startswith("R") else v for name, v in components.items()
     }
@@ -496,22 +477,19 @@ def add_second_poles(network: Network, circuit: Circuit, f_hz: Array) -> Network
     values: dict[str, Value] = {}
     for output in list_amplifiers(circuit):
         if output.data:
-            gain, bandwidth = (
-                f"{output.amplifier} {name}" for name in (INVERSE_GAIN, INVERSE_BANDWIDTH)
-            )
+            gain = f"{output.amplifier} {INVERSE_GAIN}"
+            bandwidth = f"{output.amplifier} {INVERSE_BANDWIDTH}"
+            inverse_gain = network.values[gain]
+            inverse_bandwidth = network.values[bandwidth]
             second_s = 1.0 / (math.tau * output.data.second_pole_hz)
-            values[gain] = (
-                network.values[gain] - network.values[bandwidth] * second_s * (math.tau * f_hz) ** 2
-            )
-            values[bandwidth] = network.values[bandwidth] + network.values[gain] * second_s
+            values[gain] = inverse_gain - inverse_bandwidth * second_s * (math.tau * f_hz) ** 2
+            values[bandwidth] = inverse_bandwidth + inverse_gain * second_s
 
     return network.with_values(values)
 
 
 def list_amplifiers(circuit: Circuit) -> Iterator[AmplifierOutput]:
-    """Yield each amplifier of a circuit with the net that it
-    drives, in the order of the components.
-    """
+    """Yield each amplifier of a circuit with its output, in the order of the components."""
     for component in circuit.components:
         reference = component.reference
         data = front_end.AMPLIFIERS.get(component.symbol.name)

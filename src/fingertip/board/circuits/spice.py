@@ -1,5 +1,4 @@
-"""SPICE deck (ngspice) of a circuit: an element for every active or passive component, and the
-models they need.
+"""SPICE deck (ngspice) of a circuit: one element for each electrical component, and models.
 
 `ngspice -b slip_filter.cir` prints the levels at TACTILE, STAGE1_OUT and FILTERED [dBV] over
 frequency, without their phase; of several fingers those of the filtered signals at the controller,
@@ -32,9 +31,7 @@ HOST_SUPPLY = "HOST_SUPPLY"
 HOST_GROUND = "HOST_GROUND"
 """Nets of the controller's ends of the supply cable, in a circuit with its cables."""
 SENSOR_FORCE_N = 0.8
-"""Force on the deck's sensor: the middle of the three forces
-for which the article states a voltage.
-"""
+"""Force on the deck's sensor: the middle one of the article's three."""
 
 _ELEMENTS = {
     **dict.fromkeys(("R", "C"), "{0} {1} {2} {value}"),
@@ -63,9 +60,7 @@ _ELEMENTS = {
     **dict.fromkeys(("Conn_01x04", "Conn_01x03_MountingPin"), ""),
     **dict.fromkeys(("TestPoint", "MountingHole"), ""),
 }
-"""SPICE elements of a component by the name of its symbol: {0} is
-its reference, {1} the node of its pin 1.
-"""
+"""SPICE elements by symbol name; {0} is the reference, {1} the node of pin 1."""
 
 
 def spice_deck(
@@ -112,9 +107,7 @@ def spice_deck(
 
 
 def divider_deck(divider: Circuit, supply_v: float, low_ohm: float, high_ohm: float) -> bytes:
-    """SPICE deck (ngspice) of a divider that prints the tactile
-    voltage for two resistances of the sensor [ohm].
-    """
+    """Return the deck of a divider: tactile voltage for two resistances of the sensor [ohm]."""
     nodes = {pin: "0" if net == GND else net.lower() for pin, net in divider.net_by_pin.items()}
     ohm = parse_component_value(divider.component("R1").value)
     elements = (
@@ -139,14 +132,10 @@ def divider_deck(divider: Circuit, supply_v: float, low_ohm: float, high_ohm: fl
 # Models: amplifiers with their bandwidth and noise, comparator and diodes
 
 _FLICKER_OHM = 1e3
-"""Transresistance of the 1/f noise: so small that the thermal
-noise of the model's resistors adds nothing.
-"""
+"""Transresistance of the 1/f noise, so small that its thermal noise adds nothing."""
 _OUTPUT = "E1 out 0 pole 0 1"
 _SUPPLIED_OUTPUT = "E1 driven 0 pole 0 1\nVS driven out 0\nFS vcc 0 VS 1"
-"""Output of an amplifier; and the same with its current drawn from
-the supply, as if none returned to ground.
-"""
+"""Output of an amplifier; and the same with all its current drawn from the supply."""
 
 _MODELS = Path(__file__).with_name("models")
 """Folder of the models: Python format strings, by kind or by the value of the part."""
@@ -209,7 +198,5 @@ def _models(circuit: Circuit, gain_bandwidth_hz: float, worst_case: bool) -> Ite
 
 
 def _equivalent_noise_ohm(density_v: float) -> float:
-    """Resistance with this density of thermal noise [V/sqrt(Hz)] at
-    SPICE's temperature: e^2 = 4 k T R (Nyquist).
-    """
+    """Return the resistance [ohm] with this thermal noise [V/sqrt(Hz)]: e^2 = 4 k T R (Nyquist)."""
     return density_v**2 / (4.0 * BOLTZMANN_J_PER_K * TEMPERATURE_K)

@@ -1,5 +1,4 @@
-"""Transfer function of a network as a ratio of polynomials in s, with the component values as
-symbols.
+"""Transfer function of a network: polynomials in s with the component values as symbols.
 
 Cramer's rule gives each voltage as a ratio of two determinants, whose expansions are sums of
 products of admittances. The network is split into stages first: groups of nets that determine each
@@ -24,9 +23,7 @@ from fingertip.board.circuits.network import Network, Term, Value
 Polynomial = dict[tuple[int, tuple[str, ...]], float]
 """Power of s and sorted symbols of each product -> its factor."""
 SymbolicPolynomial = tuple[tuple[tuple[float, tuple[str, ...]], ...], ...]
-"""Coefficients of a polynomial in s, from the constant one upwards,
-each a sum of products as (factor, symbols).
-"""
+"""Coefficients of a polynomial in s, constant first, as sums of products (factor, symbols)."""
 Coefficients = list[Value]
 """Coefficients of a polynomial in s, from the constant one upwards."""
 
@@ -43,7 +40,7 @@ class Rational:
         )
 
     def power_gain(self) -> Callable[[Value], Value]:
-        """Function of the angular frequency [rad/s] that gives the squared magnitude.
+        """Return the squared magnitude as a function of the angular frequency [rad/s].
 
         With x = omega^2 a polynomial is even(x) + j omega odd(x), whose coefficients alternate in
         sign.
@@ -109,29 +106,27 @@ def _determinant(terms: Sequence[Term], rows: Sequence[str], columns: Sequence[s
     """Expand a determinant along its rows; minors that occur again are expanded once."""
     entries: defaultdict[tuple[str, str], Polynomial] = defaultdict(lambda: defaultdict(float))
     for term in terms:
-        entries[term.equation, term.net][term.order, (term.quantity,) if term.quantity else ()] += (
-            term.factor
-        )
+        symbols = (term.quantity,) if term.quantity else ()
+        entries[term.equation, term.net][term.order, symbols] += term.factor
 
     @functools.cache
-    def minor(row: int, left: tuple[int, ...]) -> Polynomial:
+    def minor(row: int, remaining: tuple[int, ...]) -> Polynomial:
         if row == len(rows):
             return {(0, ()): 1.0}
 
         total: Polynomial = defaultdict(float)
-        for position, column in enumerate(left):
+        for position, column in enumerate(remaining):
             entry = entries.get((rows[row], columns[column]))
             if entry:
-                rest = minor(row + 1, left[:position] + left[position + 1 :])
+                rest = minor(row + 1, remaining[:position] + remaining[position + 1 :])
                 sign = -1.0 if position % 2 else 1.0
                 for (order, symbols), factor in entry.items():
-                    for (other_order, other), other_factor in rest.items():
-                        key = (order + other_order, tuple(sorted(symbols + other)))
-                        total[key] += sign * factor * other_factor
+                    for (rest_order, rest_symbols), rest_factor in rest.items():
+                        key = (order + rest_order, tuple(sorted(symbols + rest_symbols)))
+                        total[key] += sign * factor * rest_factor
 
-        return {
-            key: factor for key, factor in total.items() if factor
-        }  # products of opposite signs cancel exactly
+        # Products of opposite signs cancel exactly.
+        return {key: factor for key, factor in total.items() if factor}
 
     return minor(0, tuple(range(len(columns))))
 

@@ -1,18 +1,18 @@
-"""Front ends of the boards: the article's bridge with its amplifier, and the transimpedance stage
-of the others.
+"""Front ends of the boards: the article's bridge, and the transimpedance stage of the others.
 
 The article mentions a Wheatstone bridge and an instrumentation amplifier without showing them. The
 resistances are selected to reproduce its voltages. The sensor is parallel to the lower resistor of
 one arm, and the other arm supplies the reference:
 
-    V = A Vs [1 / (1 + R_top (1 / R_shunt + G)) - R_low / (R_high + R_low)],  A = 1 + 100 kohm /
-    R_gain
+    V = A Vs [1 / (1 + R_top (1 / R_shunt + G)) - R_low / (R_high + R_low)]
+    A = 1 + 100 kohm / R_gain
 
 The voltage falls with the force, as in the article. On the boards for 3.3 V the sensor lies between
 ground and the inverting input of U2a, which holds it at the bias voltage. Its current flows through
 the feedback resistor R30,
 
-    T = V_bias [1 + R30 G / (1 + (R28 + R29) G)],  V_bias = Vs R32 / (R31 + R32)
+    T = V_bias [1 + R30 G / (1 + (R28 + R29) G)]
+    V_bias = Vs R32 / (R31 + R32)
 
 so that T rises with the force, from V_bias with an open sensor. The article's bridge with its AD623
 has ten to twenty times the noise: it amplifies the 35 nV/sqrt(Hz) of the AD623 by its gain, where
@@ -38,39 +38,27 @@ INTERLINK_CURVE = (
     (1000.0, 1.25e3),
     (10000.0, 250.0),
 )
-"""Load [gram force] and resistance [ohm], read off Interlink's
-typical curve (part to part 6 % at best).
-"""
+"""Load [gram force] and resistance [ohm], off Interlink's typical curve (parts differ by 6 %)."""
 CURVE_DIAMETER_MM = 5.08
-"""Active diameter [mm] for which the excitation is sized: the
-article's FSR 400, the smallest of the catalogue.
-"""
+"""Active diameter [mm] for the excitation: that of the article's FSR 400, the smallest."""
 NEWTON_PER_GRAM = 9.80665e-3
 ARTICLE_POINTS = ((TURN_ON_N, 4.3), (0.8, 4.0), (1.3, 3.85))
-"""Force [N] and tactile voltage [V]: light contact at the sensor's
-turn-on, then both figures of the article's IV.A.
-"""
+"""Force [N] and tactile voltage [V]: light contact at turn-on; then both figures of IV.A."""
 
 POWER_UP_S = 2.0
-"""Time after power-up in which the voltages of a board for a
-controller settle [s]: eight time constants.
-"""
+"""Settling time of a controller's board after power-up [s]: eight time constants."""
 MAX_FORCE_N = 20.0
 """Upper end of the sensor's force range (Interlink)."""
 MAX_CURRENT_A_PER_CM2 = 1e-3
 """Maximum current through the sensor per active area (Interlink's integration guide)."""
 SATURATION = 1.0 / 3.0
-"""R_thevenin G at the upper end of the force range.
-Smaller values make V more linear in G and the signal smaller.
-"""
+"""R_thevenin G at the largest force; smaller values make V more linear, and the signal smaller."""
 GAIN_CONSTANT_OHM = 100e3
 """Constant of the amplifier's gain, A = 1 + 100 kohm / R_gain (AD623's data sheet)."""
 
 
 def sensor_conductance_s(force_n: float) -> float:
-    """Conductance [S] of the sensor at a force [N]: Interlink's curve,
-    log-log interpolated; 0 below its turn-on.
-    """
+    """Return the sensor's conductance [S] at a force [N] (Interlink); 0 below its turn-on."""
     load = force_n / NEWTON_PER_GRAM
     # The article's turn-on of 0.2 N is 20.4 gram, the curve's first point 20.
     if load < INTERLINK_CURVE[0][0]:
@@ -116,20 +104,17 @@ class Bridge:
         )
 
     def tactile_v(self, conductance_s: float, supply_v: float) -> float:
-        """Tactile voltage [V] for a sensor of this conductance [S],
-        without the limits of the amplifier's output.
-        """
+        """Return the tactile voltage [V] at a conductance [S], with an ideal amplifier output."""
         return self.gain * (self.sensor_v(conductance_s, supply_v) - self.reference_v(supply_v))
 
 
 def max_current_a(active_diameter_mm: float) -> float:
-    """Maximum permitted current through a sensor [A], by its active area."""
+    """Return the maximum permitted current of a sensor [A], by its active area."""
     return MAX_CURRENT_A_PER_CM2 * math.pi * (active_diameter_mm / 20.0) ** 2
 
 
 def size_bridge(supply_v: float, series: str, active_diameter_mm: float) -> Bridge:
-    """Select the preferred values that best reproduce the article's three voltages within the
-    sensor's current limit.
+    """Select the preferred values nearest to the article's voltages, within the current limit.
 
     The limit determines the sensor's arm: the largest excitation permitted at `MAX_FORCE_N`. Gain
     and reference are then searched for the smallest sum of squared errors at `ARTICLE_POINTS`: the
@@ -153,7 +138,10 @@ def size_bridge(supply_v: float, series: str, active_diameter_mm: float) -> Brid
         reference_bottom_ohm=sensor_shunt_ohm,
         gain_ohm=GAIN_CONSTANT_OHM,
     )
-    points = [(arm.sensor_v(sensor_conductance_s(f), supply_v), v) for f, v in ARTICLE_POINTS]
+    points = [
+        (arm.sensor_v(sensor_conductance_s(force_n), supply_v), tactile_v)
+        for force_n, tactile_v in ARTICLE_POINTS
+    ]
 
     # The least-squares line through the points, V = A x - A reference, gives the ideal gain and
     # reference.
@@ -174,9 +162,12 @@ def size_bridge(supply_v: float, series: str, active_diameter_mm: float) -> Brid
 
 
 def article_error_v(bridge: Bridge, supply_v: float) -> float:
-    """RMS error [V] of a bridge's tactile voltage against the article's voltages."""
-    errors = (bridge.tactile_v(sensor_conductance_s(f), supply_v) - v for f, v in ARTICLE_POINTS)
-    return math.sqrt(sum(e * e for e in errors) / len(ARTICLE_POINTS))
+    """Return the RMS error [V] of a bridge's tactile voltage against the article's."""
+    errors_v = (
+        bridge.tactile_v(sensor_conductance_s(force_n), supply_v) - tactile_v
+        for force_n, tactile_v in ARTICLE_POINTS
+    )
+    return math.sqrt(sum(error_v * error_v for error_v in errors_v) / len(ARTICLE_POINTS))
 
 
 # Transimpedance stage behind a protected cable.
@@ -201,9 +192,7 @@ STAGE_VALUES = {
     "R33": 10e3,
     "C29": 10e-6,
 }
-"""Value of each component [ohm, F] by its reference.
-They do not depend on the design: the sensor's curve is one.
-"""
+"""Value of each component [ohm, F] by reference; the same in all designs, as the sensor's curve."""
 
 
 # Amplifiers of the board as its circuit names them, and data-sheet values of the bridge's AD623.
@@ -224,9 +213,7 @@ AD623_OUTPUT_NOISE_V = 50e-9
 AD623_OFFSET_V = 200e-6
 """Typical input offset voltage [V]."""
 AD623_BANDWIDTH_HZ = 800e3
-"""Bandwidth for a gain of 1 [Hz].
-It falls with the gain; the data sheet has 10 kHz for 100, slightly above that.
-"""
+"""Bandwidth for a gain of 1 [Hz]; it falls with the gain, to 10 kHz at 100 (data sheet)."""
 AD623_SUPPLY_A = 375e-6
 COMPARATOR_SUPPLY_A = 60e-6
 """Typical supply currents of AD623 and LMV331 [A] (recalled, unverified)."""

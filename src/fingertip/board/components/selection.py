@@ -1,5 +1,4 @@
-"""Selection of preferred values (IEC 60063): next to a computed one, in a range, and for the
-filter.
+"""Selection of preferred values (IEC 60063): near a computed one, in a range, for the filter.
 
 Nearest means nearest by ratio. Capacitors come from a series, or are only values that are sold.
 """
@@ -7,6 +6,7 @@ Nearest means nearest by ratio. Capacitors come from a series, or are only value
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -59,31 +59,26 @@ def values_around(value: float, series: str) -> tuple[float, ...]:
 
 
 def values_in_range(low: float, high: float, series: str) -> tuple[float, ...]:
-    """List the preferred values from `low` to `high`, or the one
-    nearest to `low` where there is none between.
-    """
+    """List the preferred values from `low` to `high`; if none, the one nearest to `low`."""
     return _list_values(low, high, series) or (nearest_value(low, series, 1e-12, 1e-3),)
 
 
 def _list_values(low: float, high: float, series: str) -> tuple[float, ...]:
     exponents = range(math.floor(math.log10(low)) - 2, math.floor(math.log10(high)) + 1)
     # Read as a decimal number, a value has no rounding error.
-    return _within(
-        low, high, (float(f"{mantissa}e{e}") for e in exponents for mantissa in MANTISSAS[series])
-    )
+    decades = itertools.product(exponents, MANTISSAS[series])
+    return _within(low, high, (float(f"{mantissa}e{exponent}") for exponent, mantissa in decades))
 
 
 def _within(low: float, high: float, values: Iterable[float]) -> tuple[float, ...]:
     # The ends are computed, so rounding must not exclude a value that lies exactly on one of them.
-    return tuple(v for v in values if low * (1 - 1e-9) <= v <= high * (1 + 1e-9))
+    return tuple(value for value in values if low * (1 - 1e-9) <= value <= high * (1 + 1e-9))
 
 
 def nearest_capacitance(farad: float, series: str, package: str = SMALL_PACKAGE) -> float:
-    """Find the capacitance [F] nearest by ratio: of those that
-    are sold, or else of the usual series.
-    """
+    """Find the capacitance [F] nearest by ratio, among those sold or in the usual series."""
     if series == SOLD:
-        return min(list_capacitances(package), key=lambda f: abs(math.log(f / farad)))
+        return min(list_capacitances(package), key=lambda c_f: abs(math.log(c_f / farad)))
 
     return nearest_value(farad, USUAL_SERIES, 1e-12, 1e-3)
 
@@ -91,14 +86,12 @@ def nearest_capacitance(farad: float, series: str, package: str = SMALL_PACKAGE)
 def capacitances_in_range(
     low_f: float, high_f: float, series: str, package: str
 ) -> tuple[float, ...]:
-    """List the capacitances [F] of a series from `low_f` to `high_f`,
-    or the one nearest to the range if none is.
-    """
+    """List the capacitances [F] of a series in a range; if none, the one nearest to it."""
     if series != SOLD:
         return values_in_range(low_f, high_f, series)
 
-    found = _within(low_f, high_f, list_capacitances(package))
-    return found or (nearest_capacitance(math.sqrt(low_f * high_f), series, package),)
+    capacitances = _within(low_f, high_f, list_capacitances(package))
+    return capacitances or (nearest_capacitance(math.sqrt(low_f * high_f), series, package),)
 
 
 # Components of filter and envelope (article, eqs. 2, 8, 10; it writes omega where j omega is meant
@@ -182,7 +175,7 @@ def select_filter(board: Board) -> FilterSelection:
 
 
 def pole_hz(r_ohm: float, c_f: float) -> float:
-    """1 / (2 pi R C) [Hz] for R [ohm] and C [F]: a pole; for R and a frequency [Hz] it is C."""
+    """Return 1 / (2 pi R C): a pole [Hz] for R [ohm] and C [F]; C for R and a frequency [Hz]."""
     return 1.0 / (math.tau * r_ohm * c_f)
 
 
@@ -207,9 +200,7 @@ def select_resistors(ideal: FilterComponents, series: str, *, jointly: bool) -> 
 
 
 def select_capacitors(board: Board) -> Board:
-    """Return the parameters with the fitted capacitors: as given, or selected from
-    `board.capacitor_series`.
-    """
+    """Return the parameters with fitted capacitors: given, or of `board.capacitor_series`."""
     if board.capacitor_series == "given":
         return board
 
@@ -221,9 +212,7 @@ def select_capacitors(board: Board) -> Board:
 
 
 def _selectable_range_f(cutoff_hz: float, range_ohm: tuple[float, float]) -> tuple[float, float]:
-    """Range of the selectable capacitances [F] for which 1 / (C
-    omega) lies in a range [ohm] at a cutoff [Hz].
-    """
+    """Return the range of C [F] with 1 / (C omega) in a range [ohm] at a cutoff [Hz]."""
     values = (1.0 / (math.tau * cutoff_hz * ohm) for ohm in reversed(range_ohm))
     low_f, high_f = (
         min(max(c_f, formulas.MIN_SELECTABLE_F), formulas.MAX_SELECTABLE_F) for c_f in values
@@ -232,8 +221,7 @@ def _selectable_range_f(cutoff_hz: float, range_ohm: tuple[float, float]) -> tup
 
 
 def select_filter_capacitor(board: Board) -> float:
-    """Select C1 = C2 = C3 [F] with the smallest error among those that give R1 within
-    `SELECTABLE_R1_OHM`.
+    """Select C1 = C2 = C3 [F] with the smallest error and R1 in `SELECTABLE_R1_OHM`.
 
     For each C the resistors are the best that exist. No combination of the two series within that
     range is therefore better. Of equal errors the smaller capacitor is selected.
@@ -244,7 +232,7 @@ def select_filter_capacitor(board: Board) -> float:
 
 
 def filter_error(c_f: float, board: Board) -> float:
-    """Error of the filter with this C [F] and the best preferred resistors.
+    """Return the error of the filter with this C [F] and the best preferred resistors.
 
     It is the deviation from a Butterworth response where the resistors are chosen together, else
     the hypot of the logarithms of f0, Q and the first pole over their ideal values. With x and y
@@ -262,17 +250,12 @@ def filter_error(c_f: float, board: Board) -> float:
 
 
 def _select_envelope_capacitor(board: Board) -> float:
-    """Select C_LP [F] whose preferred R_LP gives the pole nearest to
-    the envelope's, R_LP in `SELECTABLE_R_LP_OHM`.
-    """
+    """Select C_LP [F] whose preferred R_LP gives the pole nearest to the envelope's."""
     target_hz = board.envelope_cutoff_hz
 
     def error(c_f: float) -> float:
-        return abs(
-            math.log(
-                pole_hz(nearest_value(r_lp_ohm(target_hz, c_f), board.series), c_f) / target_hz
-            )
-        )
+        ohm = nearest_value(r_lp_ohm(target_hz, c_f), board.series)
+        return abs(math.log(pole_hz(ohm, c_f) / target_hz))
 
     range_f = _selectable_range_f(target_hz, formulas.SELECTABLE_R_LP_OHM)
     return min(
@@ -282,7 +265,7 @@ def _select_envelope_capacitor(board: Board) -> float:
 
 
 def _microfarads(farads: float) -> float:
-    """Preferred capacitance [uF], without the rounding error of the multiplication."""
+    """Return a capacitance [uF] without the rounding error of the multiplication."""
     return float(f"{farads * 1e6:.6g}")
 
 
@@ -296,21 +279,15 @@ def _microfarads(farads: float) -> float:
 # cancel in the product count little, which a choice of each value alone does not see.
 
 DEVIATION_BAND = 0.5, 4.0
-"""Band in which the deviation counts [cutoffs]: from 18 dB below
-the passband to beyond the vibrations.
-"""
+"""Band in which the deviation counts [cutoffs]: from -18 dB to beyond the vibrations."""
 SEARCH_RATIOS = {"E12": 1.8, "E24": 1.5, "E96": 1.15}
-"""Largest ratio of a candidate to its ideal value by series.
-A wider search finds nothing better; a test shows it.
-"""
+"""Largest ratio of a candidate to its ideal value; a test shows that more finds nothing better."""
 _DIGITS = 9
 _ROUNDING_DB = 1e-8
 """Decimals of a deviation [dB]; differences below them are rounding."""
 _COARSE = 7
 _FINE = 6
-"""Number of frequencies at which every combination is compared, and of
-intervals between two of them for those left.
-"""
+"""Frequencies of the first comparison, and intervals between two of them in the second."""
 
 
 @functools.lru_cache(maxsize=256)
@@ -352,28 +329,26 @@ def choose_jointly(
 
 
 def _deviations_db(first: Array, second: Array, third: Array) -> Array:
-    """Deviations [dB] of combinations of R1, R2 and R3 over their ideal values."""
+    """Return the deviations [dB] of combinations of R1, R2 and R3 over their ideal values."""
     x = _squared_frequencies()
     return np.asarray(np.abs(_stage_db(first, x) + _section_db(second, third, x)).max(axis=-1))
 
 
 @functools.cache
 def _squared_frequencies() -> Array:
-    """Frequencies of the band over the cutoff, squared, evenly spaced by ratio."""
+    """Return the frequencies of the band over the cutoff, squared, evenly spaced by ratio."""
     low, high = DEVIATION_BAND
     return np.asarray(np.geomspace(low * low, high * high, (_COARSE - 1) * _FINE + 1))
 
 
 def _stage_db(first: Array, x: Array) -> Array:
-    """Magnitude of the first stage over that of the ideal filter [dB], for R1 over its
-    ideal value.
-    """
+    """Return the first stage's magnitude over the ideal filter's [dB], for R1 over its ideal."""
     p2x = first[..., None] ** 2 * x
     return np.asarray(10.0 * np.log10(p2x / (1.0 + p2x) * (1.0 + x**3) / x**3))
 
 
 def _section_db(second: Array, third: Array, x: Array) -> Array:
-    """Magnitude of the Sallen-Key section [dB], for R2 and R3 over their ideal values."""
+    """Return the Sallen-Key section's magnitude [dB], for R2 and R3 over their ideal values."""
     q2x = second[..., None] ** 2 * x
     rx = (second * third)[..., None] * x
     return np.asarray(10.0 * np.log10(rx**2 / ((1.0 - rx) ** 2 + q2x)))

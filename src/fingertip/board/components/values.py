@@ -66,16 +66,12 @@ SUPPLIES = {
     "precision": _CONTROLLER,
     "comparator": _CONTROLLER,
 }
-"""Supply of each variant that is a board.
-A test compares the names with those that the design file accepts.
-"""
+"""Supply of each variant with a board; a test compares them with the design file's variants."""
 VARIANT_CHANGES = {
     variant: (f"board.variant={variant}", f"board.supply_v={supply.nominal_v:g}")
     for variant, supply in SUPPLIES.items()
 }
-"""Changes to a design that select each board.
-The bundled design `article` keeps the article's 1 uF too.
-"""
+"""Changes that select each board; the bundled design `article` keeps the article's 1 uF too."""
 BOARD_REMEDY = "use " + " ".join(f"--set {change}" for change in VARIANT_CHANGES["precision"])
 """Remedy of what a divider lacks."""
 
@@ -114,9 +110,7 @@ class ComparatorStage:
 
 @dataclass(frozen=True)
 class AdcInterface:
-    """Preferred resistances [ohm] and capacitances [F] between
-    the board's outputs and the ADC pins.
-    """
+    """Preferred resistances [ohm] and capacitances [F] ahead of the ADC pins."""
 
     first_ohm: float
     first_f: float
@@ -145,33 +139,25 @@ class AdcInterface:
 class ComponentValues:
     variant: str
     amplifier: str
-    """Dual amplifier of filter and rectifier, by its name in
-    `fingertip.catalogues.electronics.AMPLIFIER_CATALOGUE`.
-    """
+    """Dual amplifier of filter and rectifier, by its name in `AMPLIFIER_CATALOGUE`."""
     ideal: FilterComponents
     """Values by the formulas (article, eqs. 2, 5, 6, 7, 11)."""
     preferred: FilterComponents
-    """Values that are fitted: resistors of the design's series;
-    capacitors as in the design, or of their own series.
-    """
+    """Fitted values: resistors of the design's series; given capacitors, or of their series."""
     first_stage_capacitors: selection.FirstStageCapacitors | None
     """Capacitors of the first stage that variant article does not have; None there."""
     rectifier_ohm: float | None
     """Both resistors of the precision rectifier; None on boards without one."""
     tolerance: Tolerance
     bridge: Bridge | None
-    """Bridge of variant article; None on boards with a
-    transimpedance stage, whose values are fixed.
-    """
+    """Bridge of variant article; None on boards with a transimpedance stage."""
     adc_interface: AdcInterface
     comparator_stage: ComparatorStage | None
     """Values around the comparator; None in variants without one."""
 
     @functools.cached_property
     def by_reference(self) -> dict[str, float]:
-        """Value of each component [ohm, F] by its reference
-        designator, with some that this board does not have.
-        """
+        """Value of each component [ohm, F] by reference, those of other boards included."""
         values = selection.FilterSelection(
             self.ideal, self.preferred, self.first_stage_capacitors, self.rectifier_ohm
         ).by_reference()
@@ -283,9 +269,7 @@ def size_comparator(
 POLE_PER_SAMPLE_RATE = 0.25
 FIRST_OHM = 1e3
 SECOND_OHM = 10e3
-"""Approximate resistances.
-They also limit the current that a voltage at the pins drives to 1 mA at 10 V.
-"""
+"""Approximate resistances; they also limit the pin current to 1 mA at 10 V."""
 CLAMP_A = 0.1e-6
 MAX_CLAMP_A = 2e-6
 """Reverse current of a diode of the BAT54S at a pin [A]: that of the SPICE deck's model, and the
@@ -300,9 +284,7 @@ V (recalled of Nexperia's data sheet; unverified).
 def size_adc_interface(
     sample_rate_hz: float, series: str, capacitor_series: str = "given"
 ) -> AdcInterface:
-    """Size the anti-aliasing poles for a sampling rate [Hz], with
-    resistors and capacitors of these series.
-    """
+    """Size the anti-aliasing poles for a sampling rate [Hz], with values of these series."""
     target_hz = POLE_PER_SAMPLE_RATE * sample_rate_hz
 
     def size_section(approximate_ohm: float) -> tuple[float, float]:

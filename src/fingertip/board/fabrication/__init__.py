@@ -1,5 +1,4 @@
-"""Files for board house and assembly house: gerbers, bill of materials, placement, and what they
-were made from.
+"""Files for board house and assembly house: gerbers, bill of materials, placement, provenance.
 
 A circuit and its placement come in; the content of the files goes out. Gerbers and renderings need
 KiCad.

@@ -1,6 +1,4 @@
-"""Bill of materials: what to buy, how many, which rating to look
-for, and the numbers of a part that has it.
-"""
+"""Bill of materials: quantity, rating, and the numbers of a part that meets it."""
 
 from __future__ import annotations
 
@@ -49,15 +47,13 @@ class BomLine:
 
     @property
     def name(self) -> str:
-        """References, of which only the ends are named where there are many."""
+        """References; of many, only the first and the last."""
         first, *_, last = (*self.references, self.references[-1])
         return " ".join(self.references) if len(self.references) < _MANY else f"{first} to {last}"
 
 
 def bill_of_materials(circuit: Circuit) -> bytes:
-    """Content of the CSV file: a line for each value, footprint and
-    rating, whose note says why a number is missing.
-    """
+    """Return the CSV file: a line for each value, footprint and rating, with a note."""
     rows = []
     for line in list_bom(circuit):
         fields = line.selection.fields
@@ -65,10 +61,10 @@ def bill_of_materials(circuit: Circuit) -> bytes:
         alternate = line.selection.alternate
         alternates = [f"{alternate.manufacturer} {alternate.number}".strip()] if alternate else []
         alternates += [
-            f"{other} with --set board.amplifier={other}"
-            for other in _list_other_amplifiers(line, circuit)
+            f"{name} with --set board.amplifier={name}"
+            for name in _list_other_amplifiers(line, circuit)
         ]
-        sources = dict.fromkeys(each.source_text for each in (part, alternate) if each)
+        sources = dict.fromkeys(choice.source_text for choice in (part, alternate) if choice)
         low, high = PRICES[part.price] if part else (0.0, 0.0)
         by_hand = part and not is_assembled(line.components[0])
         price = f"{low:g} to {high:g}" if low else f"below {high:g}"
@@ -93,18 +89,17 @@ def bill_of_materials(circuit: Circuit) -> bytes:
 
 
 def _list_other_amplifiers(line: BomLine, circuit: Circuit) -> list[str]:
-    """Name the amplifier that fits the pads in the place of a dual
-    amplifier, with values that the command computes.
-    """
+    """Name a pin-compatible dual amplifier, whose values the command computes; or none."""
     symbol = line.components[0].symbol.name
     supply_v = 10.0 if VEE in circuit.net_by_pin.values() else 3.3
-    fitting = (
-        a
-        for a in list_dual_amplifiers()
-        if a.symbol != symbol and a.min_supply_v <= supply_v <= a.max_supply_v
-    )
+    names = [
+        amplifier.name
+        for amplifier in list_dual_amplifiers()
+        if amplifier.symbol != symbol
+        and amplifier.min_supply_v <= supply_v <= amplifier.max_supply_v
+    ]
 
-    return [other.name for other in fitting][:1] if symbol in AMPLIFIERS else []
+    return names[:1] if symbol in AMPLIFIERS else []
 
 
 def list_bom(circuit: Circuit) -> list[BomLine]:
@@ -117,21 +112,19 @@ def list_bom(circuit: Circuit) -> list[BomLine]:
 
     return [
         BomLine(
-            components=found,
-            references=[c.reference for c in found],
+            components=components,
+            references=[component.reference for component in components],
             value=value,
             footprint=footprint.split(":")[1],
             rating=rating,
-            selection=select_part(found[0]),
+            selection=select_part(components[0]),
         )
-        for (value, footprint, rating), found in groups.items()
+        for (value, footprint, rating), components in groups.items()
     ]
 
 
 def purchased_components(circuit: Circuit) -> list[Component]:
-    """Components to buy, sorted by reference: all but test points,
-    mounting holes and places that stay empty.
-    """
+    """Return the components to buy, by reference: no test points, holes or empty places."""
     return sorted(
         (part for part in circuit.components if part.rating and part.is_fitted),
         key=reference_sort_key,
@@ -148,9 +141,7 @@ def purchased_components(circuit: Circuit) -> list[Component]:
 ASSEMBLY_BOM = "bom_assembly.csv"
 ASSEMBLY_PLACEMENT = "placement_assembly.csv"
 BOM_COLUMNS = ("Comment", "Designator", "Footprint", "JLCPCB Part #", "MPN", "Manufacturer", "Note")
-"""The four columns that the house reads, and for people the
-number to search for and what to confirm.
-"""
+"""The four columns that the house reads; then what a person searches for and confirms."""
 PLACEMENT_COLUMNS = ("Designator", "Mid X", "Mid Y", "Layer", "Rotation")
 
 
@@ -166,15 +157,12 @@ class RotationOffset:
 
 
 def is_assembled(component: Component) -> bool:
-    """Return whether the house fits a component; a connector
-    without an LCSC number is soldered by hand.
-    """
+    """Return whether the house fits a component, not a person: a connector needs an LCSC number."""
     return component.reference[0] != "J" or bool(select_part(component).fields["LCSC"])
 
 
 def assembly_bom_file(circuit: Circuit) -> bytes:
-    """Bill of materials in the house's columns, with its part numbers where the parts table has
-    them.
+    """Return the bill of materials in the house's columns, with its part numbers if known.
 
     The comment of a resistor, a capacitor, a trimmer or a connector includes the rating, because
     its value alone does not determine what to buy. The lines are those of `bom.csv`, without those.
@@ -193,44 +181,42 @@ def assembly_bom_file(circuit: Circuit) -> bytes:
 
 
 def missing_numbers_note(circuit: Circuit) -> str:
-    """Name the lines to assemble whose number is missing or unsure; empty if none is."""
-    found = [line.name for line in list_unconfirmed(circuit)]
-    if not found:
+    """Return a note on the lines whose number is missing or unsure; empty if there are none."""
+    names = [line.name for line in list_unconfirmed(circuit)]
+    if not names:
         return ""
 
     return (
-        f"Confirm the numbers of {', '.join(found)} ({len(found)} of "
+        f"Confirm the numbers of {', '.join(names)} ({len(names)} of "
         f"{len(_list_assembled(circuit))} lines of "
         f"`{ASSEMBLY_BOM}`): the note of each says what to look up at the house."
     )
 
 
 def estimate_cost(circuit: Circuit) -> tuple[float, float]:
-    """Estimate the cost of one board's parts from the classes of their
-    prices [US dollar], without those unknown.
-    """
-    priced = [
-        (len(line.components), *PRICES[part.price])
-        for line in list_bom(circuit)
-        if (part := line.selection.part)
-    ]
-    return sum(count * low for count, low, _ in priced), sum(
-        count * high for count, _, high in priced
-    )
+    """Estimate the cost of one board's parts [US dollar], without those of unknown price."""
+    low_usd = 0.0
+    high_usd = 0.0
+    for line in list_bom(circuit):
+        if line.selection.part:
+            low, high = PRICES[line.selection.part.price]
+            low_usd += len(line.components) * low
+            high_usd += len(line.components) * high
+
+    return low_usd, high_usd
 
 
 def list_extended(circuit: Circuit) -> list[str]:
-    """List the lines to assemble, by reference, which are not
-    among the house's basic and preferred parts.
-    """
-    known = ((line, line.selection.part) for line in _list_assembled(circuit))
-    return [line.name for line, part in known if part and BASIC_SOURCE not in part.sources]
+    """List the lines to assemble that are no basic or preferred parts of the house."""
+    return [
+        line.name
+        for line in _list_assembled(circuit)
+        if line.selection.part and BASIC_SOURCE not in line.selection.part.sources
+    ]
 
 
 def list_unconfirmed(circuit: Circuit) -> list[BomLine]:
-    """List the lines to assemble whose part number at the
-    assembler is missing or in one document only.
-    """
+    """List the lines to assemble whose part number is missing, or in one document only."""
     return [line for line in _list_assembled(circuit) if line.selection.reason]
 
 
@@ -239,7 +225,7 @@ def _list_assembled(circuit: Circuit) -> list[BomLine]:
 
 
 def placement_file(circuit: Circuit, placement: Placement, *, for_house: bool) -> bytes:
-    """Places [mm] and rotations [degree] of the components that are not soldered by hand.
+    """Return places [mm] and rotations [degree] of the parts that the house fits, as CSV.
 
     They are those that KiCad states, or for the house the centres of the pads, and its rotations.
     The origin is the lower left corner of the board, as in the gerbers.

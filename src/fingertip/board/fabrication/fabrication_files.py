@@ -1,5 +1,4 @@
-"""Fabrication files: gerbers and drill files in one zip, parts and placement for the assembly, and
-renderings.
+"""Fabrication files: gerbers and drill files in a zip, parts and placement, renderings.
 
 KiCad's command-line program kicad-cli exports gerbers, drill files and renderings. Parts and
 placement are written from the circuit itself: in the columns of one assembly house, and a placement
@@ -83,9 +82,7 @@ STEPS = {
     ),
     "schematic as PDF": (2.0, "sch export pdf {0}.kicad_sch -o {0}_schematic.pdf"),
 }
-"""Steps of the export: duration relative to the others, and arguments
-of kicad-cli, {0} the name of the circuit.
-"""
+"""Steps of the export: relative duration, and arguments of kicad-cli with {0} for the circuit."""
 
 
 def fabrication_files(
@@ -120,9 +117,7 @@ def fabrication_files(
 def kicad_session(
     board_files: dict[str, bytes], progress: Progress
 ) -> Iterator[tuple[Path, RunKicad]]:
-    """Provide a temporary folder with the board's files, and a function that runs
-    kicad-cli in it.
-    """
+    """Provide a temporary folder of the board's files, and a function that runs kicad-cli there."""
     kicad = find_kicad()
     with temporary_folder() as folder:
         for file, data in board_files.items():
@@ -172,7 +167,7 @@ def export_gerbers(folder: Path, run: RunKicad, name: str) -> bytes:
 
 
 def panel_command(layout: Path, panel: Path, rows: int, columns: int) -> list[str]:
-    """Command of KiKit for a panel of a board: V-cuts, and rails with fiducials and tooling holes.
+    """Return KiKit's command for a panel of a board: V-cuts, rails, fiducials and tooling holes.
 
     No pad but those of the sockets lies within a millimetre of an edge, which a V-cut takes.
     """
@@ -222,9 +217,7 @@ _PARENT = "../"
 def provenance_record(
     board_files: Mapping[str, bytes], fabrication_files: Mapping[str, bytes]
 ) -> bytes:
-    """Content of the record, as for `sha256sum --check`: the board
-    files, one folder up, and the fabrication files.
-    """
+    """Return the record, for `sha256sum --check`: board files, and fabrication files."""
     lines = [
         f"{hash_content(data)}  {_PARENT}{name}"
         for name, data in board_files.items()
@@ -235,9 +228,7 @@ def provenance_record(
 
 
 def find_outdated_files(folder: Path, record: str, board_files: Mapping[str, bytes]) -> list[str]:
-    """Describe how a folder of fabrication files differs from what a
-    board's files give; empty if it does not.
-    """
+    """Describe how a fabrication folder differs from the board's files; empty if it does not."""
     remedy = "write it again with --fab"
     try:
         text = read_input(folder / record, PARSED_LIMIT, below=folder.parent).decode()

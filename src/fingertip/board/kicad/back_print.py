@@ -1,5 +1,4 @@
-"""Print on the back of a board: below the board's name, a list of the values of resistors,
-capacitors and the trimmer.
+"""Print on the back of a board: the values of resistors, capacitors and the trimmer.
 
 The front has no room for all references at a legible height, so whoever solders or repairs a board
 reads here what belongs where.
@@ -7,6 +6,7 @@ reads here what belongs where.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
@@ -38,9 +38,7 @@ _PAD_CLEARANCE_MM = 0.15
 _TEXT_HEIGHT_MM = 1.0
 """Height of a printed capital letter: the usual minimum of board houses."""
 _ADVANCE_RATIO = 0.92
-"""Width of a character relative to the text height, averaged over any
-word of KiCad's font that is printed here.
-"""
+"""Width of a character over the text height, averaged over the words printed here."""
 _LINE_RATIO = 1.25
 """Height of a line of text, with the width of its strokes, relative to the text height."""
 _DESCENT_RATIO = 0.3
@@ -65,7 +63,8 @@ def print_values(
 
     for printed in board.children("gr_text"):
         reference, _, value = printed.words[1].partition(" ")
-        if value and (item := texts.pop(reference, None)):
+        item = texts.pop(reference, None) if value else None
+        if item:
             x = placement.corner[0] + item.x
             y = placement.corner[1] + item.y + _CENTRING_MM
             place = first(printed, "at")
@@ -87,13 +86,7 @@ def list_back_texts(circuit: Circuit, placement: Placement) -> list[PrintedText]
     Raises BoardError.
     """
     entries = list_values(circuit)
-    listed = {entry.partition(" ")[0] for entry in entries}
-    others = (PrintedText(t.text, t.x, t.y - _CENTRING_MM) for t in placement.back)
-    boxes = (find_text_box(text) for text in others if text.text.partition(" ")[0] not in listed)
-    taken = [
-        *_list_obstacles(placement),
-        *((b[0] - _GAP_MM, b[1], b[2] + _GAP_MM, b[3]) for b in boxes),
-    ]
+    obstacles = [*_list_obstacles(placement), *_list_other_texts(placement, entries)]
     top = _EDGE_MM + _TEXT_HEIGHT_MM * _LINE_RATIO / 2
     rows = [
         top,
@@ -103,14 +96,17 @@ def list_back_texts(circuit: Circuit, placement: Placement) -> list[PrintedText]
 
     # Pins at the edge may cut the first column off, so the columns begin where all values have
     # room.
-    for start in (
-        placement.width - _EDGE_MM - _STEP_MM * i for i in range(int(placement.width / _STEP_MM))
-    ):
-        slots = ((start - column * i, y) for i in range(int(start / column) + 1) for y in rows)
+    for i in range(int(placement.width / _STEP_MM)):
+        start = placement.width - _EDGE_MM - _STEP_MM * i
+        columns = [start - column * k for k in range(int(start / column) + 1)]
+        slots = itertools.product(columns, rows)
         texts = []
         for entry in entries:
-            place = _first_free((PrintedText(entry, x, y) for x, y in slots), taken, placement)
-            texts += [place] if place else []
+            # Each entry goes on from the slot of the one before it.
+            candidates = (PrintedText(entry, x, y) for x, y in slots)
+            text = _first_free(candidates, obstacles, placement)
+            if text:
+                texts.append(text)
 
         if len(texts) == len(entries):
             return texts
@@ -120,19 +116,26 @@ def list_back_texts(circuit: Circuit, placement: Placement) -> list[PrintedText]
     )
 
 
+def _list_other_texts(placement: Placement, entries: Sequence[str]) -> Iterator[Box]:
+    """Yield the boxes of the printed texts outside the list of values, with their clearance."""
+    references = {entry.partition(" ")[0] for entry in entries}
+    for text in placement.back:
+        if text.text.partition(" ")[0] not in references:
+            box = find_text_box(PrintedText(text.text, text.x, text.y - _CENTRING_MM))
+            yield (box[0] - _GAP_MM, box[1], box[2] + _GAP_MM, box[3])
+
+
 def list_values(circuit: Circuit) -> list[str]:
-    """List resistors, capacitors and trimmer by reference and
-    value, such as "R4 1.5k"; equal channels once.
-    """
-    listed = [c for c in circuit.components if c.reference.rstrip("0123456789") in _LISTED]
-    once = (
-        replace(c, reference=own)
-        for c in listed
-        for channel, own in [split_name(c.reference)]
-        if channel < 2
-    )
+    """List resistors, capacitors and trimmer, such as "R4 1.5k"; equal channels once."""
+    parts = []
+    for part in circuit.components:
+        channel, own = split_name(part.reference)
+        if part.reference.rstrip("0123456789") in _LISTED and channel < 2:
+            parts.append(replace(part, reference=own))
+
     values = {
-        c.reference: parse_component_value(c.value) for c in sorted(once, key=reference_sort_key)
+        part.reference: parse_component_value(part.value)
+        for part in sorted(parts, key=reference_sort_key)
     }
 
     return [
@@ -142,9 +145,7 @@ def list_values(circuit: Circuit) -> list[str]:
 
 
 def find_text_box(item: PrintedText) -> Box:
-    """Box of a text as seen from the front, where it extends to the
-    left; letters such as y extend it further down.
-    """
+    """Return the box of a text seen from the front, where it extends to the left."""
     half = _TEXT_HEIGHT_MM * _LINE_RATIO / 2
     descent = _TEXT_HEIGHT_MM * _DESCENT_RATIO if _DESCENDING & set(item.text) else 0.0
     return (item.x - _text_width(item.text), item.y - half, item.x, item.y + half + descent)
@@ -156,29 +157,30 @@ def _text_width(text: str) -> float:
 
 def _list_obstacles(placement: Placement) -> Iterator[Box]:
     """Yield the boxes of the pins that come through, and of the screws' heads."""
-    c = _PAD_CLEARANCE_MM
+    gap = _PAD_CLEARANCE_MM
     for part in placement.parts.values():
         for pad in part.pads:
-            (x, y) = pad.centre
-            r = part.courtyard_radius
-            (left, top, right, bottom) = pad.box
-
+            x, y = pad.centre
+            left, top, right, bottom = pad.box
+            radius = part.courtyard_radius
             if not pad.is_plated:
-                yield (x - r, y - r, x + r, y + r)
+                yield (x - radius, y - radius, x + radius, y + radius)
             elif pad.drill:
-                yield (left - c, top - c, right + c, bottom + c)
+                yield (left - gap, top - gap, right + gap, bottom + gap)
 
 
 def _first_free(
-    places: Iterable[PrintedText], taken: Sequence[Box], placement: Placement
+    places: Iterable[PrintedText], obstacles: Sequence[Box], placement: Placement
 ) -> PrintedText | None:
+    """Return the first of these texts that lies on the board and overlaps no obstacle."""
     for place in places:
         left, top, right, bottom = find_text_box(place)
         is_inside = (
             min(left, top, placement.width - right, placement.height - bottom) >= _EDGE_MM - 1e-9
         )
         if is_inside and not any(
-            left < b[2] and b[0] < right and top < b[3] and b[1] < bottom for b in taken
+            left < box[2] and box[0] < right and top < box[3] and box[1] < bottom
+            for box in obstacles
         ):
             return place
 

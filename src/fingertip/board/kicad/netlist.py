@@ -1,5 +1,4 @@
-"""KiCad netlist (s-expressions, version E) of a circuit: the file that the PCB editor imports, and
-what it states.
+"""KiCad netlist of a circuit (s-expressions, version E): written for the PCB editor, and read.
 
 The same circuit gives the same bytes everywhere: there is no date and no path, and UUIDs follow
 from the references.
@@ -26,9 +25,7 @@ from fingertip.foundation.errors import join_words
 
 REVISION = "5"
 SEVERAL_REVISION = "6"
-"""Revisions of the boards of one finger and of several: higher
-where parts, nets or copper have changed.
-"""
+"""Revisions of the boards of one and of several fingers, raised with parts, nets or copper."""
 
 # UUIDs derived from names instead of random ones, so that the same design gives the same bytes.
 
@@ -38,7 +35,7 @@ _NAMESPACE = uuid.uuid5(uuid.NAMESPACE_OID, "fingertip.board")
 
 
 def component_uuid(circuit: Circuit, reference: str) -> str:
-    """UUID by which KiCad identifies a component.
+    """Return the UUID by which KiCad identifies a component.
 
     It depends on circuit and reference only, not on the value.
     """
@@ -46,7 +43,7 @@ def component_uuid(circuit: Circuit, reference: str) -> str:
 
 
 def kicad_netlist_file(circuit: Circuit) -> bytes:
-    """Content of the netlist file, UTF-8, with components sorted by reference and nets by name."""
+    """Return the netlist file, UTF-8, with components sorted by reference and nets by name."""
     components = sorted(circuit.components, key=reference_sort_key)
     symbols = sorted(
         {component.symbol for component in components}, key=lambda s: (s.library, s.name)
@@ -93,9 +90,7 @@ def _sheet(circuit: Circuit, number: int, channel: int, revision: str) -> Expres
 
 
 def find_sheet(circuit: Circuit, channel: int) -> tuple[str, str, str]:
-    """Find name, path and file of the sheet of a channel; 0 is the
-    root, which a board of one finger has alone.
-    """
+    """Return name, path and file of a channel's sheet; channel 0 is the root."""
     if channel == 0:
         return "/", "/", f"{circuit.name}.kicad_sch"
 
@@ -127,9 +122,7 @@ def _component(circuit: Circuit, component: Component) -> Expression:
 
 
 def symbol_fields(component: Component) -> dict[str, str]:
-    """Fields of a component's symbol and footprint apart from KiCad's
-    own: its role, and the numbers of its part.
-    """
+    """Return a component's fields beyond KiCad's own: its role, and the numbers of its part."""
     return {"Role": component.role, **(select_part(component).fields if component.rating else {})}
 
 
@@ -192,9 +185,7 @@ class Part:
     """Part of a circuit as its netlist states it."""
 
     identifier: str
-    """UUIDs of its sheet and its symbol as a path, by which a
-    layout refers to it; renumbering leaves them.
-    """
+    """UUIDs of sheet and symbol as a path: the layout's identifier, which renumbering keeps."""
     kind: tuple[str, str]
     """Footprint and symbol."""
     fields: Fields
@@ -245,18 +236,17 @@ def describe_structure_changes(old: CircuitRecord, new: CircuitRecord) -> Iterat
         yield f"it removes {join_names(removed)}"
 
     both = old.parts.keys() & new.parts.keys()
-    others = sorted(name for name in both if old.parts[name].kind != new.parts[name].kind)
-    if others:
-        yield f"it changes the symbol or the footprint of {join_names(others)}"
+    changed = sorted(name for name in both if old.parts[name].kind != new.parts[name].kind)
+    if changed:
+        yield f"it changes the symbol or the footprint of {join_names(changed)}"
 
-    nets = sorted(
-        n for n in old.nets.keys() | new.nets.keys() if old.nets.get(n) != new.nets.get(n)
-    )
+    names = old.nets.keys() | new.nets.keys()
+    nets = sorted(name for name in names if old.nets.get(name) != new.nets.get(name))
     if nets:
         yield f"it changes the nets {join_names(nets)}"
 
 
 def join_names(names: list[str]) -> str:
-    """Join names for a sentence; of many, the first."""
+    """Join names for a sentence, the first few of many."""
     more = [f"{len(names) - _MAX_NAMES} more"] if len(names) > _MAX_NAMES else []
     return join_words([*names[:_MAX_NAMES], *more])

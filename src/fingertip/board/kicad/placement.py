@@ -6,6 +6,7 @@ supply enter on the left, signals leave on the right.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -55,9 +56,7 @@ class Pad:
 
 @dataclass(frozen=True)
 class PlacedPart:
-    """Component on the board: its footprint, the origin of that,
-    and its anticlockwise rotation [degree].
-    """
+    """Component on the board: footprint, its origin and its anticlockwise rotation [degree]."""
 
     footprint: str
     x: float
@@ -114,12 +113,12 @@ def view_channel(placement: Placement, channel: int) -> Placement:
     for reference, part in placement.parts.items():
         number, own = split_name(reference)
         if number in (0, channel):
-            pads = (
-                replace(pad, net=own_net)
-                for pad in part.pads
-                for n, own_net in [split_net(pad.net)]
-                if n in (0, channel)
-            )
+            pads = []
+            for pad in part.pads:
+                net_channel, own_net = split_net(pad.net)
+                if net_channel in (0, channel):
+                    pads.append(replace(pad, net=own_net))
+
             parts[own] = replace(part, pads=tuple(pads))
 
     return replace(placement, parts=parts)
@@ -129,7 +128,7 @@ def read_placement(board: Node) -> Placement:
     edges = [
         item for item in board.children("gr_line", "gr_arc") if item.word("layer") == "Edge.Cuts"
     ]
-    ends = [numbers(first(item, end)) for item in edges for end in ("start", "end")]
+    ends = [numbers(first(item, end)) for item, end in itertools.product(edges, ("start", "end"))]
     left, top = (min(end[axis] for end in ends) for axis in (0, 1))
     right, bottom = (max(end[axis] for end in ends) for axis in (0, 1))
     parts = {}
@@ -141,12 +140,12 @@ def read_placement(board: Node) -> Placement:
         else:
             parts[read_reference(footprint)] = _read_part(footprint, (left, top))
 
-    back = [
-        PrintedText(item.words[1], round(x - left, 6), round(y - top, 6))
-        for item in board.children("gr_text")
-        if item.word("layer") == "B.SilkS"
-        for x, y, _ in (find_place(item),)
-    ]
+    back = []
+    for item in board.children("gr_text"):
+        if item.word("layer") == "B.SilkS":
+            x, y, _ = find_place(item)
+            back.append(PrintedText(item.words[1], round(x - left, 6), round(y - top, 6)))
+
     narrowest_mm = min(float(segment.word("width")) for segment in board.children("segment"))
     via_mm, via_drill_mm = min(
         (float(via.word("size")), float(via.word("drill"))) for via in board.children("via")

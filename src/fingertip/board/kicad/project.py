@@ -10,6 +10,7 @@ of the 3D models.
 from __future__ import annotations
 
 import functools
+import itertools
 import json
 import zipfile
 from collections.abc import Mapping
@@ -60,7 +61,7 @@ def read_archive(name: str) -> dict[str, bytes]:
 
 @functools.cache
 def model_files() -> dict[str, bytes]:
-    """3D model of every package, by its path below the folder of the models.
+    """Return the 3D model of every package, by its path below the folder of the models.
 
     Each is a STEP file of boxes with the outline and the height of the package. They stand in for
     the models of KiCad's own libraries, which take gigabytes and are often not installed. They have
@@ -83,9 +84,7 @@ class StoredProject:
 
     @functools.cached_property
     def board(self) -> sexpr.Node:
-        """Lists of the layout without its zones, which come
-        last: their fills are a third of the file.
-        """
+        """Lists of the layout without its zones, which come last and fill a third of the file."""
         return sexpr.read_expression(self.layout.partition("(zone")[0] + ")")
 
     @functools.cached_property
@@ -110,7 +109,8 @@ class StoredProject:
         A channel's sheet has those of the first one.
         """
         symbols = dict[str, str]()
-        for part in (part for sheet in self.sheets.values() for part in sheet.children("symbol")):
+        sheets = self.sheets.values()
+        for part in itertools.chain.from_iterable(sheet.children("symbol") for sheet in sheets):
             reference = read_reference(part)
             if not reference.startswith("#"):
                 channel, own = find_symbol(reference)
@@ -127,10 +127,8 @@ class StoredProject:
         changes = _enter_fields(self.layout, self.board, circuit)
         changes |= print_values(self.layout, self.board, circuit, self.placement)
         files = {LAYOUT: sexpr.replace_spans(self.layout, changes).encode()}
-        drawn = {
-            component.reference: library_id(component.symbol) for component in circuit.components
-        }
-        empty = {
+        symbols = {part.reference: library_id(part.symbol) for part in circuit.components}
+        empty_sheets = {
             name_sheet(split_name(part.reference)[0])
             for part in circuit.components
             if not part.is_fitted
@@ -139,22 +137,15 @@ class StoredProject:
         for file, sheet in self.sheets.items():
             text = self.schematics[file]
             changes = _enter_fields(text, sheet, circuit)
-            for own in sheet.children("sheet"):
-                if any(
-                    entry.words[1] == "Sheetname" and entry.words[2] in empty
-                    for entry in own.children("property")
-                ):
-                    changes |= _mark_empty(text, own)
-
-            if drawn != self.symbols:
-                parts = [
-                    name
-                    for part in sheet.children("symbol")
-                    if (name := read_reference(part)) in drawn
-                ]
-                changes |= _draw_symbols(
-                    text, sheet, {drawn[part]: self.symbols[part] for part in parts}
-                )
+            changes |= _mark_empty_sheets(text, sheet, empty_sheets)
+            if symbols != self.symbols:
+                references = [read_reference(part) for part in sheet.children("symbol")]
+                drawn_as = {
+                    symbols[reference]: self.symbols[reference]
+                    for reference in references
+                    if reference in symbols
+                }
+                changes |= _draw_symbols(text, sheet, drawn_as)
 
             files[file] = sexpr.replace_spans(text, changes).encode()
 
@@ -176,7 +167,7 @@ def make_project(name: str, files: Mapping[str, bytes]) -> StoredProject:
 
 
 def library_id(symbol: Symbol) -> str:
-    """Name of a symbol as KiCad states it, library:name."""
+    """Return the name of a symbol as KiCad states it, library:name."""
     return f"{symbol.library}:{symbol.name}"
 
 
@@ -225,6 +216,17 @@ def _enter_part(text: str, part: sexpr.Node, component: Component) -> dict[sexpr
     return changes
 
 
+def _mark_empty_sheets(text: str, schematic: sexpr.Node, names: set[str]) -> dict[sexpr.Span, str]:
+    """Mark the sheets with these names as not fitted."""
+    changes: dict[sexpr.Span, str] = {}
+    for sheet in schematic.children("sheet"):
+        properties = [entry.words[1:3] for entry in sheet.children("property")]
+        if any(key == "Sheetname" and value in names for key, value in properties):
+            changes |= _mark_empty(text, sheet)
+
+    return changes
+
+
 def _mark_empty(text: str, item: sexpr.Node) -> dict[sexpr.Span, str]:
     """Mark a symbol or a sheet as not fitted (KiCad: do not populate)."""
     return {sexpr.find_word(text, mark, 1): "yes" for mark in item.children("dnp")}
@@ -233,9 +235,7 @@ def _mark_empty(text: str, item: sexpr.Node) -> dict[sexpr.Span, str]:
 def _draw_symbols(
     text: str, schematic: sexpr.Node, drawn_as: dict[str, str]
 ) -> dict[sexpr.Span, str]:
-    """Draw the symbols that a schematic uses in its library: each
-    as the stored one that it stands in for.
-    """
+    """Return a schematic's symbol library with the new symbols, each drawn as the stored one."""
     nodes = list(sexpr.first(schematic, "lib_symbols").children("symbol"))
     stored = {node.words[1]: text[node.start : node.end] for node in nodes}
     used = {name: symbol for name, symbol in stored.items() if name.startswith(_POWER)}

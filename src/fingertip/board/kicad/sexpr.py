@@ -21,9 +21,7 @@ def quote(word: str) -> str:
 
 
 def number(value: float) -> str:
-    """Format a length [mm] or an angle as KiCad does: at most six
-    decimals, no trailing zeros, no minus zero.
-    """
+    """Format a length [mm] or an angle as KiCad does: six decimals at most, no minus zero."""
     text = f"{value:.6f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
 
@@ -33,14 +31,12 @@ MAX_LINE = 110
 
 
 def format_expression(expression: Expression, indent: str = "") -> str:
-    """Format an expression: on one line if it is short, else with
-    each inner list on a line of its own.
-    """
+    """Format an expression on one line if it is short, else each inner list on its own line."""
     return "\n".join(_lines(expression, indent)[1])
 
 
 def _lines(expression: Expression, indent: str) -> tuple[str, list[str]]:
-    """Text of an expression on one line, and its lines.
+    """Return an expression on one line, and divided into lines.
 
     Both come from one pass: layouts have thousands of lists.
     """
@@ -110,9 +106,9 @@ class Node:
         return (item for item in self.items if isinstance(item, Node) and item.head in heads)
 
     def word(self, head: str, index: int = 1) -> str:
-        """Word of the first list of this name in it; empty if there is none."""
-        found = next((child.words for child in self.children(head)), [])
-        return found[index] if index < len(found) else ""
+        """Return a word of the first list of this name; empty if there is none."""
+        words = next((child.words for child in self.children(head)), [])
+        return words[index] if index < len(words) else ""
 
 
 def read_expression(text: str) -> Node:
@@ -152,7 +148,7 @@ def _unquote(quoted: str) -> str:
 
 
 def find_word(text: str, node: Node, index: int) -> Span:
-    """Find where a word of a list stands in the text, its quotes included.
+    """Return the span of a word of a list in the text, its quotes included.
 
     No list stands before it.
     """
@@ -170,10 +166,9 @@ def replace_spans(text: str, changes: Mapping[Span, str]) -> str:
 
 
 def change_property(text: str, entry: Node, word: str) -> dict[Span, str]:
-    """Change the text of a field, and divide a list that stood on
-    one line where that becomes too long.
-    """
-    (start, end), line = find_word(text, entry, 2), text.rfind("\n", 0, entry.start) + 1
+    """Change the text of a field; a one-line list that becomes too long is divided."""
+    start, end = find_word(text, entry, 2)
+    line = text.rfind("\n", 0, entry.start) + 1
     changes = {(start, end): quote(word)}
     length = len(text[line:].partition("\n")[0]) + len(quote(word)) - (end - start)
 

@@ -90,15 +90,13 @@ class Component:
     footprint: str
     """Footprint as library:name, of KiCad's own libraries."""
     role: str
-    """Function on this board, in words.
-    It includes the article's name where that differs from the reference.
-    """
+    """Function on this board, with the article's name where that differs from the reference."""
     rating: str = ""
     """Requirements for purchase, without a manufacturer's name. Empty for what is not purchased."""
     requirement: Requirement | None = None
     """The same as data, of a resistor or a capacitor; None for what is bought by its name."""
     is_fitted: bool = True
-    """False for a place that stays empty: that of a finger which the hand does not have."""
+    """False for the empty place of a finger that the hand does not have."""
 
 
 Node = tuple[str, str]
@@ -124,7 +122,7 @@ class Circuit:
         return {node: net.name for net in self.nets for node in net.nodes}
 
     def component(self, reference: str) -> Component:
-        """The component with this reference; KeyError if there is none."""
+        """Return the component with this reference; KeyError if there is none."""
         for component in self.components:
             if component.reference == reference:
                 return component
@@ -132,9 +130,7 @@ class Circuit:
         raise KeyError(reference)
 
     def list_wires(self, component: Component) -> list[tuple[str, str]]:
-        """List number and net of each pin in order, without those
-        that only hold the component or are open.
-        """
+        """List number and net of each wired pin, in order."""
         nets = (
             (pin.number, self.net_by_pin[component.reference, pin.number])
             for pin in component.symbol.pins
@@ -147,35 +143,30 @@ class Circuit:
 
     def without(self, *references: str) -> Circuit:
         nets = (
-            Net(n.name, tuple(node for node in n.nodes if node[0] not in references))
-            for n in self.nets
+            Net(net.name, tuple(node for node in net.nodes if node[0] not in references))
+            for net in self.nets
         )
-        return Circuit(
-            self.name,
-            tuple(c for c in self.components if c.reference not in references),
-            tuple(nets),
-        )
+        components = (part for part in self.components if part.reference not in references)
+        return Circuit(self.name, tuple(components), tuple(nets))
 
     def replace(self, reference: str, value: str, symbol: Symbol | None = None) -> Circuit:
-        """The circuit with another value of one component, and with another symbol if one
-        is given.
-        """
+        """Return the circuit with another value, and symbol if given, of one component."""
         components = (
-            replace(c, value=value, symbol=symbol or c.symbol) if c.reference == reference else c
-            for c in self.components
+            replace(part, value=value, symbol=symbol or part.symbol)
+            if part.reference == reference
+            else part
+            for part in self.components
         )
         return replace(self, components=tuple(components))
 
     def connect(self, component: Component, pins: Mapping[str, str]) -> Circuit:
-        """The circuit with one more component, by pin number -> net
-        name; a net that does not exist is made.
-        """
+        """Return the circuit with one more component, given as pin number -> net name."""
         nodes = {net.name: net.nodes for net in self.nets}
         for number, net in pins.items():
             nodes[net] = (*nodes.get(net, ()), (component.reference, number))
 
         return Circuit(
-            self.name, (*self.components, component), tuple(Net(*each) for each in nodes.items())
+            self.name, (*self.components, component), tuple(Net(*item) for item in nodes.items())
         )
 
 
@@ -192,7 +183,7 @@ def build_circuit(name: str, wiring: Mapping[Component, Mapping[str, str]]) -> C
 
 
 def reference_sort_key(component: Component) -> tuple[str, int]:
-    """Sorting key of a component by its reference: R2 comes before R10."""
+    """Return the sorting key of a component: R2 comes before R10."""
     letters = component.reference.rstrip("0123456789")
     return letters, int(component.reference[len(letters) :])
 
@@ -209,9 +200,7 @@ _SCALES = {
 
 
 def format_component_value(value: float) -> str:
-    """Format a value with an SI prefix and at most ten digits, as in a
-    schematic: 4700 -> "4.7k", 2.2e-6 -> "2.2u".
-    """
+    """Format a value with an SI prefix, ten digits at most: 4700 -> "4.7k", 2.2e-6 -> "2.2u"."""
     prefix = next((name for name, scale in _SCALES.items() if value >= scale * (1 - 1e-12)), "p")
     return f"{value / _SCALES[prefix]:.10g}{prefix}"
 

@@ -41,7 +41,5 @@ UNCONNECTED = "unconnected-("
 
 
 def kicad_net_name(net: str) -> str:
-    """Name of a net in KiCad: with the path of its sheet, here "/",
-    unless power symbols or global labels name it.
-    """
+    """Return a net's name in KiCad: "/" before it, unless a power symbol or a label names it."""
     return net if net in (*RAILS, VMID) or net.startswith(UNCONNECTED) else f"/{net}"

@@ -1,6 +1,4 @@
-"""Selection of the part for a component of the circuit, and of an alternate, from the
-parts table.
-"""
+"""Selection of a component's part, and of an alternate, from the parts table."""
 
 from __future__ import annotations
 
@@ -101,15 +99,11 @@ class Selection:
     part: Part | None
     alternate: Part | None
     reason: str
-    """Reason why the number of the assembly house is missing or
-    unsure; empty if two documents agree on it.
-    """
+    """Reason for a missing or unsure LCSC number; empty if two documents agree on it."""
 
     @property
     def note(self) -> str:
-        """Task before ordering; empty for a part that is only to be ordered, or
-        soldered by hand.
-        """
+        """Task before ordering; empty if there is none."""
         if not self.part or not self.reason:
             return self.reason
 
@@ -144,42 +138,40 @@ def select_part(component: Component) -> Selection:
         case ResistorRequirement() as requirement:
             resistors = find_resistors(parse_component_value(component.value), requirement)
             # The loosest that will do is the cheapest.
-            found = [
+            parts = [
                 item.part for item in sorted(resistors, key=lambda item: -item.tolerance_percent)
             ]
         case CapacitorRequirement() as capacitor:
             value = parse_component_value(component.value)
             package = find_package(component.footprint)
-            found = [item.part for item in find_capacitors(value, package, capacitor)]
-            reason = "" if found else _explain_missing(component.value, package, capacitor)
+            parts = [item.part for item in find_capacitors(value, package, capacitor)]
+            reason = "" if parts else _explain_missing(component.value, package, capacitor)
         case None:
-            named = [
+            named_parts = [
                 item
                 for item in load_table(NamedPart, "named_parts.csv")
                 if (item.value, item.footprint)
                 == (component.value, component.footprint.split(":")[1])
             ]
-            found = [item.part for item in named if item.part]
-            reason = next((item.reason for item in named if item.reason), "")
+            parts = [item.part for item in named_parts if item.part]
+            reason = next((item.reason for item in named_parts if item.reason), "")
 
-    if not found:
+    if not parts:
         return Selection(
             None,
             None,
             reason or f"the parts table has no {component.value} with {component.rating}",
         )
 
-    part = found[0]
-    alternate = found[1] if len(found) > 1 else None
+    part = parts[0]
+    alternate = parts[1] if len(parts) > 1 else None
     unsure = ONE_SOURCE if len(part.sources) < 2 else ""
     return Selection(part, alternate, unsure if part.lcsc else reason or NO_LCSC)
 
 
 def find_resistors(ohm: float, requirement: ResistorRequirement) -> Iterator[ChipResistor]:
-    """Find the chip resistors that meet a requirement, each once: the
-    table's, then those with an ordering code.
-    """
-    listed = [
+    """Yield the chip resistors that meet a requirement: the table's, then by ordering code."""
+    in_table = [
         item
         for item in load_table(ChipResistor, "resistors.csv")
         if abs(item.ohm / ohm - 1.0) < _ROUNDING
@@ -191,7 +183,7 @@ def find_resistors(ohm: float, requirement: ResistorRequirement) -> Iterator[Chi
     ]
     numbers: set[str] = set()
 
-    for item in (*listed, *composed):
+    for item in (*in_table, *composed):
         is_precise = item.tolerance_percent <= requirement.tolerance_percent * (1.0 + _ROUNDING)
         is_stable = (
             requirement.drift_ppm_per_k is None
@@ -210,9 +202,7 @@ def find_resistors(ohm: float, requirement: ResistorRequirement) -> Iterator[Chi
 def find_capacitors(
     farad: float, package: str, requirement: CapacitorRequirement
 ) -> Iterator[ChipCapacitor]:
-    """Find the chip capacitors of the table that meet a requirement, in a package by its
-    inch code.
-    """
+    """Yield the chip capacitors that meet a requirement, in a package by its inch code."""
     for item in load_table(ChipCapacitor, "capacitors.csv"):
         if (
             abs(item.farad / farad - 1.0) < _ROUNDING
@@ -225,15 +215,13 @@ def find_capacitors(
 
 
 def find_package(footprint: str) -> str:
-    """Find the inch code of a chip resistor's or capacitor's size in the name of its footprint."""
+    """Return the inch code in the name of a chip part's footprint; empty if it has none."""
     match = _PACKAGE.search(footprint)
     return match[1] if match else ""
 
 
 def _explain_missing(value: str, package: str, requirement: CapacitorRequirement) -> str:
-    """Explain why the table has no capacitor, with a remedy: a
-    looser tolerance, or values that it has.
-    """
+    """Explain a missing capacitor, with a remedy: a looser tolerance, or other values."""
     looser = replace(requirement, tolerance_percent=math.inf)
     sold = next(find_capacitors(parse_component_value(value), package, looser), None)
     what = (
@@ -268,9 +256,7 @@ _C0G = CapacitorRequirement(("C0G",), 25.0, 0.0)
 _X7R = CapacitorRequirement(("X7R",), 16.0, 0.0)
 _LARGE = CapacitorRequirement(("X7R",), 6.3, 0.0)
 _LARGEST = CapacitorRequirement(("X5R", "X7R"), 6.3, 0.0)
-"""Large capacitors have no direct voltage across them and set no cutoff.
-From `_MAX_X7R_F` on, X5R is all there is.
-"""
+"""Large capacitors, without direct voltage or cutoff; above `_MAX_X7R_F` only X5R exists."""
 _MAX_X7R_F = 22e-6
 SUPPLY_CAPACITOR = CapacitorRequirement(("X7R",), 25.0, 10.0)
 BULK_CAPACITOR = CapacitorRequirement(("X7R",), 16.0, 10.0)
@@ -294,20 +280,18 @@ def require_capacitor(
 
 
 def find_sold_percent(farad: float, package: str, kind: CapacitorRequirement) -> float:
-    """Find the tolerance [%] with which a capacitor [F] is sold:
-    the table's, or that of its dielectric.
-    """
-    found = next(find_capacitors(farad, package, replace(kind, tolerance_percent=math.inf)), None)
-    return (
-        found.tolerance_percent if found else max(SOLD_PERCENT[name] for name in kind.dielectrics)
-    )
+    """Return the sold tolerance [%] of a capacitor [F]: the table's, or its dielectric's."""
+    any_tolerance = replace(kind, tolerance_percent=math.inf)
+    capacitor = next(find_capacitors(farad, package, any_tolerance), None)
+    if capacitor:
+        return capacitor.tolerance_percent
+
+    return max(SOLD_PERCENT[name] for name in kind.dielectrics)
 
 
 @functools.cache
 def list_capacitances(package: str) -> tuple[float, ...]:
-    """List the capacitances [F] of the signal path that the table
-    has in a package, in ascending order.
-    """
+    """List the capacitances [F] for the signal path in a package, in ascending order."""
     farads = {
         item.farad
         for item in load_table(ChipCapacitor, "capacitors.csv")

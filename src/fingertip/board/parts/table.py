@@ -1,5 +1,4 @@
-"""Parts of the table, read from the package's data: resistors, capacitors, parts bought by name,
-mating parts, sources.
+"""Parts table of the package: resistors, capacitors, named parts, mating parts, sources.
 
 Every number is copied from the source that is named beside it. Nothing here can tell what is in
 stock.
@@ -20,9 +19,7 @@ from fingertip.foundation.tables import Row
 FOLDER = Path(__file__).parent
 
 PRICES = {"a": (0.0, 0.05), "b": (0.05, 0.5), "c": (0.5, 5.0)}
-"""Price of one piece [US dollar], by class: estimates of November
-2026, most of them after the house's own prices.
-"""
+"""Price of one piece [US dollar] by class: estimates of November 2026."""
 UNCONFIRMED = "confirm before ordering"
 BASIC_SOURCE = "kicad_library"
 """Key of the document that lists the house's basic and preferred parts."""
@@ -46,9 +43,7 @@ class Part:
     """Name of the manufacturer; empty where the source names none."""
     number: str
     lcsc: str
-    """Number of the distributor LCSC, which is the assembly
-    house's too; empty where no source gives it.
-    """
+    """Number at the distributor LCSC and the assembly house; empty if no source gives it."""
     price: str
     """Class of `PRICES`."""
     sources: tuple[str, ...]
@@ -56,8 +51,8 @@ class Part:
 
     @property
     def source_text(self) -> str:
-        found = (load_sources()[key] for key in self.sources)
-        return "; ".join(f"{source.title} ({source.date})" for source in found)
+        sources = (load_sources()[key] for key in self.sources)
+        return "; ".join(f"{source.title} ({source.date})" for source in sources)
 
 
 _PART = tuple(field.name for field in fields(Part))
@@ -180,9 +175,7 @@ def list_mating_parts(component: Component) -> tuple[MatingPart, ...]:
 
 
 def find_plug_wire(component: Component) -> PlugWire | None:
-    """Find the wires that the plug of a connector takes; None for
-    pin headers, of which no maker is named.
-    """
+    """Return the wires that a connector's plug takes; None for pin headers."""
     name = component.footprint.split(":")[1].replace("_", " ")
     return next(
         (
@@ -195,18 +188,18 @@ def find_plug_wire(component: Component) -> PlugWire | None:
 
 
 def list_connectors(circuit: Circuit) -> Iterator[Component]:
-    fitted = (c for c in circuit.components if c.reference.startswith("J") and c.is_fitted)
-    yield from sorted(fitted, key=reference_sort_key)
+    connectors = (
+        part for part in circuit.components if part.reference.startswith("J") and part.is_fitted
+    )
+    yield from sorted(connectors, key=reference_sort_key)
 
 
 def group_plug_wires(circuit: Circuit) -> dict[PlugWire, list[str]]:
-    """Group the connectors by the wires that their plugs take;
-    those of which no plug is named are left out.
-    """
-    found: dict[PlugWire, list[str]] = {}
+    """Group the connectors by the wires that their plugs take; others are left out."""
+    groups: dict[PlugWire, list[str]] = {}
     for connector in list_connectors(circuit):
         wire = find_plug_wire(connector)
         if wire:
-            found.setdefault(wire, []).append(connector.reference)
+            groups.setdefault(wire, []).append(connector.reference)
 
-    return found
+    return groups

@@ -6,13 +6,13 @@
 {% endif %}
 #include <Arduino.h>
 
-static const int TONE_PIN = {{ bench.TONE_PIN }};
-static const uint32_t RATE_HZ = {{ bench.SAMPLE_HZ }};
+static const int TONE_PIN = {{ stimulus.TONE_PIN }};
+static const uint32_t RATE_HZ = {{ stimulus.SAMPLE_HZ }};
 
 {% if plan.pins_v %}
 static const int T_PIN = A0, S_PIN = A1;{{ "  // change them for each further finger" if fingers | length > 1 }}
 static_assert(TONE_PIN != T_PIN && TONE_PIN != S_PIN, "TONE_PIN is an input here: take another pin");
-static const float STEP_V = {{ bench.PIN_V }}f / 4096.0f;  // a converter of 12 bits with the supply as its range
+static const float STEP_V = {{ stimulus.PIN_V }}f / 4096.0f;  // a converter of 12 bits with the supply as its range
 static const float TAP_V = {{ tap_v | fixed(4) }}f;
 static float mean_v, rms_v, peak_v, tone_v;
 
@@ -58,7 +58,7 @@ static void measure(int pin, uint32_t period, uint32_t seconds, const char *text
   rms_v = sqrt(fabs(squares / count - (sum / count) * (sum / count)));
   tone_v = sqrt(2.0f * (re * re + im * im)) / count;
   if (late > count / 100) {
-    Serial.println("This controller is too slow for {{ bench.SAMPLE_HZ }} samples per second: take a faster one.");
+    Serial.println("This controller is too slow for {{ stimulus.SAMPLE_HZ }} samples per second: take a faster one.");
   }
 }
 

@@ -9,10 +9,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from fingertip.board.analysis.board_values import BoardValues
-from fingertip.board.bringup import bench
-from fingertip.board.bringup import plan as limits
-from fingertip.board.bringup.bench import resistance_between
-from fingertip.board.bringup.plan import PROBES, BringUp, Limits
+from fingertip.board.bringup import expected_readings as limits
+from fingertip.board.bringup import stimulus
+from fingertip.board.bringup.expected_readings import PROBES, BringUp, Limits
+from fingertip.board.bringup.resistance import resistance_between
 from fingertip.board.circuits.channels import describe_sockets
 from fingertip.board.kicad.placement import Placement, view_channel
 from fingertip.board.kicad.project import load_project
@@ -75,8 +75,8 @@ def _collect(plan: BringUp, values: BoardValues, design: Design) -> dict[str, An
     return collect_board(values, design) | {
         "plan": plan,
         "limits": limits,
-        "bench": bench,
-        "setup": plan.board.bench,
+        "stimulus": stimulus,
+        "setup": plan.board.stimulus,
         "name": design.name,
         "letters": _LETTERS,
         "fingers": NAMES[: design.board.channels],
@@ -87,7 +87,7 @@ def _collect(plan: BringUp, values: BoardValues, design: Design) -> dict[str, An
         "tap_v": design.detector.threshold_v if plan.pins_v else 0.5 * DIODE_V,
         "is_class_2": isinstance(c1, CapacitorRequirement) and "C0G" not in c1.dielectrics,
         "gain": values.achieved_response.passband_gain,
-        "coupling_capacitor": format_component_value(bench.COUPLING_FARAD),
+        "coupling_capacitor": format_component_value(stimulus.COUPLING_FARAD),
         "dotted": _join([name for name in parts if name.startswith("U") and name not in small]),
         "diodes": _join([name for name, part in parts.items() if part.symbol.name == "1N4148W"]),
         "is_locking": parts["J1"].footprint in LOCKING_CONNECTORS,

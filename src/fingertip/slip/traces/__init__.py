@@ -2,7 +2,7 @@
 
 A column has the name of its quantity, which another one of the file may stand for.
 
->>> from fingertip.slip.traces.columns import split_cells
+>>> from fingertip.slip.traces.cells import split_cells
 >>> split_cells("0.0005; 1.25", ";")
 ['0.0005', ' 1.25']
 """

@@ -7,6 +7,7 @@ are read that are asked for.
 from __future__ import annotations
 
 import io
+import itertools
 import math
 import re
 import wave
@@ -26,9 +27,7 @@ from fingertip.foundation.workers import call_within_limits
 from fingertip.slip.traces.trace import COLUMNS, max_table_bytes, shape_message
 
 LIMIT_S = 60.0
-"""Time for a file that may state lists, chunks and scales that
-take a library hours or all memory [s].
-"""
+"""Time limit for files whose lists, chunks and scales may keep a library busy for hours [s]."""
 _MAX_HEADER_BYTES = 2**16
 """Maximum length of the header of a NumPy array. The library reads 10 000 characters."""
 RATE = "sample_rate_hz"
@@ -38,15 +37,13 @@ _MOST_ELEMENTS = 64
 _MAX_TEXT_BYTES = 1000
 """Maximum size of an array of text that is loaded, as a rate may be [bytes]."""
 _MAX_REASON = 200
-"""Maximum length of the reason that a library gives, which may
-repeat bytes of the file [characters].
-"""
+"""Maximum length of a library's reason, which may repeat bytes of the file [characters]."""
 Claim = tuple[tuple[int, ...], np.dtype[Any]]
 """Shape and type of an array, as its file states them."""
 AS_CSV = "save the recording as CSV"
 
 
-def load_arrays(kind: str, path: Path, wanted: Collection[str]) -> dict[str, Any]:
+def load_arrays(kind: str, path: Path, names: Collection[str]) -> dict[str, Any]:
     """Load the arrays of these names, or below them; others that the file lists are None.
 
     Raises TraceError, MissingLibraryError or OSError.
@@ -57,12 +54,12 @@ def load_arrays(kind: str, path: Path, wanted: Collection[str]) -> dict[str, Any
 
     try:
         if library in ("", "pyarrow"):
-            return read(path, wanted)
+            return read(path, names)
 
-        return call_within_limits(LIMIT_S, _memory_bytes(), read, path, wanted)
+        return call_within_limits(LIMIT_S, _memory_bytes(), read, path, names)
     except (FingertipError, FileNotFoundError, PermissionError):
         raise
-    except Exception as error:  # of a damaged file a library may raise any
+    except Exception as error:  # a library may raise any for a damaged file
         reason = shorten(" ".join(str(error).split()) or type(error).__name__, _MAX_REASON)
         raise TraceError(
             Issue(str(path), f"is not {noun} that can be read ({reason}); {remedy}.")
@@ -76,7 +73,7 @@ def _memory_bytes() -> int:
 def _load_numbers(
     path: Path, names: Iterable[str], claim: Callable[[str], Claim], load: Callable[[str], Any]
 ) -> dict[str, Any]:
-    """Load arrays once all of what they claim is within bounds.
+    """Load arrays once all the sizes that they claim are within bounds.
 
     One that holds no numbers, or has more than two dimensions, is not loaded: an empty one of its
     type takes its place, which is refused by its name. A rate may be a short text.
@@ -92,7 +89,7 @@ def _load_numbers(
                 name=name,
                 shape=shape,
                 item_bytes=dtype.itemsize,
-                others=total,
+                other_bytes=total,
             )
             size = math.prod(shape) * dtype.itemsize
             if dtype.kind in "bifumM" or (dtype.kind in "cSU" and size <= _MAX_TEXT_BYTES):
@@ -108,26 +105,24 @@ def _check_shape(
     name: str,
     shape: tuple[int, ...],
     item_bytes: int = 8,
-    others: int = 0,
+    other_bytes: int = 0,
 ) -> None:
-    message = shape_message(shape, item_bytes, others)
+    """Refuse a shape that is too large, beside other arrays [bytes]. Raises TraceError."""
+    message = shape_message(shape, item_bytes, other_bytes)
     if message:
         raise TraceError(Issue(f"{path}, {name}" if name else str(path), message))
 
 
 def _name_columns(rows: NDArray[Any], names: tuple[str, ...]) -> dict[str, Any]:
-    """Name the columns of an array without names by number, and those
-    that a trace requires if there are no others.
-    """
+    """Name the columns of an array by number, and as a trace's if there are no more."""
     columns = {str(number): column for number, column in enumerate(rows.T, 1)}
-    return (
-        columns
-        if len(columns) > len(names)
-        else dict(zip(names[-len(columns) :], rows.T, strict=False)) | columns
-    )
+    if len(columns) > len(names):
+        return columns
+
+    return dict(zip(names[-len(columns) :], rows.T, strict=False)) | columns
 
 
-def _read_npy(path: Path, wanted: Collection[str]) -> dict[str, Any]:
+def _read_npy(path: Path, names: Collection[str]) -> dict[str, Any]:
     with path.open("rb") as file:
         shape, dtype = _read_npy_header(file)
 
@@ -145,7 +140,7 @@ def _read_npy(path: Path, wanted: Collection[str]) -> dict[str, Any]:
     return _name_columns(array, COLUMNS[:2])
 
 
-def _read_npz(path: Path, wanted: Collection[str]) -> dict[str, Any]:
+def _read_npz(path: Path, names: Collection[str]) -> dict[str, Any]:
     def claim(name: str) -> Claim:
         with archive.open(members[name]) as member:
             return _read_npy_header(member)
@@ -158,33 +153,28 @@ def _read_npz(path: Path, wanted: Collection[str]) -> dict[str, Any]:
         archive = zipfile.ZipFile(file)
         members = {name.removesuffix(".npy"): name for name in archive.namelist()}
         return dict.fromkeys(members) | _load_numbers(
-            path, members.keys() & set(wanted), claim, load
+            path, members.keys() & set(names), claim, load
         )
 
 
 def _read_npy_header(recording: Any) -> Claim:
-    file = io.BytesIO(
-        recording.read(_MAX_HEADER_BYTES)
-    )  # the library would read whatever length the header states
-    version = np.lib.format.read_magic(file)
-    read = (
-        np.lib.format.read_array_header_1_0
-        if version == (1, 0)
-        else np.lib.format.read_array_header_2_0
-    )
-    shape, _, dtype = read(file)
+    # The library would read whatever length the header states.
+    file = io.BytesIO(recording.read(_MAX_HEADER_BYTES))
+    if np.lib.format.read_magic(file) == (1, 0):
+        shape, _, dtype = np.lib.format.read_array_header_1_0(file)
+    else:
+        shape, _, dtype = np.lib.format.read_array_header_2_0(file)
+
     if dtype.hasobject:
         raise ValueError("it holds objects, which only pickle reads")
 
     return shape, dtype
 
 
-def _read_mat(path: Path, wanted: Collection[str]) -> dict[str, Any]:
-    """Read variables by name, and the numbers in structures and cells
-    as STRUCT/FIELD, of several STRUCT(1)/FIELD.
-    """
+def _read_mat(path: Path, names: Collection[str]) -> dict[str, Any]:
+    """Read variables by name; numbers in structures as STRUCT/FIELD, in cells as CELL(1)."""
     scipy_io = extras.load("scipy.io", str(path), alternative=AS_CSV)
-    found = dict[str, Any]()
+    arrays = dict[str, Any]()
 
     def add(name: str, value: Any) -> None:
         if isinstance(value, dict):
@@ -194,19 +184,19 @@ def _read_mat(path: Path, wanted: Collection[str]) -> dict[str, Any]:
             for number, element in enumerate(np.ravel(value), 1):
                 add(f"{name}({number})", element)
         else:
-            found[name] = np.asarray(value)
-            _check_shape(path, name, found[name].shape, found[name].itemsize)
+            arrays[name] = np.asarray(value)
+            _check_shape(path, name, arrays[name].shape, arrays[name].itemsize)
 
-    names = [name for name, _, _ in scipy_io.whosmat(path)]
-    taken = {re.split(r"[/(]", name)[0] for name in wanted}.intersection(names)
-    values = scipy_io.loadmat(path, variable_names=[*taken], simplify_cells=True)
-    for name in sorted(taken, key=names.index):
+    in_file = [name for name, _, _ in scipy_io.whosmat(path)]
+    variables = {re.split(r"[/(]", name)[0] for name in names}.intersection(in_file)
+    values = scipy_io.loadmat(path, variable_names=[*variables], simplify_cells=True)
+    for name in sorted(variables, key=in_file.index):
         add(name, values[name])
 
-    return dict.fromkeys(names) | found
+    return dict.fromkeys(in_file) | arrays
 
 
-def _read_parquet(path: Path, wanted: Collection[str]) -> dict[str, Any]:
+def _read_parquet(path: Path, names: Collection[str]) -> dict[str, Any]:
     parquet, types = (
         extras.load(f"pyarrow.{name}", str(path), alternative=AS_CSV)
         for name in ("parquet", "types")
@@ -229,10 +219,9 @@ def _read_parquet(path: Path, wanted: Collection[str]) -> dict[str, Any]:
 
         def claim(name: str) -> Claim:
             # The library takes `voltage_v.raw` too where it is asked for `voltage_v`.
-            taken = [field.type for field in fields if f"{field.name}.".startswith(f"{name}.")]
-            return (rows,), np.dtype(
-                "f8" if all(any(test(each) for test in is_number) for each in taken) else "O"
-            )
+            kinds = [field.type for field in fields if f"{field.name}.".startswith(f"{name}.")]
+            are_numbers = all(any(test(kind) for test in is_number) for kind in kinds)
+            return (rows,), np.dtype("f8" if are_numbers else "O")
 
         def load(name: str) -> Any:
             parts = list[Any]()
@@ -244,11 +233,11 @@ def _read_parquet(path: Path, wanted: Collection[str]) -> dict[str, Any]:
 
             return np.concatenate(parts) if parts else None
 
-        names = dict.fromkeys(fields.names)
-        return names | _load_numbers(path, names.keys() & set(wanted), claim, load)
+        in_file = dict.fromkeys(fields.names)
+        return in_file | _load_numbers(path, in_file.keys() & set(names), claim, load)
 
 
-def _read_wav(path: Path, wanted: Collection[str]) -> dict[str, Any]:
+def _read_wav(path: Path, names: Collection[str]) -> dict[str, Any]:
     with path.open("rb") as file, wave.open(file) as recording:
         channels = recording.getnchannels()
         width = recording.getsampwidth()
@@ -261,16 +250,13 @@ def _read_wav(path: Path, wanted: Collection[str]) -> dict[str, Any]:
         rate_hz = recording.getframerate()
 
     padded = np.zeros((len(data) // (channels * width) * channels, 4), np.uint8)
-    padded[:, 4 - width :] = data[: len(padded) * width].reshape(-1, width) ^ (
-        128 if width == 1 else 0
-    )
-    samples = (
-        padded.view("<i4").reshape(-1, channels) / 2.0**31
-    )  # of one byte they are counted from 0
+    sign_bit = 128 if width == 1 else 0  # samples of one byte are counted from 0
+    padded[:, 4 - width :] = data[: len(padded) * width].reshape(-1, width) ^ sign_bit
+    samples = padded.view("<i4").reshape(-1, channels) / 2.0**31
     return _name_columns(samples, ("voltage_v",)) | {RATE: rate_hz}
 
 
-def _read_tdms(path: Path, wanted: Collection[str]) -> dict[str, Any]:
+def _read_tdms(path: Path, names: Collection[str]) -> dict[str, Any]:
     """Read channels by name.
 
     A single one is the voltage, and the increment of one that is read gives the times.
@@ -279,38 +265,41 @@ def _read_tdms(path: Path, wanted: Collection[str]) -> dict[str, Any]:
 
     def claim(name: str) -> Claim:
         channel = by_name[name]
-        if len(channel) > (size := path.stat().st_size):  # a value takes a byte at least
+        size = path.stat().st_size
+        if len(channel) > size:  # a value takes a byte at least
             raise ValueError(f"it states {len(channel)} values in a file of {size} bytes")
 
         return (len(channel),), np.dtype(channel.dtype)
 
     # By its path, the library would also read an index file beside it.
     with path.open("rb") as file, nptdms.TdmsFile.open(file) as recording:
-        channels = [channel for group in recording.groups() for channel in group.channels()]
-        by_name = {f"{each.group_name}/{each.name}": each for each in channels}
-        counts = Counter(each.name for each in channels)
-        listed = {
-            each.name if counts[each.name] == 1 else key: each for key, each in by_name.items()
+        channels = [*itertools.chain.from_iterable(map(_list_channels, recording.groups()))]
+        by_name = {f"{channel.group_name}/{channel.name}": channel for channel in channels}
+        counts = Counter(channel.name for channel in channels)
+        shortest = {
+            channel.name if counts[channel.name] == 1 else path_in_file: channel
+            for path_in_file, channel in by_name.items()
         }
-        by_name |= listed
-        if len(listed) == 1:
+        by_name |= shortest
+        if len(shortest) == 1:
             by_name["voltage_v"] = channels[0]
 
         arrays = _load_numbers(
-            path, by_name.keys() & set(wanted), claim, lambda name: by_name[name][:]
+            path, by_name.keys() & set(names), claim, lambda name: by_name[name][:]
         )
-        steps = [
-            step
-            for name in arrays
-            if (step := by_name[name].properties.get("wf_increment")) is not None
-        ]
+        steps = [by_name[name].properties.get("wf_increment") for name in arrays]
+        step = next((step for step in steps if step is not None), None)
         with np.errstate(divide="ignore"):
-            rate = {RATE: float(f"{1 / np.float64(steps[0]):.9g}")} if steps else {}
+            rate = {} if step is None else {RATE: float(f"{1 / np.float64(step):.9g}")}
 
-        return dict.fromkeys(listed) | arrays | rate
+        return dict.fromkeys(shortest) | arrays | rate
 
 
-def _read_bag(path: Path, wanted: Collection[str]) -> dict[str, Any]:
+def _list_channels(group: Any) -> list[Any]:
+    return group.channels()  # type: ignore[no-any-return]
+
+
+def _read_bag(path: Path, names: Collection[str]) -> dict[str, Any]:
     """Read the numbers of messages as /topic.field, and elements of their lists as /topic.field/2.
 
     The time of each message in the bag is /topic.bag_time [s].
@@ -318,7 +307,7 @@ def _read_bag(path: Path, wanted: Collection[str]) -> dict[str, Any]:
     highlevel, typesys = (
         extras.load(f"rosbags.{name}", str(path)) for name in ("highlevel", "typesys")
     )
-    found = dict[str, list[float]]()
+    values = dict[str, list[float]]()
     begin_ns = 0
 
     def add(name: str, value: Any) -> None:
@@ -330,25 +319,26 @@ def _read_bag(path: Path, wanted: Collection[str]) -> dict[str, Any]:
             for number, element in enumerate(value, 1):
                 add(f"{name}/{number}", element)
         elif np.ndim(value) == 0 and np.asarray(value).dtype.kind in "biuf":
-            found.setdefault(name, []).append(float(value))
+            values.setdefault(name, []).append(float(value))
 
-    with highlevel.AnyReader(
-        [path], default_typestore=typesys.get_typestore(typesys.Stores.LATEST)
-    ) as bag:
-        named = [
-            each
-            for each in bag.connections
-            if any(name.startswith(f"{each.topic}.") for name in wanted)
+    typestore = typesys.get_typestore(typesys.Stores.LATEST)
+    with highlevel.AnyReader([path], default_typestore=typestore) as bag:
+        connections = [
+            connection
+            for connection in bag.connections
+            if any(name.startswith(f"{connection.topic}.") for name in names)
         ]
-        for connection, time_ns, data in bag.messages(named):
+        for connection, time_ns, data in bag.messages(connections):
             begin_ns = begin_ns or time_ns
             add(f"{connection.topic}.bag_time", 1e-9 * (time_ns - begin_ns))
             add(connection.topic, bag.deserialize(data, connection.msgtype))
 
-    return {name: np.array(values) for name, values in found.items()}
+    return {name: np.array(numbers) for name, numbers in values.items()}
 
 
 class _Kind(NamedTuple):
+    """Kind of files, with the function that reads their arrays by name."""
+
     noun: str
     remedy: str
     """Advice where a file is damaged."""

@@ -1,6 +1,6 @@
 """CSV files of traces: one line that names the columns, then one sample per line.
 
-The delimiter is a comma, a semicolon, a tab or spaces. `csv_dialect` finds the header, or the first
+The delimiter is a comma, a semicolon, a tab or spaces. `csv_header` finds the header, or the first
 sample of a file without one. Lines that hold no sample are passed over, and named: a header that is
 repeated, comments, and a last line that was cut off.
 """
@@ -21,8 +21,8 @@ import numpy as np
 from fingertip.foundation.errors import Issue, TraceError, quote_value
 from fingertip.foundation.input_files import SAMPLES_LIMIT
 from fingertip.foundation.numerics import Array
-from fingertip.slip.traces import columns as text
-from fingertip.slip.traces.csv_dialect import (
+from fingertip.slip.traces import cells as text
+from fingertip.slip.traces.csv_header import (
     Header,
     adapt_labview,
     find_header,
@@ -48,8 +48,7 @@ _FLAGS = {"true": 1.0, "false": 0.0}
 
 
 def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
-    """Read a CSV file in UTF-8, in UTF-16 with a byte order mark, or in Latin-1, with any marks of
-    decimals.
+    """Read a CSV file in UTF-8, UTF-16 with a byte order mark, or Latin-1.
 
     LabVIEW's measurement files (LVM) are read by their own names of the columns. Raises TraceError
     or OSError.
@@ -99,9 +98,7 @@ def _read_lines(
 
 
 def _detect_encoding(path: Path) -> str:
-    """Return UTF-16 for a file that begins with its byte order
-    mark, UTF-8 if it decodes, otherwise Latin-1.
-    """
+    """Return UTF-16 if the byte order mark says so, UTF-8 if it decodes, otherwise Latin-1."""
     with path.open("rb") as file:
         if file.read(2) in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
             return "utf-16"
@@ -109,7 +106,7 @@ def _detect_encoding(path: Path) -> str:
         file.seek(0)
         decoder = codecs.getincrementaldecoder("utf-8")()
         try:
-            while piece := file.read(_PROBE_BYTES):
+            for piece in iter(lambda: file.read(_PROBE_BYTES), b""):
                 decoder.decode(piece)
         except UnicodeDecodeError:
             return "latin-1"
@@ -130,9 +127,7 @@ class _Source:
     cut_off: list[str] = field(default_factory=list)
 
     def read_lines(self) -> Iterator[str]:
-        """Read all lines but one that is cut off: it ends without a
-        line break, and is shorter than the one before.
-        """
+        """Yield the lines, but not a cut-off one: without line break, and shorter than the last."""
         before = ""
         for line in _read_lines(self.path, self.encoding, self.change, max_lines()):
             if line.endswith("\n") or len(line) >= len(before.rstrip()):
@@ -153,9 +148,7 @@ class _Source:
         }
 
     def list_notes(self, last: int) -> Iterator[str]:
-        """Yield sentences on samples above the header, and on
-        what follows the last line that was read.
-        """
+        """Yield notes on samples above the header, and on a line that is cut off."""
         if self.header.has_samples_above:
             yield (
                 f"{self.path}, lines 1 to {self.header.line - 1}: stand above the header, and "
@@ -166,24 +159,21 @@ class _Source:
 
 
 def _read_valid(source: _Source) -> RawTrace | None:
-    """Read a file without any issue by numpy's reader; None if there may be one."""
+    """Read a file by numpy's reader; None if it may have any issue."""
     header = source.header
     columns = source.columns
     places = source.places
-    delimiter = (
-        None if header.delimiter.isspace() and header.delimiter != "\t" else header.delimiter
-    )
+    has_spaces = header.delimiter.isspace() and header.delimiter != "\t"
 
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter(
-                "ignore", UserWarning
-            )  # of no data, which is reported as an issue
+            # An empty file is reported as an issue.
+            warnings.simplefilter("ignore", UserWarning)
             rows = itertools.islice(source.read_lines(), source.first_line - 1, None)
             most = max_rows(len(header.names))
             table = np.loadtxt(
                 rows,
-                delimiter=delimiter,
+                delimiter=None if has_spaces else header.delimiter,
                 comments=None,
                 ndmin=2,
                 max_rows=most,
@@ -241,9 +231,9 @@ def _read_by_line(source: _Source) -> RawTrace:
 
     if samples.passed_over.first:
         line = samples.passed_over.first[0]
-        others = count_others(samples.passed_over.count)
+        more = count_others(samples.passed_over.count)
         notes.append(
-            f"{name}, line {line}: is a header or a comment among the samples{others}, and passed "
+            f"{name}, line {line}: is a header or a comment among the samples{more}, and passed "
             "over"
         )
 
@@ -266,9 +256,8 @@ def _read_by_line(source: _Source) -> RawTrace:
     has_all_times = (
         not samples.uneven.count and not samples.wrong.get("time_s", text.NotedLines()).count
     )
-    if (
-        samples.start is not None
-    ):  # dates are in seconds: their scale is an issue, and would make others
+    # Dates are in seconds: their scale is an issue, and would make others.
+    if samples.start is not None:
         columns = replace(columns, time_scale=1.0)
 
     trace = columns.make_trace(values)
@@ -332,11 +321,10 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
 
 
 def _parse(cell: str, column: str, samples: _Samples) -> float | None:
-    """Parse a cell, quoted or not, as a number, NaN too, or as seconds
-    since the first date; None if it is neither.
-    """
+    """Parse a cell as a number, NaN too, or as seconds since the first date; else None."""
     plain = text.unquote(cell)
-    if column == "time_s" and ":" in plain and (instant := text.parse_instant(plain)) is not None:
+    instant = text.parse_instant(plain) if column == "time_s" and ":" in plain else None
+    if instant is not None:
         if samples.start is None and len(samples.lines) == 1:
             samples.start = instant
 

@@ -1,6 +1,4 @@
-"""Reading of traces from CSV files and files of arrays, selected
-by the file's first bytes and its suffix.
-"""
+"""Reading of traces from CSV files and files of arrays, by first bytes and suffix."""
 
 from __future__ import annotations
 
@@ -21,9 +19,9 @@ from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TomlFileError, TraceError, gather, raise_issues
 from fingertip.foundation.numerics import Array
 from fingertip.slip.traces.array_files import KINDS, RATE, load_arrays
+from fingertip.slip.traces.column_survey import Content, Survey, examine, join_seconds
 from fingertip.slip.traces.csv_file import read_csv
 from fingertip.slip.traces.sampling import check_rate, restore_even_times
-from fingertip.slip.traces.survey import Content, Survey, examine, join_seconds
 from fingertip.slip.traces.trace import BOARD_COLUMNS, ColumnMap, RawTrace, Trace, check_trace_file
 
 # Kinds of files, known by their first bytes: how each is read, or the sentence that says how to
@@ -77,9 +75,7 @@ _HEAD_BYTES = 64
 _MOST_SURVEYED = 60
 _SURVEYED_SAMPLES = 20_000
 _MAX_TABLE = 64
-"""Maximum number of arrays that are surveyed, of samples of each, and
-of columns of an array that can be chosen.
-"""
+"""Most arrays and samples that are surveyed, and most selectable columns of an array."""
 _MIN_STATED_HZ = 1e-300
 """Rate below which the times of a recording overflow [Hz]."""
 
@@ -119,11 +115,10 @@ def _identify_zip(path: Path) -> str:
     if any(name.startswith("xl/") or name == "content.xml" for name in names):
         return _WORKBOOK
 
-    return (
-        "npz"
-        if path.suffix.lower() == ".npz" or any(name.endswith(".npy") for name in names)
-        else _COMPRESSED
-    )
+    if path.suffix.lower() == ".npz" or any(name.endswith(".npy") for name in names):
+        return "npz"
+
+    return _COMPRESSED
 
 
 def read_trace(
@@ -134,8 +129,7 @@ def read_trace(
     scale: float = 1.0,
     time_scale: float = 1.0,
 ) -> Trace:
-    """Read a recorded trace from a file of any kind that `detect` reads, and validate it for a
-    detector.
+    """Read a recorded trace from any kind of file, and validate it for a detector.
 
     The parameters are those of `detect_file`; `rate_hz` replaces the rate of the design.
 
@@ -172,7 +166,7 @@ def read_raw_trace(path: Path, columns: ColumnMap) -> RawTrace:
         if kind not in KINDS:
             raise TraceError(Issue(str(path), kind))
 
-        arrays = _split_tables(load_arrays(kind, path, _list_wanted(columns)))
+        arrays = _split_tables(load_arrays(kind, path, _list_names(columns)))
     except OSError as error:
         reason = error.strerror or str(error)
         raise TraceError(
@@ -195,7 +189,7 @@ def read_raw_trace(path: Path, columns: ColumnMap) -> RawTrace:
     return _with_even_times(_from_arrays(str(path), arrays, columns), columns)
 
 
-def _list_wanted(columns: ColumnMap) -> set[str]:
+def _list_names(columns: ColumnMap) -> set[str]:
     """List the names of the arrays that a trace takes; `NAME/2` is a column of the array NAME."""
     names = {*map(columns.name_in_file, columns.looked_for)}
     tables = {name.rpartition("/")[0] for name in names if name.rpartition("/")[2].isdecimal()}
@@ -204,13 +198,13 @@ def _list_wanted(columns: ColumnMap) -> set[str]:
 
 def _split_tables(arrays: Mapping[str, Any]) -> dict[str, Any]:
     """Add the columns of arrays of two dimensions as NAME/1, NAME/2."""
-    found = dict(arrays)
+    split = dict(arrays)
     for name, array in arrays.items():
         if getattr(array, "ndim", 0) == 2 and 1 < min(array.shape) <= _MAX_TABLE:
             rows = array.T if array.shape[0] > array.shape[1] else array
-            found |= {f"{name}/{number}": row for number, row in enumerate(rows, 1)}
+            split |= {f"{name}/{number}": row for number, row in enumerate(rows, 1)}
 
-    return found
+    return split
 
 
 def _raise_missing(
@@ -220,7 +214,7 @@ def _raise_missing(
     columns: ColumnMap,
     missing: list[str],
 ) -> None:
-    """Propose the columns that are missing by the content of all arrays."""
+    """Raise TraceError with proposals for the missing columns, by the content of all arrays."""
     loaded = dict(arrays)
     values = dict[str, Array]()
     contents = list[Content]()
@@ -263,9 +257,7 @@ def _with_even_times(raw: RawTrace, columns: ColumnMap) -> RawTrace:
 
 
 def _refuse_known_toml(path: Path) -> None:
-    """Raise TraceError for a design, scene, manipulation or sweep file given in place
-    of a trace.
-    """
+    """Raise TraceError for a design, scene, manipulation or sweep file."""
     try:
         kind = identify_kind(path)
     except TomlFileError:
@@ -289,24 +281,7 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> Ra
         raise TraceError(Issue(name, f"contains no arrays; save {' and '.join(columns.required)}."))
 
     if columns.rate_hz is None and columns.name_in_file("time_s") not in arrays and RATE in arrays:
-        stated = np.asarray(arrays[RATE])
-        rate_hz = 0.0
-        with contextlib.suppress(TypeError, ValueError):  # of another type, or of several values
-            rate_hz = float(stated.item())
-
-        if not _MIN_STATED_HZ < rate_hz < float("inf"):
-            shown = (
-                f"{stated.size or 'no'} value{'s' * (stated.size > 1)}"
-                if stated.size != 1
-                else repr(stated.item())
-            )
-            message = (
-                f"contains {shown}; save the rate in Hz as one number, such as 2000, or "
-                "give --rate-hz."
-            )
-            issues.append(Issue(f"{name}, {RATE}", message))
-            rate_hz = 1.0  # so that the other arrays are still validated
-
+        rate_hz = _read_rate(f"{name}, {RATE}", arrays[RATE], issues)
         columns = replace(columns, rate_hz=rate_hz)
 
     for column in columns.looked_for:
@@ -314,31 +289,24 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> Ra
         if name_in_file not in arrays:
             continue
 
+        field = f"{name}, {name_in_file}"
         array = np.asarray(arrays[name_in_file])
         if column == "time_s" and array.dtype.kind in "Mm":
-            with contextlib.suppress(
-                TypeError, ValueError, OverflowError
-            ):  # years, or no unit: no numbers of seconds
+            # Years, and dates without a unit, are no numbers of seconds.
+            with contextlib.suppress(TypeError, ValueError, OverflowError):
                 array, note = _read_dates(array)
-                notes.append(f"{name}, {name_in_file}: {note}")
+                notes.append(f"{field}: {note}")
 
             if columns.time_scale != 1.0:
-                issues.append(
-                    Issue("--time-scale", f"does not apply to the dates in {name}; leave it out.")
-                )
+                message = f"does not apply to the dates in {name}; leave it out."
+                issues.append(Issue("--time-scale", message))
 
         values[column] = np.zeros(0)
         if array.dtype.kind not in "bifu" or array.ndim > 2:
-            issues.append(
-                Issue(
-                    f"{name}, {name_in_file}",
-                    f"has the type {array.dtype}; give an array of numbers.",
-                )
-            )
+            message = f"has the type {array.dtype}; give an array of numbers."
+            issues.append(Issue(field, message))
         elif array.ndim == 0:
-            issues.append(
-                Issue(f"{name}, {name_in_file}", "is a single number; give one value per sample.")
-            )
+            issues.append(Issue(field, "is a single number; give one value per sample."))
         else:
             # MATLAB has no arrays of one dimension: a signal is a row or a column.
             is_line = array.ndim == 2 and 1 in array.shape
@@ -352,8 +320,30 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> Ra
     return RawTrace(name, trace, in_volts=columns.in_volts, notes=tuple(notes))
 
 
+def _read_rate(field: str, value: Any, issues: list[Issue]) -> float:
+    """Read the sampling rate that a file states [Hz]; another value adds an issue."""
+    array = np.asarray(value)
+    rate_hz = 0.0
+    with contextlib.suppress(TypeError, ValueError):  # another type, or several values
+        rate_hz = float(array.item())
+
+    if _MIN_STATED_HZ < rate_hz < float("inf"):
+        return rate_hz
+
+    if array.size == 1:
+        content = repr(array.item())
+    else:
+        content = f"{array.size or 'no'} value{'s' * (array.size > 1)}"
+
+    message = (
+        f"contains {content}; save the rate in Hz as one number, such as 2000, or give --rate-hz."
+    )
+    issues.append(Issue(field, message))
+    return 1.0  # so that the other arrays are still validated
+
+
 def _read_dates(array: NDArray[Any]) -> tuple[NDArray[Any], str]:
-    """Convert dates or durations to seconds; the dates' seconds count from the first one.
+    """Convert durations, or dates since the first one, to seconds, and describe what was done.
 
     Return a note on it too.
     """

@@ -1,6 +1,4 @@
-"""Samples of a trace: their number, range and times, with rate,
-gaps, and rounding to too few decimals.
-"""
+"""Checks of a trace's samples: number, range, rate, gaps, and rounded times."""
 
 from __future__ import annotations
 
@@ -14,13 +12,9 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 
 RATE_TOLERANCE = 0.005
-"""Maximum deviation of a trace's mean sampling rate, and so of
-the cutoff, as a share of the detector's.
-"""
+"""Maximum relative deviation of the mean sampling rate, and so of the cutoff."""
 STEP_TOLERANCE = 0.5
-"""Maximum deviation of a time step from the usual one, as a share of
-it; more is a gap or a wrong time stamp.
-"""
+"""Maximum relative deviation of a time step; more is a gap or a wrong time stamp."""
 MIN_RATE_HZ = 1000.0
 MAX_RATE_HZ = 20000.0
 """Bounds of ``detector.sample_rate_hz`` [Hz]."""
@@ -34,14 +28,10 @@ _UNIT_NAMES = {"ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds"}
 _MIN_REPEATS = 0.05
 """Minimum share of repeated times in a rounded trace; fewer repetitions are reported one by one."""
 _MAX_DEVIATION_STEPS = 1.5
-"""Maximum deviation of a rounded time from even spacing, in rounding
-steps; rounding itself causes less than one.
-"""
+"""Maximum deviation of a rounded time from even spacing [rounding steps]."""
 _MIN_RISES = 20
 _MIN_EVEN = 0.98
-"""Number of rises above which a column may hold times, and least share
-of even steps, of which some may be missing.
-"""
+"""Rises above which a column may hold times, and least share of even steps."""
 _MAX_RATE_UNCERTAINTY = 0.005
 """Relative uncertainty above which the rate of rounded times is not reported."""
 
@@ -57,15 +47,11 @@ class RoundedTimes:
     step_s: float
     """Rounding step [s]."""
     rate_hz: float | None
-    """Mean rate, with as few digits as its uncertainty permits
-    [Hz]; None if the uncertainty is too large.
-    """
+    """Mean rate with the digits that are certain [Hz]; None if none is."""
 
 
 def find_rounding(time_s: Array) -> RoundedTimes | None:
-    """Detect the rounding of finite times; None if they do not look
-    like evenly spaced times that were rounded.
-    """
+    """Detect evenly spaced times that were rounded; None for any others."""
     steps = np.diff(time_s)
     places = np.flatnonzero(steps == 0.0)
     if len(places) < max(1.0, _MIN_REPEATS * len(steps)) or (steps < 0.0).any() or not steps.any():
@@ -101,9 +87,7 @@ def rises_evenly(values: Array) -> bool:
 
 @np.errstate(over="ignore", invalid="ignore")
 def rises_as_time(values: Array) -> bool:
-    """Return whether finite values rise as times and counters do:
-    evenly, rounded, or mostly and without a fall.
-    """
+    """Return whether values rise as times and counters do: evenly, rounded, or without a fall."""
     steps = np.diff(values)
     is_rising = np.count_nonzero(steps > 0.0) > _MIN_RISES and not (steps < 0.0).any()
     is_steady = is_rising and (
@@ -160,9 +144,7 @@ def time_issues(
     lines: Sequence[int] | None,
     is_array: bool,
 ) -> Iterator[Issue]:
-    """Find finite times that decrease, repeat, leave gaps, or
-    have another rate than the detector's.
-    """
+    """Yield issues of times that decrease, repeat, leave gaps, or have another rate."""
     field = f"{name}, time_s"
     rounding = find_rounding(time_s)
 
@@ -197,12 +179,13 @@ def time_issues(
         remedy += f"; if few are missing, {_without_times('the times', f'{rate_hz:.6g}', is_array)}"
 
     is_even = True
-    for is_wrong, what in (
+    faults = (
         (steps < 0.0, "goes backwards"),
         (steps == 0.0, "repeats the time before it"),
         (steps > usual * (1 + STEP_TOLERANCE), "comes after a gap"),
         ((steps > 0.0) & (steps < usual * (1 - STEP_TOLERANCE)), "comes too early"),
-    ):
+    )
+    for is_wrong, what in faults:
         places = np.flatnonzero(is_wrong)
         if places.size:
             is_even = False
@@ -227,9 +210,7 @@ def _rounding_message(
     lines: Sequence[int] | None,
     is_array: bool,
 ) -> str:
-    """Describe rounded times, and how to do without them, at
-    the detector's rate if the mean agrees.
-    """
+    """Describe rounded times, and how to read the recording without them."""
     at = rounding.first
     rate = f"HZ, the rate of the recording{'' if is_array else ', and'}"
     mean = ""
@@ -278,9 +259,7 @@ def rate_message(rate_hz: float, detector: DetectorParameters, is_array: bool = 
 
 
 def rate_bounds_message(rate_hz: float, is_array: bool = False) -> str | None:
-    """Describe a sampling rate [Hz] that no detector has, with the remedy; None for any
-    other rate.
-    """
+    """Describe a sampling rate [Hz] that no detector has; None for any other rate."""
     if MIN_RATE_HZ <= float(f"{rate_hz:.6g}") <= MAX_RATE_HZ:  # times are rounded
         return None
 
@@ -309,9 +288,7 @@ def check_rate(rate_hz: float) -> None:
 
 
 def guess_time_unit(rate_hz: float) -> str | None:
-    """Guess the unit of times from the rate that they give in seconds
-    [Hz]; None if another unit explains nothing.
-    """
+    """Guess the unit of times from their rate in seconds [Hz]; None if no unit fits."""
     return next(
         (
             unit
@@ -327,7 +304,7 @@ def count_others(count: int) -> str:
 
 
 def sample_location(sample: int, lines: Sequence[int] | None) -> str:
-    """Say where a sample is: its line in the file or, without lines, its index from 0."""
+    """Return the place of a sample: its line in the file or, without lines, its index from 0."""
     return f"at sample {sample}" if lines is None else f"in line {lines[sample]}"
 
 
@@ -338,13 +315,9 @@ def sample_location(sample: int, lines: Sequence[int] | None) -> str:
 # float32 can, the even ones are taken instead.
 
 _MAX_SHARE = 4.0
-"""Largest spacing of the float32 numbers at the last time, over the
-step between samples; beyond, times say little.
-"""
+"""Largest float32 spacing at the last time over the sampling step; more says too little."""
 _MAX_DEVIATION = 0.12
-"""Largest distance of a time from the nearest float32, over their
-spacing: decimals that were printed cause some.
-"""
+"""Largest distance of a time from a float32, over their spacing; printing causes some."""
 
 
 def restore_even_times(times: Array) -> Array | None:
@@ -373,11 +346,11 @@ def restore_even_times(times: Array) -> Array | None:
 
     # The first time is rounded too, by up to half a spacing, and both may be rounded to decimals
     # after that.
-    found = (times[0] + np.arange(len(times)) * step for step in (1 / rate, mean))
+    candidates = (times[0] + np.arange(len(times)) * step for step in (1 / rate, mean))
     return next(
         (
             even
-            for even in found
+            for even in candidates
             if np.abs(times - even).max() <= (1 + 2 * _MAX_DEVIATION) * spacing
         ),
         None,

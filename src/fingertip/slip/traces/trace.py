@@ -1,6 +1,4 @@
-"""Traces, their validation and their size: sampled tactile voltage,
-and the true force and slip where known.
-"""
+"""Traces, their validation and their size: tactile voltage, and force and slip if known."""
 
 from __future__ import annotations
 
@@ -45,9 +43,7 @@ COLUMNS = ("time_s", "voltage_v", "force_n", "slip", "envelope_v", "filtered_v")
 NANOSEC = "nanosec"
 """Column of nanoseconds that is added to the times, where these are given as A+B."""
 BOARD_COLUMNS = ("envelope_v", "filtered_v")
-"""Columns that come from the board.
-A simulation calls them sampled_envelope_v and sampled_filtered_v.
-"""
+"""Columns from the board; a simulation names them sampled_envelope_v and sampled_filtered_v."""
 _FORCE = re.compile(r".*(_n|[\[(]N[\])]|force)$|force", re.IGNORECASE)
 
 
@@ -58,9 +54,8 @@ def as_numbers(name: str, values: Any) -> Array:
     """
     try:
         array: Any = np.ma.asarray(values)
-        if (
-            array.dtype.kind not in "iufO"
-        ):  # complex numbers, texts, flags or dates, which numpy would convert
+        # Numpy would convert complex numbers, texts, flags and dates.
+        if array.dtype.kind not in "iufO":
             raise TypeError(f"its type is {array.dtype}")
 
         return np.asarray(array.astype(float, copy=False).filled(np.nan))
@@ -82,9 +77,7 @@ class Trace:
     envelope_v: Array | None = None
     """Output of the filter board [V], which the detector `analog` takes."""
     filtered_v: Array | None = None
-    """Filtered signal of a board for a controller, ahead of its
-    rectifier [V]; the detector `fast` takes it too.
-    """
+    """Filtered signal of a controller's board, ahead of its rectifier [V], for `fast`."""
     origin: Origin = UNKNOWN
 
     def __post_init__(self) -> None:
@@ -110,9 +103,9 @@ class Trace:
             return f"Trace({count} samples)"
 
         duration_s = float(self.time_s[-1] - self.time_s[0])
-        others = [name for name in COLUMNS[2:] if getattr(self, name) is not None]
+        optional = [name for name in COLUMNS[2:] if getattr(self, name) is not None]
         rate_hz = (count - 1) / duration_s if duration_s > 0.0 else float("nan")
-        facts = [f"{count} samples", f"{duration_s:.4g} s at {rate_hz:.6g} Hz", *others]
+        facts = [f"{count} samples", f"{duration_s:.4g} s at {rate_hz:.6g} Hz", *optional]
         return f"Trace({', '.join(facts)})"
 
     def _repr_html_(self) -> str:
@@ -196,23 +189,20 @@ class ColumnMap:
         return (*COLUMNS, NANOSEC) if NANOSEC in self.names else COLUMNS
 
     def with_simulated_names(self, names: Collection[str]) -> ColumnMap:
-        """Map the board's columns to the names that a simulation
-        gives them, where a file has those only.
-        """
-        found = {
+        """Map the board's columns to a simulation's names, if a file has only those."""
+        simulated = {
             column: f"sampled_{column}"
             for column in BOARD_COLUMNS
             if self.name_in_file(column) not in names and f"sampled_{column}" in names
         }
-        return replace(self, names={**self.names, **found}) if found else self
+        return replace(self, names={**self.names, **simulated}) if simulated else self
 
     @property
     def required(self) -> tuple[str, ...]:
         """Columns that every trace must have, and those of the board that are named."""
-        named = tuple(column for column in (NANOSEC, *BOARD_COLUMNS) if column in self.names)
-        return (
-            ("voltage_v", *named) if self.rate_hz is not None else ("time_s", "voltage_v", *named)
-        )
+        times = ("time_s",) if self.rate_hz is None else ()
+        extra = (column for column in (NANOSEC, *BOARD_COLUMNS) if column in self.names)
+        return (*times, "voltage_v", *extra)
 
     @property
     def in_volts(self) -> bool:
@@ -229,9 +219,10 @@ class ColumnMap:
             assert self.rate_hz is not None
             time = np.arange(len(columns["voltage_v"])) / self.rate_hz
         else:
-            time = (
-                time + 1e-9 * columns[NANOSEC] if NANOSEC in columns else time
-            ) * self.time_scale
+            if NANOSEC in columns:
+                time = time + 1e-9 * columns[NANOSEC]
+
+            time = time * self.time_scale
 
         volts: dict[str, Any] = {
             name: columns[name] for name in ("voltage_v", *BOARD_COLUMNS) if name in columns
@@ -262,9 +253,7 @@ class RawTrace:
 
     @property
     def rate_hz(self) -> float | None:
-        """Sampling rate from the median time step, to six digits
-        [Hz]; None if the times do not determine it.
-        """
+        """Sampling rate by the median time step, to six digits [Hz]; None if undetermined."""
         time = self.trace.time_s
         if not self._times_are_valid or find_rounding(time):
             return None
@@ -352,17 +341,14 @@ class RawTrace:
 MAX_LINE = 2**20
 """Maximum length of a line of text [characters]. Ten thousand columns need a third of it."""
 _CELLS_PER_SAMPLE = 4
-"""Ratio of the numbers in a table, columns that no trace takes
-included, to the largest number of samples.
-"""
+"""Largest ratio of numbers in a table, with unused columns, to samples."""
 _REMEDY = "cut the recording into parts"
 
 
 def max_rows(columns: int) -> int:
     """Return the maximum number of lines of a table with this number of columns."""
-    return max(
-        1, min(SAMPLES_LIMIT.value, _CELLS_PER_SAMPLE * SAMPLES_LIMIT.value // max(1, columns))
-    )
+    most_cells = _CELLS_PER_SAMPLE * SAMPLES_LIMIT.value
+    return max(1, min(SAMPLES_LIMIT.value, most_cells // max(1, columns)))
 
 
 def max_table_bytes() -> int:
@@ -376,12 +362,12 @@ def check_trace_file(path: Path) -> None:
         check_regular(path, RECORDING_LIMIT, "a trace")
     except InputFileError as error:
         pipe = re.compile(r"(is a pipe.*)\.$")
-        said = (
+        messages = (
             pipe.sub(r"\1, or - for lines from standard input.", issue.message)
             for issue in error.issues
         )
         raise TraceError(
-            Issue(str(path), each.replace("make it smaller", _REMEDY)) for each in said
+            Issue(str(path), message.replace("make it smaller", _REMEDY)) for message in messages
         ) from None
 
 
@@ -438,15 +424,13 @@ def bounded_lines(
 def _read_port(port: Any) -> Iterator[bytes]:
     """Yield lines of a `serial.Serial`, whose `readline` asks the system for each byte."""
     rest = b""
-    while block := port.read(port.in_waiting or 1):
+    for block in iter(lambda: port.read(port.in_waiting or 1), b""):
         *lines, rest = (rest + block)[-MAX_LINE:].split(b"\n")
         yield from (line + b"\n" for line in lines)
 
 
-def shape_message(shape: Sequence[int], item_bytes: int = 8, others: int = 0) -> str | None:
-    """Describe an array that is too large, by the shape that its file
-    states, or with others [bytes]; else None.
-    """
+def shape_message(shape: Sequence[int], item_bytes: int = 8, other_bytes: int = 0) -> str | None:
+    """Describe an array that is too large by its shape, beside others [bytes]; else None."""
     count = math.prod(shape)
     maximum = SAMPLES_LIMIT.value
     fits = (
@@ -454,10 +438,12 @@ def shape_message(shape: Sequence[int], item_bytes: int = 8, others: int = 0) ->
         and 0 <= count <= _CELLS_PER_SAMPLE * maximum
     )
     # As many numbers as all columns of a trace hold, and those of the board by their other names.
-    most = min(RECORDING_LIMIT.value, 8 * (len(COLUMNS) + len(BOARD_COLUMNS)) * maximum - others)
+    most = min(
+        RECORDING_LIMIT.value, 8 * (len(COLUMNS) + len(BOARD_COLUMNS)) * maximum - other_bytes
+    )
     if fits and count * item_bytes <= most:
         return None
 
-    values = f"{count + others / 8:.3g}" if abs(count) < 10**300 else "too many"
+    values = f"{count + other_bytes / 8:.3g}" if abs(count) < 10**300 else "too many"
     remedy = f"{_REMEDY}, record again, or raise {SAMPLES_LIMIT.variable}"
     return f"claims to hold {values} values; at most {maximum} samples are read; {remedy}."

@@ -1,9 +1,8 @@
-"""True slip and motion: intervals of flags scored against them, and
-what is known of a trace beside its columns.
-"""
+"""True slip and motion: intervals scored against them, and what is known of a trace's origin."""
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from collections.abc import Sequence
@@ -19,9 +18,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.foundation.output_set import has_hash, read_manifest
 
 STICK_S = 0.05
-"""Gap up to which two true slips count as one [s]: no hand can
-respond between them, with any detector.
-"""
+"""Gap up to which two slips count as one [s]: no hand responds within it."""
 
 INCIPIENT_S = 0.007
 """Duration of incipient slip [s].
@@ -34,17 +31,13 @@ this slip; it was not ON already.
 
 @dataclass(frozen=True)
 class Interval:
-    """Time from the first sample at which a flag is true to the first
-    at which it is false (or the trace's last).
-    """
+    """Time from the first sample with a true flag to the first with a false one, or the last."""
 
     onset_s: float
     end_s: float
 
     def overlaps(self, other: Interval, slack_s: float = 0.0) -> bool:
-        """Return whether two intervals overlap; one of length 0,
-        at a trace's end, overlaps one around it.
-        """
+        """Return whether two intervals overlap; one of length 0 overlaps one around it."""
         begin = max(self.onset_s, other.onset_s)
         end = min(self.end_s + slack_s, other.end_s)
         has_zero_length = self.onset_s == self.end_s or other.onset_s == other.end_s
@@ -77,9 +70,9 @@ class Score:
 
 def intervals(time_s: Array, flags: NDArray[np.bool_]) -> tuple[Interval, ...]:
     """Find the intervals in which `flags` is true."""
-    found = SlipCollector()
-    found.add(time_s, flags)
-    return found.close()
+    collector = SlipCollector()
+    collector.add(time_s, flags)
+    return collector.close()
 
 
 class SlipCollector:
@@ -118,14 +111,14 @@ class SlipCollector:
 
 def merge(parts: Sequence[Interval], gap_s: float) -> tuple[Interval, ...]:
     """Merge intervals, given in order of time, that are no further apart than `gap_s` [s]."""
-    out: list[Interval] = []
+    merged: list[Interval] = []
     for part in parts:
-        if out and part.onset_s - out[-1].end_s <= gap_s:
-            out[-1] = Interval(out[-1].onset_s, part.end_s)
+        if merged and part.onset_s - merged[-1].end_s <= gap_s:
+            merged[-1] = Interval(merged[-1].onset_s, part.end_s)
         else:
-            out.append(part)
+            merged.append(part)
 
-    return tuple(out)
+    return tuple(merged)
 
 
 def score(detected: Sequence[Interval], truth: Sequence[Interval], memory_s: float) -> Score:
@@ -135,18 +128,22 @@ def score(detected: Sequence[Interval], truth: Sequence[Interval], memory_s: flo
         first = next((interval for interval in detected if slip.overlaps(interval)), None)
         delays.append(None if first is None else first.onset_s - slip.onset_s)
 
-    false = tuple(d for d in detected if not any(slip.overlaps(d, memory_s) for slip in slips))
+    false = tuple(
+        interval
+        for interval in detected
+        if not any(slip.overlaps(interval, memory_s) for slip in slips)
+    )
     return Score(slips, tuple(delays), false)
 
 
 def measure_false_on_s(detected: Sequence[Interval], slips: Sequence[Interval]) -> float:
-    """Measure the time of ON outside all slips [s]; an interval
-    that began long before a slip is not false.
-    """
-    on_s = sum(i.end_s - i.onset_s for i in detected)
-    return on_s - sum(
-        max(0.0, min(i.end_s, s.end_s) - max(i.onset_s, s.onset_s)) for i in detected for s in slips
+    """Return the time of ON outside all slips [s]."""
+    on_s = sum(interval.end_s - interval.onset_s for interval in detected)
+    in_slips_s = sum(
+        max(0.0, min(interval.end_s, slip.end_s) - max(interval.onset_s, slip.onset_s))
+        for interval, slip in itertools.product(detected, slips)
     )
+    return on_s - in_slips_s
 
 
 @dataclass(frozen=True)
@@ -155,17 +152,13 @@ class Origin:
 
     is_simulated: bool = False
     motion_s: float | None = None
-    """Moment at which the robot begins to slide [s]; None if there is no slide, or it is
-    not known.
-    """
+    """Start of the robot's slide [s]; None without a slide, or if unknown."""
     clip_share: float | None = None
-    """Share of the true slip in which the filter's output is at
-    its limits; None if it is not known.
-    """
+    """Share of the true slip in which the filter's output is clipped; None if unknown."""
 
     @property
     def truth(self) -> str:
-        """Name of the true slip for people: simulated, or as whoever recorded it stated."""
+        """Name of the true slip in texts: simulated, or a column of the recording."""
         return f"true slip ({'simulated' if self.is_simulated else 'column slip'})"
 
 
@@ -173,7 +166,7 @@ UNKNOWN = Origin()
 
 
 def read_origin(path: Path) -> Origin:
-    """Read what the manifest beside a trace, and the detection of a simulated one, say of it."""
+    """Read the origin of a trace from the manifest and the detection beside it."""
     manifest = read_manifest(path.parent)
     if (
         manifest is None
@@ -209,21 +202,17 @@ ENCODER_HZ = 100.0
 
 
 def encoder_band_s(motion_s: float) -> tuple[float, float]:
-    """Interval in which encoders first show a motion that begins
-    at `motion_s` [s]: one of their periods.
-    """
+    """Return the interval in which encoders first show a motion [s]: one of their periods."""
     return motion_s, motion_s + 1 / ENCODER_HZ
 
 
 def encoder_delay_band_s(delay_s: float) -> tuple[float, float]:
-    """Shortest and longest delay that encoders show for a true delay since the motion [s]."""
+    """Return the shortest and longest delay that encoders show for a true one [s]."""
     return delay_s - 1 / ENCODER_HZ, delay_s
 
 
 def format_delay_band(delay_s: float) -> str:
-    """Format the delays that encoders show for a true delay since
-    the motion, such as ``15.5-25.5 ms``.
-    """
+    """Format the delays that encoders show, such as ``15.5-25.5 ms``."""
     low_s, high_s = encoder_delay_band_s(delay_s)
     return f"{1000 * low_s:.1f}-{1000 * high_s:.1f} ms"
 

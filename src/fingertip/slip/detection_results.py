@@ -1,4 +1,4 @@
-"""Wording of detection results for people, and their form in JSON."""
+"""Detection results as text for people, as data for JSON, and as a plot."""
 
 from __future__ import annotations
 
@@ -19,9 +19,7 @@ from fingertip.slip.traces.truth import (
 DETECTED = "detected"
 INTERVAL = "{onset} s to {end} s"
 _MEMORY_S = 0.2
-"""Time of ON without slip from which it is listed [s]: less is the detector's memory
-after a slip.
-"""
+"""Time of ON without slip that is reported [s]; less is the detector's memory."""
 
 
 def format_delay(delay_s: float | None) -> str:
@@ -40,9 +38,7 @@ _LISTED = 10
 
 
 def as_text(detection: Detection) -> str:
-    """Describe a detection: one line for each interval and, if
-    the true slips are known, for each slip.
-    """
+    """Describe a detection: a line for each interval and, if known, for each true slip."""
     score = detection.score
     truth = detection.trace.origin.truth
     width = len(truth) if score else len(DETECTED)
@@ -53,26 +49,29 @@ def as_text(detection: Detection) -> str:
             f"{'undecided':{width}} {_format_interval(detection.undecided)}, nothing rested before"
         )
 
-    at_force = [f", at {force.describe()}" for force in detection.forces or ()] or [""] * len(
-        detection.intervals
-    )
-    lines += [
-        f"{DETECTED:{width}} {_format_interval(i)}{_format_begin(i, detection)}{force}"
-        for i, force in zip(detection.intervals, at_force, strict=True)
-    ] or [_describe_silence(detection)]
+    forces = [f", at {force.describe()}" for force in detection.forces or ()]
+    forces = forces or [""] * len(detection.intervals)
+    for interval, force in zip(detection.intervals, forces, strict=True):
+        begin = _format_begin(interval, detection)
+        lines.append(f"{DETECTED:{width}} {_format_interval(interval)}{begin}{force}")
+
+    if not detection.intervals:
+        lines.append(_describe_silence(detection))
+
     lines += _list_incipient_alone(detection, width)
     if score is None:
         return "\n".join(lines)
 
     since_motion = detection.motion_delays_s or (None,) * len(score.slips)
     for slip, delay, moved in zip(score.slips, score.delays_s, since_motion, strict=True):
-        delay_text = format_delay(delay) + (
-            "" if moved is None else f", {format_motion_delay(moved)}"
-        )
+        delay_text = format_delay(delay)
+        if moved is not None:
+            delay_text += f", {format_motion_delay(moved)}"
+
         lines.append(f"{truth:{width}} {_format_interval(slip)}: {delay_text}")
 
     lines.append(f"false intervals: {len(score.false_intervals)}")
-    lines.extend(f"{'':{width}} {_format_interval(i)}" for i in score.false_intervals)
+    lines += [f"{'':{width}} {_format_interval(interval)}" for interval in score.false_intervals]
     silent_s = measure_false_on_s(detection.intervals, score.slips)
     if silent_s > _MEMORY_S:
         lines.append(f"ON for {silent_s:.2f} s without slip")
@@ -81,7 +80,7 @@ def as_text(detection: Detection) -> str:
 
 
 def _describe_silence(detection: Detection) -> str:
-    """Say how near the statistic came to the threshold of a detector that was never ON."""
+    """Describe how near the statistic of a detector that was never ON came to its threshold."""
     ratio = find_ratio(detection.output)
     place = int(np.argmax(ratio))
     if ratio[place] == 0.0:
@@ -100,30 +99,39 @@ def describe_detector(detection: Detection) -> str:
 
 
 def format_motion_delay(delay_s: float) -> str:
-    """Describe a delay since the robot moved, and the delays that encoders would show [s]."""
+    """Describe a delay since the robot moved [s], with those that encoders would show."""
     band = f"{format_delay_band(delay_s)} by encoders at {ENCODER_HZ:g} Hz"
     return f"{1000 * delay_s:.1f} ms after the robot moved ({band})"
 
 
 def _format_begin(interval: Interval, detection: Detection) -> str:
-    """Say from when an interval of ON was incipient, which lasts as long as ON does."""
+    """Describe from when an interval of ON was incipient slip; empty if it was not."""
     begins = [
-        i.onset_s for i in detection.incipient or () if i.onset_s < interval.onset_s < i.end_s
+        incipient.onset_s
+        for incipient in detection.incipient or ()
+        if incipient.onset_s < interval.onset_s < incipient.end_s
     ]
     return f", incipient from {begins[0]:.4f} s" if begins else ""
 
 
 def _list_incipient_alone(detection: Detection, width: int) -> list[str]:
-    """List what was incipient slip and never became ON, as for a controller that tightens early."""
+    """List incipient slip that never became ON: a controller that tightens early acts on it."""
     alone = [
-        one
-        for one in detection.incipient or ()
-        if not any(one.onset_s <= on.onset_s < one.end_s for on in detection.intervals)
+        incipient
+        for incipient in detection.incipient or ()
+        if not any(
+            incipient.onset_s <= interval.onset_s < incipient.end_s
+            for interval in detection.intervals
+        )
     ]
-    lines = [f"{'incipient':{width}} {_format_interval(one)}, never ON" for one in alone[:_LISTED]]
-    return lines + (
-        [f"{'':{width}} and {len(alone) - _LISTED} more"] if len(alone) > _LISTED else []
-    )
+    lines = [
+        f"{'incipient':{width}} {_format_interval(incipient)}, never ON"
+        for incipient in alone[:_LISTED]
+    ]
+    if len(alone) > _LISTED:
+        lines.append(f"{'':{width}} and {len(alone) - _LISTED} more")
+
+    return lines
 
 
 def _format_interval(interval: Interval) -> str:
@@ -134,27 +142,27 @@ def as_data(detection: Detection, noise: NoiseLevel | None) -> dict[str, Any]:
     """Convert a detection to plain mappings and lists for JSON. Keys contain their units."""
     score = detection.score
     moved = detection.motion_delays_s
-    forces = [force.as_data() for force in detection.forces or ()] or [{}] * len(
-        detection.intervals
-    )
+    forces = [force.as_data() for force in detection.forces or ()]
+    forces = forces or [{}] * len(detection.intervals)
+    rows = zip(detection.intervals, detection.confidences, forces, strict=True)
 
     return {
         "intervals": [
-            _interval_data(i) | {"confidence": round(c, 4)} | force
-            for i, c, force in zip(detection.intervals, detection.confidences, forces, strict=True)
+            _interval_data(interval) | {"confidence": round(confidence, 4)} | force
+            for interval, confidence, force in rows
         ],
         "incipient": None
         if detection.incipient is None
-        else [_interval_data(i) for i in detection.incipient],
+        else [_interval_data(interval) for interval in detection.incipient],
         "undecided": _interval_data(detection.undecided) if detection.undecided else None,
-        "slips": None if score is None else [_interval_data(i) for i in score.slips],
+        "slips": None if score is None else [_interval_data(slip) for slip in score.slips],
         "delays_s": None if score is None else [_round(delay) for delay in score.delays_s],
         "motion_s": _round(detection.trace.origin.motion_s),
         "delays_since_motion_s": None if moved is None else [_round(delay) for delay in moved],
-        "missed_slips": None if score is None else [_interval_data(i) for i in score.missed],
+        "missed_slips": None if score is None else [_interval_data(slip) for slip in score.missed],
         "false_intervals": None
         if score is None
-        else [_interval_data(i) for i in score.false_intervals],
+        else [_interval_data(interval) for interval in score.false_intervals],
         "detector": detection.detector,
         "signals": list(detection.signals.columns),
         "threshold_v": _round(detection.threshold_v),

@@ -1,9 +1,9 @@
 """Process that plays the firmware's stream: the lines of `slip_line.h` on a pseudo terminal, of
 simulated trials.
 
-`python -m tests.bench.player FILE.npy RATE_HZ` opens a pseudo terminal, prints its name, and writes
-the samples of FILE (columns voltage_v, moving), again and again, at that rate; at 0 as fast as they
-are read.
+`python -m tests.recorded_trials.player FILE.npy RATE_HZ` opens a pseudo terminal, prints its name,
+and writes the samples of FILE (columns voltage_v, moving), again and again, at that rate; at 0 as
+fast as they are read.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fingertip.bench.trials import KINDS, PAUSE_S, kind_of
 from fingertip.design import Design
+from fingertip.recorded_trials.trials import KINDS, PAUSE_S, kind_of
 from fingertip.sim import SceneFile, run_scene
 
 RING = 1024

@@ -1,6 +1,4 @@
-"""Survey of a recording: what each of its columns can be by its
-values, and the options that read it.
-"""
+"""Survey of a recording's columns: what each can be, and the options that read it."""
 
 from __future__ import annotations
 
@@ -19,7 +17,7 @@ from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import Issue, join_words
 from fingertip.foundation.numerics import Array
 from fingertip.slip.traces import sampling
-from fingertip.slip.traces.columns import (
+from fingertip.slip.traces.cells import (
     DELIMITERS,
     SPACES,
     is_value,
@@ -50,9 +48,7 @@ _OTHERS = {*COLUMNS, "sampled_envelope_v", "sampled_filtered_v"} - {"time_s", "v
 _MOST_LISTED = 12
 SURVEYED_LINES = 5200
 _LEAST_RUN = 20
-"""Number of lines by which the body of a file is found, and of
-samples in a row with which it begins.
-"""
+"""Number of lines that are surveyed, and of samples in a row with which the body begins."""
 
 
 @dataclass(frozen=True)
@@ -72,29 +68,30 @@ class Content:
     is_uneven: bool = False
 
     def __str__(self) -> str:
-        name = (
-            f"{self.key} {self.name!r}"
-            if self.key.isdecimal() and self.name != self.key
-            else self.key
-        )
+        name = self.key
+        if self.key.isdecimal() and self.name != self.key:
+            name = f"{self.key} {self.name!r}"
+
         return f"{name} ({self.low:.4g} to {self.high:.4g})"
 
     @property
     def time_unit(self) -> str | None:
         """Unit in which its steps are those of a detector's rate."""
-        return (
-            "s"
-            if MIN_RATE_HZ <= self.rate_hz <= MAX_RATE_HZ
-            else sampling.guess_time_unit(self.rate_hz)
-        )
+        if MIN_RATE_HZ <= self.rate_hz <= MAX_RATE_HZ:
+            return "s"
+
+        return sampling.guess_time_unit(self.rate_hz)
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def examine(key: str, values: Array, name: str = "", unit: str = "") -> Content:
     """Find what a column can be from its values; those that are no numbers are NaN."""
     name = name or key
-    stated = _UNIT_IN_NAME.fullmatch(name)
-    unit = (unit or (stated and (stated[1] or stated[2])) or "").lower()
+    match = _UNIT_IN_NAME.fullmatch(name)
+    if match and not unit:
+        unit = match[1] or match[2] or ""
+
+    unit = unit.lower()
     finite = values[np.isfinite(values)]
     if len(finite) < max(1.0, len(values) / 2):
         return Content(key, name, unit, "text")
@@ -107,10 +104,10 @@ def examine(key: str, values: Array, name: str = "", unit: str = "") -> Content:
     if low == high:
         kind = "rate" if _RATE.fullmatch(name) and MIN_RATE_HZ <= low <= MAX_RATE_HZ else "constant"
     elif sampling.rises_as_time(finite):
-        is_time = (
-            _TIME.match(name) and unit != "sequence" and name.lower() != "x"
-        ) or unit in TIME_UNITS_S
-        kind = "time" if is_time or (np.diff(finite) == 1.0).mean() <= 0.9 else "counter"
+        has_time_name = _TIME.match(name) and unit != "sequence" and name.lower() != "x"
+        is_counting = (np.diff(finite) == 1.0).mean() > 0.9
+        is_time = has_time_name or unit in TIME_UNITS_S or not is_counting
+        kind = "time" if is_time else "counter"
         rate_hz = float((len(finite) - 1) / (finite[-1] - finite[0]))
 
     return Content(
@@ -127,9 +124,7 @@ def examine(key: str, values: Array, name: str = "", unit: str = "") -> Content:
 
 @dataclass(frozen=True)
 class Survey:
-    """Columns of a file; of a text file also its body, the long
-    run of lines with equally many cells.
-    """
+    """Columns of a file; of a text file also its body of lines with equally many cells."""
 
     columns: Sequence[Content]
     rate_hz: float | None = None
@@ -148,9 +143,7 @@ class Survey:
         columns: ColumnMap,
         missing: Sequence[str],
     ) -> Iterator[Issue]:
-        """Name each missing column of a file that has columns of some
-        names; propose options with the last one.
-        """
+        """Yield an issue for each missing column; the last one proposes options."""
         proposal = self.propose(columns, missing)
         for column in missing:
             name = columns.name_in_file(column)
@@ -161,84 +154,78 @@ class Survey:
             )
 
     def propose(self, columns: ColumnMap, missing: Sequence[str], either: str = "Or ") -> str:
-        """Propose options that name the columns that are missing,
-        in sentences that follow another one.
-        """
-        signals = [
-            c
-            for c in self.columns
-            if c.kind == "signal" and c.key != columns.name_in_file("time_s")
-        ]
-        signals = [c for c in signals if c.name not in _OTHERS] or [
-            c for c in signals if c.name != "slip"
-        ]
+        """Propose options that name the missing columns, in sentences that follow another one."""
+        signals = self._list_signals(columns)
         notes = ""
         options = list[str]()
         units = list[str]()
 
         if "voltage_v" in missing and not signals:
-            kinds = ", ".join([f"{each.key} ({each.kind})" for each in self.columns[:_MOST_LISTED]])
+            kinds = ", ".join(
+                f"{content.key} ({content.kind})" for content in self.columns[:_MOST_LISTED]
+            )
             return f" No column varies as a signal does: {kinds or 'none holds numbers'}."
 
-        named = [
-            each
-            for each in signals
-            if len(signals) == 1 or _SENSOR.search(f"{each.key} {each.name}")
+        likely = [
+            signal
+            for signal in signals
+            if len(signals) == 1 or _SENSOR.search(f"{signal.key} {signal.name}")
         ]
-        best = named[0] if len(named) == 1 else Content("NAME", "", "", "signal")
+        best = likely[0] if len(likely) == 1 else Content("NAME", "", "", "signal")
         if "time_s" in missing:
-            group = re.sub(r"[^/.]*$", "", best.key) if len(named) == 1 else ""
+            group = re.sub(r"[^/.]*$", "", best.key) if len(likely) == 1 else ""
             notes, options, units = self._propose_time(len(signals) == 1, columns, group)
 
         if "voltage_v" in missing:
             notes += _list_candidates("voltage", signals)
-            options += [f"--column voltage_v={shlex.quote(best.key)}"] * (best.key != "voltage_v")
-            if columns.scale == 1.0 and best.unit[1:] == "v":
-                units.append(f"--scale {parse_number(f'1 {best.unit}'):g}")
-            elif is_force(best.name):
-                reason = (
-                    "a force has no threshold in volts: give the interval in which nothing happens"
-                )
-                units.append(f"--calibrate 0:0.5 ({reason})")
+            units += _propose_unit(best, columns)
+            if best.key != "voltage_v":
+                options.append(f"--column voltage_v={shlex.quote(best.key)}")
+
+        if not options and not units:
+            return notes
 
         count = sum(option.startswith("--column") for option in options)
         verb = f"name the file's column{'s' * (count > 1)}" if count else "give its rate"
-        if count and all(each.key.replace("+", "").isdecimal() for each in self.columns):
+        if count and all(content.key.replace("+", "").isdecimal() for content in self.columns):
             verb = "give its columns by number"
-            options = [each.replace("=NAME", "=NUMBER") for each in options]
+            options = [option.replace("=NAME", "=NUMBER") for option in options]
 
         proposal = f"{either}{verb}: {' '.join([*options, *units])}"
-        return notes + (f" {proposal[0].upper()}{proposal[1:]}" if options or units else "")
+        return f"{notes} {proposal[0].upper()}{proposal[1:]}"
+
+    def _list_signals(self, columns: ColumnMap) -> list[Content]:
+        """List the columns that may be the voltage: no other column of a trace, if possible."""
+        times = columns.name_in_file("time_s")
+        signals = [
+            content for content in self.columns if content.kind == "signal" and content.key != times
+        ]
+        preferred = [signal for signal in signals if signal.name not in _OTHERS]
+        return preferred or [signal for signal in signals if signal.name != "slip"]
 
     def _propose_time(
         self, is_free: bool, columns: ColumnMap, group: str
     ) -> tuple[str, list[str], list[str]]:
-        """Propose the times, or the rate where there are none:
-        notes, options, and the option of a unit.
-        """
-        times = [each for each in self.columns if each.kind == "time"]
-        times = [each for each in times if each.key.startswith(group)] or times
-
-        for rank in (
-            lambda c: not c.is_uneven,
-            lambda c: _TIME.match(c.name),
-            lambda c: c.time_unit,
-        ):
-            times = [each for each in times if rank(each)] or times
+        """Propose times, or a rate without any: notes, options, and the option of a unit."""
+        times = [content for content in self.columns if content.kind == "time"]
+        times = [time for time in times if time.key.startswith(group)] or times
+        times = [time for time in times if not time.is_uneven] or times
+        times = [time for time in times if _TIME.match(time.name)] or times
+        times = [time for time in times if time.time_unit] or times
 
         if len(times) > 1 and not is_free:
             return _list_candidates("time", times), ["--column time_s=NAME"], []
 
-        rate_hz = next((each.low for each in self.columns if each.kind == "rate"), self.rate_hz)
-        for time in times[:1]:
+        rates_hz = (content.low for content in self.columns if content.kind == "rate")
+        rate_hz = next(rates_hz, self.rate_hz)
+        if times:
+            time = times[0]
             unit = time.time_unit or "s"
             if columns.name_in_file("time_s") != "none":
-                options = [f"--column time_s={shlex.quote(time.key)}"] * (time.key != "time_s")
-                return (
-                    "",
-                    options,
-                    [f"--time-scale {unit}"] * (unit != "s" and columns.time_scale == 1.0),
-                )
+                options = [f"--column time_s={shlex.quote(time.key)}"]
+                units = [f"--time-scale {unit}"]
+                has_unit = unit != "s" and columns.time_scale == 1.0
+                return "", options if time.key != "time_s" else [], units if has_unit else []
 
             rate_hz = time.rate_hz / TIME_UNITS_S[unit]
 
@@ -246,6 +233,17 @@ class Survey:
             return "", [f"--rate-hz {rate_hz:.6g}"], []
 
         return " No column holds times, so give the sampling rate for HZ.", ["--rate-hz HZ"], []
+
+
+def _propose_unit(signal: Content, columns: ColumnMap) -> list[str]:
+    """Propose the option that a signal in another unit than volts needs."""
+    if columns.scale == 1.0 and signal.unit[1:] == "v":
+        return [f"--scale {parse_number(f'1 {signal.unit}'):g}"]
+    if is_force(signal.name):
+        reason = "a force has no threshold in volts: give the interval in which nothing happens"
+        return [f"--calibrate 0:0.5 ({reason})"]
+
+    return []
 
 
 def _list_candidates(noun: str, contents: Sequence[Content]) -> str:
@@ -259,9 +257,7 @@ def _list_candidates(noun: str, contents: Sequence[Content]) -> str:
 
 
 def join_seconds(contents: Sequence[Content], values: Mapping[str, Array]) -> Iterator[Content]:
-    """Yield the contents, with columns of seconds and of nanoseconds
-    as one, whose key joins theirs by a plus.
-    """
+    """Yield the contents, with columns of seconds and nanoseconds joined as "A+B"."""
     joined: dict[str, Content] = {}
     for (seconds, whole), (nanos, parts) in itertools.permutations(values.items(), 2):
         if len(whole) != len(parts) or not np.isfinite([whole, parts]).all() or (whole % 1).any():
@@ -289,15 +285,15 @@ def survey_lines(lines: Sequence[str]) -> Survey | None:
     width = Counter(len(cells) for _, cells in rows[len(rows) // 2 :]).most_common(1)[0][0]
     columns = zip(*(cells for _, cells in rows if len(cells) == width), strict=True)
     numeric = [i for i, cells in enumerate(columns) if 2 * sum(map(is_value, cells)) > len(cells)]
-    shown = ([cells[i] for i in numeric] if len(cells) == width else [] for _, cells in rows)
-    is_sample = [any(cells) and all(is_value(cell) for cell in cells if cell) for cells in shown]
+    numbers = ([cells[i] for i in numeric] if len(cells) == width else [] for _, cells in rows)
+    is_sample = [any(cells) and all(is_value(cell) for cell in cells if cell) for cells in numbers]
     place = next((i for i in range(len(rows)) if all(is_sample[i : i + _LEAST_RUN])), None)
     if place is None:
         return None
 
-    found = zip(rows[place:], is_sample[place:], strict=True)
     first = rows[place][0]
-    body = [cells for (_, cells), is_one in found if is_one]
+    samples = zip(rows[place:], is_sample[place:], strict=True)
+    body = [cells for (_, cells), fits in samples if fits]
     above = [
         (number, _split_above(line.lstrip("# "), delimiter))
         for number, line in filled
@@ -310,20 +306,18 @@ def survey_lines(lines: Sequence[str]) -> Survey | None:
         *zip(names, units, strict=False),
         *(cells[:3] for cells in body[:30]),
     ]
-    is_plain = (
+    has_names = (
         len(names) == width == len(set(names))
         and all(names)
         and not any("+" in name for name in names)
+        and sum(map(str.isdecimal, names)) != 1  # two names that are numbers win over numbers
     )
-    is_plain = (
-        is_plain and sum(map(str.isdecimal, names)) != 1
-    )  # two names that are numbers win over numbers
     contents = list[Content]()
     values = dict[str, Array]()
 
     for i in range(width):
         name, unit = (cells[i] if i < len(cells) else "" for cells in (names, units))
-        key = name if is_plain else str(i + 1)
+        key = name if has_names else str(i + 1)
         values[key] = np.array([_parse(cells[i]) for cells in body])
         match = UNIT_WORD.fullmatch(unit)
         contents.append(examine(key, values[key], name, match[1] if match else ""))
@@ -339,15 +333,13 @@ def survey_lines(lines: Sequence[str]) -> Survey | None:
 
 def _split_above(line: str, delimiter: str) -> list[str]:
     """Split a line above the body, which may have another delimiter."""
-    return split_plain(
-        line, next((each for each in (delimiter, *DELIMITERS) if each in line), delimiter)
-    )
+    candidates = (delimiter, *DELIMITERS)
+    own = next((candidate for candidate in candidates if candidate in line), delimiter)
+    return split_plain(line, own)
 
 
 def _find_delimiter(lines: Sequence[str]) -> str:
-    """Find the delimiter of the lines in the second half, in which no
-    preamble is; a tab if each is one number.
-    """
+    """Find the delimiter of the second half of the lines; a tab if each is one number."""
     half = lines[len(lines) // 2 :][:200]
     if sum(parse_number(line.strip('"')) is not None for line in half) > 0.9 * len(half):
         above = next(
@@ -361,19 +353,15 @@ def _find_delimiter(lines: Sequence[str]) -> str:
             or "," not in (above or ",")
         )
 
-        if is_one or any(
-            re.match(r"0\d", cells[-1]) for cells in parts
-        ):  # no whole number begins with zero
+        # No whole number begins with zero.
+        if is_one or any(re.match(r"0\d", cells[-1]) for cells in parts):
             return "\t"
 
     for delimiter in ("\t", ";", ",", SPACES):
         rows = [split_plain(line, delimiter) for line in half]
         [(usual, count)] = Counter(map(len, rows)).most_common(1)
-        if (
-            usual > 1
-            and count > 0.8 * len(half)
-            and any(is_value(cell) for cells in rows[-3:] for cell in cells)
-        ):
+        has_numbers = any(map(is_value, itertools.chain(*rows[-3:])))
+        if usual > 1 and count > 0.8 * len(half) and has_numbers:
             return delimiter
 
     return ","
@@ -394,21 +382,19 @@ def _parse(cell: str) -> float:
 def _find_header(
     above: Sequence[tuple[int, list[str]]], width: int, numeric: Sequence[int]
 ) -> tuple[int, list[str], list[str]]:
-    """Find the last line above the body that names its columns: its
-    number, its names, and the units below it.
-    """
+    """Find the last line above the body with names: its number, the names, and their units."""
     units: list[str] = []
     for number, cells in above[:-3:-1]:
-        shown = [cells[i] for i in numeric if i < len(cells)]
+        words = [cells[i] for i in numeric if i < len(cells)]
         is_full = len(cells) >= max(width - 1, min(width, 2)) and any(
-            cell and not is_value(cell) for cell in shown
+            word and not is_value(word) for word in words
         )
         is_pair = sum(map(bool, cells)) == 2
         is_setting = is_pair and (
             _SETTING.match(cells[0]) or (len(cells[1]) > 2 and is_value(cells[1]))
         )
         is_units = (
-            shown and all(map(UNIT_WORD.fullmatch, shown)) and (width > 1 or cells[0][0] in "([")
+            words and all(map(UNIT_WORD.fullmatch, words)) and (width > 1 or cells[0][0] in "([")
         )
 
         if not units and is_units and len(above) > 1:
@@ -428,9 +414,8 @@ def _find_rate(settings: Sequence[Sequence[str]]) -> float | None:
     """Find the sampling rate among settings and their values [Hz]."""
     for cells in settings:
         filled = [cell for cell in cells if cell]
-        for key, text in itertools.pairwise(
-            re.split(r"\s*[:=]\s*", filled[0]) if len(filled) == 1 else cells
-        ):
+        words = re.split(r"\s*[:=]\s*", filled[0]) if len(filled) == 1 else cells
+        for key, text in itertools.pairwise(words):
             value = parse_number(text) or 0.0
             if value and _INTERVAL.fullmatch(key):
                 rate_hz = 1 / value

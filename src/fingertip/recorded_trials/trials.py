@@ -1,5 +1,4 @@
-"""Trials of a bench: what a person does in each, one CSV file per trial, and a folder of them to
-give away.
+"""Recorded trials: what a person does in each, their CSV files, and a folder to give away.
 
 The first line of a file holds its labels. The folder's data sheet is the README of a data set as
 public collections read it: a block of YAML, then the questions of T. Gebru et al., Datasheets for
@@ -141,20 +140,18 @@ class Labels(BaseModel, frozen=True, allow_inf_nan=False):
 class TrialFile:
     labels: Labels
     trace: Trace
-    """Samples; `slip` is true while the slide moves, and None where its contact was not
-    recorded.
-    """
+    """Samples; `slip` is true while the slide moves, None if its contact was not recorded."""
 
 
 def write_trial(path: Path, labels: Labels, trace: Trace) -> None:
-    """Write a trial under another name and rename it: the file is whole or not there.
+    """Write a trial; the file is whole or not there.
 
     Raises OutputError.
     """
-    known = {name: values for name in _COLUMNS if (values := getattr(trace, name)) is not None}
+    columns = {name: getattr(trace, name) for name in _COLUMNS if getattr(trace, name) is not None}
     text = io.StringIO()
-    text.write(f"# {labels.model_dump_json()}\n{','.join(known)}\n")
-    np.savetxt(text, np.column_stack([*known.values()]), "%.7g", ",")
+    text.write(f"# {labels.model_dump_json()}\n{','.join(columns)}\n")
+    np.savetxt(text, np.column_stack([*columns.values()]), "%.7g", ",")
     write_file(path, text.getvalue().encode())
 
 
@@ -185,7 +182,7 @@ def read_trial(path: Path, below: Path | None = None) -> TrialFile:
 
 
 def prepare_folder(folder: Path, design: Design) -> None:
-    """Write what the folder lacks of data sheet, consent and design.
+    """Write the design, the consent form and the data sheet that a folder lacks.
 
     Raises TraceError for that of another design.
     """
@@ -194,11 +191,13 @@ def prepare_folder(folder: Path, design: Design) -> None:
         CONSENT: render("consent.md", open=_OPEN),
         SHEET: render("recordings.md", name=design.name, open=_OPEN),
     }
-    kept = folder / DESIGN
+    design_path = folder / DESIGN
 
-    if kept.exists() and _hash_design(folder) != hash_parameters(design.identity()):
+    if design_path.exists() and _hash_design(folder) != hash_parameters(design.identity()):
         raise TraceError(
-            Issue(str(folder), f"holds another design; give another --out, or record {kept}.")
+            Issue(
+                str(folder), f"holds another design; give another --out, or record {design_path}."
+            )
         )
 
     for name, text in sheet.items():
@@ -214,54 +213,48 @@ def _hash_design(folder: Path) -> str:
 
 def _read_all(folder: Path) -> tuple[list[TrialFile], list[Issue]]:
     issues = list[Issue]()
-    found = list[TrialFile]()
+    trials = list[TrialFile]()
     for path in list_trials(folder):
         try:
-            found.append(read_trial(path, folder))
+            trials.append(read_trial(path, folder))
         except FingertipError as error:
             issues += error.issues
 
-    return found, issues
+    return trials, issues
 
 
 def read_recordings(folder: Path) -> tuple[TrialFile, ...]:
-    """Read all trials of a folder, whose faults are found at once. Raises TraceError."""
-    found, issues = _read_all(folder)
-    missing = (
-        []
-        if found or issues
-        else [Issue(str(folder), "holds no trials; record some with fingertip record.")]
-    )
-    raise_issues(TraceError, issues + missing)
+    """Read all trials of a folder, and raise all their faults at once. Raises TraceError."""
+    trials, issues = _read_all(folder)
+    if not trials and not issues:
+        issues = [Issue(str(folder), "holds no trials; record some with fingertip record.")]
 
-    return tuple(found)
+    raise_issues(TraceError, issues)
+    return tuple(trials)
 
 
 def check_recordings(folder: Path) -> tuple[int, list[str], list[str]]:
-    """Return the number of trials, what keeps the folder from
-    being given away, and what to know of it.
-    """
-    found, issues = _read_all(folder)
+    """Return the number of trials, faults to mend before the folder is given away, and notes."""
+    trials, issues = _read_all(folder)
     faults = [f"{issue.field}: {issue.message}" for issue in issues]
-    simulated = sum(trial.labels.simulated for trial in found)
-    notes = [
-        f"{simulated} trials are simulated, as their labels say: no evidence of a built finger"
-    ] * (simulated > 0)
+    simulated = sum(trial.labels.simulated for trial in trials)
+    notes = []
+    if simulated:
+        notes.append(
+            f"{simulated} trials are simulated, as their labels say: no evidence of a built finger"
+        )
 
-    return len(list_trials(folder)), [*faults, *_find_faults(folder, found)], notes
+    return len(list_trials(folder)), [*faults, *_find_faults(folder, trials)], notes
 
 
 def _find_faults(folder: Path, trials: Sequence[TrialFile]) -> Iterator[str]:
     try:
         expected = _hash_design(folder)
-        others = [
-            trial_path(folder, each.labels.trial).name
-            for each in trials
-            if each.labels.design_hash != expected
-        ]
-        yield from (
-            f"{name}: was recorded with another design; give it its own folder." for name in others
-        )
+        for trial in trials:
+            if trial.labels.design_hash != expected:
+                name = trial_path(folder, trial.labels.trial).name
+                yield f"{name}: was recorded with another design; give it its own folder."
+
     except FingertipError as error:
         yield from (f"{DESIGN}: {issue.field} {issue.message}" for issue in error.issues)
 

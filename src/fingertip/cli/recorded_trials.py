@@ -57,10 +57,10 @@ def record(
     terminal says what to do, and shows voltage, force and slip. Ctrl-C ends it; the same command
     goes on with the trial that was interrupted.
     """
-    from fingertip.bench.record import Plan, Recorder
-    from fingertip.bench.trials import prepare_folder
     from fingertip.drivers import Port, SampleReader
     from fingertip.foundation.output_set import find_place_issues
+    from fingertip.recorded_trials.record import Plan, Recorder
+    from fingertip.recorded_trials.trials import prepare_folder
 
     loaded = load_design(design, changes, console)
 
@@ -122,20 +122,19 @@ def compare_recordings(
     force: bool,
 ) -> None:
     """Compare recordings with their simulation, for `fingertip validate --recordings`."""
-    from fingertip.bench import compare
-    from fingertip.bench.trials import read_recordings
     from fingertip.foundation.output_set import SetWriter, hash_parameters
+    from fingertip.recorded_trials.simulation_comparison import DATA, FITTED, TEXT, compare
+    from fingertip.recorded_trials.trials import read_recordings
 
     writer = None
-
     if out:
         parameters = hash_parameters(design.identity())
         writer = SetWriter(out, "recordings report", design.name, parameters, force=force)
-        writer.check((compare.TEXT, compare.DATA, compare.FITTED))
+        writer.check((TEXT, DATA, FITTED))
 
-    found = compare.compare(design, read_recordings(recordings), detector, console.progress)
+    report = compare(design, read_recordings(recordings), detector, console.progress)
     if writer:
-        writer.write(found.files())
+        writer.write(report.files())
 
-    fitted = str(out / compare.FITTED) if out else "--out FOLDER writes it, with this report"
-    console.result(found.as_data(), f"{found.as_text()}\nfitted design: {fitted}")
+    fitted = str(out / FITTED) if out else "--out FOLDER writes it, with this report"
+    console.result(report.as_data(), f"{report.as_text()}\nfitted design: {fitted}")

@@ -15,7 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fingertip.bench.trials import (
+from fingertip.design import Design
+from fingertip.drivers import SampleReader
+from fingertip.foundation.errors import Issue, TraceError, raise_issues
+from fingertip.foundation.output_set import hash_parameters
+from fingertip.recorded_trials.trials import (
     KINDS,
     PAUSE_S,
     SAID,
@@ -26,10 +30,6 @@ from fingertip.bench.trials import (
     trial_path,
     write_trial,
 )
-from fingertip.design import Design
-from fingertip.drivers import SampleReader
-from fingertip.foundation.errors import Issue, TraceError, raise_issues
-from fingertip.foundation.output_set import hash_parameters
 from fingertip.sim.runs.grip import ForceCurve
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.fast_settings import GAP_S
@@ -38,9 +38,11 @@ from fingertip.slip.traces.trace import Trace
 
 @dataclass(frozen=True)
 class Plan:
-    """Plan of a recording: `forces_n` by weights, each for an equal part of the trials (empty:
-    unknown), error of the contact that opens with the motion (None: unknown), and `pace`, a factor
-    of all durations. Raises TraceError.
+    """Plan of a recording. Raises TraceError.
+
+    `forces_n` are set by weights, each for an equal part of the trials, or empty if unknown.
+    `onset_error_s` is the error of the contact that opens with the motion, or None. `pace` is a
+    factor of all durations.
     """
 
     trials: int = 40
@@ -60,32 +62,28 @@ class Plan:
             ("--temperature-c", [self.temperature_c or 0.0], -40, 100, ""),
             ("--onset-error-ms", [1000 * (self.onset_error_s or 0.0)], 0, 1000, " ms"),
         )
-        raise_issues(
-            TraceError,
-            (
-                Issue(name, f"{value:g} is refused; choose {low:g} to {high:g}{unit}.")
-                for name, values, low, high, unit in limits
-                for value in values
-                if not low <= value <= high
-            ),
-        )
+        issues = []
+        for name, values, low, high, unit in limits:
+            message = f"is refused; choose {low:g} to {high:g}{unit}."
+            refused = [value for value in values if not low <= value <= high]
+            issues += [Issue(name, f"{value:g} {message}") for value in refused]
+
+        raise_issues(TraceError, issues)
 
     def force_n(self, number: int) -> float | None:
-        """Force of a trial, numbered from 1 [N]."""
-        at = (number - 1) % self.trials * len(self.forces_n) // self.trials
-        return self.forces_n[at] if self.forces_n else None
+        """Return the force of a trial, numbered from 1 [N]; None if it is unknown."""
+        place = (number - 1) % self.trials * len(self.forces_n) // self.trials
+        return self.forces_n[place] if self.forces_n else None
 
     def schedule(self, number: int) -> dict[str, tuple[float, float]]:
-        """Phases of a trial with their starts and ends [s]."""
+        """Return the phases of a trial with their starts and ends [s]."""
         durations = KINDS[kind_of(number)]
         ends = [round(self.pace * end, 6) for end in np.cumsum([*durations.values()]).tolist()]
         return dict(zip(durations, zip([0.0, *ends], ends, strict=False), strict=True))
 
 
 class Recorded(NamedTuple):
-    """Numbers of the trials that were written, samples that were lost,
-    trials repeated for a gap, and all samples.
-    """
+    """Result of a recording: trials written, samples lost, trials repeated, and samples in all."""
 
     trials: tuple[int, ...]
     lost: int
@@ -95,6 +93,8 @@ class Recorded(NamedTuple):
 
 @dataclass
 class Recorder:
+    """Recorder of the trials of a plan, which tells a person what to do."""
+
     design: Design
     folder: Path
     plan: Plan
@@ -110,70 +110,82 @@ class Recorder:
 
     def run(self, reader: SampleReader) -> Recorded:
         """Record all trials that the folder lacks. Raises TraceError if the samples end before."""
-        samples = iter(reader)
-        written = list[int]()
+        stream = iter(reader)
+        numbers = list[int]()
         lost = 0
         repeated = 0
-        count = 0
-        done = {path.name for path in list_trials(self.folder)}
-        plan = self.plan
-        rate_hz = self._rate_hz
+        samples = 0
+        present = {path.name for path in list_trials(self.folder)}
 
-        for number in range(1, plan.trials + 1):
+        for number in range(1, self.plan.trials + 1):
             path = trial_path(self.folder, number)
-            force_n = plan.force_n(number)
-            if path.name in done:
+            if path.name in present:
                 continue
 
-            if not written or force_n != plan.force_n(number - 1):
-                pause_s = plan.pace * PAUSE_S
-                weights = f"weights for {force_n:g} N" if force_n else "get ready"
-                self.note(f"trial {number} begins in {pause_s:g} s: {weights}")
-                for _ in zip(range(round(pause_s * rate_hz)), samples, strict=False):
-                    pass
+            if not numbers or self.plan.force_n(number) != self.plan.force_n(number - 1):
+                self._pause(stream, number)
 
-            while (trace := self._take(samples, number)) is None:
+            trace = self._take(stream, number)
+            while trace is None:
                 repeated += 1
                 self.note(f"trial {number}: a gap of more than {1000 * GAP_S:g} ms; it is repeated")
+                trace = self._take(stream, number)
 
-            if trace.slip is not None and kind_of(number) == "slide":
-                moved = f"moved for {1000 * trace.slip.sum() / rate_hz:.0f} ms"
-                self.note(
-                    f"trial {number}: "
-                    f"{moved if trace.slip.any() else 'the contact of MOTION_PIN never opened'}"
-                )
+            self._note_motion(trace, number)
+            write_trial(path, self._label(number, reader.firmware), trace)
+            numbers.append(number)
+            lost += self._lost
+            samples += len(trace.time_s)
 
-            labels = Labels(
-                trial=number,
-                kind=kind_of(number),
-                phases=plan.schedule(number),
-                design=self.design.name,
-                design_hash=self._hash,
-                surface=plan.surface,
-                force_n=force_n,
-                stroke_m=plan.stroke_m,
-                lost=self._lost,
-                onset_error_s=plan.onset_error_s,
-                firmware=reader.firmware,
-                temperature_c=plan.temperature_c,
-            )
-            write_trial(path, labels, trace)
-            written.append(number)
-            lost = lost + self._lost
-            count = count + len(trace.time_s)
+        return Recorded(tuple(numbers), lost, repeated, samples)
 
-        return Recorded(tuple(written), lost, repeated, count)
+    def _pause(self, stream: Iterator[tuple[float, ...]], number: int) -> None:
+        """Let samples pass while a person changes the weights."""
+        force_n = self.plan.force_n(number)
+        pause_s = self.plan.pace * PAUSE_S
+        weights = f"weights for {force_n:g} N" if force_n else "get ready"
+        self.note(f"trial {number} begins in {pause_s:g} s: {weights}")
+        for _ in zip(range(round(pause_s * self._rate_hz)), stream, strict=False):
+            pass
 
-    def _take(self, samples: Iterator[tuple[float, ...]], number: int) -> Trace | None:
+    def _note_motion(self, trace: Trace, number: int) -> None:
+        """Tell how long a slide moved."""
+        if trace.slip is None or kind_of(number) != "slide":
+            return
+
+        text = "the contact of MOTION_PIN never opened"
+        if trace.slip.any():
+            text = f"moved for {1000 * trace.slip.sum() / self._rate_hz:.0f} ms"
+
+        self.note(f"trial {number}: {text}")
+
+    def _label(self, number: int, firmware: str) -> Labels:
+        plan = self.plan
+        return Labels(
+            trial=number,
+            kind=kind_of(number),
+            phases=plan.schedule(number),
+            design=self.design.name,
+            design_hash=self._hash,
+            surface=plan.surface,
+            force_n=plan.force_n(number),
+            stroke_m=plan.stroke_m,
+            lost=self._lost,
+            onset_error_s=plan.onset_error_s,
+            firmware=firmware,
+            temperature_c=plan.temperature_c,
+        )
+
+    def _take(self, stream: Iterator[tuple[float, ...]], number: int) -> Trace | None:
         """Take the samples of one trial; None after a long gap."""
         end_s = max(end for _, end in self.plan.schedule(number).values())
         total = round(self._rate_hz * end_s)
-        taken = list[tuple[float, ...]]()
-        shown = 0
+        samples = list[tuple[float, ...]]()
+        reported = 0
         self._lost = 0
 
-        while len(taken) < total:
-            sample = next(samples, None)
+        while len(samples) < total:
+            sample = next(stream, None)
             if sample is None:
                 message = (
                     f"ended in trial {number}, which is not kept; run the command again to "
@@ -181,22 +193,21 @@ class Recorder:
                 )
                 raise TraceError(Issue("samples", message))
 
-            if taken:
-                steps = round((sample[0] - taken[-1][0]) * self._rate_hz)
-                if (
-                    not 0 < steps <= GAP_S * self._rate_hz + 1
-                ):  # the controller was reset, or much was lost
+            if samples:
+                steps = round((sample[0] - samples[-1][0]) * self._rate_hz)
+                # Otherwise the controller was reset, or much was lost.
+                if not 0 < steps <= GAP_S * self._rate_hz + 1:
                     return None
 
-                taken += [taken[-1]] * (steps - 1)
+                samples += [samples[-1]] * (steps - 1)
                 self._lost += steps - 1
 
-            taken.append(sample)
-            if len(taken) - shown >= 0.1 * self._rate_hz:  # a line each 0.1 s
-                self._report(np.array(taken[shown:]), number, len(taken) / self._rate_hz)
-                shown = len(taken)
+            samples.append(sample)
+            if len(samples) - reported >= 0.1 * self._rate_hz:  # a line each 0.1 s
+                self._report(np.array(samples[reported:]), number, len(samples) / self._rate_hz)
+                reported = len(samples)
 
-        _, volts, filtered, moving = np.array(taken[:total]).T
+        _, volts, filtered, moving = np.array(samples[:total]).T
         slip = None if np.isnan(moving[0]) and kind_of(number) == "slide" else moving > 0.0
         return Trace(
             time_s=np.arange(total) / self._rate_hz,

@@ -22,7 +22,7 @@ from fingertip.catalogues.output_files import BOARD_DESIGN, BOARD_FOLDER
 from fingertip.design import Design
 from fingertip.design.finger_set import FingerSet, Form
 from fingertip.documents.acceptance import AcceptanceSheet
-from fingertip.documents.finger import list_steps
+from fingertip.documents.finger_sheets import list_steps
 from fingertip.documents.template import fill
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.files import format_csv

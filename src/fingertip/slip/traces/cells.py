@@ -56,8 +56,7 @@ _OVER_RANGE = re.compile(r"[*#]+|-{2,}|[-+]?(ol|ovl?d?|over\w*|clip\w*)", re.IGN
 
 
 def parse_number(cell: str) -> float | None:
-    """Parse a number, quoted or not, with a decimal point or comma, marks of thousands, and a unit;
-    else None.
+    """Parse a number with a decimal point or comma, marks of thousands, and a unit; else None.
 
     Of two kinds of marks, the last one is the decimal. A prefix of the unit is a factor: 12 mV is
     0.012.
@@ -70,11 +69,11 @@ def parse_number(cell: str) -> float | None:
     if plain != cell:
         return parse_number(plain)
 
-    found = _QUANTITY.fullmatch(plain)
-    if not found:
+    match = _QUANTITY.fullmatch(plain)
+    if not match:
         return None
 
-    digits, power, prefix = found.groups()
+    digits, power, prefix = match.groups()
     whole, mark, decimals = re.fullmatch(r"(.*?)(?:([.,])([^.,]*))?", digits).groups("")  # type: ignore[union-attr]
     if mark in whole and mark:  # a mark that is repeated separates thousands
         whole = digits
@@ -84,9 +83,8 @@ def parse_number(cell: str) -> float | None:
         return None
 
     try:
-        return float(f"{re.sub('[.,]', '', whole)}.{decimals}{power or ''}") * _PREFIXES.get(
-            prefix, 1.0
-        )
+        value = float(f"{re.sub('[.,]', '', whole)}.{decimals}{power or ''}")
+        return value * _PREFIXES.get(prefix, 1.0)
     except ValueError:
         return None
 
@@ -102,9 +100,7 @@ def is_value(cell: str) -> bool:
 
 
 def parse_instant(cell: str) -> datetime.datetime | None:
-    """Parse a date with time, or a time of day (then of an arbitrary
-    date), as ISO 8601 writes them, else None.
-    """
+    """Parse a date with time, or a time of day (on an arbitrary date), in ISO 8601; else None."""
     text = unquote(cell)
     if ":" not in text:  # a bare date, or a whole number, which would be read as one
         return None
@@ -140,9 +136,7 @@ _END = "***End_of_Header***"
 
 
 def plain_labview(lines: Iterable[str]) -> Iterator[str]:
-    """Leave the samples of a LabVIEW file below its names: headers of
-    segments are empty, and comments cut off.
-    """
+    """Yield the names and samples of a LabVIEW file, without segment headers and comments."""
     width = 0
     is_header = True
 
@@ -165,15 +159,13 @@ def is_named(line: str) -> bool:
 
 
 def bare_lines(lines: Iterable[str]) -> Iterator[str]:
-    """Leave the values of lines that name them."""
+    """Yield lines without the names of their values."""
     return (_NAME.sub("", line) if is_named(line) else line for line in lines)
 
 
 @dataclass
 class NotedLines:
-    """Lines that are passed over or cannot be used, of which a file may
-    hold millions: their number, and the first.
-    """
+    """Count of lines that are passed over or wrong, perhaps millions; and the first one."""
 
     count: int = 0
     first: tuple[int, str] | None = None

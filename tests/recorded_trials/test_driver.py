@@ -23,9 +23,9 @@ from fingertip.drivers import Finger, Port, Slip
 from fingertip.foundation.errors import TraceError
 from fingertip.sim import run_scene
 from fingertip.slip.detectors.fast import FastDetector
-from tests.bench.player import slide_scene
-from tests.bench.test_record import DESIGN, playing
 from tests.conftest import ROOT
+from tests.recorded_trials.player import slide_scene
+from tests.recorded_trials.test_record import DESIGN, playing
 
 
 def simulate(design: Design) -> np.ndarray:

@@ -10,15 +10,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.bench.compare import compare
-from fingertip.bench.fit import mean_interval
-from fingertip.bench.record import Plan, Recorder
-from fingertip.bench.trials import prepare_folder, read_recordings
 from fingertip.design import Design
 from fingertip.drivers import SampleReader
 from fingertip.foundation import jit
-from tests.bench.player import HEADER, format_line, simulate_person
+from fingertip.recorded_trials.record import Plan, Recorder
+from fingertip.recorded_trials.simulation_comparison import compare
+from fingertip.recorded_trials.simulation_fit import mean_interval
+from fingertip.recorded_trials.trials import prepare_folder, read_recordings
 from tests.conftest import run_fingertip
+from tests.recorded_trials.player import HEADER, format_line, simulate_person
 
 DESIGN = Design.load("first_finger")
 FORCES_N = (0.5, 0.8, 1.5, 2.5, 3.5)

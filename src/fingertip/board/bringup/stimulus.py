@@ -1,5 +1,4 @@
-"""The bench: what replaces the sensor while a board is brought up, the tone that a controller feeds
-in, and the resistances that a meter reads ahead of the first current.
+"""Stimulus of a bring-up: resistors in place of the sensor, and a tone from a controller's pin.
 
 A resistor in place of the sensor stands for a force, the same on every day. A pin of the controller
 that switches between 0 and its supply reaches the sensor's socket through a capacitor and a large
@@ -15,10 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fingertip.board.circuits.network import Network, build_network
-from fingertip.board.components.front_end import ARTICLE_POINTS, GAIN_RESISTOR, sensor_conductance_s
+from fingertip.board.components.front_end import ARTICLE_POINTS, sensor_conductance_s
 from fingertip.board.components.selection import nearest_value
 from fingertip.board.parts import nets
-from fingertip.board.parts.circuit import Circuit, Component, parse_component_value
+from fingertip.board.parts.circuit import Circuit, Component
 from fingertip.board.parts.symbols import C_0603, CAPACITOR, R_0603, RESISTOR
 from fingertip.foundation.numerics import Array
 
@@ -38,9 +37,7 @@ SAMPLE_HZ = 6000
 HARMONICS = tuple(range(1, 32, 2))
 """Harmonics that a meter sees; further ones add less than 0.1 %."""
 _SWING_SHARE = 0.5
-"""Peak of the filtered fundamental as a share of the filter's swing.
-Edges of a square wave reach half as much more.
-"""
+"""Peak of the filtered fundamental over the filter's swing; a square wave's edges add half."""
 _TONE_RATIOS = (0.6, 1.0, 2.0)
 """Frequencies of the tone as multiples of the cutoff: well below, at, and well above it."""
 _TOP_SAMPLES = 6
@@ -48,12 +45,13 @@ _TOP_SAMPLES = 6
 
 
 @dataclass(frozen=True)
-class Bench:
+class Stimulus:
+    """Resistors and tones with which a board is tested instead of a sensor."""
+
     dummy_ohm: tuple[float, float]
     """Resistors in place of the sensor: for the lighter and the firmer of two forces."""
     coupling_ohm: float
-    """Resistor between the controller's pin and the sensor's
-    socket, in series with `COUPLING_FARAD`.
+    """Resistor from the controller's pin to the sensor's socket, in series with `COUPLING_FARAD`.
     """
     periods: tuple[int, ...]
     """Samples in a period of each tone; the frequency rises."""
@@ -63,9 +61,10 @@ class Bench:
         return tuple(SAMPLE_HZ / samples for samples in self.periods)
 
 
-def set_up_bench(
+def choose_stimulus(
     circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float, swing_v: float
-) -> Bench:
+) -> Stimulus:
+    """Choose the stimulus of a board whose filter can swing by `swing_v` [V]."""
     # Values of E24 are in any kit of resistors; the expected readings follow from the values that
     # are used.
     light_ohm, firm_ohm = (
@@ -78,21 +77,21 @@ def set_up_bench(
     )
     # The current into the socket is the tone over this resistor, which is far larger than what it
     # meets there.
-    trial = Bench((light_ohm, firm_ohm), 1e6, (*periods, _TOP_SAMPLES))
+    trial = Stimulus((light_ohm, firm_ohm), 1e6, (*periods, _TOP_SAMPLES))
     path = feed_tone(circuit, trial, gain_bandwidth_hz).restrict(nets.FILTERED)
-    gain = float(level(path, trial.tones_hz[2], nets.FILTERED)[0])
-    wanted = _SWING_SHARE * swing_v / (math.sqrt(2.0) * TONE_V)
+    gain = float(tone_level(path, trial.tones_hz[2], nets.FILTERED)[0])
+    target_gain = _SWING_SHARE * swing_v / (math.sqrt(2.0) * TONE_V)
 
-    return replace(trial, coupling_ohm=nearest_value(trial.coupling_ohm * gain / wanted, "E24"))
+    return replace(
+        trial, coupling_ohm=nearest_value(trial.coupling_ohm * gain / target_gain, "E24")
+    )
 
 
-def feed_tone(circuit: Circuit, bench: Bench, gain_bandwidth_hz: float) -> Network:
-    """Feed a tone to the sensor's pin through the coupling parts, with
-    the lighter resistor in place of the sensor.
-    """
+def feed_tone(circuit: Circuit, stimulus: Stimulus, gain_bandwidth_hz: float) -> Network:
+    """Return the network with the tone at the sensor's pin, and the lighter resistor."""
     resistor = Component(
         reference=COUPLING_OHM,
-        value=f"{bench.coupling_ohm:.10g}",
+        value=f"{stimulus.coupling_ohm:.10g}",
         symbol=RESISTOR,
         footprint=R_0603,
         role="test: from the controller's pin to the sensor",
@@ -105,62 +104,21 @@ def feed_tone(circuit: Circuit, bench: Bench, gain_bandwidth_hz: float) -> Netwo
         role="test: blocks direct current",
     )
     middle = "TONE_MIDDLE"
-    toned = circuit.connect(resistor, {"1": middle, "2": nets.SENSOR}).connect(
+    with_tone = circuit.connect(resistor, {"1": middle, "2": nets.SENSOR}).connect(
         capacitor, {"1": TONE, "2": middle}
     )
 
-    return build_network(toned, gain_bandwidth_hz, sensor_s=1.0 / bench.dummy_ohm[0]).drive(TONE)
+    return build_network(with_tone, gain_bandwidth_hz, sensor_s=1.0 / stimulus.dummy_ohm[0]).drive(
+        TONE
+    )
 
 
-def level(network: Network, hz: float, net: str) -> Array:
-    """Magnitude of a net's voltage for 1 V of the tone, for one or many boards at once."""
+def tone_level(network: Network, hz: float, net: str) -> Array:
+    """Return the magnitude of a net's voltage for 1 V of the tone, of one or of many boards."""
     return np.abs(network.response(np.array([hz]), {TONE: 1.0}, net)[:, 0])
 
 
-def square_level(network: Network, hz: float, net: str) -> Array:
-    """RMS of a net's voltage with all harmonics, for 1 V of the fundamental of a square wave."""
-    squares = [(level(network, k * hz, net) / k) ** 2 for k in HARMONICS]
+def square_wave_level(network: Network, hz: float, net: str) -> Array:
+    """Return a net's RMS voltage with all harmonics, for a square wave of 1 V fundamental."""
+    squares = [(tone_level(network, k * hz, net) / k) ** 2 for k in HARMONICS]
     return np.asarray(np.sqrt(np.sum(squares, axis=0)))
-
-
-def resistance_between(circuit: Circuit, first: str, second: str) -> float:
-    """Resistance between two nets of a board without power [ohm]; infinite if no resistors join
-    them.
-
-    The resistors around a part lower it, and count; capacitors and semiconductors do not conduct at
-    a meter's voltage.
-    """
-    edges = []
-    for part in circuit.components:
-        far_pin = {"R": "2", "R_Potentiometer": "3"}.get(part.symbol.name)
-        if far_pin and part.reference != GAIN_RESISTOR:
-            ends = (
-                circuit.net_by_pin[part.reference, "1"],
-                circuit.net_by_pin[part.reference, far_pin],
-            )
-            edges.append((*ends, 1.0 / parse_component_value(part.value)))
-
-    reached = {first}
-    grew = True
-    while grew:
-        added = {
-            net for a, b, _ in edges for net in (a, b) if a in reached or b in reached
-        } - reached
-        reached = reached | added
-        grew = bool(added)
-
-    if second not in reached:
-        return math.inf
-
-    nets = sorted(reached - {second})
-    G = np.zeros((len(nets), len(nets)))
-    row = {net: i for i, net in enumerate(nets)}
-
-    for a, b, siemens in edges:
-        for one, other in ((a, b), (b, a)):
-            if one in row:
-                G[row[one], row[one]] += siemens
-                if other in row:
-                    G[row[one], row[other]] -= siemens
-
-    return float(np.linalg.inv(G)[row[first], row[first]])

@@ -18,8 +18,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.bench.record import Plan, Recorded, Recorder
-from fingertip.bench.trials import (
+from fingertip.design import Design
+from fingertip.drivers import Port, SampleReader
+from fingertip.foundation.errors import FingertipError
+from fingertip.recorded_trials.record import Plan, Recorded, Recorder
+from fingertip.recorded_trials.trials import (
     KINDS,
     PAUSE_S,
     check_recordings,
@@ -28,11 +31,8 @@ from fingertip.bench.trials import (
     prepare_folder,
     read_recordings,
 )
-from fingertip.design import Design
-from fingertip.drivers import Port, SampleReader
-from fingertip.foundation.errors import FingertipError
-from tests.bench.player import HEADER, format_line
 from tests.conftest import ROOT, run_fingertip
+from tests.recorded_trials.player import HEADER, format_line
 
 DESIGN = Design.load("first_finger")
 PACE = 0.05
@@ -189,7 +189,13 @@ def playing(folder: Path, volts: np.ndarray | None = None) -> Iterator[str]:
     """Process that plays the firmware's stream at 2 kHz; yields the name of its terminal."""
     volts = np.linspace(0.5, 1.5, 4001) if volts is None else volts
     np.save(folder / "samples.npy", np.column_stack([volts, np.arange(len(volts)) % 3 == 0]))
-    command = [sys.executable, "-m", "tests.bench.player", str(folder / "samples.npy"), "2000"]
+    command = [
+        sys.executable,
+        "-m",
+        "tests.recorded_trials.player",
+        str(folder / "samples.npy"),
+        "2000",
+    ]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT
     ) as player:

@@ -1,5 +1,4 @@
-"""Header of a CSV file: the line that names the columns, or the first line of numbers if they are
-given by number.
+"""Header of a CSV file: the line with the column names, or the first line of numbers.
 
 The delimiter is a comma, a semicolon, a tab or spaces. Lines that a program wrote above the header
 are skipped.
@@ -14,8 +13,8 @@ from dataclasses import dataclass, replace
 
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import Issue, TraceError, raise_issues
-from fingertip.slip.traces.columns import DELIMITERS, SPACES, is_value, split_plain
-from fingertip.slip.traces.survey import SURVEYED_LINES, UNIT_WORD, survey_lines
+from fingertip.slip.traces.cells import DELIMITERS, SPACES, is_value, split_plain
+from fingertip.slip.traces.column_survey import SURVEYED_LINES, UNIT_WORD, survey_lines
 from fingertip.slip.traces.trace import COLUMNS, ColumnMap
 
 MAX_CELLS = 10_000
@@ -32,37 +31,27 @@ _JSON = re.compile(r"\s*(\{.*\}|\[\s*[-\d.\"\[{].*\])\s*")
 @dataclass(frozen=True)
 class Header:
     names: tuple[str, ...]
-    """Names of the columns.
-    Those in the `ColumnMap` are spelt as there, whatever their case in the file.
-    """
+    """Names of the columns, in the spelling of the `ColumnMap`, whatever their case in the file."""
     delimiter: str
     line: int
-    """Line number in the file, from 1; 0 if the columns are
-    numbers and the first line holds them already.
-    """
+    """Line number in the file, from 1; 0 if the first line holds numbers already."""
     text: str = ""
     """The line itself, by which a header that is repeated among the samples is known."""
     has_samples_above: bool = False
-    """True if samples stand above it, as where a recording of a
-    controller begins while it runs already.
-    """
+    """True if samples stand above it, as of a controller that was running already."""
 
     def is_repeated(self, line: str) -> bool:
         """Return whether a line among the samples is this header again."""
         return bool(self.text) and _strip_comment(line) == self.text
 
     def is_unit_line(self, line: str) -> bool:
-        """Return whether the line below the header contains the
-        columns' units instead of a first sample.
-        """
+        """Return whether the line below the header holds units, not a first sample."""
         cells = split_plain(line, self.delimiter)
         first = [cell for cell in cells if cell][:2]
         return all(map(UNIT_WORD.fullmatch, [*cells[:2], *first]))
 
     def count_cells(self, first: int, places: Iterable[int]) -> int:
-        """Return how many cells each line must have: a program
-        may omit last ones that are not taken.
-        """
+        """Return the cells that each line must have; last ones that are not read may be missing."""
         return first if max(places) < first < len(self.names) else len(self.names)
 
     def find_place(self, name: str) -> int:
@@ -88,22 +77,21 @@ def read_start(lines: Iterable[str]) -> Iterator[str]:
 
 
 def adapt_labview(lines: Sequence[str], columns: ColumnMap) -> ColumnMap:
-    """Fill in what a LabVIEW file tells: its times or their step,
-    and the voltage if there is one signal.
-    """
+    """Add what a LabVIEW file states: its times or their step, and the voltage if unique."""
     survey = survey_lines(lines)
     rate_hz = columns.rate_hz
-    times, signals = (
-        [each.key for each in survey.columns if each.kind == kind] if survey else []
-        for kind in ("time", "signal")
-    )
-    found = {"time_s": times[0]} if times else {}
+    contents = survey.columns if survey else ()
+    times = [content.key for content in contents if content.kind == "time"]
+    signals = [content.key for content in contents if content.kind == "signal"]
+    names = {"time_s": times[0]} if times else {}
     if len(signals) == 1:
-        found["voltage_v"] = signals[0]
-    if survey and "time_s" not in {**found, **columns.names}:
+        names["voltage_v"] = signals[0]
+
+    names |= columns.names
+    if survey and "time_s" not in names:
         rate_hz = rate_hz or survey.rate_hz
 
-    return replace(columns, names={**found, **columns.names}, rate_hz=rate_hz)
+    return replace(columns, names=names, rate_hz=rate_hz)
 
 
 def find_header(
@@ -115,15 +103,18 @@ def find_header(
     may be a comment. Where all required columns are given by number, the first line that has
     numbers there, or times, is the first sample. Raises TraceError.
     """
-    seen: list[str] = []
+    lines_above: list[str] = []
     for number, text in enumerate(read_start(lines), start=1):
         if "\0" in text:  # UTF-16 without a byte order mark
             raise TraceError(Issue(name, NOT_TEXT))
 
         is_comment = text.lstrip().startswith("#")
         for candidate in (columns, *alternatives):
-            if not is_comment and (found := _match_numbers(text, candidate)):
-                return Header(*found, number - 1, _strip_comment(seen[-1]) if seen else "")
+            match = None if is_comment else _match_numbers(text, candidate)
+            if match:
+                names, delimiter = match
+                above = _strip_comment(lines_above[-1]) if lines_above else ""
+                return Header(names, delimiter, number - 1, above)
 
             cells, delimiter = _split(text.lstrip().lstrip("#") if is_comment else text, candidate)
             if all(candidate.name_in_file(column) in cells for column in candidate.required):
@@ -135,16 +126,17 @@ def find_header(
                     delimiter=delimiter,
                     line=number,
                     text=_strip_comment(text),
-                    has_samples_above=any(map(_is_sample, seen)),
+                    has_samples_above=any(map(_is_sample, lines_above)),
                 )
 
-        seen.append("" if _SEPARATOR.fullmatch(text.strip()) else text)
+        lines_above.append("" if _SEPARATOR.fullmatch(text.strip()) else text)
 
-    if not any(map(str.strip, seen)):
-        names = ",".join(map(columns.name_in_file, columns.required))
-        raise TraceError(Issue(name, f"is empty; a trace is a CSV file with the columns {names}."))
+    if not any(map(str.strip, lines_above)):
+        required = ",".join(map(columns.name_in_file, columns.required))
+        message = f"is empty; a trace is a CSV file with the columns {required}."
+        raise TraceError(Issue(name, message))
 
-    raise TraceError(_header_issues(name, seen, columns))
+    raise TraceError(_header_issues(name, lines_above, columns))
 
 
 def _strip_comment(line: str) -> str:
@@ -154,11 +146,10 @@ def _strip_comment(line: str) -> str:
 def list_numbers(columns: ColumnMap) -> list[int]:
     """List the numbers of the required columns; none unless all are given by number."""
     names = [*map(columns.name_in_file, columns.required)]
-    return (
-        [int(name) for name in names]
-        if all(name.isdecimal() and len(name) < 6 for name in names)
-        else []
-    )
+    if all(name.isdecimal() and len(name) < 6 for name in names):
+        return [int(name) for name in names]
+
+    return []
 
 
 def _number_names(count: int) -> tuple[str, ...]:
@@ -184,15 +175,21 @@ def _match_numbers(line: str, columns: ColumnMap) -> tuple[tuple[str, ...], str]
 
 def _split(line: str, columns: ColumnMap) -> tuple[list[str], str]:
     """Split a line at the delimiter that gives the most known names, by name or else by number."""
-    split = {d: _normalise_case(split_plain(line, d), columns) for d in (*DELIMITERS, SPACES)}
-    known = set(map(columns.name_in_file, columns.looked_for))
-    delimiter = max(split, key=lambda d: len(known & set(split[d])))
-    cells = split[delimiter]
+    names = set(map(columns.name_in_file, columns.looked_for))
+    cells_by_delimiter = {
+        delimiter: _normalise_case(split_plain(line, delimiter), columns)
+        for delimiter in (*DELIMITERS, SPACES)
+    }
+    delimiter = max(
+        cells_by_delimiter,
+        key=lambda delimiter: len(names.intersection(cells_by_delimiter[delimiter])),
+    )
+    cells = cells_by_delimiter[delimiter]
     if len(cells) == 1:
         delimiter = "\t"  # a comma below is a decimal one
 
-    if known & set(cells):
-        for number in known - set(cells):
+    if names & set(cells):
+        for number in names - set(cells):
             if number.isdecimal() and 0 < int(number) <= len(cells):
                 cells[int(number) - 1] = number
 
@@ -200,17 +197,16 @@ def _split(line: str, columns: ColumnMap) -> tuple[list[str], str]:
 
 
 def _normalise_case(cells: list[str], columns: ColumnMap) -> list[str]:
-    """Replace a name that differs from a known one in its case only, if there is no other such
-    name.
+    """Spell names as the known ones that differ in case only, if they are unique.
 
     Exact names win: a cell that is a known name as it stands, such as `force_N` after `--column
     voltage_v=force_N`, is that column and no other.
     """
     names = list(map(columns.name_in_file, columns.looked_for))
-    for known in names:
-        matches = [i for i, cell in enumerate(cells) if cell.casefold() == known.casefold()]
+    for name in names:
+        matches = [i for i, cell in enumerate(cells) if cell.casefold() == name.casefold()]
         if len(matches) == 1 and cells[matches[0]] not in names:
-            cells[matches[0]] = known
+            cells[matches[0]] = name
 
     return cells
 
@@ -235,11 +231,11 @@ def _header_issues(name: str, lines: Sequence[str], columns: ColumnMap) -> list[
 
     survey = survey_lines(lines)
     required = list(map(columns.name_in_file, columns.required))
-    number = (
-        survey.header or survey.first
-        if survey
-        else next(i for i, line in enumerate(lines, 1) if line.strip())
-    )
+    if survey:
+        number = survey.header or survey.first
+    else:
+        number = next(i for i, line in enumerate(lines, 1) if line.strip())
+
     line = _strip_comment(lines[number - 1])
     field = f"{name}, line {number}"
     cells = _split(line, columns)[0] if survey and survey.header else []
@@ -251,27 +247,28 @@ def _header_issues(name: str, lines: Sequence[str], columns: ColumnMap) -> list[
             *_duplicate_issues(field, cells, columns),
         ]
 
-    if not survey and all(each in line for each in required):
+    if not survey and all(column in line for column in required):
         message = (
             f"{line[:60]!r} does not separate its names by comma, semicolon or tab; use one "
             "of these."
         )
         return [Issue(field, message)]
 
-    shown = ",".join(split_plain(line, survey.delimiter)) if survey else lines[number - 1].strip()
-    what = (
-        "the file has no header."
-        if survey and not survey.header
-        else f"it must name {','.join(required)}."
-    )
-    proposal = survey.propose(columns, missing, "Or " if survey.header else "") if survey else ""
-    return [Issue(field, f"{shown[:60]!r} is not the header of a trace; {what}{proposal}")]
+    text = lines[number - 1].strip()
+    reason = f"it must name {','.join(required)}."
+    proposal = ""
+
+    if survey:
+        text = ",".join(split_plain(line, survey.delimiter))
+        proposal = survey.propose(columns, missing, "Or " if survey.header else "")
+        if not survey.header:
+            reason = "the file has no header."
+
+    return [Issue(field, f"{text[:60]!r} is not the header of a trace; {reason}{proposal}")]
 
 
 def find_numbered_header(lines: Sequence[str], columns: ColumnMap) -> Header | None:
-    """Find the first sample of a file whose columns are given by
-    number, below any preamble; None if they are not.
-    """
+    """Find the first sample of a file with columns given by number; None if they have names."""
     numbers = list_numbers(columns)
     survey = survey_lines(lines) if numbers else None
     names = (
@@ -289,7 +286,7 @@ def find_numbered_header(lines: Sequence[str], columns: ColumnMap) -> Header | N
 
 def _duplicate_issues(field: str, cells: Sequence[str], columns: ColumnMap) -> list[Issue]:
     return [
-        Issue(field, f"the column {known} appears {cells.count(known)} times; keep one.")
-        for known in map(columns.name_in_file, COLUMNS)
-        if cells.count(known) > 1
+        Issue(field, f"the column {name} appears {cells.count(name)} times; keep one.")
+        for name in map(columns.name_in_file, COLUMNS)
+        if cells.count(name) > 1
     ]

@@ -22,7 +22,7 @@ from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 
 @dataclass(frozen=True)
 class Analysis:
-    """Values that the analysis of a board adds to those of its parts."""
+    """Noise and tolerances of a board, which its component values do not include."""
 
     noise: tuple[Contribution, ...]
     """RMS noise over `NOISE_BAND_HZ`, largest first; white and 1/f noise, typical values."""
@@ -52,8 +52,7 @@ def analyse(design: Design, boards: int = 10_000) -> Analysis:
 
 
 def bode_table(design: Design) -> str:
-    """Tabulate the article's figure 4 as CSV: magnitude [dB] and phase [degree] of each stage and
-    of the whole filter.
+    """Return the article's figure 4 as CSV: magnitude [dB] and phase [degree] of each stage.
 
     The response starts at the tactile voltage. Amplifiers have one pole, so their gain falls with
     their gain-bandwidth product. The last column is that product over the frequency [dB], the
@@ -62,14 +61,14 @@ def bode_table(design: Design) -> str:
     network = build_network(
         board_circuit(select_components(design)), find_gain_bandwidth_hz(design.board)
     )
-    f = np.logspace(0, 5, 201)
+    frequencies_hz = np.logspace(0, 5, 201)
     filter_network = network.drive(TACTILE).restrict(FILTERED)
-    first, whole = filter_network.response(f, {TACTILE: 1.0}, STAGE1_OUT, FILTERED).T
+    first, whole = filter_network.response(frequencies_hz, {TACTILE: 1.0}, STAGE1_OUT, FILTERED).T
     lines = [
         "frequency_hz,stage1_db,stage1_deg,stage2_db,stage2_deg,whole_db,whole_deg,gbw_over_f_db"
     ]
 
-    for i, hz in enumerate(f):
+    for i, hz in enumerate(frequencies_hz):
         cells = [f"{hz:.6g}"]
         for value in (first[i], whole[i] / first[i], whole[i]):
             cells += [f"{20 * math.log10(abs(value)):.4f}", f"{math.degrees(np.angle(value)):.3f}"]

@@ -15,7 +15,8 @@ from PIL import Image
 
 from fingertip.board import board_circuit, board_values
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.casting.sheet import CastingSheet, add_prices, casting_sheet
+from fingertip.casting.sheet import CastingSheet, casting_sheet
+from fingertip.casting.shopping import add_prices
 from fingertip.design import Design
 from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
 from fingertip.documents.finger_sheets import FirstScreen, list_steps, render_sheet, render_start

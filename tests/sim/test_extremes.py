@@ -13,7 +13,7 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.lab.accuracy import extremes
-from fingertip.lab.accuracy.accuracy_summary import EXTREMES, _describe_cases
+from fingertip.lab.accuracy.accuracy_summary import EXTREMES, _list_refusals, _list_wrong_cases
 from fingertip.lab.accuracy.extremes import Draw
 from fingertip.pad.layer import find_contacts
 from fingertip.pad.pad_geometry import PadForm
@@ -61,7 +61,7 @@ def test_too_many_refusals_inside_the_bounds_are_a_failure(monkeypatch):
     many = extremes.try_families(200)[0]
     assert (few.refused_inside, many.refused_inside) == (0.1, 0.01)
     assert (few.is_passed, many.is_passed, len(few.wrong)) == (False, True, 0)
-    assert [*_describe_cases(few)] == ["f: 1 refused by f"]
+    assert [*_list_refusals(few), *_list_wrong_cases(few)] == ["f: 1 refused by f"]
 
 
 @pytest.mark.parametrize("number", [9, 39])

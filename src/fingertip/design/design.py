@@ -1,6 +1,4 @@
-"""A design: all parameters of one fingertip, its board and its
-detector, validated as a whole and frozen.
-"""
+"""Design: all parameters of one fingertip, its board and its detector, validated and frozen."""
 
 from __future__ import annotations
 
@@ -74,10 +72,9 @@ class Design(DesignTables):
     ) -> Self:
         """Make a design of tables that were changed.
 
-        If it is refused, the cause is sought among the changes.
-
-        `before` holds the contents without the changes, the defaults if None, and `changed` names
-        such as "skin.width_mm". Raises DesignError.
+        `before` holds the tables without the changes, the defaults if None, and `changed` the names
+        of what changed, such as "skin.width_mm". If the design is refused, the cause is sought
+        among these. Raises DesignError.
         """
         design = cls.__new__(cls)
         design._validate(tables, before, changed)
@@ -110,17 +107,14 @@ class Design(DesignTables):
 
     @cached_property
     def provisional(self) -> tuple[str, ...]:
-        """Guessed sizes of the hand, and loads that `fingertip new`
-        lowered: parameters that the file marks so.
-        """
+        """Guessed sizes of the hand, and loads that `fingertip new` lowered, as the file marks."""
         return ()
 
     @classmethod
     def without_remedies(cls, /, **tables: Any) -> Design:
-        """Make a design as the constructor does, but refuse it faster: the messages contain no
-        remedies.
+        """Make a design as the constructor does, but refuse it faster, without remedies.
 
-        A sweep refuses thousands of designs, and needs to know only why. Raises DesignError.
+        A sweep refuses thousands of designs, and needs only the reasons. Raises DesignError.
         """
         valid = parse_tables(DesignTables, tables)
         raise_issues(DesignError, describe_violations(valid))
@@ -143,10 +137,16 @@ class Design(DesignTables):
     def _repr_html_(self) -> str:
         """Table of the parameters that differ from the default design, for Jupyter."""
         changed = self.changes()
+        parameters = [parameter for parameter in list_parameters() if parameter.path in changed]
         rows = [
-            (p.path, changed[p.path], p.default, p.unit, p.description)
-            for p in list_parameters()
-            if p.path in changed
+            (
+                parameter.path,
+                changed[parameter.path],
+                parameter.default,
+                parameter.unit,
+                parameter.description,
+            )
+            for parameter in parameters
         ]
         count = f"{len(rows) or 'no'} parameter{' differs' if len(rows) == 1 else 's differ'}"
         caption = f"Design {self.name}: {count} from the default design"
@@ -162,15 +162,14 @@ class Design(DesignTables):
         MissingLibraryError
             If pandas is not installed.
         """
-        listed = list(list_parameters())
+        parameters = list(list_parameters())
         columns = {
-            "name": [p.path for p in listed],
-            "value": [self.value(p.path) for p in listed],
-            **{
-                key: [getattr(p, key) for p in listed]
-                for key in ("default", "unit", "bounds", "kind", "description")
-            },
+            "name": [parameter.path for parameter in parameters],
+            "value": [self.value(parameter.path) for parameter in parameters],
         }
+        for key in ("default", "unit", "bounds", "kind", "description"):
+            columns[key] = [getattr(parameter, key) for parameter in parameters]
+
         return to_dataframe(columns, "Design.to_dataframe")
 
     def _validate(

@@ -1,5 +1,5 @@
-"""Files of designs: tables are read and merged before anything is
-validated, and written as TOML or a JSON schema.
+"""Design files: their tables are read and merged before anything is validated, and designs are
+written as TOML.
 """
 
 from __future__ import annotations
@@ -36,12 +36,14 @@ from fingertip.foundation.tables import MAX_DEPTH, UnusableTomlError, parse_toml
 
 @dataclass(frozen=True)
 class LoadedTables:
+    """Tables of the files of a design, with the changes made, and before them."""
+
     tables: dict[str, Any]
     before: dict[str, Any]
     changed: tuple[str, ...]
     """Names of the changed parameters, such as "skin.width_mm"."""
     provisional: tuple[str, ...] = ()
-    """Names of those that the files mark as guessed or lowered, but for changed ones."""
+    """Names of the unchanged parameters that the files mark as guessed or lowered."""
 
 
 Changes = Iterable[str] | Mapping[str, Any]
@@ -51,43 +53,45 @@ Changes = Iterable[str] | Mapping[str, Any]
 
 
 def list_changes(changes: Changes) -> Sequence[str]:
-    """List changes as texts. Raises DesignError if they are one."""
+    """List changes as texts. Raises DesignError if they are a single text."""
     if isinstance(changes, str):
         raise DesignError(Issue("changes", f"{changes!r} is a single text; use --set {changes}."))
-
     if isinstance(changes, Mapping):
-        import tomlkit  # noqa: PLC0415
-
-        texts = list[str]()
-        values = dict[str, Any]()
-
-        for name, value in flatten(changes):
-            known = values.setdefault(name, value)
-            if known is not value:
-                message = (
-                    f"is given twice, as {quote_value(known)} and as {quote_value(value)}; "
-                    "give it once."
-                )
-                raise DesignError(Issue(f"changes {name}", message))
-
-            plain = value.tolist() if hasattr(value, "tolist") else value  # of numpy
-            try:
-                texts.append(f"{name}={tomlkit.item(plain).as_string()}")
-            except ValueError:
-                message = (
-                    f"{quote_value(value)} is no value; give a number, a text, True, False "
-                    "or a list."
-                )
-                raise DesignError(Issue(f"changes {name}", message)) from None
-
-        return texts
+        return _list_values(changes)
 
     texts = list(changes)
-    wrong = [each for each in texts if not isinstance(each, str)]
-    if wrong:
-        raise ArgumentError(
-            Issue("changes", f"holds {quote_value(wrong[0])}; give texts such as skin.width_mm=18.")
-        )
+    for change in texts:
+        if not isinstance(change, str):
+            problem = f"holds {quote_value(change)}; give texts such as skin.width_mm=18."
+            raise ArgumentError(Issue("changes", problem))
+
+    return texts
+
+
+def _list_values(changes: Mapping[str, Any]) -> list[str]:
+    """List the values of a mapping, or of nested ones, as texts. Raises DesignError."""
+    import tomlkit  # noqa: PLC0415
+
+    texts = list[str]()
+    values = dict[str, Any]()
+
+    for name, value in flatten(changes):
+        known = values.setdefault(name, value)
+        if known is not value:
+            message = (
+                f"is given twice, as {quote_value(known)} and as {quote_value(value)}; "
+                "give it once."
+            )
+            raise DesignError(Issue(f"changes {name}", message))
+
+        plain = value.tolist() if hasattr(value, "tolist") else value  # of numpy
+        try:
+            texts.append(f"{name}={tomlkit.item(plain).as_string()}")
+        except ValueError:
+            message = (
+                f"{quote_value(value)} is no value; give a number, a text, True, False or a list."
+            )
+            raise DesignError(Issue(f"changes {name}", message)) from None
 
     return texts
 
@@ -100,10 +104,8 @@ def load_tables(
 ) -> LoadedTables:
     """Merge TOML files, then changes of the form `table.key=value`; later values win.
 
-    Raises DesignError.
-
     What design files leave out follows the nearest proven finger (see `design.proportions`). Files
-    that another file names are read `below` its folder (see `read_input`).
+    that another file names are read `below` its folder (see `read_input`). Raises DesignError.
     """
     before: dict[str, Any] = {}
     parsed: list[dict[str, Any]] = []
@@ -130,15 +132,22 @@ def load_tables(
     for nested in parsed:
         merge(tables, nested)
 
-    for each in (before, tables):
-        sensor = each.get("sensor")
-        if isinstance(sensor, dict) and isinstance(model := sensor.get("model"), str):
-            sensor["model"] = spell_sensor(model)
+    _spell_sensor(before)
+    _spell_sensor(tables)
+    changed = list[str]()
+    for nested in parsed:
+        changed += [name for name, _ in flatten(nested)]
 
-    changed = tuple(name for nested in parsed for name, _ in flatten(nested))
-    return LoadedTables(
-        tables, before, changed, tuple(name for name in marked if name not in changed)
-    )
+    provisional = tuple(name for name in marked if name not in changed)
+    return LoadedTables(tables, before, tuple(changed), provisional)
+
+
+def _spell_sensor(tables: dict[str, Any]) -> None:
+    """Replace the name of the sensor by that of the catalogue."""
+    sensor = tables.get("sensor")
+    model = sensor.get("model") if isinstance(sensor, dict) else None
+    if isinstance(sensor, dict) and isinstance(model, str):
+        sensor["model"] = spell_sensor(model)
 
 
 _MARKS = {
@@ -153,31 +162,35 @@ _MARKED = re.compile(
 
 def _find_marked(path: Path) -> Iterator[str]:
     """Find the parameters whose comments in a design file begin with a mark."""
+    if not path.is_file():
+        return
+
     prefix = ""
-    for table, name in _MARKED.findall(path.read_text(encoding="utf-8")) if path.is_file() else ():
+    for table, name in _MARKED.findall(path.read_text(encoding="utf-8")):
         prefix = f"{table}." if table else prefix
         if name:
             yield prefix + name
 
 
 def resolve_names(tables: Mapping[str, Any], folder: Path) -> None:
-    """Make paths of what tables name, which stands beside their file. Raises DesignError."""
+    """Replace the names of files that tables name by paths in their folder. Raises DesignError."""
     bone = tables.get("bone")
-    if isinstance(bone, dict) and isinstance(name := bone.get("adapter_file"), str) and name:
-        if not is_safe_name(name):
-            message = (
-                f"{quote_value(name)} is no name of a file beside the design file; put it there."
-            )
-            raise DesignError(Issue("bone.adapter_file", message))
+    name = bone.get("adapter_file") if isinstance(bone, dict) else None
+    if not isinstance(bone, dict) or not isinstance(name, str) or not name:
+        return
 
-        bone["adapter_file"] = str(folder / name)
+    if not is_safe_name(name):
+        problem = f"{quote_value(name)} is no name of a file beside the design file"
+        raise DesignError(Issue("bone.adapter_file", f"{problem}; put it there."))
+
+    bone["adapter_file"] = str(folder / name)
 
 
 def parse_change(change: str) -> dict[str, Any]:
     """Parse "skin.width_mm=18" as ``{"skin": {"width_mm": 18}}``.
 
-    A value that is not TOML is taken as text, and words in square brackets as a list of texts,
-    because a shell takes their quotes away.
+    A shell takes quotes away: a value that is not TOML is a text, and words in square brackets are
+    a list of texts.
     """
     key, equals, text = change.partition("=")
     steps = [step.strip() for step in key.split(".")]
@@ -208,6 +221,7 @@ def parse_change(change: str) -> dict[str, Any]:
 
 
 def merge(into: dict[str, Any], new: Mapping[str, Any]) -> None:
+    """Merge new values into nested tables, in place."""
     for key, value in new.items():
         if isinstance(value, Mapping) and isinstance(into.get(key), dict):
             merge(into[key], value)
@@ -232,6 +246,8 @@ A longer entry shifts the rest of its own row only.
 
 @dataclass(frozen=True)
 class Parameter:
+    """Parameter of a design, as lists show it."""
+
     path: str
     """Dotted name, such as "skin.width_mm"."""
     default: Any
@@ -244,19 +260,20 @@ class Parameter:
 
 
 def list_parameters(provisional: Collection[str] = ()) -> Iterator[Parameter]:
+    """Yield all parameters; the descriptions of those that are provisional say so."""
     for path, field in PARAMETERS.items():
-        bounds = format_bounds(field)
-        meaning = field.description or ""
-        mark, kind = (
-            _MARKS[path.partition(".")[0]] if path in provisional else ("", find_kind(path))
-        )
+        mark = ""
+        kind: str = find_kind(path)
+        if path in provisional:
+            mark, kind = _MARKS[path.partition(".")[0]]
+
         yield Parameter(
             path=path,
             default=field.default,
             unit=find_unit(field),
-            bounds=bounds,
+            bounds=format_bounds(field),
             kind=kind,
-            description=mark + meaning,
+            description=mark + (field.description or ""),
         )
 
 
@@ -267,11 +284,13 @@ def format_parameter_table(rows: Iterable[Sequence[str]], *more: str) -> str:
         max(len(cell) for cell in column if len(cell) <= _MAX_COLUMN_WIDTH)
         for column in zip(*rows, strict=True)
     ]
-    cells = (
-        (f"{cell:{'>' if i == 1 else ''}{widths[i]}}" for i, cell in enumerate(row)) for row in rows
-    )
+    lines = []
+    for row in rows:
+        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
+        cells[1] = row[1].rjust(widths[1])
+        lines.append("  ".join(cells).rstrip())
 
-    return "\n".join("  ".join(row).rstrip() for row in cells)
+    return "\n".join(lines)
 
 
 def format_value(value: Any) -> str:
@@ -283,9 +302,7 @@ def format_value(value: Any) -> str:
 
 
 def to_toml(design: Tables, heading: str = "") -> str:
-    """Write a whole design as TOML that reads back as equal,
-    with descriptions and bounds as comments.
-    """
+    """Write a whole design as TOML that reads back as equal, with comments on each parameter."""
     import tomlkit  # noqa: PLC0415
 
     design = design.with_bare_names()
@@ -314,10 +331,9 @@ def to_toml(design: Tables, heading: str = "") -> str:
 
         for key in type(value).model_fields:
             parameter = described[f"{name}.{key}"]
+            bounds = f" [{parameter.bounds}]" if parameter.bounds else ""
             item = tomlkit.item(getattr(value, key))
-            item.comment(
-                parameter.description + (f" [{parameter.bounds}]" if parameter.bounds else "")
-            )
+            item.comment(f"{parameter.description}{bounds}")
             table.add(key, item)
 
         document.add(tomlkit.nl())
@@ -327,6 +343,7 @@ def to_toml(design: Tables, heading: str = "") -> str:
 
 
 def format_bounds(field: FieldInfo) -> str:
+    """Format the bounds of a number, or the words that a parameter accepts."""
     choices = list_choices(field)
     if choices:
         return " | ".join(choices)

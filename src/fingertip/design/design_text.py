@@ -1,8 +1,8 @@
-"""Text of a design file for people: wishes and measurements are stated, and what follows from them
-stands in comments.
+"""Text of a design file for people: it states wishes and measurements, and what follows from them
+in comments.
 
-Parameters stand under their dotted names, such as `skin.width_mm = 17`, as in --set and in
-messages. A line can so be moved, or its # removed, without regard to tables.
+Parameters have their dotted names, such as `skin.width_mm = 17`, as in --set and in messages. So a
+line can be moved, or its # removed, without regard to tables.
 """
 
 from __future__ import annotations
@@ -51,58 +51,75 @@ A longer line shifts its own comment only.
 
 
 def write_design(
-    design: Tables, heading: Iterable[str], marked: Collection[str] = (), others: bool = False
+    design: Tables, heading: Iterable[str], marked: Collection[str] = (), with_others: bool = False
 ) -> str:
-    """Write a design as a file that reads back as equal, with meaning, unit and bounds of each
-    parameter.
+    """Write a design as a file that reads back as equal.
 
-    Provisional parameters are `marked`. With `others`, all parameters stand in the file.
+    Each parameter has its meaning, unit and bounds beside it. `marked` are the provisional ones.
+    With `with_others`, the file has all parameters.
     """
     design = design.with_bare_names()
-    listed = {parameter.path: parameter for parameter in list_parameters(marked)}
-    # What it states in any case: the main wishes, and what its interface, sensor and silicone are.
-    own = [*_INTERFACES[design.bone.interface]]
-    own += ["custom_sensor."] * (design.sensor.model == "custom") + ["silicone."] * (
-        design.silicone.product == OWN
-    )
-    of_kinds = (path for path in PARAMETERS if path.startswith(tuple(own)))
-    main = list(dict.fromkeys(("name", *_WISHES[:2], *of_kinds, *_WISHES[2:])))
-    loaded = parse_tables(
-        DesignTables, fill_in(load_tables((), {path: design.value(path) for path in main}).tables)
-    )
-    stated = [
-        *main,
-        *(path for path in listed if path not in main and design.value(path) != loaded.value(path)),
-    ]
+    parameters = {parameter.path: parameter for parameter in list_parameters(marked)}
+    stated = _list_stated(design)
     lines = [
         *(f"# {line}".rstrip() for line in heading),
         "",
-        *_format_block(design, [listed["name"]]),
+        *_format_block(design, [parameters["name"]]),
     ]
 
     for kind, title in _HEADINGS.items():
-        block = [listed[path] for path in stated if listed[path].kind == kind and path != "name"]
+        block = [
+            parameters[path] for path in stated if parameters[path].kind == kind and path != "name"
+        ]
         if block:
             lines += ["", f"# {title}", *_format_block(design, block)]
 
-    rest = [parameter for path, parameter in listed.items() if path not in stated]
+    rest = [parameter for path, parameter in parameters.items() if path not in stated]
+    derived = [parameter for parameter in rest if parameter.kind == "derived"]
     lines += ["", "# Derived from the above. Remove the # in front of a name to state its value."]
-    lines += _format_block(
-        design, (parameter for parameter in rest if parameter.kind == "derived"), "#"
-    )
+    lines += _format_block(design, derived, "#")
 
-    if others:
-        lines += [
-            "",
-            "# All other parameters. Remove the # in front of a name, then change the value.",
-        ]
-        for table, info in Tables.model_fields.items():
-            block = [p for p in rest if p.path.startswith(f"{table}.") and p.kind != "derived"]
-            if block:
-                title = " ".join((inspect.getdoc(info.annotation) or "").split())
-                lines += ["", f"# {title}", *_format_block(design, block, "#")]
+    if with_others:
+        others = [parameter for parameter in rest if parameter.kind != "derived"]
+        lines += _format_others(design, others)
 
     return "\n".join([*lines, ""])
+
+
+def _list_stated(design: Tables) -> list[str]:
+    """List the parameters that a file states.
+
+    They are the main wishes, the sizes of its interface, sensor and silicone, and all others that
+    do not follow from these.
+    """
+    tables = [*_INTERFACES[design.bone.interface]]
+    if design.sensor.model == "custom":
+        tables.append("custom_sensor.")
+    if design.silicone.product == OWN:
+        tables.append("silicone.")
+
+    sizes = (path for path in PARAMETERS if path.startswith(tuple(tables)))
+    main = list(dict.fromkeys(("name", *_WISHES[:2], *sizes, *_WISHES[2:])))
+    changes = {path: design.value(path) for path in main}
+    loaded = parse_tables(DesignTables, fill_in(load_tables((), changes).tables))
+    differing = (path for path in PARAMETERS if design.value(path) != loaded.value(path))
+    return list(dict.fromkeys((*main, *differing)))
+
+
+def _format_others(design: Tables, parameters: Iterable[Parameter]) -> Iterator[str]:
+    """Format parameters as comments, under a title for each table."""
+    yield ""
+    yield "# All other parameters. Remove the # in front of a name, then change the value."
+    by_table: dict[str, list[Parameter]] = {}
+    for parameter in parameters:
+        by_table.setdefault(parameter.path.partition(".")[0], []).append(parameter)
+
+    for table, info in Tables.model_fields.items():
+        if table in by_table:
+            title = " ".join((inspect.getdoc(info.annotation) or "").split())
+            yield ""
+            yield f"# {title}"
+            yield from _format_block(design, by_table[table], "#")
 
 
 def _format_block(
@@ -111,14 +128,15 @@ def _format_block(
     """Format parameters one per line, with their comments in one column."""
     import tomlkit  # noqa: PLC0415
 
-    rows = [
-        (f"{prefix}{p.path} = {tomlkit.item(design.value(p.path)).as_string()}", p)
-        for p in parameters
-    ]
-    width = max(
-        (len(setting) for setting, _ in rows if len(setting) <= _MAX_COLUMN_WIDTH), default=0
-    )
+    rows = []
+    for parameter in parameters:
+        value = tomlkit.item(design.value(parameter.path)).as_string()
+        rows.append((f"{prefix}{parameter.path} = {value}", parameter))
+
+    lengths = [len(setting) for setting, _ in rows]
+    width = max((length for length in lengths if length <= _MAX_COLUMN_WIDTH), default=0)
 
     for setting, parameter in rows:
         limits = ", ".join(text for text in (parameter.unit, parameter.bounds) if text)
-        yield f"{setting:{width}}  # {parameter.description}" + (f" [{limits}]" if limits else "")
+        note = f" [{limits}]" if limits else ""
+        yield f"{setting:{width}}  # {parameter.description}{note}"

@@ -1,9 +1,8 @@
-"""Set of fingers: a file that names a hand and its fingers, each by a design and what it changes in
-it.
+"""Set of fingers: a file that names a hand and its fingers, each by a design and its changes of it.
 
-Fingers of equal parameters share their parts and one mold, so a set is also a list of distinct
-designs. The force curve of a sensor changes no part: fingers that differ in it alone are of one
-form.
+Fingers of equal parameters share their parts and one mold, and are of one form: a set is a list of
+distinct designs too. The force curve of a sensor changes no part: fingers that differ in it alone
+are of one form.
 """
 
 from __future__ import annotations
@@ -74,6 +73,8 @@ class SetFile(BaseModel):
 
 @dataclass(frozen=True)
 class Form:
+    """Design of one or several fingers of a set, which share one mold."""
+
     design: Design
     fingers: tuple[str, ...]
 
@@ -82,15 +83,15 @@ class Form:
         return len(self.fingers)
 
     def name_values(self, text: str) -> str:
-        """Write the values in a text, such as bone.wall_mm=2, as
-        the set takes them: one for each finger.
-        """
-        each = " ".join(rf"\g<1>fingers.{name}.\g<2>" for name in self.fingers)
-        return re.sub(r"(--set )?\b(\w+\.\w+=\S*\w)", each, text)
+        """Write values in a text, such as bone.wall_mm=2, for each finger, as a set takes them."""
+        by_finger = " ".join(rf"\g<1>fingers.{name}.\g<2>" for name in self.fingers)
+        return re.sub(r"(--set )?\b(\w+\.\w+=\S*\w)", by_finger, text)
 
 
 @dataclass(frozen=True)
 class FingerSet:
+    """Fingers of one hand, by their distinct designs."""
+
     name: str
     side: str
     forms: tuple[Form, ...]
@@ -101,8 +102,11 @@ class FingerSet:
     @property
     def fingers(self) -> tuple[tuple[str, Form], ...]:
         """Fingers from the thumb on, each with its form."""
-        found = {finger: form for form in self.forms for finger in form.fingers}
-        return tuple((finger, found[finger]) for finger in NAMES if finger in found)
+        forms: dict[str, Form] = {}
+        for form in self.forms:
+            forms |= dict.fromkeys(form.fingers, form)
+
+        return tuple((finger, forms[finger]) for finger in NAMES if finger in forms)
 
     @property
     def designs(self) -> dict[str, Design]:
@@ -111,10 +115,9 @@ class FingerSet:
 
     @property
     def board_design(self) -> Design | None:
-        """Design of one board for all fingers; None if their boards differ or cannot be put on one.
+        """Design of one board for all fingers; None if their boards differ or cannot share one.
 
-        Each finger has the place that the board prints its name at, so a place before it may have
-        no finger.
+        The board prints the name of a finger at each place, so a place may have no finger.
         """
         first = self.forms[0].design
         last = NAMES.index(self.fingers[-1][0])
@@ -134,32 +137,29 @@ class FingerSet:
             finger: design.force_curve.model_dump(mode="json")
             for finger, design in self.calibrated.items()
         }
-        return {"name": self.name, "side": self.side, "forms": forms} | (
-            {"calibrated": curves} if curves else {}
-        )
+        identity = {"name": self.name, "side": self.side, "forms": forms}
+        return identity | {"calibrated": curves} if curves else identity
 
 
-def is_set(given: str | Path) -> bool:
+def is_set(source: str | Path) -> bool:
     """Tell whether a path or a bundled name is that of a set.
 
-    Raises TomlFileError if it is that of nothing.
+    Raises TomlFileError if there is no such file.
     """
-    return identify_kind(find_file(given, DESIGN, SET)) is SET
+    return identify_kind(find_file(source, DESIGN, SET)) is SET
 
 
 def load_set(file: str | Path, changes: Sequence[str] = ()) -> FingerSet:
     """Load a set. Raises DesignError, with all faults.
 
-    Changes such as "board.cutoff_hz=80" are made in all fingers, "fingers.thumb.skin.width_mm=22"
-    in one.
+    A change such as "board.cutoff_hz=80" is made in all fingers, and
+    "fingers.thumb.skin.width_mm=22" in one.
     """
-    return build_set(
-        *read_set(
-            file,
-            changes,
-            lambda one: Design.from_tables(one.tables, one.before, one.changed, one.provisional),
-        )
-    )
+
+    def build(loaded: LoadedTables) -> Design:
+        return Design.from_tables(loaded.tables, loaded.before, loaded.changed, loaded.provisional)
+
+    return build_set(*read_set(file, changes, build))
 
 
 def read_set(
@@ -168,62 +168,66 @@ def read_set(
     read: Callable[[LoadedTables], T],
     below: Path | None = None,
 ) -> tuple[str, str, dict[str, T]]:
-    """Read name and side of a set, and of each finger what `read` makes of its tables.
+    """Read name and side of a set, and what `read` returns for the tables of each finger.
 
-    Raises DesignError.
-
-    A set that another file names is read `below` its folder (see `read_input`).
+    A set that another file names is read `below` its folder (see `read_input`). Raises DesignError.
     """
     path = find_file(file, SET)
     contents = parse_tables(SetFile, read_file(path, SET, below))
-    load_tables((), changes)  # what is wrong with them is said once, not for each finger
-    issues: list[Issue] = []
-
-    for change in changes:
-        finger = split_finger(change)[0]
-        if finger and finger not in contents.fingers:
-            remedy = suggest_name(finger, list(contents.fingers))
-            issues.append(Issue(f"--set {change}", f"the set has no finger {finger}; {remedy}"))
-
-    if not contents.fingers:
-        issues.append(
-            Issue(
-                "fingers",
-                "is empty; give a table such as [fingers.index] with design = 'adult_finger'.",
-            )
-        )
-
-    for name in contents.fingers:
-        if name not in NAMES:
-            issues.append(
-                Issue(f"fingers.{name}", f"is no finger; choose from {', '.join(NAMES)}.")
-            )
+    load_tables((), changes)  # reports invalid changes once, not for each finger
+    issues = list(_find_name_issues(contents, changes))
 
     hand: dict[str, Any] = {}
     with gather(issues):
-        given = contents.hand
-        if given:
-            beside = _find_beside(path, "hand", given)
-            hand = read_file(
-                beside or find_hand(given), DESIGN, below=path.parent if beside else None
-            )
+        if contents.hand:
+            hand = _load_hand(path, contents.hand)
 
     fingers: dict[str, T] = {}
-    found: dict[Issue, list[str]] = {}
-    for name in (name for name in NAMES if name in contents.fingers):
-        of_finger: list[Issue] = []
-        with gather(of_finger):
+    names_by_issue: dict[Issue, list[str]] = {}
+    for name in NAMES:
+        if name not in contents.fingers:
+            continue
+
+        issues_of_finger: list[Issue] = []
+        with gather(issues_of_finger):
             own = [change for finger, change in map(split_finger, changes) if finger in ("", name)]
             fingers[name] = read(_load_finger(path, contents.fingers[name], hand, own))
 
-        for issue in of_finger:
-            found.setdefault(issue, []).append(name)
+        for issue in issues_of_finger:
+            names_by_issue.setdefault(issue, []).append(name)
 
-    for issue, names in found.items():  # what is wrong in several fingers is said once
+    # An issue of several fingers is reported once.
+    for issue, names in names_by_issue.items():
         issues.append(Issue(f"fingers.{', '.join(names)}: {issue.field}", issue.message))
 
     raise_issues(DesignError, issues)
     return contents.name, contents.side, fingers
+
+
+def _find_name_issues(contents: SetFile, changes: Sequence[str]) -> Iterator[Issue]:
+    """Report fingers that do not exist, in the set or in the changes."""
+    for change in changes:
+        finger = split_finger(change)[0]
+        if finger and finger not in contents.fingers:
+            remedy = suggest_name(finger, list(contents.fingers))
+            yield Issue(f"--set {change}", f"the set has no finger {finger}; {remedy}")
+
+    if not contents.fingers:
+        example = "a table such as [fingers.index] with design = 'adult_finger'"
+        yield Issue("fingers", f"is empty; give {example}.")
+
+    for name in contents.fingers:
+        if name not in NAMES:
+            yield Issue(f"fingers.{name}", f"is no finger; choose from {', '.join(NAMES)}.")
+
+
+def _load_hand(path: Path, name: str) -> dict[str, Any]:
+    """Load the hand that a set names, from a file beside it or among the bundled ones."""
+    beside = _find_beside(path, "hand", name)
+    if beside:
+        return read_file(beside, DESIGN, below=path.parent)
+
+    return read_file(find_hand(name), DESIGN)
 
 
 def build_set(name: str, side: str, designs: Mapping[str, Design]) -> FingerSet:
@@ -233,19 +237,20 @@ def build_set(name: str, side: str, designs: Mapping[str, Design]) -> FingerSet:
     """
     raise_issues(DesignError, _find_differences(designs))
     forms = tuple(_name_forms(designs))
-    bases = {finger: form.design for form in forms for finger in form.fingers}
-    calibrated = {
-        finger: each
-        for finger, each in designs.items()
-        if each.force_curve != bases[finger].force_curve
-    }
+    calibrated = {}
+    for form in forms:
+        for finger in form.fingers:
+            if designs[finger].force_curve != form.design.force_curve:
+                calibrated[finger] = designs[finger]
 
-    return FingerSet(name, side, forms, calibrated)
+    in_order = {finger: calibrated[finger] for finger in designs if finger in calibrated}
+    return FingerSet(name, side, forms, in_order)
 
 
 def set_to_toml(fingers: FingerSet, heading: str) -> str:
-    """Write a set as a file that needs no other: each finger as the
-    default design with what differs from it.
+    """Write a set as a file that needs no other one.
+
+    Each finger is the default design with what differs from it.
     """
     lines = [f"# {line}" for line in heading.splitlines()]
     lines += _list_values({"name": fingers.name, "side": fingers.side})
@@ -261,20 +266,23 @@ def _list_values(values: Mapping[str, Any]) -> Iterator[str]:
     return (change.replace("=", " = ", 1) for change in list_changes(values))
 
 
-def _find_beside(path: Path, field: str, given: str) -> Path | None:
-    """Find a file beside a set, which may come from a stranger; None if the name is a
-    bundled one.
+def _find_beside(path: Path, field: str, name: str) -> Path | None:
+    """Find a file beside a set; None if there is none of this name.
+
+    Raises DesignError for a path: the set may come from a stranger.
     """
-    if not is_safe_name(given):
-        problem = f"{quote_value(given)} is no name of a file beside the set, or of a bundled one"
+    if not is_safe_name(name):
+        problem = f"{quote_value(name)} is no name of a file beside the set, or of a bundled one"
         raise DesignError(Issue(field, f"{problem}; put the file there."))
 
-    return path.parent / given if (path.parent / given).is_file() else None
+    file = path.parent / name
+    return file if file.is_file() else None
 
 
 def _load_finger(
     path: Path, table: Mapping[str, Any], hand: Mapping[str, Any], changes: Sequence[str]
 ) -> LoadedTables:
+    """Load the design that a finger names, with its hand, its own values and the changes."""
     base = table.get("design")
     if not isinstance(base, str):
         raise DesignError(
@@ -302,8 +310,9 @@ def _find_differences(designs: Mapping[str, Design]) -> Iterator[Issue]:
     )
     for field, what, read in shared:
         groups: dict[object, list[str]] = {}
-        for finger in (finger for finger in designs if field != "hand" or finger != "thumb"):
-            groups.setdefault(read(designs[finger]), []).append(finger)
+        for finger, design in designs.items():
+            if field != "hand" or finger != "thumb":
+                groups.setdefault(read(design), []).append(finger)
 
         if len(groups) > 1:
             groups_text = " / ".join(map(join_words, groups.values()))
@@ -312,16 +321,15 @@ def _find_differences(designs: Mapping[str, Design]) -> Iterator[Issue]:
 
 
 def _name_forms(designs: Mapping[str, Design]) -> Iterator[Form]:
-    """Group fingers of equal parts; a form whose name another one has takes its first finger's
-    besides.
+    """Group fingers of equal parts.
 
-    Where the sensors of a form differ, its design has the typical one.
+    If two forms have one name, the names of their first fingers are added. Where the sensors of a
+    form differ, its design has the typical one.
     """
     groups: dict[str, list[str]] = {}
     for finger, design in designs.items():
-        groups.setdefault(repr(design.model_dump() | {"name": "", "force_curve": None}), []).append(
-            finger
-        )
+        parts = repr(design.model_dump() | {"name": "", "force_curve": None})
+        groups.setdefault(parts, []).append(finger)
 
     names = [designs[fingers[0]].name for fingers in groups.values()]
     for fingers in groups.values():

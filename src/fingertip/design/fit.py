@@ -28,32 +28,31 @@ Progress = Callable[[float], None]
 Values = Mapping[str, float]
 Ranges = Mapping[str, tuple[float, float]]
 
-DERIVED: Ranges = {name: ends for name, info in PARAMETERS.items() if (ends := find_follows(info))}
-"""Parameters that follow from others, with the range in which a fit may move each."""
+_FOLLOWS = {name: find_follows(info) for name, info in PARAMETERS.items()}
+DERIVED: Ranges = {name: ends for name, ends in _FOLLOWS.items() if ends}
+"""Parameters that follow from others -> range in which a fit may move them."""
 _WISHES: Ranges = {
     "skin.length_mm": (20.0, 44.0),
     "skin.semi_axis_palmar_mm": (4.0, 12.0),
     "skin.thickness_palmar_mm": (2.0, 4.0),
     "skin.width_mm": (12.0, 26.0),
 }
-"""Wishes of a file that may move in a second round, if the derived parameters alone do
-not suffice.
-"""
+"""Wishes that may move in a second round, if the derived parameters alone do not suffice."""
 MOVABLE = (*DERIVED, *_WISHES)
 _CHECKS = 1500
+"""Largest number of single rules that are checked in one round."""
 _FEW = 500
+"""The same for a refusal, which does not wait."""
 _CHECK = 5
+"""Number of single rules that a check of all rules counts for."""
 _SLOWER = 4
-"""Largest number of single rules that are checked in one round, for a refusal a few, the number
-that a check of all counts for, and the number of prerequisites for which a rule counts once more:
-those with many take long.
-"""
+"""A rule counts once more for each so many prerequisites: those with many take long."""
 _HALVINGS = 6
+"""Halvings of the way to the nearest value with which a rule passes."""
 _BACK_HALVINGS = 5
+"""Halvings of the way back to the beginning."""
 _STRONG_HALVINGS = 2
-"""Halvings of the way to the nearest value with which a rule passes,
-back to the beginning, and to a stronger bone.
-"""
+"""Halvings of the way to a stronger bone."""
 _ROUNDS = 3
 """Largest number of times that the loads of a remedy become what its design holds."""
 _SHARES = (1.0, 0.5, 0.25)
@@ -61,11 +60,9 @@ _SHARES = (1.0, 0.5, 0.25)
 _NEARER = 0.9
 """Part of a lack that may be left after a step towards a repair."""
 _OF_MOVES = 0.3
-"""Weight of the moves of a design, each relative to its range,
-beside the number of rules that do not pass.
-"""
+"""Weight of a design's moves, each relative to its range, beside the number of failing rules."""
 LEAST_LOADS = {"strength.grip_force_n": 1.0, "strength.knock_speed_m_s": 0.01}
-"""Loads that may become lower if they are not given, with the least that may be stated."""
+"""Loads that may become lower if they are not given -> least value that may be stated."""
 
 
 @dataclass(frozen=True)
@@ -89,12 +86,12 @@ class Fit:
 
 @dataclass(frozen=True)
 class Holds:
-    """Judgement of what a design holds."""
+    """Judgement of the loads that a design bears."""
 
     rules: tuple[Rule, ...]
-    """Rules that cost little, checked beside those of the design."""
+    """Rules on strength that cost little, checked beside those of the design."""
     judge: Callable[[DesignTables], Sequence[BrokenRule]]
-    """Finds what is too weak in a design that passes all rules."""
+    """Function that finds what is too weak in a design that passes all rules."""
     stronger: Mapping[str, float]
     """Factors on parameters that make it stronger."""
 
@@ -108,14 +105,13 @@ def fit_lengths(
     progress: Progress = lambda share: None,
     guessed: Collection[str] = (),
 ) -> Fit:
-    """Move the derived parameters of a design, but for those that are given, until its parts can be
-    made.
+    """Move the derived parameters that are not `given`, until the parts can be made.
 
     If they alone do not suffice, wishes that are not given move too. Measurements stay, but for
-    those that are guessed.
+    those that are `guessed`.
 
-    Raises DesignError. Its remedies lead what is given towards the design `before`. Typed in, they
-    pass.
+    Raises DesignError, whose remedies lead what is given towards the design `before`. They pass
+    when they are typed in.
     """
     fit, weak = find_fit(
         tables,
@@ -127,47 +123,45 @@ def fit_lengths(
     if fit:
         return fit
 
-    named = {broken.rule.field: broken for broken in weak}
+    by_field = {broken.rule.field: broken for broken in weak}
 
     def settle(values: Mapping[str, Any]) -> dict[str, Any] | None:
-        """Add the loads that a fit holds with the values of a remedy; None if no fit follows.
-
-        Parts follow loads.
-        """
+        """Add to the values of a remedy the loads that its fit bears; None if no fit follows."""
         for _ in range(_ROUNDS):
             trial = tables.with_values(values)
-            found, weak = find_fit(trial, given, guessed, holds, checks=_FEW, is_remedy=True)
-            if found:
+            fit, weak = find_fit(trial, given, guessed, holds, checks=_FEW, is_remedy=True)
+            if fit:
                 return dict(values)
-
-            named.update(
-                {broken.rule.field: broken for broken in weak if broken.rule.field not in named}
-            )
-            values = {**values, **_find_bounds(weak)}
             if not weak:
-                break
+                return None
+
+            for broken in weak:
+                by_field.setdefault(broken.rule.field, broken)
+
+            values = {**values, **_find_bounds(weak)}
 
         return None
 
-    if weak and (values := settle(_find_bounds(weak))):
-        sides = {
-            name: "least" if bound > tables.value(name) else "most"
-            for name, bound in values.items()
-        }
-        texts = {
-            name: f"{named[name].violation.problem}; at {sides[name]} {values[name]:g}."
-            for name in values
-        }
-        raise DesignError([Issue(name, text) for name, text in texts.items()])
+    bounds = settle(_find_bounds(weak)) if weak else None
+    if bounds:
+        issues = []
+        for name, bound in bounds.items():
+            side = "least" if bound > tables.value(name) else "most"
+            text = f"{by_field[name].violation.problem}; at {side} {bound:g}."
+            issues.append(Issue(name, text))
+
+        raise DesignError(issues)
 
     broken = _Search(tables, {}).check({})[1] or weak
     issues = find_remedies(tables, broken, before, [*given], settle=settle)
-    raise DesignError(
-        [
-            replace(one, message="(guessed) " * (one.field in guessed) + one.message)
-            for one in issues
-        ]
-    )
+    raise DesignError([_mark_guess(issue, guessed) for issue in issues])
+
+
+def _mark_guess(issue: Issue, guessed: Collection[str]) -> Issue:
+    if issue.field not in guessed:
+        return issue
+
+    return replace(issue, message=f"(guessed) {issue.message}")
 
 
 def find_fit(
@@ -180,25 +174,25 @@ def find_fit(
     is_early: bool = False,
     is_remedy: bool = False,
 ) -> tuple[Fit | None, Sequence[BrokenRule]]:
-    """Find a design that passes as `fit_lengths` does; or else what is too weak in one that passes
-    all rules.
+    """Find a design that passes as `fit_lengths` does.
 
-    A search that gives up early moves no wish in place of what a whole one would have found. A fit
+    Returns the fit; or None, and what is too weak in a design that passes all other rules. With
+    `is_early` the search gives up after so many checks, and does not go on to move wishes. A fit
     that only proves a remedy names no moves, and its values may move further than they need.
     """
-    derived = {
-        **DERIVED,
-        **{name: (0.8 * value, 1.2 * value) for name in guessed if (value := tables.value(name))},
-    }
-    weak: Sequence[BrokenRule] = ()
+    derived = dict(DERIVED)
+    for name in guessed:
+        value = tables.value(name)
+        if value:
+            derived[name] = (0.8 * value, 1.2 * value)
 
-    for ranges in (derived, {**derived, **_WISHES})[: 1 if _WISHES.keys() <= set(given) else 2]:
-        free = {
-            name: (min(low, present), max(high, present))
-            for name, (low, high) in ranges.items()
-            if name not in given
-            for present in [tables.value(name)]
-        }
+    rounds: list[Ranges] = [derived]
+    if not _WISHES.keys() <= set(given):
+        rounds.append({**derived, **_WISHES})
+
+    weak: Sequence[BrokenRule] = ()
+    for ranges in rounds:
+        free = _list_free(tables, ranges, given)
         search = _Search(tables, free)
         values = search.find_passing({}, progress, checks)
 
@@ -209,18 +203,18 @@ def find_fit(
             continue
 
         values = search.move_back(values)
-        if holds and (found := holds.judge(tables.with_values(values))):
+        if holds and holds.judge(tables.with_values(values)):
             search = _Search(tables, free, holds)
             nearer = search.find_passing(values, progress, checks)
-            values = search.move_back(nearer) if nearer is not None else values
-            strong = (
-                search.strengthen(values, is_least=not is_remedy) if nearer is not None else None
-            )
+            strong = None
+            if nearer is not None:
+                values = search.move_back(nearer)
+                strong = search.strengthen(values, is_least=not is_remedy)
 
             if strong is None:
-                found = holds.judge(tables.with_values(values))
-                weak = [broken for broken in found if broken.rule.field not in free] or found
-                if (_WISHES.keys() - {*given}) & {broken.rule.field for broken in found}:
+                too_weak = holds.judge(tables.with_values(values))
+                weak = [broken for broken in too_weak if broken.rule.field not in free] or too_weak
+                if (_WISHES.keys() - {*given}) & {broken.rule.field for broken in too_weak}:
                     continue
 
                 break
@@ -232,19 +226,30 @@ def find_fit(
     return None, weak
 
 
+def _list_free(tables: DesignTables, ranges: Ranges, given: Collection[str]) -> Ranges:
+    """List the ranges of what is not given, each with the present value inside."""
+    free = {}
+    for name, (low, high) in ranges.items():
+        if name not in given:
+            present = tables.value(name)
+            free[name] = (min(low, present), max(high, present))
+
+    return free
+
+
 def _find_bounds(weak: Sequence[BrokenRule]) -> dict[str, float]:
-    """Find the values with which a design that is too weak holds, rounded inwards."""
-    ends = ((broken.rule.field, *broken.violation.passing[0]) for broken in weak)
-    return {
-        name: round_digits(low if high == math.inf else high, 3, up=high == math.inf)
-        for name, low, high in ends
-    }
+    """Find the values with which a design that is too weak bears its loads, rounded inwards."""
+    bounds = {}
+    for broken in weak:
+        low, high = broken.violation.passing[0]
+        is_least = high == math.inf
+        bounds[broken.rule.field] = round_digits(low if is_least else high, 3, up=is_least)
+
+    return bounds
 
 
 def list_moved(tables: DesignTables, given: Collection[str]) -> tuple[str, ...] | None:
-    """Fit a design as `find_fit` does, but give up early, as a
-    refusal does not wait; name what moved.
-    """
+    """List the parameters that an early `find_fit` moves; None if it finds no fit."""
     fit, _ = find_fit(tables, given, checks=_FEW, is_early=True)
     return tuple(move.name for move in fit.moves) if fit else None
 
@@ -256,41 +261,42 @@ class _Search:
         self._tables = tables
         self._free = free
         self._holds = holds
-        self._held = holds.rules if holds else ()
-        self._rules = (*cheapest_first(PART_RULES), *self._held)
-        self._checked: dict[
-            tuple[tuple[str, float], ...], tuple[float, tuple[BrokenRule, ...]]
-        ] = {}
+        self._strength_rules = holds.rules if holds else ()
+        self._rules = (*cheapest_first(PART_RULES), *self._strength_rules)
+        self._checked: dict[_Key, tuple[float, tuple[BrokenRule, ...]]] = {}
         self.count = 0
+        """Number of single rules that were checked."""
 
     def check(self, values: Values) -> tuple[float, tuple[BrokenRule, ...]]:
-        """Return a score, the number of rules that do not pass and
-        how far broken ones are from it, and these.
+        """Check all rules, and return a score and the rules that are broken.
+
+        The score is the number of rules that do not pass, and how far the broken ones are from it.
         """
-        key = tuple(sorted(values.items()))
+        key = _make_key(values)
         if key not in self._checked:
             self.count += _CHECK
             checker = RuleChecker(self._tables.with_values(values))
-            found = tuple(checker.find_broken(self._rules))
-            failing = len(found)
+            broken = tuple(checker.find_broken(self._rules))
+            failing = len(broken)
             # Rules that a broken one hides count too. With wishes free, a search that counts them
             # finds fewer designs.
             if not self._free.keys() & _WISHES.keys():
                 failing = sum(not checker.passes(rule) for rule in self._rules)
 
-            self._checked[key] = failing + sum(map(_measure_lack, found)), found
+            self._checked[key] = failing + sum(map(_measure_lack, broken)), broken
 
         return self._checked[key]
 
     def passes(self, values: Values) -> bool:
-        """Tell whether a design passes; one that does not takes less time than its score."""
+        """Tell whether a design passes; this is quicker than its score if it does not."""
         return next(find_violations(self._rules, self._tables.with_values(values)), None) is None
 
     def find_passing(
         self, begin: Values, progress: Progress, checks: int = _CHECKS
     ) -> dict[str, float] | None:
-        """Find values that pass: always repair the most promising design, at its first
-        broken rule.
+        """Find values that pass: always repair the most promising design, at its first broken rule.
+
+        Returns None if none was found within so many checks.
         """
         order = itertools.count()
         queue = [(self.check(begin)[0] > 0.0, 0.0, next(order), dict(begin))]
@@ -304,65 +310,68 @@ class _Search:
             progress(self.count / checks)
             for repair in self._list_repairs(values, broken[0]):
                 trial = {**values, **repair}
-                if tuple(sorted(trial.items())) in self._checked:
+                if _make_key(trial) in self._checked:
                     continue
 
                 score = self.check(trial)[0]
-                heapq.heappush(
-                    queue,
-                    (
-                        score > 0.0,
-                        score + _OF_MOVES * self._measure_moves(trial),
-                        next(order),
-                        trial,
-                    ),
-                )
+                cost = score + _OF_MOVES * self._measure_moves(trial)
+                heapq.heappush(queue, (score > 0.0, cost, next(order), trial))
 
         return None
 
     def _list_repairs(self, values: Values, broken: BrokenRule) -> Iterator[dict[str, float]]:
-        """List values of free parameters with which a rule passes, or
-        is nearer to passing: of each, and of all.
-        """
-        lack = _measure_lack(broken)
-        tables = self._tables.with_values(values)
-        helpful = dict[str, float]()
+        """Yield values of free parameters with which a rule passes, or is nearer to passing.
 
-        if broken.rule in self._held and (name := broken.rule.field) in self._free:
+        Each parameter is moved alone, and then all that help together.
+        """
+        name = broken.rule.field
+        if broken.rule in self._strength_rules and name in self._free:
             bound = _find_bounds([broken])[name]
             if self._free[name][0] <= bound <= self._free[name][1]:
                 yield {name: bound}
                 return
 
+        tables = self._tables.with_values(values)
+        helpful = dict[str, float]()
         for name in sorted(broken.own_reads & self._free.keys()):
-            present = tables.value(name)
-            least = lack
-            begin = self._tables.value(name)
-
-            for end in self._free[name]:
-                if (end - present) * (present - begin) < 0.0:
-                    continue  # towards where another repair came from
-
-                for share in _SHARES:
-                    value = _round(name, present + share * (end - present))
-                    if value == present:
-                        break
-
-                    left = self._lack_of(broken.rule, {**values, name: value})
-                    if left < least:
-                        helpful[name] = value
-                        least = left
-
-                    if left == 0.0:
-                        yield self._approach({name: present}, {name: value}, values, broken.rule)
-                        break
-
-                    if left < _NEARER * lack:
-                        yield {name: value}
+            yield from self._move(name, values, broken, helpful)
 
         failing = {name: tables.value(name) for name in helpful}
         if len(helpful) > 1 and self._lack_of(broken.rule, {**values, **helpful}) == 0.0:
             yield self._approach(failing, helpful, values, broken.rule)
+
+    def _move(
+        self, name: str, values: Values, broken: BrokenRule, helpful: dict[str, float]
+    ) -> Iterator[dict[str, float]]:
+        """Yield values of one parameter that bring a rule nearer to passing.
+
+        The best of them is stored in `helpful`.
+        """
+        lack = _measure_lack(broken)
+        least = lack
+        begin = self._tables.value(name)
+        present = self._tables.with_values(values).value(name)
+
+        for end in self._free[name]:
+            if (end - present) * (present - begin) < 0.0:
+                continue  # towards where another repair came from
+
+            for share in _SHARES:
+                value = _round(name, present + share * (end - present))
+                if value == present:
+                    break
+
+                left = self._lack_of(broken.rule, {**values, name: value})
+                if left < least:
+                    helpful[name] = value
+                    least = left
+
+                if left == 0.0:
+                    yield self._approach({name: present}, {name: value}, values, broken.rule)
+                    break
+
+                if left < _NEARER * lack:
+                    yield {name: value}
 
     def _lack_of(self, rule: Rule, values: Values) -> float:
         self.count += 1 + len(rule.prerequisites) // _SLOWER
@@ -382,28 +391,32 @@ class _Search:
         rule: Rule | None = None,
         halvings: int = _HALVINGS,
     ) -> dict[str, float]:
-        """Move passing values towards failing ones by bisection;
-        one rule must pass beside the rest, or all.
+        """Move passing values towards failing ones by bisection.
+
+        One rule must pass with them and the rest of the values, or all rules.
         """
         for _ in range(halvings):
-            middle = {
-                name: _round(name, (failing[name] + value) / 2) for name, value in passing.items()
-            }
+            middle = _find_middle(failing, passing)
             if middle in (failing, passing):
                 break
 
             trial = {**rest, **middle}
-            holds = self._lack_of(rule, trial) == 0.0 if rule else self.passes(trial)
-            failing, passing = (failing, middle) if holds else (middle, passing)
+            is_passing = self._lack_of(rule, trial) == 0.0 if rule else self.passes(trial)
+            if is_passing:
+                passing = middle
+            else:
+                failing = middle
 
         return dict(passing)
 
     def _measure_moves(self, values: Values) -> float:
-        return sum(
-            abs(value - float(self._tables.value(name)))
-            / (self._free[name][1] - self._free[name][0])
-            for name, value in values.items()
-        )
+        """Add up how far parameters have moved, each relative to its range."""
+        moves = 0.0
+        for name, value in values.items():
+            low, high = self._free[name]
+            moves += abs(value - float(self._tables.value(name))) / (high - low)
+
+        return moves
 
     def move_back(self, values: Values) -> dict[str, float]:
         """Move each value back towards where it began, as far as the design passes."""
@@ -413,7 +426,7 @@ class _Search:
         while changed:
             changed = False
             for name in sorted(values):
-                rest = {other: value for other, value in values.items() if other != name}
+                rest = _leave_out(values, name)
                 if self.passes(rest):
                     values = rest
                     changed = True
@@ -428,8 +441,9 @@ class _Search:
         return values
 
     def strengthen(self, values: Values, is_least: bool) -> dict[str, float] | None:
-        """Make a design that passes all rules strong enough, or return
-        None; `is_least` moves no more than needed.
+        """Make a design that passes all rules strong enough; None if no value suffices.
+
+        With `is_least`, nothing moves more than it needs.
         """
         if self._holds is None or not self._holds.judge(self._tables.with_values(values)):
             return dict(values)
@@ -456,25 +470,26 @@ class _Search:
         moved = {name: value for name, value in strong.items() if value != tables.value(name)}
         failing = {name: tables.value(name) for name in moved}
         for _ in range(_STRONG_HALVINGS):
-            middle = {
-                name: _round(name, (failing[name] + value) / 2) for name, value in moved.items()
-            }
-            failing, moved = (
-                (failing, middle) if self._is_held({**values, **middle}) else (middle, moved)
-            )
+            middle = _find_middle(failing, moved)
+            if self._is_held({**values, **middle}):
+                moved = middle
+            else:
+                failing = middle
 
         moved = {**values, **moved}
         for name in sorted(moved):
-            fewer = {other: value for other, value in moved.items() if other != name}
+            fewer = _leave_out(moved, name)
             moved = fewer if self._is_held(fewer) else moved
 
         return moved
 
     def _is_held(self, values: Values) -> bool:
+        """Tell whether a design passes all rules and bears its loads."""
         assert self._holds
         return self.passes(values) and not self._holds.judge(self._tables.with_values(values))
 
     def describe(self, values: Values) -> Fit:
+        """Return the fit with its moves, each with the rule that its former value would break."""
         moves = []
         for name, value in sorted(values.items()):
             begin = self._tables.value(name)
@@ -484,27 +499,43 @@ class _Search:
         return Fit(self._tables.with_values(values), tuple(moves))
 
     def _explain(self, values: Values) -> str:
-        found = self.check(values)[1] or (
-            self._holds.judge(self._tables.with_values(values)) if self._holds else ()
-        )
-        return next((f"{one.rule.field}: {one.violation.problem}" for one in found), "")
+        """Describe the first rule that a design breaks, or the first load that it does not bear."""
+        broken: Sequence[BrokenRule] = self.check(values)[1]
+        if not broken and self._holds:
+            broken = self._holds.judge(self._tables.with_values(values))
+
+        return f"{broken[0].rule.field}: {broken[0].violation.problem}" if broken else ""
+
+
+_Key = tuple[tuple[str, float], ...]
+
+
+def _make_key(values: Values) -> _Key:
+    return tuple(sorted(values.items()))
+
+
+def _leave_out(values: Values, name: str) -> dict[str, float]:
+    return {kept: value for kept, value in values.items() if kept != name}
+
+
+def _find_middle(failing: Values, passing: Values) -> dict[str, float]:
+    return {name: _round(name, (failing[name] + value) / 2) for name, value in passing.items()}
 
 
 def _measure_lack(broken: BrokenRule) -> float:
-    """Return how far a design is from passing a rule, below 1: by its
-    field, where the rule names values that pass.
+    """Return how far a design is from passing a rule, from 0 to 1.
+
+    It is measured by the rule's field where the rule names values that pass.
     """
-    ends = [end for interval in broken.violation.passing for end in interval if math.isfinite(end)]
-    if not ends:
-        return (
-            broken.violation.lack / (1.0 + broken.violation.lack)
-            if math.isfinite(broken.violation.lack)
-            else 1.0
-        )
+    ends = filter(math.isfinite, itertools.chain.from_iterable(broken.violation.passing))
+    distances = [abs(float(broken.design.value(broken.rule.field)) - end) for end in ends]
+    if not distances:
+        lack = broken.violation.lack
+        return lack / (1.0 + lack) if math.isfinite(lack) else 1.0
 
     present = float(broken.design.value(broken.rule.field))
-    lack: float = min(abs(present - end) for end in ends) / max(1.0, abs(present))
-    return lack / (1.0 + lack)
+    relative = min(distances) / max(1.0, abs(present))
+    return relative / (1.0 + relative)
 
 
 def _round(name: str, value: float) -> float:

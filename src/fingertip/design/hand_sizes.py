@@ -1,6 +1,4 @@
-"""Sizes of a hand's joint: their files, where calipers go for each,
-and guesses for those that nobody measured.
-"""
+"""Sizes of a hand's joint: their files, how to measure them, and guesses for those not measured."""
 
 from __future__ import annotations
 
@@ -26,15 +24,14 @@ def list_hands() -> dict[str, Path]:
     return {path.stem: path for path in sorted((PARAMS / "hands").glob("*.toml"))}
 
 
-def find_hand(given: str | Path) -> Path:
+def find_hand(source: str | Path) -> Path:
     """Find the file of a hand by path or by the name of a bundled one. Raises TomlFileError."""
     hands = list_hands()
-    path = Path(given)
-    is_bare_name = path.name == str(given) and not path.suffix
+    path = Path(source)
+    is_bare_name = path.name == str(source) and not path.suffix
 
-    if (
-        is_bare_name and path.name in hands and not path.is_file()
-    ):  # a folder of this name does not come first
+    # A file of this name comes first, a folder does not.
+    if is_bare_name and path.name in hands and not path.is_file():
         path = hands[path.name]
     elif is_bare_name and not path.exists():
         remedy = suggest_name(path.name, list(hands))
@@ -45,33 +42,36 @@ def find_hand(given: str | Path) -> Path:
     example = f"the bundled hand {next(iter(hands))}"
     if path.is_dir():
         raise TomlFileError(
-            Issue(str(given), f"is a folder; give the path of a hand file, such as {example}.")
+            Issue(str(source), f"is a folder; give the path of a hand file, such as {example}.")
         )
 
-    others = [name for name in read_toml(path) if name != "hand"]
-    if others:
+    other_names = [name for name in read_toml(path) if name != "hand"]
+    if other_names:
         message = (
-            f"holds {others[0]} besides [hand]; a hand file has the table [hand] alone, as "
+            f"holds {other_names[0]} besides [hand]; a hand file has the table [hand] alone, as "
             f"{example} has."
         )
-        raise TomlFileError(Issue(str(given), message))
+        raise TomlFileError(Issue(str(source), message))
 
     return path
 
 
-def complete_hand(given: Mapping[str, Any], base: Hand) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """Complete the table [hand], of which a part was measured, and name the parameters that are
-    guesses.
+def complete_hand(
+    measured: Mapping[str, Any], base: Hand
+) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Complete the table [hand], of which a part was measured.
 
-    Clearance radius and axis height are in the proportion of the `base`, and all else is as there.
-    A tendon lies no nearer to the palm, and passes palmar of a fork, which is smaller by two
-    tendons; there is none without room for it.
+    Returns the table, and the names of the parameters that are guesses. Clearance radius and axis
+    height are in the proportion of the `base`, and all else is as there. A tendon lies no nearer to
+    the palm than there. It passes palmar of a fork, which is smaller by two tendons. Without room
+    for it there is none.
 
-    Raises DesignError if values are not valid, or if a size is missing that the others do not tell.
+    Raises DesignError if values are not valid, or if a size is missing that does not follow from
+    the others.
     """
-    hand = parse_tables(Tables, {"hand": dict(given)}).hand
-    values = dict(given)
-    missing = [name for name in _STATED if name not in given]
+    hand = parse_tables(Tables, {"hand": dict(measured)}).hand
+    values = dict(measured)
+    missing = [name for name in _STATED if name not in measured]
 
     if missing:
         remedy = "`fingertip new --help` tells where to put the calipers"
@@ -80,16 +80,15 @@ def complete_hand(given: Mapping[str, Any], base: Hand) -> tuple[dict[str, Any],
     def guess(name: str, value: float) -> float:
         return float(values.setdefault(name, round(value, 2)))
 
-    line_mm = (
-        guess("tendon_diameter_mm", base.tendon_diameter_mm)
-        if given.get("tendon_distance_mm") != 0
-        else 0.0
-    )
+    line_mm = 0.0
+    if measured.get("tendon_distance_mm") != 0:
+        line_mm = guess("tendon_diameter_mm", base.tendon_diameter_mm)
+
     palmar_mm = 2 * line_mm if hand.knuckle == "fork" else 0.0
     share = base.clearance_radius_mm / base.axis_height_mm
     to_palm_mm = base.axis_height_mm - base.tendon_distance_mm
-    by_radius_mm = given.get("clearance_radius_mm", 0.0) / share + palmar_mm
-    by_tendon_mm = given.get("tendon_distance_mm", 0.0) + to_palm_mm
+    by_radius_mm = measured.get("clearance_radius_mm", 0.0) / share + palmar_mm
+    by_tendon_mm = measured.get("tendon_distance_mm", 0.0) + to_palm_mm
     height_mm = guess("axis_height_mm", max(base.axis_height_mm, by_radius_mm, by_tendon_mm))
     min_mm = hand.pin_diameter_mm / 2 + _AROUND_PIN_MM
     radius_mm = guess("clearance_radius_mm", max(share * (height_mm - palmar_mm), min_mm))
@@ -100,18 +99,19 @@ def complete_hand(given: Mapping[str, Any], base: Hand) -> tuple[dict[str, Any],
     guess("tendon_distance_mm", distance_mm if distance_mm < height_mm else 0.0)
     guess("travel_deg", base.travel_deg)
 
-    return values, tuple(f"hand.{name}" for name in SIZES if name in values.keys() - given.keys())
+    return values, tuple(
+        f"hand.{name}" for name in SIZES if name in values.keys() - measured.keys()
+    )
 
 
 def describe_guesses(provisional: Iterable[str]) -> str:
-    """Say which sizes of the hand are guesses; nothing if there are none."""
+    """Describe which sizes of the hand are guesses; empty if there are none."""
     names = [
-        name + " (0: no tendon)" * ("tendon_dist" in name)
+        f"{name} (0: no tendon)" if name == "hand.tendon_distance_mm" else name
         for name in provisional
         if name.startswith("hand.")
     ]
-    return (
-        f"guessed sizes of the hand: {join_words(names)}; measure them before you print"
-        if names
-        else ""
-    )
+    if not names:
+        return ""
+
+    return f"guessed sizes of the hand: {join_words(names)}; measure them before you print"

@@ -1,9 +1,8 @@
-"""Proportions of proven fingers: what a design file leaves out follows the bundled finger that is
-nearest to it.
+"""Proportions of proven fingers: what a design file leaves out follows the nearest bundled finger.
 
-Each column of `catalogues/proportions.csv` is a bundled design. The first rows are what a finger is
-chosen by. The others are what follows from these, and sizes of the interfaces that the finger has
-not.
+Each column of `catalogues/proportions.csv` is a bundled design. The first rows are the parameters
+by which the nearest finger is found. The others follow from these, or are sizes of interfaces that
+the finger does not have.
 """
 
 from __future__ import annotations
@@ -40,18 +39,14 @@ def load_proportions() -> Mapping[str, Mapping[str, Mapping[str, Any]]]:
 
 
 def fill_in(tables: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the tables of a design file with the values of the
-    nearest proven finger where they leave them out.
-    """
+    """Return the tables of a design file, completed by values of the nearest proven finger."""
     filled = dict(tables)
-    for table, values in min(
-        load_proportions().values(), key=lambda one: _measure_distance(tables, one)
-    ).items():
+    nearest = min(load_proportions().values(), key=lambda finger: _measure_distance(tables, finger))
+    for table, values in nearest.items():
         own = filled.get(table, {})
         if isinstance(own, Mapping):
-            filled[table] = {
-                key: value for key, value in values.items() if f"{table}.{key}" not in KEYS
-            } | {**own}
+            follows = {key: value for key, value in values.items() if f"{table}.{key}" not in KEYS}
+            filled[table] = follows | {**own}
 
     return filled
 
@@ -59,12 +54,15 @@ def fill_in(tables: Mapping[str, Any]) -> dict[str, Any]:
 def _measure_distance(
     tables: Mapping[str, Any], proven: Mapping[str, Any]
 ) -> tuple[float, bool, bool, float]:
-    """Measure how far a finger is from a proven one: by head of the
-    sensor, interface, knuckle, then by lengths.
+    """Measure how far a finger is from a proven one.
+
+    The head of the sensor counts first, then interface, knuckle and lengths.
     """
-    (head_mm, *lengths), (proven_head_mm, *others) = map(_read_lengths, (tables, proven))
+    head_mm, *lengths = _read_lengths(tables)
+    proven_head_mm, *proven_lengths = _read_lengths(proven)
     interface, knuckle = (_read(tables, path) != _read(proven, path) for path in _CHOICES)
-    relative = sum(abs(ours / theirs - 1.0) for ours, theirs in zip(lengths, others, strict=True))
+    pairs = zip(lengths, proven_lengths, strict=True)
+    relative = sum(abs(length / proven_length - 1.0) for length, proven_length in pairs)
 
     return abs(head_mm - proven_head_mm), interface, knuckle, relative
 
@@ -82,12 +80,13 @@ def _read_lengths(tables: Mapping[str, Any]) -> list[float]:
 
 
 def _read(tables: Mapping[str, Any], path: str) -> Any:
-    """Read a value; the default in place of one that is missing or of another type."""
-    (table, _, key) = path.partition(".")
+    """Read a value; the default stands for one that is missing or of another type."""
+    table, _, key = path.partition(".")
     default = PARAMETERS[path].default
     own = tables.get(table)
     value = own.get(key) if isinstance(own, Mapping) else None
-
-    return (
-        value if isinstance(value, int | float if isinstance(default, float) else str) else default
+    has_type = (
+        isinstance(value, int | float) if isinstance(default, float) else isinstance(value, str)
     )
+
+    return value if has_type else default

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import collections
 import contextlib
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -33,11 +33,11 @@ from fingertip.design.search import (
 from fingertip.foundation.errors import Issue, join_words
 
 _MAX_CHANGED = 3
-"""Maximum number of parameters that differ from a design before and are taken for its changes, if
-nobody names these. More of them are a design of its own, in which none stands out.
+"""If nobody names the changes of a design, the parameters that differ from the one before are taken
+for them, unless they are more than these: then it is a design of its own.
 """
 _FILE = "bone.adapter_file"
-"""Parameter whose rules say themselves what to do: no other value mends a file."""
+"""Parameter whose rules state their remedies: no other value repairs a file."""
 
 
 def find_remedies(
@@ -58,46 +58,45 @@ def find_remedies(
     adds to values what makes a fit follow.
     """
     before = before or DesignTables()
-    differing = [name for name in PARAMETERS if tables.value(name) != before.value(name)]
-    changed = tuple(
-        filter(
-            PARAMETERS.__contains__,
-            changed or (differing if len(differing) <= _MAX_CHANGED else ()),
-        )
-    )
-    of_file = [
-        one
-        for one in broken
-        if one.rule.field == _FILE and not any(map(is_number, one.own_reads & {*changed}))
-    ]
-    issues = [Issue(_FILE, f"{one.violation.problem}.") for one in of_file]
+    if not changed:
+        differing = [name for name in PARAMETERS if tables.value(name) != before.value(name)]
+        changed = differing if len(differing) <= _MAX_CHANGED else ()
 
+    changed = tuple(name for name in changed if name in PARAMETERS)
+    of_file = [
+        violated
+        for violated in broken
+        if violated.rule.field == _FILE and not any(map(is_number, violated.own_reads & {*changed}))
+    ]
+    issues = [Issue(_FILE, f"{violated.violation.problem}.") for violated in of_file]
     if of_file:
-        broken = [one for one in broken if one not in of_file]
+        broken = [violated for violated in broken if violated not in of_file]
         invalid = invalid | {_FILE}
 
     for of_parts in (True, False):  # printed parts and electronics read no table of each other
-        own = tuple(one for one in broken if (one.rule not in ELECTRONIC_RULES) is of_parts)
-        if own:
-            checked = cheapest_first(
-                rule for rule in rules if (rule not in ELECTRONIC_RULES) is of_parts
-            )
-            search = Search(checked, cheapest_first(one.rule for one in own), invalid, before)
-            usable = of_parts and not invalid
-            refusal = remedies.Refusal(
-                tables=tables,
-                broken=own,
-                before=before,
-                changed=changed,
-                search=search,
-                settled=usable and settle is not None,
-            )
-            fitted = fit(tables, changed) if usable and fit else None
-            values = remedies.resolve(refusal, fitted is not None)
-            if usable and settle:
-                values = remedies.settle(refusal, values, settle)
+        own = tuple(
+            violated for violated in broken if (violated.rule not in ELECTRONIC_RULES) is of_parts
+        )
+        if not own:
+            continue
 
-            issues += _describe(refusal, values, fitted or ())
+        checked = (rule for rule in rules if (rule not in ELECTRONIC_RULES) is of_parts)
+        suspects = (violated.rule for violated in own)
+        may_fit = of_parts and not invalid
+        refusal = remedies.Refusal(
+            tables=tables,
+            broken=own,
+            before=before,
+            changed=changed,
+            search=Search(cheapest_first(checked), cheapest_first(suspects), invalid, before),
+            settled=may_fit and settle is not None,
+        )
+        moved = fit(tables, changed) if may_fit and fit else None
+        values = remedies.resolve(refusal, moved is not None)
+        if may_fit and settle:
+            values = remedies.settle(refusal, values, settle)
+
+        issues += _describe(refusal, values, moved or ())
 
     return issues
 
@@ -105,56 +104,71 @@ def find_remedies(
 def _describe(
     refusal: remedies.Refusal, values: remedies.Values, fitted: Sequence[str]
 ) -> Iterator[Issue]:
-    """Yield an issue for the parameter whose change is the cause,
-    then one for each other blamed or moved field.
+    """Yield an issue for the parameter whose change is the cause, then for all other fields.
+
+    These are the fields that rules blame or remedies move. `fitted` names what a fit moves.
     """
     blamed = refusal.blamed
-    counts = collections.Counter(name for field in blamed for name in refusal.reads(field))
-    causes = sorted(
-        filter(counts.get, refusal.changed),
-        key=lambda name: (name not in values, name not in blamed),
-    )[:1]
-    moved = [name for name in values if counts[name]] if causes or len(blamed) > 1 else []
-    names = list(
-        dict.fromkeys((*causes, *moved, *sorted(blamed, key=lambda name: name not in values)))
-    )
+    counts: Counter[str] = Counter()
+    for field in blamed:
+        counts.update(refusal.reads(field))
 
+    names = _order_fields(refusal, values, counts)
     for name in names:
         if name in blamed:
             problem = blamed[name][0].violation.problem
         else:
             unit = format_unit(find_unit(PARAMETERS[name]))
             present = f"{format_value(name, refusal.tables.value(name))}{unit}"
-            problem = (
-                f"{present} breaks "
-                f"{f'{counts[name]} rules' if counts[name] > 1 else 'a rule'}, listed below"
-            )
+            rules = f"{counts[name]} rules" if counts[name] > 1 else "a rule"
+            problem = f"{present} breaks {rules}, listed below"
 
         offers = [_format_bound(refusal, name, values)] if name in values else []
         if name == names[0]:
-            rest = {other: value for other, value in values.items() if other not in names} or (
-                {} if offers else values
-            )
+            rest = {moved: value for moved, value in values.items() if moved not in names}
+            if not rest and not offers:
+                rest = values
             if rest:
-                offers = [f"{offers[0]}, together with " if offers else "set "]
-                offers[0] += join_assignments(rest)
+                begin = f"{offers[0]}, together with" if offers else "set"
+                offers = [f"{begin} {join_assignments(rest)}"]
 
             offers += _list_alternatives(refusal, values)
-            offers += [f"add --fit, which moves {join_words(fitted)}"] if fitted else []
+            if fitted:
+                offers.append(f"add --fit, which moves {join_words(fitted)}")
         elif name == names[-1] and not offers:
-            fixes = (
-                f"{join_assignments(values) if values else '--fit'} "
-                f"{'fix' if len(values) > 1 else 'fixes'}"
-            )
-            offers = [f"{fixes} {'all of ' * (len(blamed) > 1)}this"]
+            offers = [_format_consequence(refusal, values)]
 
         yield Issue(name, f"{problem}{'; ' * bool(offers)}{', or '.join(offers)}.")
 
 
-def _format_bound(refusal: remedies.Refusal, name: str, values: remedies.Values) -> str:
-    """Write the value that a field needs as a bound.
+def _order_fields(
+    refusal: remedies.Refusal, values: remedies.Values, counts: Mapping[str, int]
+) -> list[str]:
+    """List the fields to describe: the change that is the cause, what moves, what rules blame."""
+    blamed = refusal.blamed
+    causes = sorted(
+        (name for name in refusal.changed if name in counts),
+        key=lambda name: (name not in values, name not in blamed),
+    )[:1]
+    moved = []
+    if causes or len(blamed) > 1:
+        moved = [name for name in values if name in counts]
 
-    The only blamed field may have several bounds, all verified.
+    in_order = (*causes, *moved, *sorted(blamed, key=lambda name: name not in values))
+    return list(dict.fromkeys(in_order))
+
+
+def _format_consequence(refusal: remedies.Refusal, values: remedies.Values) -> str:
+    """Format what fixes all of a refusal, for its last field."""
+    remedy = join_assignments(values) if values else "--fit"
+    verb = "fix" if len(values) > 1 else "fixes"
+    return f"{remedy} {verb} {'all of ' * (len(refusal.blamed) > 1)}this"
+
+
+def _format_bound(refusal: remedies.Refusal, name: str, values: remedies.Values) -> str:
+    """Format the value that a field needs as a bound.
+
+    If it is the only field that is blamed, it may have several bounds, all verified.
     """
     value = values[name]
     if not is_number(name):
@@ -164,9 +178,8 @@ def _format_bound(refusal: remedies.Refusal, name: str, values: remedies.Values)
     intervals = list[remedies.Ends]()
     if set(refusal.blamed) == {name}:
         intervals = remedies.find_intervals(name, refusal.broken)
-        unit += next(
-            (f" {broken.violation.note}" for broken in refusal.broken if broken.violation.note), ""
-        )
+        notes = (broken.violation.note for broken in refusal.broken if broken.violation.note)
+        unit += next((f" {note}" for note in notes), "")
 
     if value not in remedies.list_ends(refusal.tables, name, intervals):
         intervals = [(value, None) if value > refusal.tables.value(name) else (None, value)]
@@ -180,51 +193,51 @@ def _format_bound(refusal: remedies.Refusal, name: str, values: remedies.Values)
 
 
 def _format_interval(name: str, low: float | None, high: float | None) -> str:
-    texts = ["" if end is None else format_value(name, end) for end in (low, high)]
-    if all(texts):
-        return texts[0] if low == high else f"between {texts[0]} and {texts[1]}"
-    if texts[0]:
-        return f"at least {texts[0]}"
-    if texts[1]:
-        return f"at most {texts[1]}"
+    """Format an interval of values; empty without ends."""
+    if low is None:
+        return "" if high is None else f"at most {format_value(name, high)}"
+    if high is None:
+        return f"at least {format_value(name, low)}"
+    if low == high:
+        return format_value(name, low)
 
-    return ""
+    return f"between {format_value(name, low)} and {format_value(name, high)}"
 
 
 def _suggest_bundled_design(refusal: remedies.Refusal, name: str) -> str:
     """Name the bundled design for a sensor that the present design does not fit."""
-    present, before = (
-        SENSORS.get(tables.value(name)) for tables in (refusal.tables, refusal.before)
-    )
-    if (
-        name != "sensor.model"
-        or present is None
-        or (before and before.bundled_design == present.bundled_design)
-    ):
+    if name != "sensor.model":
         return ""
 
-    return f", or start from the bundled design {present.bundled_design}"
+    sensor = SENSORS.get(refusal.tables.value(name))
+    before = SENSORS.get(refusal.before.value(name))
+    if sensor is None or (before and before.bundled_design == sensor.bundled_design):
+        return ""
+
+    return f", or start from the bundled design {sensor.bundled_design}"
 
 
 def _list_alternatives(refusal: remedies.Refusal, values: remedies.Values) -> Iterator[str]:
-    """Yield what resolves a refusal instead: the bound of the only
-    blamed field, and values that its rules name.
+    """Yield what resolves a refusal instead: the bound of its field, and values that rules name.
+
+    There is none if several fields are blamed.
     """
     if len(refusal.blamed) > 1 or refusal.settled:
         return
 
     ((name, broken),) = refusal.blamed.items()
     ends = remedies.list_ends(refusal.tables, name, remedies.find_intervals(name, broken))
-    found: remedies.Values = {name: ends[0]} if ends and refusal.may_move(name) else {}
-    for one in broken:
-        found |= one.violation.alternatives
+    alternatives: remedies.Values = {name: ends[0]} if ends and refusal.may_move(name) else {}
+    for violated in broken:
+        alternatives |= violated.violation.alternatives
 
-    for other, value in found.items():
-        if values.get(other) != value and refusal.resolves({other: value}):
-            yield join_assignments({other: value})
+    for parameter, value in alternatives.items():
+        if values.get(parameter) != value and refusal.resolves({parameter: value}):
+            yield join_assignments({parameter: value})
 
 
 def describe_violations(tables: DesignTables, rules: Iterable[Rule] = RULES) -> Iterator[Issue]:
+    """Yield an issue without remedy for each field that a broken rule blames."""
     blamed: set[str] = set()
     for broken in find_violations(rules, tables):
         if broken.rule.field not in blamed:
@@ -243,9 +256,7 @@ def read_valid(tables: Mapping[str, Any] | None) -> DesignTables | None:
 def explain_invalid(
     tables: Mapping[str, Any], error: ValidationError, changed: Sequence[str]
 ) -> list[Issue]:
-    """Describe what is wrong with tables of which some parameters are
-    not valid; rules check the others at once.
-    """
+    """Describe the parameters that are not valid, and the rules that the others break."""
     issues = issues_from_pydantic(error, DesignTables)
     invalid = frozenset(issue.field for issue in issues)
     # The values of parameters that stand in another table, as below a heading that was lost, are
@@ -274,11 +285,8 @@ def explain_invalid(
 def _extend_bound(
     issue: Issue, tables: Mapping[str, Any], valid: DesignTables, invalid: frozenset[str]
 ) -> Issue:
-    """Add to a violated bound the value that the rules require,
-    if the bound itself would break them.
-    """
+    """Add to a violated bound the value that rules require, if the bound itself breaks them."""
     name = issue.field
-    others = invalid - {issue.field}
     value = dict(flatten(tables)).get(name)
     if name not in PARAMETERS or isinstance(value, bool) or not isinstance(value, int | float):
         return issue
@@ -292,19 +300,20 @@ def _extend_bound(
     if bounds.maximum is not None and value > bounds.maximum:
         word = "at most"
         bound = bounds.maximum
-    # a bound that is not valid itself is no value to type in: the message names the default as an
-    # example
     else:
+        # A value that must be above a bound has no least one: the message names the default.
         word = "at least"
         bound = field.default if bounds.minimum is None else bounds.minimum
 
     at_bound = valid.with_values({name: bound})
-    violations = list(find_violations(RULES, at_bound, others))
-    broken = [one for one in violations if name in one.reads]
+    still_invalid = invalid - {name}
+    violations = list(find_violations(RULES, at_bound, still_invalid))
+    broken = [violated for violated in violations if name in violated.reads]
     # Rules that fail whatever this parameter is have issues of their own.
-    unrelated = {one.rule for one in violations} - {one.rule for one in broken}
+    unrelated = {violated.rule for violated in violations if name not in violated.reads}
     rules = cheapest_first(rule for rule in RULES if rule not in unrelated)
-    search = Search(rules, cheapest_first(one.rule for one in broken), others)
+    suspects = cheapest_first(violated.rule for violated in broken)
+    search = Search(rules, suspects, still_invalid)
     passing = remedies.find_passing_value(search, at_bound, name, broken) if broken else None
     if passing is None:
         return issue

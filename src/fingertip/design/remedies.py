@@ -14,7 +14,7 @@ What is promised
 - "add --fit" stands where a fit was tried and passes with all that was changed. It names what the
   fit moves.
 - An alternative ("or hand.tendon_distance_mm=0") resolves by itself what is wrong with the printed
-  parts, or with the electronics: the rules of the ones read nothing of the others.
+  parts, or with the electronics: their rules read no common parameter.
 
 Rules that read a parameter which is not valid by itself are not checked. They may find more once it
 is valid.
@@ -39,19 +39,19 @@ _MAX_ROUNDS = 3
 """Maximum number of times that fields which are blamed move to their bounds."""
 Values = dict[str, Any]
 FitFunction = Callable[[DesignTables, Collection[str]], Sequence[str] | None]
-"""Fits a design, with the named parameters as they are, and names
-what moved; None if it finds none that passes.
+"""Function that fits a design, the named parameters unchanged, and returns the names of what it
+moved; None if it finds no design that passes.
 """
 SettleFunction = Callable[[Values], Values | None]
-"""Adds to values of a remedy what a fit needs to follow them; None if none follows."""
+"""Function that adds to the values of a remedy what a fit needs; None if no fit follows."""
 Ends = tuple[float | None, float | None]
-"""Ends of an interval of values that pass; None where it has no end within the field's
-own bounds.
-"""
+"""Ends of an interval of values that pass; None for an end beyond the field's own bounds."""
 
 
 @dataclass(frozen=True)
 class Refusal:
+    """Design that breaks rules, and what is known of the cause."""
+
     tables: DesignTables
     broken: tuple[BrokenRule, ...]
     before: DesignTables
@@ -59,50 +59,53 @@ class Refusal:
     changed: tuple[str, ...]
     search: Search
     settled: bool = False
-    """True if a fit follows the remedy: other values were not tried with one, and are left out."""
+    """True if a fit follows the remedy. Alternatives are left out then: no fit was tried with
+    them.
+    """
 
     @cached_property
     def blamed(self) -> dict[str, list[BrokenRule]]:
-        found: dict[str, list[BrokenRule]] = {}
+        """Broken rules by the field that they blame."""
+        by_field: dict[str, list[BrokenRule]] = {}
         for broken in self.broken:
-            found.setdefault(broken.rule.field, []).append(broken)
+            by_field.setdefault(broken.rule.field, []).append(broken)
 
-        return found
+        return by_field
 
     def reads(self, name: str) -> frozenset[str]:
+        """Parameters that the rules read which blame a field."""
         return frozenset().union(*(broken.own_reads for broken in self.blamed[name]))
 
     def may_move(self, name: str) -> bool:
-        """Tell whether a remedy may name a parameter: what was
-        measured is not the cause of another change.
-        """
+        """Tell whether a remedy may name a parameter: no measurement, unless it was changed."""
         return not self.changed or name in self.changed or find_kind(name) != "measurement"
 
     def resolves(self, values: Mapping[str, Any]) -> bool:
+        """Tell whether the design passes with some values."""
         return self.search.passes(self.tables.with_values(values))
 
 
 def resolve(refusal: Refusal, fits: bool = False) -> Values:
     """Find values of parameters that pass all rules together, by the simplest way that finds some.
 
-    Nothing is returned only where a design `fits` and no simple way finds values.
+    The result is empty only where a fit of the design passes, and no simple way finds values.
     """
-    return (
+    values = (
         _move_one(refusal, refusal.changed or refusal.blamed)
         or _move_to_bounds(refusal)
         or _return_choice(refusal)
-        or (
-            {}
-            if fits
-            else _move_one(refusal, () if refusal.changed else PARAMETERS)
-            or _return_towards_before(refusal)
-        )
     )
+    if values or fits:
+        return values
+
+    every_parameter = () if refusal.changed else PARAMETERS
+    return _move_one(refusal, every_parameter) or _return_towards_before(refusal)
 
 
 def _move_one(refusal: Refusal, names: Iterable[str]) -> Values:
-    """Move one number that all broken rules read to the nearest value
-    that passes; blamed ones are tried first.
+    """Move one number that all broken rules read to the nearest value that passes.
+
+    Blamed ones are tried first.
     """
     common = frozenset.intersection(*(broken.own_reads for broken in refusal.broken))
     for name in sorted(filter(is_number, names), key=lambda name: name not in refusal.blamed):
@@ -115,15 +118,13 @@ def _move_one(refusal: Refusal, names: Iterable[str]) -> Values:
 
 
 def _move_to_bounds(refusal: Refusal) -> Values:
-    """Move each blamed field to the bound of its rules, then what
-    rules blame that are checked once these pass.
-    """
+    """Move each blamed field to the bound of its rules, and then those that further rules blame."""
     tables = refusal.tables
     broken = list(refusal.broken)
     values = Values()
 
     for _ in range(_MAX_ROUNDS):
-        for name in sorted({one.rule.field for one in broken}):
+        for name in sorted({violated.rule.field for violated in broken}):
             ends = list_ends(tables, name, find_intervals(name, broken))
             if not ends or not refusal.may_move(name):
                 return {}
@@ -147,8 +148,9 @@ def _return_choice(refusal: Refusal) -> Values:
 
 
 def _return_towards_before(refusal: Refusal) -> Values:
-    """Return parameters towards their values before; the defaults
-    pass all rules, so this succeeds always.
+    """Return parameters towards their values before.
+
+    This succeeds always: the defaults pass all rules.
     """
     before = refusal.before if refusal.search.passes(refusal.before) else DesignTables()
     tables = before
@@ -169,7 +171,7 @@ def _return_towards_before(refusal: Refusal) -> Values:
         tables = tables.with_values({name: present})
 
     for name in list(values):
-        fewer = {other: value for other, value in values.items() if other != name}
+        fewer = {kept: value for kept, value in values.items() if kept != name}
         if fewer and refusal.resolves(fewer):
             values = fewer
 
@@ -177,16 +179,20 @@ def _return_towards_before(refusal: Refusal) -> Values:
 
 
 def settle(refusal: Refusal, values: Values, settled: SettleFunction) -> Values:
-    """Take a choice that a rule names, or the values, if a fit follows; else return what was
-    changed as it was before.
+    """Return a choice that a rule names, or else the values, with what a fit needs to follow.
 
-    A choice costs a fit each.
+    If no fit follows, return what was changed to its value before. Each choice costs a fit.
     """
-    alternatives = (pair for one in refusal.broken for pair in one.violation.alternatives.items())
-    for tried in (*({name: value} for name, value in alternatives if not is_number(name)), values):
-        found = settled(tried)
-        if found:
-            return found
+    candidates = []
+    for violated in refusal.broken:
+        for name, value in violated.violation.alternatives.items():
+            if not is_number(name):
+                candidates.append({name: value})
+
+    for candidate in (*candidates, values):
+        with_fit = settled(candidate)
+        if with_fit:
+            return with_fit
 
     present = ((name, refusal.before.value(name)) for name in refusal.changed)
     return {name: value for name, value in present if value != refusal.tables.value(name)}
@@ -195,12 +201,11 @@ def settle(refusal: Refusal, values: Values, settled: SettleFunction) -> Values:
 def find_passing_value(
     search: Search, tables: DesignTables, name: str, broken: Iterable[BrokenRule]
 ) -> Any:
-    """Find the passing value nearest to the present one, exact
-    bounds of rules first; None if there is none.
-    """
-    intervals = [
-        ends for one in broken if one.rule.field == name for ends in find_intervals(name, [one])
-    ]
+    """Find the passing value nearest to the present one, exact bounds of rules first, or None."""
+    intervals = list[Ends]()
+    for violated in broken:
+        if violated.rule.field == name:
+            intervals += find_intervals(name, [violated])
     for end in list_ends(tables, name, intervals):
         if search.passes(tables.with_values({name: end})):
             return end
@@ -209,13 +214,14 @@ def find_passing_value(
 
 
 def find_intervals(name: str, broken: Iterable[BrokenRule]) -> list[Ends]:
-    """Compute the values of a field that pass all rules which blame
-    it, rounded inwards as a message prints them.
+    """Compute the values of a field that pass all rules which blame it.
+
+    They are rounded inwards, as a message prints them.
     """
     passing: list[Interval] = [(-math.inf, math.inf)]
-    for one in broken:
-        if one.rule.field == name:
-            pairs = itertools.product(passing, one.violation.passing)
+    for violated in broken:
+        if violated.rule.field == name:
+            pairs = itertools.product(passing, violated.violation.passing)
             passing = [
                 (max(low, own_low), min(high, own_high))
                 for (low, high), (own_low, own_high) in pairs

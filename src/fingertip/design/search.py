@@ -1,10 +1,9 @@
-"""All rules of a design, and the search for values of a parameter with which they pass: the nearest
-one, and bands.
+"""All rules of a design, and the search for values of a parameter with which they pass.
 
-A rule checks parameters that are each within their own bounds. Which parameters it reads is noted,
-not declared: if one of them is not valid by itself, the rule is skipped, so that one mistake gives
-one message and all other rules are still checked. A band holds the values of a parameter with which
-a design passes every rule while its other parameters stay.
+A rule checks parameters that are each within their own bounds. The parameters that it reads are
+recorded, not declared: if one of them is not valid by itself, the rule is skipped. So one mistake
+gives one message, and all other rules are still checked. The values of a parameter with which a
+design passes every rule while its other parameters stay are its bands.
 """
 
 from __future__ import annotations
@@ -76,13 +75,12 @@ class Search:
     """Design whose values are tried too."""
 
     def passes(self, tables: DesignTables) -> bool:
-        return (
-            next(find_violations((*self.suspects, *self.rules), tables, self.invalid), None) is None
-        )
+        """Tell whether a design passes all rules."""
+        violations = find_violations((*self.suspects, *self.rules), tables, self.invalid)
+        return next(violations, None) is None
 
     def nearest(self, tables: DesignTables, name: str) -> Any:
-        """Find the value of a numeric parameter that passes and is nearest to its present one; None
-        if there is none.
+        """Find the passing value of a number that is nearest to its present one; None without one.
 
         The value is the nearest one on a grid between the parameter's bounds, which bisection then
         refines. A range of passing values that is narrower than the grid may be missed.
@@ -113,10 +111,10 @@ class Search:
             return self.passes(tables.with_values({name: value}))
 
         def between(share: float) -> float:
+            """Return the value at a share of the way to passing, on a log scale if it is long."""
             if min(failing, passing) > 0.0 and max(failing, passing) > 4.0 * min(failing, passing):
-                return as_typed(
-                    name, math.exp((1.0 - share) * math.log(failing) + share * math.log(passing))
-                )
+                log = (1.0 - share) * math.log(failing) + share * math.log(passing)
+                return as_typed(name, math.exp(log))
 
             return as_typed(name, failing + share * (passing - failing))
 
@@ -142,7 +140,7 @@ class Search:
         return best
 
     def list_grid(self, name: str, present: float) -> Sequence[float]:
-        """Values between the parameter's bounds, the nearest to the present one first."""
+        """List values between the parameter's bounds, the nearest to the present one first."""
         bounds = find_bounds(PARAMETERS[name])
         high = bounds.maximum if bounds.maximum is not None else 2.0 * abs(present) + 1.0
         low = bounds.minimum if bounds.minimum is not None else (bounds.above or 0.0) + 1e-6 * high
@@ -173,13 +171,12 @@ def is_number(name: str) -> bool:
 
 
 def as_typed(name: str, value: float) -> float:
+    """Return a value as the type of its parameter: some are whole numbers."""
     return round(value) if PARAMETERS[name].annotation is int else value
 
 
 def round_inwards(name: str, value: float, up: bool) -> float:
-    """Round a bound of a parameter inwards: to four digits in the
-    electronic tables, else to two decimals.
-    """
+    """Round a bound inwards: to four digits in electronic tables, else to two decimals."""
     if PARAMETERS[name].annotation is int:
         return math.ceil(value - 1e-9) if up else math.floor(value + 1e-9)
     if _is_electronic(name):
@@ -189,6 +186,7 @@ def round_inwards(name: str, value: float, up: bool) -> float:
 
 
 def round_digits(value: float, digits: int, up: bool) -> float:
+    """Round a number up or down to so many significant digits."""
     if value == 0.0 or math.isinf(value):
         return value
     if abs(value) < SMALLEST:  # has no more digits to round
@@ -215,9 +213,7 @@ def join_assignments(values: Mapping[str, Any]) -> str:
 
 
 def cheapest_first(rules: Iterable[Rule]) -> tuple[Rule, ...]:
-    """Order rules so that those which measure the silicone, and have many prerequisites,
-    come last.
-    """
+    """Order rules by their cost: those that measure the silicone have most prerequisites."""
     return tuple(sorted(rules, key=lambda rule: len(rule.prerequisites)))
 
 
@@ -234,7 +230,7 @@ def find_bands(
     """Find the bands of a number, in ascending order; none if no value passes.
 
     A band that is narrower than the grid of a search may be missed, unless it holds the present
-    value or another one that is `tried`. `still_wanted` is called before each value, and may raise.
+    value or one of those `tried`. `still_wanted` is called before each value, and may raise.
     """
     # Rules that do not read the parameter are checked once, for all of its values.
     checker = RuleChecker(tables, frozenset({name}))
@@ -262,13 +258,17 @@ def find_bands(
 
 def describe_bands(name: str, bands: Iterable[Band]) -> str:
     """Write bands as a part of a sentence, such as "16.5 to 22.1 mm"."""
-    bounds = find_bounds(PARAMETERS[name])
-    texts = [
-        format_value(name, low)
-        if low == high
-        else f"{format_value(name, low)} to {format_value(name, high)}"
-        if bounds.above is None or low > bounds.above + 1.01e-6 * (bounds.maximum or 1.0)
-        else f"above {bounds.above:g}, at most {format_value(name, high)}"
-        for low, high in bands
-    ]
+    texts = [_describe_band(name, low, high) for low, high in bands]
     return join_words(texts, "or") + format_unit(find_unit(PARAMETERS[name]))
+
+
+def _describe_band(name: str, low: float, high: float) -> str:
+    if low == high:
+        return format_value(name, low)
+
+    # The grid begins just above a bound that a value must exceed.
+    bounds = find_bounds(PARAMETERS[name])
+    if bounds.above is not None and low <= bounds.above + 1.01e-6 * (bounds.maximum or 1.0):
+        return f"above {bounds.above:g}, at most {format_value(name, high)}"
+
+    return f"{format_value(name, low)} to {format_value(name, high)}"

@@ -46,16 +46,24 @@ _GAP = 26.0
 
 @dataclass(frozen=True)
 class Signal:
-    """Net at a connector: what the board prints beside it, what it is
-    for the other side, and colour of its wire.
-    """
+    """Net at a connector, and the wire that leads to it."""
 
     print: str
-    far_end: str
+    """What the board prints beside it."""
+    meaning: str
     colour: str
+    pin: str = ""
+    """Kind of the controller's pin that it leads to; empty for supply, ground and sensor."""
+
+    @property
+    def far_end(self) -> str:
+        """Pin and meaning at the far end of the wire."""
+        return f"{self.pin}: {self.meaning}" if self.pin else self.meaning
 
 
 _SENSOR = Signal("FSR", "either wire", _GREEN)
+_ANALOG_IN = "analog in"
+_DIGITAL_IN = "digital in"
 
 
 def name_signals(circuit: Circuit, supply_v: float) -> dict[str, Signal]:
@@ -68,22 +76,22 @@ def name_signals(circuit: Circuit, supply_v: float) -> dict[str, Signal]:
         POWER_IN: Signal("3V3", f"supply, +{supply_v:g} V", _RED),
         GND: Signal(ground if is_for_controller else "0", "ground", _BLACK),
         VEE: Signal("-", f"-{supply_v:g} V", _BLUE),
-        ADC_TACTILE: Signal("T", "analog in: tactile voltage", _BLUE),
-        ADC_FILTERED: Signal("S", "analog in: filtered signal", _YELLOW),
-        ADC_ENVELOPE: Signal("E", "analog in: envelope", _BLUE),
-        VMID_OUT: Signal("M", "analog in: signal ground", _GREEN),
-        SLIP_OUT: Signal("SLIP", "digital in: slip, active low", _GREEN),
+        ADC_TACTILE: Signal("T", "tactile voltage", _BLUE, _ANALOG_IN),
+        ADC_FILTERED: Signal("S", "filtered signal", _YELLOW, _ANALOG_IN),
+        ADC_ENVELOPE: Signal("E", "envelope", _BLUE, _ANALOG_IN),
+        VMID_OUT: Signal("M", "signal ground", _GREEN, _ANALOG_IN),
+        SLIP_OUT: Signal("SLIP", "slip, active low", _GREEN, _DIGITAL_IN),
     }
 
     for net in circuit.nets:
         channel, own = split_net(net.name)
         if channel and own in signals:
-            letter = signals[own].print
-            what = signals[own].far_end.partition(":")[0]
+            signal = signals[own]
             signals[net.name] = Signal(
-                f"{letter}{channel}",
-                f"{what}: {letter} of {NAMES[channel - 1]}",
-                signals[own].colour,
+                print=f"{signal.print}{channel}",
+                meaning=f"{signal.print} of {NAMES[channel - 1]}",
+                colour=signal.colour,
+                pin=signal.pin,
             )
 
     return signals

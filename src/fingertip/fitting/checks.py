@@ -1,5 +1,5 @@
-"""Checks of a build that a fit foresees, as rules: the pad, the print and the mold, the joint and
-the strength of the bone.
+"""Checks of a build as rules of a fit, which foresees them: the pad, the print and the mold, the
+joint, and the strength of the bone.
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ _STRONGER = {
     "bone.foot_radius_mm": 1.6,
 }
 """Factors on parameters that make a bone on a post stronger."""
+# Pads with the next three turn on below 1 N.
 _TILT = math.radians(5.0)
+"""Tilt tip up at which a pad must feel a touch."""
 _CLEAR_MM = 0.15
+"""Height by which the pad stands out past the collar at that tilt."""
 _BESIDE_SENSOR = 1.25
-"""Tilt tip up at which a pad must feel a touch, height by which it stands out past the collar
-there, and distance of the touch from the sensor over the radius of its active area. Pads with these
-turn on below 1 N.
-"""
+"""Distance of the touch from the sensor over the radius of its active area."""
 _JOINT = Ruleset(lambda design: design.dimensions.joint)
 _BONE = Ruleset()
 _CROWN = Ruleset(lambda design: design.dimensions.crown)
@@ -94,6 +94,7 @@ def platform_enters_the_mold(design: DesignTables) -> Limit:
 
 @_CROWN.at_most("skin.crown_offset_mm")
 def pad_touches_near_the_sensor(design: DesignTables) -> Limit:
+    """A tilted plate touches the pad beside the sensor, farther off on a crown of larger radius."""
     reach = _BESIDE_SENSOR * design.dimensions.sensor.active_diameter_mm / 2
     return Limit(
         reach - math.sin(_TILT) * design.skin.crown_radius_mm,
@@ -123,6 +124,7 @@ def platform_prints_as_a_ledge(design: DesignTables) -> Limit | None:
 
 @_SKIN.at_least("skin.thickness_palmar_mm")
 def mold_is_true_over_the_sensor(design: DesignTables) -> Limit:
+    """The error with which the mold holds its core must be a small share of the skin."""
     built = cast(Design, design)
     least = palmar_error_mm(built) / palmar_error_share(built)
     return Limit(least, "is too thin for the error with which the mold holds its core")
@@ -138,40 +140,40 @@ def tilted_pad_turns_the_sensor_on(design: DesignTables) -> Limit:
 
 @_JOINT.at_most("strength.grip_force_n", when=lambda design: design.strength.min_grip_factor)
 def joint_holds_the_grip(design: DesignTables) -> Limit:
+    """The stress at the joint is proportional to the grip force at the farthest point."""
     farthest_z = max(z for _, _, z in list_load_points(cast(Design, design)).values())
-    worst = max(
-        place.stress_per_n for place in interface_of(design).local_stresses(design, farthest_z)
-    )
-    force = design.strength.material.strength_mpa / worst / design.strength.min_grip_factor
-    return Limit(
-        force,
-        f"is more than the joint holds with a safety factor of {design.strength.min_grip_factor:g}",
-    )
+    stresses = interface_of(design).local_stresses(design, farthest_z)
+    worst = max(place.stress_per_n for place in stresses)
+    factor = design.strength.min_grip_factor
+    force = design.strength.material.strength_mpa / worst / factor
+    return Limit(force, f"is more than the joint holds with a safety factor of {factor:g}")
 
 
 @functools.lru_cache(maxsize=16)
 def assess(design: DesignTables) -> BoneStrength:
+    """Assess the strength of the bone; the last designs are remembered."""
     return assess_strength(cast(Design, design), MeshEvaluator(_TOLERANCE_MM))
 
 
 @_BONE.at_most("strength.grip_force_n", when=lambda design: design.strength.min_grip_factor)
 def bone_holds_the_grip(design: DesignTables) -> Limit:
-    found = assess(design)
+    strength = assess(design)
     factor = design.strength.min_grip_factor
-    where = f"{found.weakest.place} at z = {found.weakest.z_mm:.0f} mm"
+    where = f"{strength.weakest.place} at z = {strength.weakest.z_mm:.0f} mm"
     return Limit(
-        found.breaks_n / factor, f"leaves the bone a safety factor below {factor:g} ({where})"
+        strength.breaks_n / factor, f"leaves the bone a safety factor below {factor:g} ({where})"
     )
 
 
 @_BONE.at_most("strength.knock_speed_m_s", when=lambda design: design.strength.min_knock_factor)
 def bone_holds_the_knock(design: DesignTables) -> Limit:
-    found = assess(design)
+    strength = assess(design)
     factor = design.strength.min_knock_factor
-    where = f"{found.knock.weakest.place} at z = {found.knock.weakest.z_mm:.0f} mm"
+    where = f"{strength.knock.weakest.place} at z = {strength.knock.weakest.z_mm:.0f} mm"
     return Limit(
-        found.held_speed_m_s, f"leaves the bone a safety factor below {factor:g} ({where})"
+        strength.held_speed_m_s, f"leaves the bone a safety factor below {factor:g} ({where})"
     )
 
 
 HOLDS = Holds((*_CROWN, *_SKIN, *_JOINT), judge, _STRONGER)
+"""Judgement of a fit: rules that cost little first, then the strength of the bone."""

@@ -19,9 +19,7 @@ from fingertip.foundation.errors import DesignError
 from fingertip.foundation.progress import ShareText
 
 _FEW = 200
-"""Number of single rules that are checked for an offer, so that it takes no longer than
-the checks.
-"""
+"""Number of single rules that are checked for an offer, which takes no longer than the checks."""
 
 
 def fit_design(
@@ -100,14 +98,12 @@ def fit_finger(
     progress: Callable[[float], None] = lambda share: None,
     provisional: Collection[str] = (),
 ) -> Fit:
-    """Fit a design as `fit_lengths` does, until its bone also holds the loads that it states.
+    """Fit a design as `fit_lengths` does, until its bone also bears the loads that it states.
 
-    Raises DesignError.
-
-    Guessed sizes of the hand that are `provisional` move too, and such loads become those that the
-    bone holds.
+    Guessed sizes of the hand that are `provisional` move too, and provisional loads become those
+    that the bone bears. Raises DesignError.
     """
-    light = {
+    least_loads = {
         load: least
         for load, least in LEAST_LOADS.items()
         if load in provisional and load not in given
@@ -125,34 +121,36 @@ def fit_finger(
     try:
         fitted = fit(tables)
     except DesignError:
-        if not light:
+        if not least_loads:
             raise
 
-        fitted = fit(tables.with_values(light))
+        fitted = fit(tables.with_values(least_loads))
 
-    lighter = lower_loads(
-        fitted.tables.with_values({load: tables.value(load) for load in light}), light
-    )
-    return Fit(lighter.tables, (*fitted.moves, *lighter.moves))
+    stated_loads = {load: tables.value(load) for load in least_loads}
+    lowered = lower_loads(fitted.tables.with_values(stated_loads), least_loads)
+    return Fit(lowered.tables, (*fitted.moves, *lowered.moves))
 
 
 def lower_loads(tables: DesignTables, loads: Collection[str]) -> Fit:
-    """Lower some loads to what the bone holds. Raises GeometryError."""
-    held = assess(tables).lighter_loads if loads else {}
+    """Lower some loads to what the bone bears. Raises GeometryError."""
+    borne = assess(tables).lighter_loads if loads else {}
     moves = [
-        Move(load, tables.value(load), held[load], "the bone holds no more")
+        Move(load, tables.value(load), borne[load], "the bone holds no more")
         for load in loads
-        if load in held
+        if load in borne
     ]
     return Fit(tables.with_values({move.name: move.after for move in moves}), tuple(moves))
 
 
 def find_mend(design: Design, given: Collection[str]) -> Sequence[str]:
-    """Name what a fit moves of a design that fails checks, if it then
-    passes all; nothing if that takes too long.
+    """List what a fit moves in a design that fails checks.
+
+    The list is empty if the fit does not pass all checks, or would take too long.
     """
     fit, _ = find_fit(design, given, holds=HOLDS, checks=_FEW, is_early=True)
-    passes = fit and all(
-        each.passed for each in check(Design.model_construct(None, **dict(fit.tables))).checks
-    )
-    return [move.name for move in fit.moves] if fit and passes else []
+    if not fit:
+        return []
+
+    checks = check(Design.model_construct(None, **dict(fit.tables))).checks
+    passes = all(each_check.passed for each_check in checks)
+    return [move.name for move in fit.moves] if passes else []

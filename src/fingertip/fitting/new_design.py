@@ -1,4 +1,4 @@
-"""New design: a bundled one with what is given, fitted to it, as a file of wishes and
+"""New design: a bundled one that is fitted to what is given, as a file of wishes and
 measurements.
 """
 
@@ -51,7 +51,7 @@ class NewDesign:
             "A comment holds the meaning of a parameter and, in brackets, its unit and bounds.",
         )
         lowered = (move.name for move in self.moves if move.name in LEAST_LOADS)
-        return write_design(self.design, heading, (*self.guessed, *lowered), others=True)
+        return write_design(self.design, heading, (*self.guessed, *lowered), with_others=True)
 
 
 @dataclass(frozen=True)
@@ -104,12 +104,11 @@ def refuse_words(name: str, sensor: str | None, preset: str | None) -> None:
     for field, word, known in (("sensor", sensor, _SENSORS), ("preset", preset, PRESETS)):
         if word is not None and word not in known:
             reason = explain_sensor(word) if field == "sensor" else ""
-            found = (
-                f"is not in the catalogue; {reason}."
-                if reason
-                else f"is not known; {suggest_name(word, known)}"
-            )
-            issues.append(Issue(field, f"{word!r} {found}"))
+            problem = f"is not known; {suggest_name(word, known)}"
+            if reason:
+                problem = f"is not in the catalogue; {reason}."
+
+            issues.append(Issue(field, f"{word!r} {problem}"))
 
     raise_issues(DesignError, issues)
 
@@ -121,16 +120,17 @@ def start_design(
     hand: str | Path | None,
     changes: Sequence[str],
 ) -> Start:
-    """Begin with the preset, or with the bundled design of the
-    sensor if neither preset nor hand is given.
-    """
-    fitted = SENSORS.get(
-        sensor or "fsr400", SENSORS["fsr400"]
-    )  # a custom sensor begins as an FSR 400
-    jointed = preset is not None or hand is not None
-    base = (preset or "adult_finger") if jointed else fitted.bundled_design
+    """Begin with the preset, or with the sensor's bundled design without preset and hand."""
+    # A custom sensor begins as an FSR 400.
+    catalogued = SENSORS.get(sensor or "fsr400", SENSORS["fsr400"])
+    has_joint = preset is not None or hand is not None
+    base = (preset or "adult_finger") if has_joint else catalogued.bundled_design
     own = [f"sensor.model={sensor}"] if sensor else []
-    own += [change for change in fitted.changes if not jointed or change.startswith("skin.bump_")]
+    for change in catalogued.changes:
+        # Lengths of the bundled design of the sensor do not fit a joint; those of its bump do.
+        if not has_joint or change.startswith("skin.bump_"):
+            own.append(change)
+
     before = parse_tables(DesignTables, load_tables([base], own).tables)
     tables = before.model_dump() | {"name": name}
     changed = load_tables((), changes)
@@ -146,12 +146,11 @@ def start_design(
     begun = parse_tables(DesignTables, tables)
     longer_mm = begun.skin.length_mm - before.skin.length_mm
 
-    if (
-        longer_mm > 0.0 and _PLACE not in changed.changed
-    ):  # or the collar would touch a plate before the pad
-        begun = begun.with_values(
-            {_PLACE: round(before.sensor.distance_from_tip_mm + longer_mm, 2)}
-        )
+    # In a longer skin the sensor stays at its place from the collar, which would else touch a plate
+    # before the pad does.
+    if longer_mm > 0.0 and _PLACE not in changed.changed:
+        place_mm = round(before.sensor.distance_from_tip_mm + longer_mm, 2)
+        begun = begun.with_values({_PLACE: place_mm})
 
     return Start(
         tables=begun,
@@ -165,9 +164,7 @@ def start_design(
 def fit_start(start: Start, progress: Callable[[str], None]) -> NewDesign:
     """Fit what follows from what is given.
 
-    Loads that are not given become those that the bone holds.
-
-    Raises DesignError.
+    Loads that are not given become those that the bone bears. Raises DesignError.
     """
     tables = start.tables
     given = start.given

@@ -1,5 +1,6 @@
-"""New set of fingers from the width and length of each: forms of
-equal size are one, and all turn on one joint.
+"""New set of fingers from the width and length of each.
+
+Fingers of equal size are of one form, and all turn on one joint.
 """
 
 from __future__ import annotations
@@ -38,6 +39,8 @@ _EXAMPLE = "--finger index=18x25"
 
 @dataclass(frozen=True)
 class NewForm:
+    """New design of the fingers of one size."""
+
     fingers: tuple[str, ...]
     design: new_design.NewDesign
 
@@ -48,6 +51,7 @@ class NewForm:
 
     @property
     def is_own(self) -> bool:
+        """True if the design differs from the bundled one in more than its name."""
         bundled = Design.load(self.design.base)
         return self.design.design != bundled.model_copy(update={"name": self.design.design.name})
 
@@ -60,7 +64,7 @@ def read_sizes(texts: Sequence[str]) -> dict[str, Size]:
     for text in texts:
         name, _, size = text.partition("=")
         field = f"--finger {text}"
-        found = re.fullmatch(r"(\d+(?:\.\d+)?)x(\d+(?:\.\d+)?)", size)
+        match = re.fullmatch(r"(\d+(?:\.\d+)?)x(\d+(?:\.\d+)?)", size)
 
         if name not in NAMES:
             issues.append(
@@ -69,7 +73,7 @@ def read_sizes(texts: Sequence[str]) -> dict[str, Size]:
         elif name in sizes:
             issues.append(Issue(field, "is given twice; give each finger once."))
 
-        if not found:
+        if not match:
             issues.append(
                 Issue(
                     field, f"states no width and length of the skin in mm; write it as {_EXAMPLE}."
@@ -77,14 +81,14 @@ def read_sizes(texts: Sequence[str]) -> dict[str, Size]:
             )
             continue
 
-        width_mm = float(found[1])
-        length_mm = float(found[2])
+        width_mm = float(match[1])
+        length_mm = float(match[2])
         sizes[name] = (width_mm, length_mm)
 
         with gather(issues, f"{field}: "):
             parse_tables(DesignTables, {"skin": {"width_mm": width_mm, "length_mm": length_mm}})
             if width_mm > length_mm:
-                remedy = f"the width comes first: --finger {name}={found[2]}x{found[1]}"
+                remedy = f"the width comes first: --finger {name}={match[2]}x{match[1]}"
                 issues.append(Issue(field, f"is wider than long; {remedy}."))
 
     raise_issues(DesignError, issues)
@@ -122,7 +126,8 @@ def start_set(
     raise_issues(DesignError, issues)
     groups: dict[tuple[str, Size], list[str]] = {}
     for finger, size in sizes.items():
-        groups.setdefault((_choose_preset(finger, sizes, preset), size), []).append(finger)
+        base = _choose_preset(finger, sizes, preset)
+        groups.setdefault((base, size), []).append(finger)
 
     starts: dict[tuple[str, ...], new_design.Start] = {}
     for (base, size), fingers in groups.items():
@@ -136,62 +141,66 @@ def start_set(
                 changes=own,
             )
 
-    raise_issues(DesignError, dict.fromkeys(issues))  # what is wrong in several is said once
+    raise_issues(DesignError, dict.fromkeys(issues))  # an issue of several fingers is given once
     return starts
 
 
 def fit_set(
     starts: Starts, progress: Callable[[str], None], issues: list[Issue]
 ) -> tuple[NewForm, ...]:
-    """Fit the designs of a set, and add what is wrong in all fingers to the issues.
+    """Fit the designs of a set, and add the issues of all fingers to `issues`.
 
-    No fit moves a size of the hand, so all fingers turn on one joint; a thumb has one of its own if
-    no hand is given.
+    No fit moves a size of the hand, so all fingers turn on one joint; a thumb has a joint of its
+    own if no hand is given.
     """
     forms: list[NewForm] = []
     work = Work("fitting", {join_words(fingers): 1.0 for fingers in starts}, progress)
 
     for fingers, start in starts.items():
-        found: list[Issue] = []
-        held = replace(start, given=(*start.given, *start.guessed))
-        with gather(found):
-            forms.append(
-                NewForm(fingers, new_design.fit_start(held, work.within(join_words(fingers))))
-            )
+        names = join_words(fingers)
+        own_issues: list[Issue] = []
+        with_fixed_hand = replace(start, given=(*start.given, *start.guessed))
+        with gather(own_issues):
+            design = new_design.fit_start(with_fixed_hand, work.within(names))
+            forms.append(NewForm(fingers, design))
 
-        size = dict(_SIZE_REMEDY.findall("\n".join(issue.typed for issue in found)))
+        size = dict(_SIZE_REMEDY.findall("\n".join(issue.typed for issue in own_issues)))
         if size:
             typed = "x".join(size.get(field, f"{start.tables.value(field):g}") for field in _SIZE)
             remedy = " ".join(f"--finger {finger}={typed}" for finger in fingers)
-            found[0] = Issue(
-                found[0].field, f"{found[0].message.partition('; ')[0]}; it passes with {remedy}."
-            )
+            field = own_issues[0].field
+            problem = own_issues[0].message.partition("; ")[0]
+            own_issues[0] = Issue(field, f"{problem}; it passes with {remedy}.")
 
-        issues += (Issue(f"{join_words(fingers)}: {issue.field}", issue.message) for issue in found)
+        issues += (Issue(f"{names}: {issue.field}", issue.message) for issue in own_issues)
 
     return tuple(forms)
 
 
 def _choose_preset(finger: str, sizes: Mapping[str, Size], preset: str | None) -> str:
-    """Choose the preset of a finger, of the age that is given, or of
-    that whose widths are nearest to all fingers.
-    """
+    """Choose the preset of a finger by the age of `preset`, or by the widths of all fingers."""
+    if preset:
+        return _name_preset(_read_age(preset), finger)
 
-    def name(age: str, finger: str) -> str:
-        return f"{age}_{'thumb' if finger == 'thumb' else 'finger'}"
+    proven = load_proportions()
 
-    def differ(age: str) -> float:
-        proven = load_proportions()
-        return sum(
-            (
-                abs(size[0] - proven[name(age, other)]["skin"]["width_mm"])
-                for other, size in sizes.items()
-            ),
-            0.0,
-        )
+    def measure_difference(age: str) -> float:
+        difference_mm = 0.0
+        for name, (width_mm, _) in sizes.items():
+            difference_mm += abs(width_mm - proven[_name_preset(age, name)]["skin"]["width_mm"])
 
-    ages = (base.partition("_")[0] for base in new_design.PRESETS)
-    return name(preset.partition("_")[0] if preset else min(ages, key=differ), finger)
+        return difference_mm
+
+    nearest = min(map(_read_age, new_design.PRESETS), key=measure_difference)
+    return _name_preset(nearest, finger)
+
+
+def _read_age(preset: str) -> str:
+    return preset.partition("_")[0]
+
+
+def _name_preset(age: str, finger: str) -> str:
+    return f"{age}_{'thumb' if finger == 'thumb' else 'finger'}"
 
 
 def write_set_file(name: str, forms: Sequence[NewForm]) -> str:

@@ -1,5 +1,5 @@
-"""Design of an earlier version, written anew: it begins from the nearest bundled design and keeps
-the sizes that pass.
+"""Renewal of a design of an earlier version: the new one begins from the nearest bundled design, and
+takes the old sizes that pass.
 
 Skin, hand, interface, board, detector, printer and loads are those of the old file as far as the
 rules allow, tried in halves down to single parameters. The bone behind them and the mold are those
@@ -42,9 +42,7 @@ _MADE_ANEW = (
     "skin.bonded",
     "skin.bump_",
 )
-"""Beginnings of parameters that are those of the bundled design:
-its bone and its mold are other ones.
-"""
+"""Beginnings of the parameters that stay those of the bundled design: bone and mold are new."""
 _NEEDED = ("bone.interface", "sensor.model")
 """Parameters without which the new design is another thing."""
 LEFT_OUT: tuple[tuple[str, ...], ...] = (
@@ -61,8 +59,8 @@ LEFT_OUT: tuple[tuple[str, ...], ...] = (
     ("bone.", "skin.", "sensor.distance_", "strength."),
     ("bone.", "skin.", "sensor.distance_", "strength.", "hand."),
 )
-"""Beginnings of sizes that become those of the bundled design where a
-check fails with them, tried in this order.
+"""Beginnings of sizes that are left to the bundled design if a check fails with the old ones.
+They are tried in this order.
 """
 _OLD_DEFAULTS = {
     "bone.post_width_mm": 8.4,
@@ -74,33 +72,36 @@ _OLD_DEFAULTS = {
 }
 """Sizes that an old file may leave out, where its default was another."""
 _NOT_SIZES = ("silicone", "printer", "strength", "mold")
-"""Tables of which an old file gives what it holds, and no defaults."""
+"""Tables of which only stated values are taken from an old file, no defaults."""
 _FITTED = ("sensor", "bone", "hand", "skin")
 """Tables whose sizes are worth a fit of the lengths that nobody measures."""
 _SHORT = {"fsr400": "fsr400_short", "fsr402": "fsr402_short"}
-"""Sensor -> that which takes its place where its tail was folded."""
+"""Sensor -> the one with a short tail that replaces it if its tail was folded."""
 
 
 @dataclass(frozen=True)
 class Renewal:
+    """New design that replaces one of an earlier version."""
+
     made: NewDesign
     old: Mapping[str, Any]
-    """Parameter of the old design -> value, those that went included."""
+    """Parameter of the old design -> value, retired ones included."""
 
     @property
     def changed(self) -> dict[str, tuple[Any, Any]]:
         """Parameter -> value in the old and in the new design, where they differ."""
-        known = {
-            name: was for name, was in self.old.items() if name not in (*load_retired(), "name")
-        }
-        return {
-            name: (was, now)
-            for name, was in known.items()
-            if (now := self.made.design.value(name)) != was
-        }
+        changed = {}
+        for name, before in self.old.items():
+            if name not in (*load_retired(), "name"):
+                after = self.made.design.value(name)
+                if after != before:
+                    changed[name] = (before, after)
+
+        return changed
 
     @property
     def retired(self) -> list[str]:
+        """Parameters of the old design that no longer exist."""
         return [name for name in self.old if name in load_retired()]
 
 
@@ -111,56 +112,74 @@ def renew_design(
     left_out: tuple[str, ...] = (),
     progress: Callable[[str], None] = lambda message: None,
 ) -> Renewal:
-    """Write a design file with the sizes of an old one, but for some of `LEFT_OUT`; `changes` are
-    made to the new one.
+    """Design a finger with the sizes of an old design file.
 
-    Raises DesignError.
+    `changes` are made to the new design, and sizes that begin as `left_out` are those of the
+    bundled design. Raises DesignError.
     """
     stated = dict(flatten(read_file(find_file(file, DESIGN), DESIGN)))
+    old_values = _complete_old(stated) | {"name": name}
+    old = parse_tables(DesignTables, load_tables([], old_values).tables)
+    base = min(list_bundled_files(DESIGN), key=lambda bundled: _measure_distance(old, bundled))
+
+    tables = parse_tables(DesignTables, load_tables([base], changes).tables | {"name": name})
+    fixed = tuple(path for path, _ in flatten(load_tables([], changes).tables))
+    not_taken = (*_MADE_ANEW, *fixed, *left_out)
+    sizes = {
+        path: old.value(path)
+        for path in old_values
+        if path in _NEEDED or not path.startswith(not_taken)
+    }
+    tables = _fit(_adopt_all(tables, sizes), sizes, fixed, progress)
+    lowered = lower_loads(tables, [load for load in LEAST_LOADS if load not in fixed])
+    return Renewal(NewDesign(Design(**lowered.tables.model_dump()), base, lowered.moves), stated)
+
+
+def _complete_old(stated: Mapping[str, Any]) -> dict[str, Any]:
+    """Complete the values of an old file by the defaults of its time, without retired parameters."""
     defaults = {
         path: field.default
         for path, field in PARAMETERS.items()
         if path.partition(".")[0] not in _NOT_SIZES
     }
-    old = defaults | (_OLD_DEFAULTS if stated.keys() & load_retired().keys() else {}) | stated
-    kept = {path: value for path, value in old.items() if path not in load_retired()} | {
-        "name": name
-    }
-    if old.get("sensor.tail") == "folded":
-        kept["sensor.model"] = _SHORT.get(old["sensor.model"], old["sensor.model"])
+    if stated.keys() & load_retired().keys():
+        defaults |= _OLD_DEFAULTS
 
-    wanted = parse_tables(DesignTables, load_tables([], kept).tables)
-    base = min(list_bundled_files(DESIGN), key=lambda one: _measure_distance(wanted, one))
-    tables = parse_tables(DesignTables, load_tables([base], changes).tables | {"name": name})
-    fixed = tuple(path for path, _ in flatten(load_tables([], changes).tables))
-    without = (*_MADE_ANEW, *fixed, *left_out)
-    sizes = {
-        path: wanted.value(path) for path in kept if path in _NEEDED or not path.startswith(without)
-    }
-    left = -1  # sizes that need another one first are tried again after it
+    values = defaults | {**stated}
+    if values.get("sensor.tail") == "folded":
+        model = values["sensor.model"]
+        values["sensor.model"] = _SHORT.get(model, model)
 
-    while left != len(
-        rest := [(path, value) for path, value in sizes.items() if tables.value(path) != value]
-    ):
+    return {path: value for path, value in values.items() if path not in load_retired()}
+
+
+def _measure_distance(old: DesignTables, base: str) -> tuple[bool, bool, float]:
+    """Measure how far a bundled design is from an old one: by interface, sensor, then width."""
+    bundled = DesignTables(**load_tables([base], []).tables)
+    return (
+        old.bone.interface != bundled.bone.interface,
+        old.sensor.model != bundled.sensor.model,
+        abs(old.skin.width_mm - bundled.skin.width_mm),
+    )
+
+
+def _adopt_all(tables: DesignTables, sizes: Mapping[str, Any]) -> DesignTables:
+    """Adopt sizes as far as rules allow; one that needs another one first is tried again after it."""
+    left = -1
+    rest = list(sizes.items())
+    while left != len(rest):
         left = len(rest)
         tables = _adopt(tables, rest)
+        rest = [(path, value) for path, value in sizes.items() if tables.value(path) != value]
 
-    tables = _fit(tables, sizes, fixed, progress)
-    lighter = lower_loads(tables, [load for load in LEAST_LOADS if load not in fixed])
-    return Renewal(NewDesign(Design(**lighter.tables.model_dump()), base, lighter.moves), stated)
-
-
-def _measure_distance(wanted: DesignTables, base: str) -> tuple[bool, bool, float]:
-    other = DesignTables(**load_tables([base], []).tables)
-    differ = (
-        wanted.value(path) != other.value(path) for path in ("bone.interface", "sensor.model")
-    )
-    return (*differ, abs(wanted.skin.width_mm - other.skin.width_mm))
+    return tables
 
 
 def _adopt(tables: DesignTables, sizes: Sequence[tuple[str, Any]]) -> DesignTables:
+    """Adopt all sizes if the design passes with them, or else those of each half that pass."""
     trial = tables.with_values(dict(sizes))
-    if not any(True for _ in RuleChecker(trial).find_broken(cheapest_first(RULES))):
+    broken = RuleChecker(trial).find_broken(cheapest_first(RULES))
+    if next(broken, None) is None:
         return trial
     if len(sizes) < 2:
         return tables
@@ -187,15 +206,15 @@ def _fit(
     needed = {path for path in rest if path in _NEEDED}
     issues: list[Issue] = []
 
-    for some, kept in ((rest, {*sizes}), (needed, needed)):
-        if not some:
+    for to_adopt, given in ((rest, {*sizes}), (needed, needed)):
+        if not to_adopt:
             break
 
-        trial = tables.with_values({path: sizes[path] for path in some})
+        trial = tables.with_values({path: sizes[path] for path in to_adopt})
         with gather(issues):
             return fit_lengths(
                 trial,
-                (*kept, *fixed),
+                (*given, *fixed),
                 tables,
                 progress=lambda share: progress(ShareText("fitting lengths", share)),
             ).tables

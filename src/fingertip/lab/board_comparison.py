@@ -30,6 +30,8 @@ LEFT_OUT = (
 
 @dataclass(frozen=True, eq=False)
 class BoardComparison:
+    """Results with a divider, with a noisier one, and with a board."""
+
     rows: dict[str, DetectorResult]
     reason: str
     """Reason why there is no board to compare; empty if there is one."""
@@ -74,9 +76,7 @@ class BoardComparison:
 
 
 def with_variant(design: Design, variant: str) -> Design:
-    """Copy of the design with another board on its own supply; its
-    band limit is moved above the vibrations.
-    """
+    """Return a copy with another board, on its own supply and with its band limit above slip."""
     tables = design.model_dump()
     if design.board.variant != variant:
         minimum = BAND_CUTOFFS * design.board.cutoff_hz

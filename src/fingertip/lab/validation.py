@@ -26,16 +26,21 @@ from fingertip.lab.campaign.closed_loop import (
     run_closed_loop,
     summarise,
 )
-from fingertip.lab.campaign.run import SCALES, CampaignResult, run_campaign, surface
+from fingertip.lab.campaign.run import (
+    SCALES,
+    CampaignResult,
+    DetectorResult,
+    run_campaign,
+    surface,
+)
 from fingertip.lab.report import plots, results
 from fingertip.lab.report.results import format_ms, to_number
 from fingertip.slip.detectors.registry import DETECTORS, check_detector
 
 SHOWN_TRIALS = 120
+"""Least number of trials that shows the requirements: that of the article."""
 SHOWN_MINUTES = 40.0
-"""Trials and minutes from which a validation shows its requirements: the article's trials, and 0
-alarms in 40 min exclude 0.1 a minute with 95 %.
-"""
+"""Least duration that shows them [min]: no alarm in it excludes 0.1 a minute with 95 %."""
 FILES = (
     "validation.txt",
     "validation.json",
@@ -49,20 +54,17 @@ FILES = (
 MIN_FOUND = 0.995
 """Smallest fraction of slips found (article, IV.A: all of 120)."""
 MAX_MEAN_S = 0.060
+"""Largest mean delay on every surface [s] (article, IV.A)."""
 MAX_P90_S = 0.100
-"""Largest mean delay on every surface (article, IV.A), and 90th percentile of the delay (article,
-III.A: a signal is useful below 100 ms) [s].
-"""
+"""Largest 90th percentile of the delay [s] (article, III.A: a signal is useful below 100 ms)."""
 MAX_ALARMS_PER_MINUTE = 0.1
 """Largest rate of false alarms from contacts, releases, load changes and drift [1/min]."""
 MAX_CLIP_SHARE = 0.01
-"""Largest mean share of a slide in which the board clips: the
-article's board shows vibration of up to 29.6 mV.
+"""Largest mean share of a slide in which the board clips.
+The article's board shows vibration of up to 29.6 mV.
 """
 MIN_HELD = 11 / 12
-"""Smallest fraction of manipulations in which the object is held
-(article, IV.A: 10 of 12; one more here).
-"""
+"""Smallest share of manipulations in which the object is held (article, IV.A: 10 of 12)."""
 MAX_REACTION_S = 0.2
 """Upper bound of the time from slip until a finger moves, in all manipulations [s]
 (article, IV.A).
@@ -71,6 +73,8 @@ MAX_REACTION_S = 0.2
 
 @dataclass(frozen=True)
 class Requirement(Comparison):
+    """Limit that a detector keeps or misses, with the value that was found."""
+
     message: str = ""
 
     def as_data(self) -> dict[str, Any]:
@@ -79,78 +83,63 @@ class Requirement(Comparison):
 
 
 def check_detection(result: CampaignResult, detector: str) -> Iterator[Requirement]:
+    """Compare the results of a campaign with what a detector must reach."""
     nominal = result.at_nominal_threshold(detector)
-    found = nominal.found_share
-    least = MIN_FOUND
-    text = f"{100 * found:.1f} % of {nominal.slips} slips found; at least {100 * least:g} %"
+    share = nominal.found_share
     yield Requirement(
         name="found",
-        value=found,
-        limit=least,
-        unit="",
+        value=share,
+        limit=MIN_FOUND,
         relation="at least",
-        message=text,
+        message=f"{100 * share:.1f} % of {nominal.slips} slips found; at least "
+        f"{100 * MIN_FOUND:g} %",
     )
-    means = {name: mean for name, (mean, _, _) in nominal.group_delays(surface).items()}
-    worst = max(means, key=lambda name: means[name])
-    mean_s = means[worst]
-    limit_s = MAX_MEAN_S
-    text = (
-        f"mean delay on the worst surface ({worst}) is {_ms(mean_s)}; at most {1000 * limit_s:g} ms"
-    )
-    yield Requirement(
-        name="mean delay",
-        value=mean_s,
-        limit=limit_s,
-        unit="s",
-        relation="at most",
-        message=text,
-    )
-    p90_s = nominal.delay_s(0.9)
-    limit_s = MAX_P90_S
-    text = f"90th percentile of the delay is {_ms(p90_s)}; at most {1000 * limit_s:g} ms"
-    yield Requirement(
-        name="p90 delay",
-        value=p90_s,
-        limit=limit_s,
-        unit="s",
-        relation="at most",
-        message=text,
-    )
+    yield from _check_delays(nominal)
     rate = nominal.alarms_per_minute
-    most = MAX_ALARMS_PER_MINUTE
-    text = (
-        f"{rate:.2f} false alarms per minute, without {', '.join(REPORTED_SEPARATELY)}; at "
-        f"most {most:g}"
-    )
     yield Requirement(
         name="alarms",
         value=rate,
-        limit=most,
+        limit=MAX_ALARMS_PER_MINUTE,
         unit="1/min",
-        relation="at most",
-        message=text,
+        message=f"{rate:.2f} false alarms per minute, without {', '.join(REPORTED_SEPARATELY)}; "
+        f"at most {MAX_ALARMS_PER_MINUTE:g}",
     )
-    share = nominal.clip_share
-
-    if math.isfinite(share):
-        text = (
-            f"the board clips in {100 * share:.2f} % of the slides; at most "
-            f"{100 * MAX_CLIP_SHARE:g} %"
-        )
+    clip_share = nominal.clip_share
+    if math.isfinite(clip_share):
         yield Requirement(
             name="range",
-            value=share,
+            value=clip_share,
             limit=MAX_CLIP_SHARE,
-            unit="",
-            relation="at most",
-            message=text,
+            message=f"the board clips in {100 * clip_share:.2f} % of the slides; at most "
+            f"{100 * MAX_CLIP_SHARE:g} %",
         )
+
+
+def _check_delays(nominal: DetectorResult) -> Iterator[Requirement]:
+    means = {name: mean for name, (mean, _, _) in nominal.group_delays(surface).items()}
+    worst = max(means, key=lambda name: means[name])
+    mean_s = means[worst]
+    yield Requirement(
+        name="mean delay",
+        value=mean_s,
+        limit=MAX_MEAN_S,
+        unit="s",
+        message=f"mean delay on the worst surface ({worst}) is {_ms(mean_s)}; at most "
+        f"{1000 * MAX_MEAN_S:g} ms",
+    )
+    p90_s = nominal.delay_s(0.9)
+    yield Requirement(
+        name="p90 delay",
+        value=p90_s,
+        limit=MAX_P90_S,
+        unit="s",
+        message=f"90th percentile of the delay is {_ms(p90_s)}; at most {1000 * MAX_P90_S:g} ms",
+    )
 
 
 SOONER = 0.75
-"""Share of the 90th percentile of another detector's delay from which
-one is sooner: beyond the error of 120 trials.
+"""A detector is sooner than another one if the 90th percentile of its delay is below this share of
+the other's. The difference is beyond the error of 120 trials.
 """
 
 
@@ -173,36 +162,29 @@ def find_better(result: CampaignResult, detector: str) -> str | None:
 
 
 def check_closed_loop(summary: ClosedLoopSummary) -> Iterator[Requirement]:
-    held = summary.held / summary.count
-    least = MIN_HELD
-    text = f"{summary.held} of {summary.count} objects held; at least {100 * least:.3g} %"
+    """Compare the results of a hand that a detector tightens with what it must reach."""
     yield Requirement(
         name="held",
-        value=held,
-        limit=least,
-        unit="",
+        value=summary.held / summary.count,
+        limit=MIN_HELD,
         relation="at least",
-        message=text,
+        message=f"{summary.held} of {summary.count} objects held; at least {100 * MIN_HELD:.3g} %",
     )
     slowest_s = math.inf if summary.unanswered else max(summary.reactions_s, default=0.0)
-    limit_s = MAX_REACTION_S
-    text = f"slowest reaction of the hand is {_ms(slowest_s)}; less than {1000 * limit_s:g} ms"
     yield Requirement(
         name="reaction",
         value=slowest_s,
-        limit=limit_s,
+        limit=MAX_REACTION_S,
         unit="s",
         relation="below",
-        message=text,
+        message=f"slowest reaction of the hand is {_ms(slowest_s)}; less than "
+        f"{1000 * MAX_REACTION_S:g} ms",
     )
-    text = f"{summary.false_grips} grip increases without slip; at most 0"
     yield Requirement(
         name="false grips",
         value=summary.false_grips,
         limit=0,
-        unit="",
-        relation="at most",
-        message=text,
+        message=f"{summary.false_grips} grip increases without slip; at most 0",
     )
 
 
@@ -211,6 +193,8 @@ _ms = partial(format_ms, otherwise="infinite")
 
 @dataclass(frozen=True, eq=False)
 class Validation:
+    """Campaign, closed loop and requirements of a design's detector."""
+
     design: Design
     detector: str
     """Detector that the requirements apply to."""
@@ -234,7 +218,7 @@ class Validation:
             "detector": self.detector,
             "better": find_better(self.campaign, self.detector),
             "passed": self.passed,
-            "requirements": [one.as_data() for one in self.requirements],
+            "requirements": [requirement.as_data() for requirement in self.requirements],
             **details,
         }
 
@@ -246,7 +230,27 @@ class Validation:
         )
 
     def as_verdict(self) -> str:
-        """Return whether the requirements are met, and each of them with its value, as text."""
+        """Return the verdict as text, with the value of each requirement."""
+        lines = [f"{self.design.name}, detector {self.detector}: {self._summarise()}"]
+        for requirement in self.requirements:
+            mark = "met   " if requirement.passed else "MISSED"
+            lines.append(f"  {mark}  {requirement.message}")
+
+        better = find_better(self.campaign, self.detector)
+        if better:
+            rule = "it misses fewer requirements or, with as few, is sooner by a quarter"
+            lines.append(
+                f"  note    {better} ranks before {self.detector} here: {rule}; --detector "
+                f"{better} shows it"
+            )
+
+        if self.board:
+            lines.append(self.board.tell(self.passed))
+
+        return "\n".join(lines)
+
+    def _summarise(self) -> str:
+        """Tell how many requirements are missed, and whether there were trials enough to tell."""
         missed = sum(not requirement.passed for requirement in self.requirements)
         count = len(self.requirements)
         verdict = (
@@ -263,54 +267,36 @@ class Validation:
                 f"to show it: {enough}"
             )
 
-        lines = [f"{self.design.name}, detector {self.detector}: {verdict}"]
-        lines += [
-            f"  {'met   ' if one.passed else 'MISSED'}  {one.message}" for one in self.requirements
-        ]
-        better = find_better(self.campaign, self.detector)
-
-        if better:
-            rule = "it misses fewer requirements or, with as few, is sooner by a quarter"
-            lines.append(
-                f"  note    {better} ranks before {self.detector} here: {rule}; --detector "
-                f"{better} shows it"
-            )
-
-        if self.board:
-            lines.append(self.board.tell(self.passed))
-
-        return "\n".join(lines)
+        return verdict
 
     def files(self, with_plots: bool = True) -> dict[str, bytes]:
         """Return file name -> content: results, plots, page of omissions.
 
         Raises MissingLibraryError.
         """
-        found = {
+        files = {
             "validation.txt": f"{self.as_verdict()}\n\n{self.as_text()}\n".encode(),
             "validation.json": encode_json(self.as_data()),
         }
         if self.board:
-            return found
+            return files
 
         missed = [
             requirement.message for requirement in self.requirements if not requirement.passed
         ]
         page = results.as_markdown(self.campaign, missed, self.closed_loop)
         if with_plots:
-            found |= {
+            files |= {
                 "delays.png": plots.plot_delays(self.campaign),
                 "surfaces.png": plots.plot_surfaces(self.campaign, self.detector),
                 "comparison.png": plots.plot_comparison(self.campaign),
             }
 
-        return found | {"omissions.md": page.encode()}
+        return files | {"omissions.md": page.encode()}
 
 
 def estimate_stages_s(plan: CampaignPlan, has_filter: bool) -> dict[str, float]:
-    """Estimate the duration of each stage [s] for its share of the progress; measured on
-    one core.
-    """
+    """Estimate the duration of each stage on one core [s], for its share of the progress."""
     cases = plan.trials + 15 * plan.negative_minutes  # a scene takes some four seconds
     if not has_filter:
         return {"trials": 0.04 * cases, "closed loop": 4.0, "boards": 0.08 * cases}
@@ -326,11 +312,10 @@ def validate(
     first_seed: int = HELD_OUT_FROM,
     jobs: int | None = 1,
 ) -> Validation:
-    """Test a design's detectors on simulated slips and on scenes without slip; None: judge the
-    design's own.
+    """Test a design's detectors on simulated slips and on scenes without slip.
 
-    Trials run in `jobs` processes, one for each processor if None; no bit depends on that. Raises
-    FingertipError.
+    The requirements apply to `detector`, or to the design's own if it is None. Trials run in `jobs`
+    processes, one for each processor if None; no bit depends on that. Raises FingertipError.
     """
     detector = detector or design.detector.kind
     check_detector(design, detector)
@@ -338,12 +323,8 @@ def validate(
     plan = plan or CampaignPlan()
     has_filter = design.board.has_filter
     work = Work("validate", estimate_stages_s(plan, has_filter), progress)
-    compared = tuple(dict.fromkeys((*DETECTORS, detector))) if has_filter else (detector,)
-    in_loop = (
-        tuple(dict.fromkeys(("analog", "incipient", "fast", detector)))
-        if has_filter
-        else (detector,)
-    )
+    compared = (*DETECTORS, detector) if has_filter else (detector,)
+    in_loop = ("analog", "incipient", "fast", detector) if has_filter else (detector,)
 
     with side_by_side(find_workers(jobs)):
         work.begin("trials")
@@ -351,23 +332,25 @@ def validate(
         result = run_campaign(
             design,
             plan=plan,
-            detectors=compared,
+            detectors=tuple(dict.fromkeys(compared)),
             scales=scales,
             first_seed=first_seed,
             advance=work.advance,
         )
         work.begin("closed loop")
-        manipulations = run_closed_loop(design, in_loop, 3 if plan.trials >= 12 else 1)
-        required = next(
-            summary for summary in summarise(manipulations) if summary.detector == detector
-        )
-        requirements = (*check_detection(result, detector), *check_closed_loop(required))
-        board = None
+        repeats = 3 if plan.trials >= 12 else 1
+        manipulations = run_closed_loop(design, tuple(dict.fromkeys(in_loop)), repeats)
 
+        board = None
         if not has_filter:
             work.begin("boards")
             board = compare_with_board(design, result, detector)
 
+    summaries = {summary.detector: summary for summary in summarise(manipulations)}
+    requirements = (
+        *check_detection(result, detector),
+        *check_closed_loop(summaries[detector]),
+    )
     return Validation(
         design=design,
         detector=detector,

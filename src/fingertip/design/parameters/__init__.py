@@ -93,49 +93,44 @@ class Tables(Frozen):
         return self.bone.interface == "post"
 
     def value(self, path: str) -> Any:
+        """Return the value of a parameter by its dotted name, such as "skin.width_mm"."""
         table, _, key = path.rpartition(".")
         return getattr(getattr(self, table), key) if table else getattr(self, key)
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
-        """Copy the tables with other values of some parameters,
-        such as {"skin.width_mm": 18.0}, unchecked.
-        """
+        """Copy the tables with other values such as {"skin.width_mm": 18.0}, unchecked."""
         update: dict[str, Any] = {}
         for path, value in values.items():
-            table, _, key = path.rpartition(".")
-            if table:
-                update[table] = update.get(table, getattr(self, table)).model_copy(
-                    update={key: value}
-                )
+            name, _, key = path.rpartition(".")
+            if name:
+                table = update.get(name, getattr(self, name))
+                update[name] = table.model_copy(update={key: value})
             else:
                 update[key] = value
 
         return self.model_copy(update=update)
 
     def identity(self) -> dict[str, Any]:
-        """Return all parameters, for the hash in a manifest: with the
-        content of the adapter in place of its path.
+        """Return all parameters, for the hash in a manifest.
+
+        The hash of the adapter's file stands for its path.
         """
         data = self.with_bare_names().model_dump(mode="json")
         if self.bone.interface == "file":
             from fingertip.foundation.body_file import read_body  # starts processes  # noqa: PLC0415
 
-            data["bone"]["adapter_file"] = sha256(
-                read_body(Path(self.bone.adapter_file)).data
-            ).hexdigest()
+            body = read_body(Path(self.bone.adapter_file))
+            data["bone"]["adapter_file"] = sha256(body.data).hexdigest()
 
         return data
 
     def with_bare_names(self) -> Self:
-        """Copy the tables with the bare name of the adapter's file,
-        as it stands in a design file beside it.
-        """
+        """Copy the tables with the bare name of the adapter's file, as a design file names it."""
         name = Path(self.bone.adapter_file).name
-        return (
-            self
-            if name == self.bone.adapter_file
-            else self.with_values({"bone.adapter_file": name})
-        )
+        if name == self.bone.adapter_file:
+            return self
+
+        return self.with_values({"bone.adapter_file": name})
 
     def with_silicone(self, name: str | None) -> Self:
         """Copy the tables with another silicone; the tables themselves if no name is given.
@@ -154,22 +149,24 @@ class Tables(Frozen):
         return self.with_values({"silicone.product": name})
 
 
-PARAMETERS: Mapping[str, FieldInfo] = {"name": Tables.model_fields["name"]} | {
-    f"{name}.{key}": field
-    for name, info in Tables.model_fields.items()
-    if isinstance(info.default, ParameterTable)
-    for key, field in type(info.default).model_fields.items()
-}
+def _list_declarations() -> dict[str, FieldInfo]:
+    declarations = {"name": Tables.model_fields["name"]}
+    for name, info in Tables.model_fields.items():
+        if isinstance(info.default, ParameterTable):
+            fields = type(info.default).model_fields
+            declarations |= {f"{name}.{key}": field for key, field in fields.items()}
+
+    return declarations
+
+
+PARAMETERS: Mapping[str, FieldInfo] = _list_declarations()
 """Declaration of every parameter by its dotted name, in the order of a design file."""
 
 
 def find_kind(path: str) -> Literal["wish", "measurement", "derived"]:
-    """Return whether a parameter is stated as a wish or a measurement,
-    or is derived from these unless it is stated.
-    """
+    """Return whether a parameter is a wish, a measurement, or derived from these."""
     if find_follows(PARAMETERS[path]):
         return "derived"
 
-    return (
-        "measurement" if path.partition(".")[0] in _MEASURED and path != "sensor.model" else "wish"
-    )
+    is_measured = path.partition(".")[0] in _MEASURED and path != "sensor.model"
+    return "measurement" if is_measured else "wish"

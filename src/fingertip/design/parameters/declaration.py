@@ -1,6 +1,4 @@
-"""Declaration of one parameter in a single line of its table, and
-the messages if its value is not valid.
-"""
+"""Declaration of a parameter in one line of its table, and the messages if its value is not valid."""
 
 from __future__ import annotations
 
@@ -35,9 +33,9 @@ class Frozen(BaseModel):
     """Parameters that stay as they were loaded."""
 
     def __setattr__(self, name: str, value: Any) -> None:
-        table = (
-            re.sub("(?<=[a-z])(?=[A-Z])", "_", type(self).__name__).lower().removeprefix("chosen_")
-        )
+        # The name of a class is that of its table, such as CustomSensor of [custom_sensor].
+        words = re.sub("(?<=[a-z])(?=[A-Z])", "_", type(self).__name__)
+        table = words.lower().removeprefix("chosen_")
         path = f"{table}.{name}" if isinstance(self, ParameterTable) else name
         message = (
             f"stays as it was loaded; load it again with changes={{{json.dumps(path)}: "
@@ -59,7 +57,7 @@ class ParameterTable(Frozen):
 
 @dataclass(frozen=True)
 class Bounds:
-    """Bounds of a numeric parameter, in its unit; None where it has none."""
+    """Bounds of a numeric parameter, in its unit; None for a bound that it does not have."""
 
     minimum: float | None = None
     above: float | None = None
@@ -117,20 +115,19 @@ def quantity(
 
 
 class OneOf:
-    """Annotation of a text that is a name of a table; schema and
-    messages are those of a `Literal` of these names.
-    """
+    """Annotation of a text that is one of some names, as a `Literal` of them would be."""
 
     def __init__(self, *names: str, explain: Callable[[str], str] = lambda word: "") -> None:
         self.names = names
         self.explain = explain
-        """Names, and what explains why another word is none of them, with what to do."""
+        """Function that explains why a word is none of the names, and what to do."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
         return literal_schema([*self.names])
 
 
 def choice(default: str | bool, description: str) -> Any:
+    """Declare one of several words, or a flag."""
     return Field(default, description=description)
 
 
@@ -139,9 +136,7 @@ OWN = "own"
 _MARKUP = (
     r"|`<>\[\]$\\\u0000-\u001f\u007f-\u009f\u00ad\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff"
 )
-"""Characters that a file may take for more than text: marks of
-Markdown and of formulas, and those that control.
-"""
+"""Characters with a meaning in a file: marks of Markdown and of formulas, and control characters."""
 _LABEL = rf"^[^\s=+@\-{_MARKUP}][^{_MARKUP}]{{0,59}}$"
 _ALLOWED = (
     "write up to 60 printable characters without | ` < > [ ] $ or a backslash, and none of "
@@ -150,16 +145,14 @@ _ALLOWED = (
 
 
 def text(default: str, description: str, *, pattern: str = _LABEL, allowed: str = _ALLOWED) -> Any:
-    """Declare a text that stands in sheets."""
+    """Declare a text that sheets print."""
     return Field(
         default, pattern=pattern, description=description, json_schema_extra={"allowed": allowed}
     )
 
 
 def find_extra(field: FieldInfo, key: str) -> str:
-    """Return what the declaration of a field adds under a key,
-    such as "unit"; "" where it adds nothing.
-    """
+    """Return what the declaration of a field states under a key such as "unit", or ""."""
     extra = field.json_schema_extra
     return str(extra.get(key, "")) if isinstance(extra, dict) else ""
 
@@ -169,21 +162,19 @@ def find_unit(field: FieldInfo) -> str:
 
 
 def find_bounds(field: FieldInfo) -> Bounds:
-    found: dict[str, float] = {}
+    bounds: dict[str, float] = {}
     for constraint in field.metadata:
         for key, name in (("ge", "minimum"), ("gt", "above"), ("le", "maximum")):
             bound = getattr(constraint, key, None)
             if bound is not None:
-                found[name] = bound
+                bounds[name] = bound
 
-    return Bounds(**found)
+    return Bounds(**bounds)
 
 
 def find_follows(field: FieldInfo) -> Follows | None:
-    """Return the range in which a fit may move a derived
-    parameter; None for a wish or a measurement.
-    """
-    return next((each for each in field.metadata if isinstance(each, Follows)), None)
+    """Return the range in which a fit may move a derived parameter; None for any other."""
+    return next((note for note in field.metadata if isinstance(note, Follows)), None)
 
 
 def list_choices(field: FieldInfo) -> tuple[str, ...]:
@@ -191,7 +182,7 @@ def list_choices(field: FieldInfo) -> tuple[str, ...]:
     if get_origin(field.annotation) is Literal:
         return get_args(field.annotation)
 
-    return next((each.names for each in field.metadata if isinstance(each, OneOf)), ())
+    return next((note.names for note in field.metadata if isinstance(note, OneOf)), ())
 
 
 def format_unit(unit: str) -> str:
@@ -214,60 +205,52 @@ _MAX_COMPARED_LENGTH = 60
 """Maximum length of a word that known names are compared with [characters]."""
 
 _FEW = 2
-"""Number of groups up to which lines are soon mended by hand."""
+"""Largest number of groups of retired names that are soon mended by hand."""
 
 
 @functools.cache
 def load_retired() -> Mapping[str, str]:
-    """Load what to do with lines that name a parameter, or an output of a sweep, that went."""
-    rows = read_rows(Path(__file__).with_name("retired.csv"))
-    return {name: row["instead"] for row in rows for name in row["names"].split()}
+    """Load the remedies for retired parameters, and retired outputs of a sweep, by name."""
+    remedies = {}
+    for row in read_rows(Path(__file__).with_name("retired.csv")):
+        remedies |= dict.fromkeys(row["names"].split(), row["instead"])
+
+    return remedies
 
 
 def describe_retired(names: Iterable[str]) -> list[Issue]:
-    """Return one issue for each group of names that went, and
-    for many the command that removes them.
-    """
+    """Return an issue for each group of retired names, and for many groups a command."""
     groups: dict[str, list[str]] = {}
     for name in names:
         groups.setdefault(load_retired()[name], []).append(name)
 
-    issues = [Issue(", ".join(group), instead) for instead, group in groups.items()]
+    issues = [Issue(", ".join(group), remedy) for remedy, group in groups.items()]
     if len(groups) > _FEW:
-        issues.append(
-            Issue(
-                "design",
-                "`fingertip new NAME --from FILE` writes such a design anew, with its sizes.",
-            )
-        )
+        command = "`fingertip new NAME --from FILE`"
+        issues.append(Issue("design", f"{command} writes such a design anew, with its sizes."))
 
     return issues
 
 
 def issues_from_pydantic(error: ValidationError, model: type[BaseModel]) -> list[Issue]:
-    """Return one issue for each problem of a `model`; only the first
-    are described, thousands would take hours.
+    """Return one issue for each problem of a `model`.
+
+    Only the first problems are described: thousands would take hours.
     """
-    located = {
-        ".".join(map(str, each["loc"])): each
-        for each in error.errors(include_url=False, include_context=True)
+    problems = {
+        ".".join(map(str, details["loc"])): details
+        for details in error.errors(include_url=False, include_context=True)
     }
     retired = [
         name
-        for name in located
-        if located[name]["type"] == "extra_forbidden" and name in load_retired()
+        for name, details in problems.items()
+        if details["type"] == "extra_forbidden" and name in load_retired()
     ]
-    found = [each for name, each in located.items() if name not in retired]
-    rest = (".".join(map(str, details["loc"])) for details in found[_MAX_DESCRIBED:])
-
-    return [
-        *describe_retired(retired),
-        *(_describe(details, model) for details in found[:_MAX_DESCRIBED]),
-        *(
-            Issue(field, "is not valid either; correct what is listed above first.")
-            for field in rest
-        ),
-    ]
+    issues = describe_retired(retired)
+    others = [name for name in problems if name not in retired]
+    issues += [_describe(problems[name], model) for name in others[:_MAX_DESCRIBED]]
+    rest = "is not valid either; correct what is listed above first."
+    return issues + [Issue(name, rest) for name in others[_MAX_DESCRIBED:]]
 
 
 def parse_tables(model: type[Model], tables: Mapping[str, Any]) -> Model:
@@ -279,9 +262,7 @@ def parse_tables(model: type[Model], tables: Mapping[str, Any]) -> Model:
 
 
 def suggest_name(word: str, known: Sequence[str]) -> str:
-    """Return the remedy for an unknown name: the most similar known
-    one, or else all of them, or the first of many.
-    """
+    """Return the remedy for an unknown name: the most similar known one, or a list of them."""
     similar = find_similar_name(word, known)
     if similar:
         return f"did you mean {similar}?"
@@ -291,17 +272,11 @@ def suggest_name(word: str, known: Sequence[str]) -> str:
 
 
 def find_similar_name(word: str, known: Sequence[str]) -> str | None:
-    """Find the known name that is most similar to a word, with or
-    without units; None if none is really similar.
-    """
+    """Find the known name most similar to a word, with or without units; None without one."""
 
     def similarity(name: str) -> float:
-        ours, theirs = (
-            (each, each.rpartition("_")[0] or each) for each in (word, name)
-        )  # without a unit, too
-        return max(
-            difflib.SequenceMatcher(None, *pair).ratio() for pair in itertools.product(ours, theirs)
-        )
+        pairs = itertools.product(_with_and_without_unit(word), _with_and_without_unit(name))
+        return max(difflib.SequenceMatcher(None, *pair).ratio() for pair in pairs)
 
     word = word[:_MAX_COMPARED_LENGTH]
     best = max(known, key=similarity, default=None)
@@ -407,9 +382,14 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
     return Issue(field, f"{shown} is not valid: {details['msg']}.")
 
 
+def _with_and_without_unit(name: str) -> tuple[str, str]:
+    return name, name.rpartition("_")[0] or name
+
+
 def _explain_choice(info: Any, word: str) -> str:
-    annotations = info.metadata if isinstance(info, FieldInfo) else ()
-    return next((each.explain(word) for each in annotations if isinstance(each, OneOf)), "")
+    """Explain why a word is none of a field's names; "" if the field does not know."""
+    notes = info.metadata if isinstance(info, FieldInfo) else ()
+    return next((note.explain(word) for note in notes if isinstance(note, OneOf)), "")
 
 
 def _find_table(location: Sequence[str], model: type[BaseModel]) -> type[BaseModel]:
@@ -431,9 +411,7 @@ def _show_parameter(location: Sequence[str], model: type[BaseModel]) -> str:
 
 
 def _suggest_parameter(location: Sequence[str], model: type[BaseModel]) -> str:
-    """Suggest a parameter of the same table, or up to three of
-    other tables that have exactly this name.
-    """
+    """Suggest a parameter of the same table, or up to three of this name in other tables."""
     *tables, name = location
     known = list(_find_table(location, model).model_fields)
 

@@ -1,6 +1,4 @@
-"""Rules of the board and its signals: components can be bought, and
-signals be sampled, averaged and reached.
-"""
+"""Rules of the board and its signals: its components can be bought, and its signals sampled."""
 
 from __future__ import annotations
 
@@ -15,9 +13,7 @@ CHANNEL_RULES = Ruleset()
 RULES = Ruleset(when=lambda design: design.board.has_filter)
 
 PREFERRED_SHARE = 0.1
-"""Share of a limit that the rules keep free, because preferred values differ from the
-ideal ones.
-"""
+"""Share of a limit that the rules keep free: preferred values differ from the ideal ones."""
 
 
 @CHANNEL_RULES.rule("board.channels")
@@ -184,9 +180,7 @@ def band_limit_capacitor_exists(design: DesignTables) -> Violation | None:
 
 
 def _limit_selected_capacitor(name: str, factor: float) -> Limit:
-    """Return the least cutoff for which a capacitor can be
-    selected, its resistor being factor / (C omega).
-    """
+    """Return the least cutoff for which a capacitor can be selected; R = factor / (C omega)."""
     return Limit(
         factor / math.tau / formulas.MAX_SELECTABLE_F / formulas.MAX_OHM,
         f"requires {name} above {formulas.MAX_OHM / 1e6:g} Mohm with the largest capacitor that "
@@ -225,11 +219,10 @@ def _check_resistors(
     f = getattr(design.board, cutoff)
     # R C f is the same for every C and f, so each bound on R is a bound on C at this f.
     rcf = ohm * value * f
-    passing = (
-        at_most_preferred(rcf / f / formulas.MIN_OHM)
-        if too_small
-        else at_least(formulas.find_preferred_neighbours(rcf / f / formulas.MAX_OHM)[1])
-    )
+    if too_small:
+        passing = at_most_preferred(rcf / f / formulas.MIN_OHM)
+    else:
+        passing = at_least(formulas.find_preferred_neighbours(rcf / f / formulas.MAX_OHM)[1])
 
     return Violation(
         f"{value:g} uF at {f:g} Hz requires {name} of {ohm:.4g} ohm, {_out_of_range(ohm)}",
@@ -254,29 +247,24 @@ def _check_preferred(capacitor: str, names: str, design: DesignTables) -> Violat
 
 
 def at_most_preferred(maximum_uf: float) -> tuple[Interval, ...]:
-    """Return the capacitances up to the largest preferred one that does not exceed a
-    maximum [uF].
-    """
+    """Return the capacitances up to the largest preferred one below a maximum [uF]."""
     return at_most(formulas.find_preferred_neighbours(maximum_uf)[0]) if maximum_uf > 0.0 else ()
 
 
 def _out_of_range(ohm: float) -> str:
-    return (
-        f"below {formulas.MIN_OHM:g} ohm"
-        if ohm < formulas.MIN_OHM
-        else f"above {formulas.MAX_OHM / 1e6:g} Mohm"
-    )
+    if ohm < formulas.MIN_OHM:
+        return f"below {formulas.MIN_OHM:g} ohm"
+
+    return f"above {formulas.MAX_OHM / 1e6:g} Mohm"
 
 
 SIGNAL_RULES = Ruleset()
 
 SAMPLES_PER_CYCLE = 4.0
-"""Minimum samples per cycle of a cutoff: twice Nyquist's, which
-leaves an octave of passband above the cutoff.
-"""
+"""Minimum samples per cycle of a cutoff: twice Nyquist's, an octave of passband above the cutoff."""
 MAX_WINDOW_S = 1.0
-"""Maximum length of the averaging window [s]: a whole slide of the article's. The article's own
-limit for a useful reaction is 0.1 s.
+"""Maximum length of the averaging window [s]: a whole slide of the article's.
+The article's limit for a useful reaction is 0.1 s.
 """
 _MAX_THRESHOLD_SHARE = 0.99
 """Maximum threshold that is recommended, as a share of what the supply lets the signal reach."""

@@ -1,6 +1,4 @@
-"""Engine of the rules between parameters: what a rule is, how rules
-are listed, and how a design is checked.
-"""
+"""Rules between parameters: what a rule is, how rules are listed, and how a design is checked."""
 
 from __future__ import annotations
 
@@ -22,19 +20,23 @@ from fingertip.design.parameters.declaration import find_unit, format_unit
 Model = TypeVar("Model", bound=BaseModel)
 
 SLACK = 1e-6
-"""Slack of the rules for lengths. A bound that is computed from other lengths carries rounding
-errors, and a design at the bound must not fail by one.
+"""Slack of the rules for lengths [mm].
+
+A bound that is computed from other lengths carries rounding errors, and a design at the bound must
+not fail because of them.
 """
 
 Interval = tuple[float, float]
-"""Closed interval of values of a field; infinite where it is open."""
+"""Closed interval of values of a field; an open end is infinite."""
 
 
 def at_least(minimum: float) -> tuple[Interval, ...]:
+    """Return the intervals of a violation that values from a minimum on would repair."""
     return ((minimum, math.inf),)
 
 
 def at_most(maximum: float) -> tuple[Interval, ...]:
+    """Return the intervals of a violation that values up to a maximum would repair."""
     return ((-math.inf, maximum),)
 
 
@@ -58,16 +60,17 @@ class Violation:
 
 
 RuleFunction = Callable[[DesignTables], Violation | None]
-"""Checks a design, and returns None if it passes."""
+"""Function that checks a design, and returns None if it passes."""
 Condition = Callable[[DesignTables], object] | None
-"""Tells whether a rule applies to a design; one that does not apply passes.
-None: it applies to all.
-"""
+"""Function that tells whether a rule applies to a design; None for a rule that applies to all."""
 
 
 @dataclass(frozen=True, eq=False)
 class Rule:
+    """Rule between parameters."""
+
     field: str
+    """Parameter that it blames."""
     check: RuleFunction
     prerequisites: tuple[Rule, ...] = ()
     """Rules that must pass before this one is checked."""
@@ -78,9 +81,7 @@ class Limit(NamedTuple):
 
     value: float
     problem: str
-    """Rest of the sentence that begins with the field's value
-    and its unit, without a final full stop.
-    """
+    """Rest of the sentence after the field's value and its unit, without a final full stop."""
     note: str = ""
     """Condition of the bounds, as in `Violation`."""
     alternatives: Mapping[str, Any] = MappingProxyType({})
@@ -88,14 +89,15 @@ class Limit(NamedTuple):
 
 
 LimitFunction = Callable[[DesignTables], Limit | None]
-"""Computes the limit of a field in a design; None where there is none."""
+"""Function that computes the limit of a field in a design; None where there is none."""
 AddRule = Callable[[RuleFunction], Rule]
 AddLimit = Callable[[LimitFunction], Rule]
 
 
 class Ruleset(list[Rule]):
-    """Rules of one subject, in the order in which they are written;
-    all of them apply only to designs with `when`.
+    """Rules of one subject, in the order in which they are written.
+
+    All of them apply only to designs for which `when` is true.
     """
 
     def __init__(self, when: Condition = None) -> None:
@@ -103,8 +105,9 @@ class Ruleset(list[Rule]):
         self._when = when
 
     def rule(self, field: str, *prerequisites: Rule, when: Condition = None) -> AddRule:
-        """Add the decorated function as a rule that blames `field` and
-        is checked only if its prerequisites pass.
+        """Add the decorated function as a rule that blames `field`.
+
+        It is checked only if its prerequisites pass.
         """
 
         def add(check: RuleFunction) -> Rule:
@@ -122,6 +125,7 @@ class Ruleset(list[Rule]):
     def at_most(
         self, field: str, *prerequisites: Rule, when: Condition = None, slack: float = SLACK
     ) -> AddLimit:
+        """Add the decorated function as a rule: it returns the largest value of `field`."""
         return self._bound(
             field,
             prerequisites=prerequisites,
@@ -133,6 +137,7 @@ class Ruleset(list[Rule]):
     def at_least(
         self, field: str, *prerequisites: Rule, when: Condition = None, slack: float = SLACK
     ) -> AddLimit:
+        """Add the decorated function as a rule: it returns the least value of `field`."""
         return self._bound(
             field,
             prerequisites=prerequisites,
@@ -155,7 +160,11 @@ class Ruleset(list[Rule]):
             @functools.wraps(find_limit)
             def check(design: DesignTables) -> Violation | None:
                 limit = find_limit(design)
-                if limit is None or passes(value := design.value(field), limit.value):
+                if limit is None:
+                    return None
+
+                value = design.value(field)
+                if passes(value, limit.value):
                     return None
 
                 text = f"{value:g}{unit} {limit.problem}"
@@ -168,15 +177,15 @@ class Ruleset(list[Rule]):
 
 @dataclass(frozen=True)
 class BrokenRule:
+    """Rule that a design breaks."""
+
     rule: Rule
     violation: Violation
     design: DesignTables
 
     @cached_property
     def reads(self) -> frozenset[str]:
-        """Parameters that decide the violation: all designs with the
-        same values of these break the rule alike.
-        """
+        """Parameters that decide the violation, those of the prerequisites included."""
         tables, reads = record_reads(self.design)
         RuleChecker(tables).passes(self.rule)
         return frozenset(reads)
@@ -185,7 +194,7 @@ class BrokenRule:
     def own_reads(self) -> frozenset[str]:
         """Parameters that the rule itself reads.
 
-        One of these must change to repair it: the prerequisites pass.
+        One of these must change to repair the design: the prerequisites pass.
         """
         tables, reads = record_reads(self.design)
         self.rule.check(tables)
@@ -217,6 +226,7 @@ class RuleChecker:
         return self._passed[rule]
 
     def find_broken(self, rules: Iterable[Rule]) -> Iterator[BrokenRule]:
+        """Check rules, and yield those that are broken."""
         for rule in rules:
             if not self.passes(rule) and rule in self.violations:
                 yield BrokenRule(rule, self.violations[rule], self._design)
@@ -236,8 +246,9 @@ class RuleChecker:
 def find_violations(
     rules: Iterable[Rule], design: DesignTables, invalid: frozenset[str] = frozenset()
 ) -> Iterator[BrokenRule]:
-    """Check a design, and yield every rule it breaks, in the order of
-    `rules`; the parameters are `RuleChecker`'s.
+    """Check a design, and yield every rule that it breaks, in the order of `rules`.
+
+    Rules that read an `invalid` parameter are skipped.
     """
     return RuleChecker(design, invalid).find_broken(rules)
 
@@ -245,12 +256,11 @@ def find_violations(
 def record_reads(
     design: DesignTables, invalid: frozenset[str] = frozenset()
 ) -> tuple[DesignTables, AbstractSet[str]]:
-    """Copy the tables of a design, and return with them a set that names each parameter that is
-    read of the copy.
+    """Return a copy of a design's tables, and a set to which each parameter is added that is read.
 
     What is derived, such as `dimensions`, is derived from the copy, so that the parameters behind
-    it are named too. To read a parameter that is `invalid`, by itself or with its whole table,
-    raises InvalidParameterError.
+    it are added too. Reading a parameter that is `invalid`, itself or with its whole table, raises
+    InvalidParameterError.
     """
     reads = set[str]()
 
@@ -276,9 +286,7 @@ _NOTE = "note"
 
 @functools.cache
 def _derive_noting(model: type[Model], prefix: str) -> type[Model]:
-    """Derive a class of tables, of which each parameter is a property that notes that
-    it is read.
-    """
+    """Derive a class of tables whose parameters are properties that record that they are read."""
     noting = create_model(f"Noting{model.__name__}", __base__=model)
     for path in PARAMETERS.keys() & {f"{prefix}{key}" for key in model.model_fields}:
         setattr(

@@ -57,9 +57,7 @@ MODEL_ERRORS = {
     "knock_safety_factor": _STRESSES,
     "tactile_v": "6 % of the force from part to part (data sheet)",
 }
-"""Output -> model error where one is known; docs/pad.md and
-docs/designs.md state how each was found.
-"""
+"""Output -> model error where one is known; docs/pad.md and docs/designs.md tell the methods."""
 KINDS = {
     "closed forms": (
         *("lengths", "board", "noise", "circuit", "acceptance"),
@@ -76,21 +74,18 @@ KINDS = {
     ),
     "from the pad layer, with errors as above": ("pad",),
 }
-"""Kind of outputs of sweeps that the budget does not name -> their
-groups, and outputs that differ from their group.
-"""
+"""Kind of outputs that the budget does not name -> groups of that kind, and single outputs."""
 DETECTOR = "fast"
 _TRIALS = 120
+"""Trials that a validation runs."""
 _STEPPED = 12
-"""Trials that a validation runs, and those of them whose steps are refined."""
+"""Number of these trials whose time steps are refined."""
 Values: TypeAlias = Mapping[str, float]
 
 
 @dataclass(frozen=True)
 class Curve:
-    """Errors of some outputs at three settings of what they are
-    computed with, and the cost of each.
-    """
+    """Errors of some outputs at three settings of step, grid or sample, and the cost of each."""
 
     source: str
     settings: tuple[float, ...]
@@ -102,9 +97,7 @@ class Curve:
     errors: Mapping[str, tuple[float, ...]]
     """Output -> error at each setting; for samples, half of the interval."""
     intervals: Mapping[str, tuple[Pair, ...]] = field(default_factory=dict)
-    """Output -> interval at each setting that holds the true
-    value with 95 %; samples alone have one.
-    """
+    """Output -> interval at each setting that holds the true value with 95 %; for samples alone."""
 
 
 def measure_budget(design: Design, progress: ReportProgress | None = None) -> tuple[Curve, ...]:
@@ -119,14 +112,14 @@ def measure_budget(design: Design, progress: ReportProgress | None = None) -> tu
     }
     measures = (_refine_steps, refine_pad, refine_meshes, _draw_boards, _draw_trials)
     work = Work("accuracy", stages, progress)
-    found = list[Curve]()
+    curves = list[Curve]()
 
     with compiled():
         for name, measure in zip(stages, measures, strict=True):
             work.begin(name)
-            found += measure(design)
+            curves += measure(design)
 
-    return tuple(found)
+    return tuple(curves)
 
 
 def _refine(
@@ -138,16 +131,16 @@ def _refine(
 ) -> Curve:
     """Measure a curve against the finest setting."""
     compute(settings[0])  # loads what is computed once
-    found = list[Values]()
+    values_by_setting = list[Values]()
     cpu_s = list[float]()
 
     for setting in settings:
         begin = time.process_time()
-        found.append(compute(setting))
+        values_by_setting.append(compute(setting))
         cpu_s.append(time.process_time() - begin)
 
     errors = {
-        name: tuple(abs(one[name] - exact) for one in found)
+        name: tuple(abs(values[name] - exact) for values in values_by_setting)
         for name, exact in compute(finest).items()
     }
     return Curve(
@@ -155,18 +148,22 @@ def _refine(
         settings=settings,
         used=used,
         cpu_s=tuple(cpu_s),
-        values=found[used],
+        values=values_by_setting[used],
         errors=errors,
     )
 
 
-def _sample(curve: Curve, spans: Sequence[Mapping[str, Pair]]) -> Curve:
-    """Add intervals, one mapping for each setting; errors are half of them."""
-    intervals = {name: tuple(span[name] for span in spans) for name in spans[0]}
-    halves = {
-        name: tuple((high - low) / 2 for low, high in each) for name, each in intervals.items()
+def _sample(curve: Curve, intervals_by_setting: Sequence[Mapping[str, Pair]]) -> Curve:
+    """Add the intervals of each setting; the errors are half of them."""
+    intervals = {
+        name: tuple(by_output[name] for by_output in intervals_by_setting)
+        for name in intervals_by_setting[0]
     }
-    return replace(curve, errors=halves, intervals=intervals)
+    errors = {
+        name: tuple((high - low) / 2 for low, high in by_setting)
+        for name, by_setting in intervals.items()
+    }
+    return replace(curve, errors=errors, intervals=intervals)
 
 
 def _refine_steps(design: Design) -> Iterator[Curve]:
@@ -181,20 +178,19 @@ def _refine_steps(design: Design) -> Iterator[Curve]:
         values={name: float(np.abs(values).max()) for name, values in largest.items()},
         errors={name: tuple(step.errors[name] for step in steps) for name in steps[0].errors},
     )
-    cases = [
-        Case("slip", scene, seed) for scene, seed in [*article_trials()][:: _TRIALS // _STEPPED]
-    ]
+    trials_to_refine = [*article_trials()][:: _TRIALS // _STEPPED]
+    cases = [Case("slip", scene, seed) for scene, seed in trials_to_refine]
 
     def detect(step_us: float) -> Values:
         grids = [SceneRun(design, case.scene, case.seed).grid or Grid() for case in cases]
         finer = [Grid(grid.refinement * round(1e6 / BASE_HZ / step_us)) for grid in grids]
-        found = DetectorResult(1.0, tuple(chain(*map(partial(_detect, design), cases, finer))))
-        onset_s = found.motion_delay_s(0.5) - found.delay_s(0.5)
+        result = DetectorResult(1.0, tuple(chain(*map(partial(_detect, design), cases, finer))))
+        onset_s = result.motion_delay_s(0.5) - result.delay_s(0.5)
 
         return {
-            "delay_ms": 1e3 * found.delay_s(0.5),
+            "delay_ms": 1e3 * result.delay_s(0.5),
             "slip_onset_ms": 1e3 * onset_s,
-            "found_share": found.found_share,
+            "found_share": result.found_share,
         }
 
     yield _refine("time step [us]", (100.0, 50.0, 25.0), 0, 100.0 / REFERENCE, detect)
@@ -211,11 +207,15 @@ def _detect(design: Design, case: Case, grid: Grid | None = None) -> list[TrialR
 
 
 def refine_pad(design: Design) -> Iterator[Curve]:
+    """Yield the errors of the pad's figures by the grid of its layer model."""
     form = PadForm.of_design(design)
 
     def press(grid_mm: float) -> Values:
-        pressed = {tilt: try_contacts(form, Pose(tilt), 1.0, grid_mm=grid_mm) for tilt in TILTS_DEG}
-        shares = {tilt: found[0].share if found else 0.0 for tilt, found in pressed.items()}
+        shares = {}
+        for tilt in TILTS_DEG:
+            contacts = try_contacts(form, Pose(tilt), 1.0, grid_mm=grid_mm)
+            shares[tilt] = contacts[0].share if contacts else 0.0
+
         low, high, firm = find_contacts(
             form,
             pose=Pose(2.0),
@@ -223,9 +223,8 @@ def refine_pad(design: Design) -> Iterator[Curve]:
             max_strain=np.inf,
             grid_mm=grid_mm,
         )
-        wide, grasp = (
-            [s for t, s in shares.items() if a <= t <= b] for a, b in (WIDE_DEG, GRASP_DEG)
-        )
+        wide = [share for tilt, share in shares.items() if WIDE_DEG[0] <= tilt <= WIDE_DEG[1]]
+        grasp = [share for tilt, share in shares.items() if GRASP_DEG[0] <= tilt <= GRASP_DEG[1]]
 
         return {
             "pad_share": min(grasp),
@@ -239,10 +238,13 @@ def refine_pad(design: Design) -> Iterator[Curve]:
 
 
 def refine_meshes(design: Design) -> Iterator[Curve]:
+    """Yield the errors of volumes by the tolerance of meshes, and of strength by its sections."""
+
     def load(evaluator: MeshEvaluator, stations: float) -> Values:
-        found = assess_strength(design, evaluator, round(stations))
+        strength = assess_strength(design, evaluator, round(stations))
         return {
-            name: getattr(found, name) for name in ("grip_safety_factor", "knock_safety_factor")
+            "grip_safety_factor": strength.grip_safety_factor,
+            "knock_safety_factor": strength.knock_safety_factor,
         }
 
     def measure(tolerance_mm: float) -> Values:
@@ -276,17 +278,14 @@ def _draw_boards(design: Design) -> Iterator[Curve]:
     values = build_network(circuit, find_gain_bandwidth_hz(design.board)).values
 
     def draw(boards: float) -> Values:
-        return {
-            "filter_yield": min(
-                compute_yields(
-                    model,
-                    values=values,
-                    circuit=circuit,
-                    board=design.board,
-                    boards=round(boards),
-                ).values()
-            )
-        }
+        yields = compute_yields(
+            model,
+            values=values,
+            circuit=circuit,
+            board=design.board,
+            boards=round(boards),
+        )
+        return {"filter_yield": min(yields.values())}
 
     sizes = (1000.0, float(YIELD_BOARDS), 16_000.0)
     counts = [round(size * draw(size)["filter_yield"]) for size in sizes]
@@ -298,18 +297,21 @@ def _draw_boards(design: Design) -> Iterator[Curve]:
 
 
 def _draw_trials(design: Design) -> Iterator[Curve]:
-    trials = [trial for first in range(4) for trial in [*article_trials()][first::4]]
-    cases = [Case("slip", scene, seed + first) for first in (0, _TRIALS) for scene, seed in trials]
+    # Every fourth trial first, so that a quarter of them has all surfaces and speeds.
+    trials = list(article_trials())
+    trials = [*trials[0::4], *trials[1::4], *trials[2::4], *trials[3::4]]
+    cases = [Case("slip", scene, seed) for scene, seed in trials]
+    cases += [Case("slip", scene, seed + _TRIALS) for scene, seed in trials]
     begin = time.process_time()
     cpu_s = list[float]()
-    found = list[TrialResult]()
+    trial_results = list[TrialResult]()
 
     for case in cases:
-        found += _detect(design, case)
+        trial_results += _detect(design, case)
         cpu_s.append(time.process_time() - begin)
 
     sizes = _TRIALS // 4, _TRIALS, 2 * _TRIALS
-    results = [DetectorResult(1.0, tuple(found[:size])) for size in sizes]
+    results = [DetectorResult(1.0, tuple(trial_results[:size])) for size in sizes]
     values = {
         "delay_ms": 1e3 * results[1].delay_s(0.5),
         "delay_p90_ms": 1e3 * results[1].delay_s(0.9),
@@ -319,11 +321,15 @@ def _draw_trials(design: Design) -> Iterator[Curve]:
     }
     spans = []
 
-    for one in results:
-        delays = one.delay_interval(0.5), one.delay_interval(0.9), one.motion_delay_interval(0.5)
+    for result in results:
+        delays = (
+            result.delay_interval(0.5),
+            result.delay_interval(0.9),
+            result.motion_delay_interval(0.5),
+        )
         ends = [(1e3 * low, 1e3 * high) for low, high in delays]
         spans.append(
-            dict(zip(values, [*ends, one.found_interval, one.alarm_interval], strict=True))
+            dict(zip(values, [*ends, result.found_interval, result.alarm_interval], strict=True))
         )
 
     cost = tuple(cpu_s[size - 1] for size in sizes)

@@ -1,9 +1,9 @@
-"""Extreme and stiff cases of every kernel, each against a reference: held, refused with a reason,
-or wrong.
+"""Extreme and stiff cases of every kernel, each compared with a reference.
 
-A case depends on its family's name and its number alone. Cases with even numbers stay inside the
-documented bounds, odd ones go beyond. Work refuses a case by a FingertipError; any other exception,
-and a result that is no number, is wrong.
+A case is held if its deviation stays within a bound, refused if a FingertipError says why, and
+wrong otherwise, as with any other exception or a result that is no number. A case depends on its
+family's name and its number alone. Cases with even numbers stay inside the documented bounds, odd
+ones go beyond.
 """
 
 from __future__ import annotations
@@ -47,24 +47,28 @@ class Draw:
 
     def log(self, name: str, inside: Range, beyond: Range) -> float:
         """Draw a value whose logarithm is uniform."""
-        self.values[name] = value = math.exp(
-            self.rng.uniform(*map(math.log, inside if self.is_inside else beyond))
-        )
+        low, high = inside if self.is_inside else beyond
+        value = math.exp(self.rng.uniform(math.log(low), math.log(high)))
+        self.values[name] = value
         return value
 
     def choose(self, name: str, options: Sequence[Any]) -> Any:
-        self.values[name] = value = self.rng.choice(options)
+        value = self.rng.choice(options)
+        self.values[name] = value
         return value
 
     def describe(self) -> str:
+        """Return the names and values of what was drawn."""
         return ", ".join(
-            f"{k} {v:.3g}" if isinstance(v, float) else f"{k} {v}" for k, v in self.values.items()
+            f"{name} {value:.3g}" if isinstance(value, float) else f"{name} {value}"
+            for name, value in self.values.items()
         )
 
 
 STEPS = 1000
+"""Steps of a contact."""
 PARTS = 16
-"""Steps of a contact, and how much shorter those of the reference are."""
+"""Steps of the reference per step of a contact."""
 FIXED_ERROR = 0.1, 0.25
 """Bound of the error with fixed steps, inside the bounds and beyond, as a share of the largest load
 and pull: a contact that hardly damps, under a carriage that starts at once, rings with half a
@@ -84,12 +88,8 @@ def _draw_contact(draw: Draw, sigma0_per_m: Range) -> tuple[Friction, Mount]:
     sigma1 = draw.log("sigma1 [s/m]", (2.0, 2.0001), (1e-3, 10.0))
     sigma2 = draw.log("sigma2 [s/m]", (0.6, 0.60001), (1e-3, 10.0))
     # Friction only takes energy up to a drop of mu_s - mu_c = mu_c sigma2 / sigma1.
-    drop = (
-        draw.log("drop / largest passive drop", (0.01, 0.95), (1e-6, 0.999))
-        * mu_c
-        * sigma2
-        / sigma1
-    )
+    share = draw.log("drop / largest passive drop", (0.01, 0.95), (1e-6, 0.999))
+    drop = share * mu_c * sigma2 / sigma1
     mass = draw.log("mass [kg]", (1e-4, 2.0), (1e-6, 10.0))
     stiffness = draw.log("stiffness [N/m]", (10.0, 1e5), (1e-2, 1e6))
     zeta = draw.log("damping ratio", (0.05, 0.8), (0.02, 3.0))
@@ -111,10 +111,8 @@ def _draw_drag(draw: Draw, time_s: Array, load_n: float) -> tuple[Array, Array, 
     speed = draw.log("speed [m/s]", (1e-3, 0.2), (1e-4, 3.0))
     load = draw.choose("load is", ("constant", "gone at once", "half waves", "a ramp"))
 
-    if (
-        draw.choose("carriage starts", ("slowly",) if draw.is_inside else ("slowly", "at once"))
-        == "slowly"
-    ):
+    starts = ("slowly",) if draw.is_inside else ("slowly", "at once")
+    if draw.choose("carriage starts", starts) == "slowly":
         move = TrapezoidalMove.with_speed(0.1 * span, 0.6 * speed * span, speed, 20 * speed / span)
         at = move.position_m(time_s)
         velocity = move.velocity_m_s(time_s)
@@ -143,9 +141,8 @@ def fixed_steps(draw: Draw) -> float:
     fine_load = np.interp(time_s, time_s[::PARTS], coarse[2])
     finer = DraggedPad(friction, mount, step / PARTS).process(*columns[:2], fine_load)
     at, velocity, bristle = (values[::PARTS] for values in vars(finer).values())
-    pull = mount.stiffness_n_per_m * (coarse[0] - at) + mount.damping_n_s_per_m * (
-        coarse[1] - velocity
-    )
+    spring_pull = mount.stiffness_n_per_m * (coarse[0] - at)
+    pull = spring_pull + mount.damping_n_s_per_m * (coarse[1] - velocity)
     grip = friction.sigma0 * coarse[2] * np.abs(motion.bristle_m - bristle)
     spring = mount.stiffness_n_per_m * np.abs(motion.position_m - at)
     largest = load + float(np.abs(pull).max())
@@ -199,9 +196,7 @@ def _draw_amplifiers(draw: Draw) -> Amplifiers | Literal["ideal"]:
 
 
 def board(draw: Draw) -> float:
-    """Compare rectifier and envelope with a ten-thousandth of the
-    tolerance, which holds for the error of one step.
-    """
+    """Compare rectifier and envelope with a ten-thousandth of the tolerance of one step."""
     fitted = AnalogBoard.from_design(
         Design.load(draw.choose("board", ("article", "fsr400"))), _draw_amplifiers(draw)
     )
@@ -230,11 +225,10 @@ def board(draw: Draw) -> float:
         wave = np.convolve(noise, np.hanning(12) / 6, "same")
 
     voltage = amplitude * wave * (np.arange(SAMPLES) > SAMPLES // 8)
-    found, exact = (
-        simulate_board(fitted, step, voltage, tolerance).envelope_v
-        for tolerance in (TOLERANCE_V, max(1e-8, 1e-6 * amplitude))
-    )
-    return float(np.abs(found - exact).max() / (10 * TOLERANCE_V + 0.05 * np.abs(exact).max()))
+    envelope_v = simulate_board(fitted, step, voltage, TOLERANCE_V).envelope_v
+    exact_v = simulate_board(fitted, step, voltage, max(1e-8, 1e-6 * amplitude)).envelope_v
+    bound_v = 10 * TOLERANCE_V + 0.05 * np.abs(exact_v).max()
+    return float(np.abs(envelope_v - exact_v).max() / bound_v)
 
 
 FAMILIES: Mapping[str, tuple[str, float, Callable[[Draw], float]]] = {
@@ -248,7 +242,8 @@ FAMILIES: Mapping[str, tuple[str, float, Callable[[Draw], float]]] = {
 }
 """Name -> reference and bound, share of all cases by their cost, and function that computes a case.
 
-The function returns the largest deviation in relation to the bound: up to 1 a case is held."""
+The function returns the largest deviation in relation to the bound: up to 1 a case is held.
+"""
 BLOCK = 8
 """Number of cases that one process tries in a row."""
 MAX_REFUSED = 0.02
@@ -257,12 +252,13 @@ MAX_REFUSED = 0.02
 
 @dataclass(frozen=True)
 class Case:
+    """Case that was tried, and what came of it."""
+
     draw: Draw
     deviation: float
-    """Largest deviation in relation to the bound; NaN if an
-    exception was raised, or the case refused.
-    """
+    """Largest deviation in relation to the bound; NaN if the case was refused, or failed."""
     refused_by: str
+    """Field that the refusal names; empty if it was not refused."""
     cpu_s: float
 
     @property
@@ -293,6 +289,8 @@ def try_cases(family: str, numbers: Iterable[int]) -> list[Case]:
 
 @dataclass(frozen=True)
 class FamilyResult:
+    """Cases of one family that were tried."""
+
     name: str
     cases: list[Case] = field(default_factory=list)
 
@@ -306,10 +304,9 @@ class FamilyResult:
 
     @property
     def refused_inside(self) -> float:
-        """Share of the cases inside the bounds that is refused."""
-        return sum(case.draw.is_inside for case in self.refused) / sum(
-            case.draw.is_inside for case in self.cases
-        )
+        """Refused share of the cases inside the bounds."""
+        refused = sum(case.draw.is_inside for case in self.refused)
+        return refused / sum(case.draw.is_inside for case in self.cases)
 
     @property
     def is_passed(self) -> bool:
@@ -321,17 +318,17 @@ def try_families(
 ) -> list[FamilyResult]:
     """Try so many cases of all families together, at least two of each."""
     sizes = {name: max(2, round(count * weight)) for name, (_, weight, _) in FAMILIES.items()}
-    plan = [
-        (name, range(at, min(at + BLOCK, size)))
-        for name, size in sizes.items()
-        for at in range(0, size, BLOCK)
-    ]
-    found = {name: FamilyResult(name) for name in FAMILIES}
+    blocks = []
+    for name, size in sizes.items():
+        for first in range(0, size, BLOCK):
+            blocks.append(partial(try_cases, name, range(first, min(first + BLOCK, size))))
+
+    results = {name: FamilyResult(name) for name in FAMILIES}
     done = 0
 
-    for cases in call_each(partial(try_cases, *block) for block in plan):
-        found[cases[0].draw.family].cases.extend(cases)
-        done = done + len(cases)
+    for cases in call_each(blocks):
+        results[cases[0].draw.family].cases.extend(cases)
+        done += len(cases)
         advance(done / sum(sizes.values()))
 
-    return [*found.values()]
+    return [*results.values()]

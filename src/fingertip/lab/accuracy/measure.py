@@ -33,7 +33,9 @@ REFERENCE = 16
 """Number of steps of the reference per step of the shipped grid."""
 _REFINEMENTS = (1, 2, 4)
 _BEFORE_LOSS_S = 0.005
-"""Time before an object is lost from which a grasp is not compared [s]: what hits nothing rings."""
+"""Time before the loss of an object from which on a grasp is not compared [s]: a finger that hits
+nothing rings.
+"""
 
 
 @dataclass(frozen=True)
@@ -61,9 +63,9 @@ def measure_steps(
     scene = scene.model_copy(update={"outputs": signals, "sensing": quiet})
     runs = list[SceneResult | ManipulationResult]()
     cpu_s = list[float]()
-    base = (
-        (SceneRun(design, scene).grid or Grid()).refinement if isinstance(scene, SceneFile) else 1
-    )
+    base = 1
+    if isinstance(scene, SceneFile):
+        base = (SceneRun(design, scene).grid or Grid()).refinement
 
     for refinement in (1, *_REFINEMENTS, REFERENCE):  # the first run loads the loops
         begin = time.process_time()
@@ -77,17 +79,17 @@ def measure_steps(
 
     lost_s = [run.lost_s for run in runs if isinstance(run, ManipulationResult) and run.lost_s]
     compared = runs[0].time_s < min(lost_s, default=math.inf) - _BEFORE_LOSS_S
-    found = []
+    step_errors = []
 
     for refinement, run, spent_s in zip(_REFINEMENTS, runs[1:], cpu_s[1:], strict=False):
         errors = dict.fromkeys(signals, 0.0)
         for column, exact in runs[-1].columns.items():
+            # Columns of a grasp begin with the name of the finger.
             signal = next(signal for signal in signals if column.endswith(signal))
-            errors[signal] = max(
-                errors[signal], float(np.abs(run.columns[column] - exact)[compared].max())
-            )
+            error = float(np.abs(run.columns[column] - exact)[compared].max())
+            errors[signal] = max(errors[signal], error)
 
-        found.append(
+        step_errors.append(
             StepError(
                 run=name,
                 step_s=Grid(base * refinement).step_s,
@@ -97,11 +99,13 @@ def measure_steps(
             )
         )
 
-    return found
+    return step_errors
 
 
 @dataclass(frozen=True, eq=False)
 class Accuracy:
+    """Errors by time step of a design, and results of the extreme cases."""
+
     design: Design
     steps: tuple[StepError, ...]
     extremes: tuple[FamilyResult, ...]
@@ -110,7 +114,10 @@ class Accuracy:
 def measure_accuracy(
     design: Design, cases: int, progress: ReportProgress | None = None, jobs: int | None = 1
 ) -> Accuracy:
-    """Measure all of it; the cases do not depend on the design. Raises FingertipError."""
+    """Measure errors by time step, and try so many extreme cases, which depend on no design.
+
+    Raises FingertipError.
+    """
     extras.require("fingertip accuracy", "numba")
     work = Work("accuracy", {"time steps": 5.0, "extreme cases": 0.004 * cases}, progress)
 

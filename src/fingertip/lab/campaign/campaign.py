@@ -1,5 +1,5 @@
-"""Plan of a campaign: the article's trials, scenes without slip, and the seeds of tuning and of
-validation.
+"""Campaign of simulated trials: the article's trials, scenes without slip, and the seeds of tuning
+and of validation.
 
 `TUNING_SEEDS` are the seeds on which the constants of the detector `fast` were chosen, by trials
 like these and scenes of the same kinds. A validation starts beyond them, so that everything it
@@ -21,7 +21,7 @@ from fingertip.sim.simulation import article_trials
 TUNING_SEEDS = range(1000, 1400)
 HELD_OUT_FROM = 5_000_000
 LAST_SEED = 2**31 - 1 - 20_000_000
-"""Last first seed of a validation, which uses some millions of them."""
+"""Largest first seed of a validation, which uses some millions of seeds from it on."""
 
 
 def check_first_seed(seed: int) -> None:
@@ -46,16 +46,12 @@ _SCENES = {
     "hard tap": ("hard_tap", 0.1, 4.3),
     "cable": ("cable_touch", 0.05, 3.8),
 }
-"""Cause of alarms -> scene without slip, its fraction of the time
-without slip, and its approximate duration [s].
-"""
+"""Cause of alarms -> scene without slip, its share of the time without slip, and duration [s]."""
 NEGATIVE_SCENES = {
     cause: (SceneFile.load(PARAMS / "scenes" / f"{name}.toml"), share)
     for cause, (name, share, _) in _SCENES.items()
 }
-"""Cause of alarms -> scene of ``params/scenes`` without slip, and
-its fraction of the time without slip.
-"""
+"""Cause of alarms -> bundled scene without slip, and its share of the time without slip."""
 REPORTED_SEPARATELY = ("hard tap", "motor", "cable")
 """Causes whose alarms are reported separately and not limited by a requirement.
 
@@ -66,6 +62,8 @@ from slip before several periods have passed, unless they are stronger than slip
 
 @dataclass(frozen=True)
 class Case:
+    """Scene of a campaign with its seed."""
+
     cause: str
     """Cause of the alarms in it; ``slip`` for a trial."""
     scene: SceneFile
@@ -99,21 +97,18 @@ class CampaignPlan:
 
 
 def generate_cases(plan: CampaignPlan, first_seed: int = HELD_OUT_FROM) -> Iterator[Case]:
-    """Generate the trials, spread over surfaces and speeds, then the
-    scenes without slip, each with its seed.
-    """
+    """Generate the trials, spread over surfaces and speeds, then the scenes without slip."""
     seed = first_seed
     scenes = [scene for scene, _ in article_trials()]
 
     for i in range(plan.trials):
-        at = i % len(scenes) if plan.trials >= len(scenes) else i * len(scenes) // plan.trials
-        yield Case("slip", scenes[at], seed)
+        index = i % len(scenes) if plan.trials >= len(scenes) else i * len(scenes) // plan.trials
+        yield Case("slip", scenes[index], seed)
         seed += 1
 
     for cause, (scene, fraction) in NEGATIVE_SCENES.items():
-        for _ in range(
-            math.ceil(60 * plan.negative_minutes * fraction / nominal_duration_s(cause))
-        ):
+        count = math.ceil(60 * plan.negative_minutes * fraction / nominal_duration_s(cause))
+        for _ in range(count):
             yield Case(cause, scene, seed)
             seed += 1
 

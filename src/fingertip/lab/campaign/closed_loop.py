@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, gather, raise_issues
@@ -73,9 +74,9 @@ def find_grip_issues(detector: str, simulation: Simulation | None) -> list[Issue
 def run_with_grip(
     simulation: Simulation, detector: str = "fast", progress: Callable[[str], None] | None = None
 ) -> tuple[ManipulationResult, tuple[float, ...]]:
-    """Tighten the grip whenever a detector finds slip; also return the moments [s].
+    """Run a manipulation, and tighten the grip whenever a detector finds slip.
 
-    Raises FingertipError.
+    Returns the result, and the times at which the grip was tightened [s]. Raises FingertipError.
     """
     scene = simulation.scene
     design = simulation.design
@@ -99,9 +100,7 @@ def _close_loop(
     seed: int,
     progress: Callable[[str], None] | None = None,
 ) -> tuple[ManipulationResult, Sequence[GripDecision]]:
-    """Run a manipulation whose outputs are those of the scene and those that the
-    controller reads.
-    """
+    """Run a manipulation with a grip controller, and add the outputs that the controller reads."""
     needed = ["voltage_v", *select_board_outputs(design, [detector])]
     missing = [name for name in needed if name not in scene.outputs]
     scene = scene.model_copy(update={"outputs": [*scene.outputs, *missing]})
@@ -119,9 +118,7 @@ class ClosedLoopTrial:
     seed: int
     held: bool
     onset_s: float | None
-    """First true slip of any finger after the pin touches the object [s]; None: it
-    never slipped.
-    """
+    """First true slip of any finger after the pin touches the object [s]; None without one."""
     reaction_s: float | None
     """Time from the onset until a finger moves [s]; None: none moved."""
     false_grips: int
@@ -129,11 +126,9 @@ class ClosedLoopTrial:
     suppressed: int
     """Number of suppressed detections without true slip; consecutive periods count once."""
     suppressed_true: int
-    """Number of suppressed detections in true slip before any grip
-    increase; consecutive periods count once.
-    """
+    """Number of such detections in true slip before any grip increase."""
     slipped_m: float
-    """Way of the object while it slips past any finger [m]."""
+    """Distance that the object slips past any finger [m]."""
     force_ratio: float
     """Mean force of the fingers at the end, over the planned one; NaN if the object was lost."""
 
@@ -141,12 +136,12 @@ class ClosedLoopTrial:
 def run_closed_loop(
     design: Design, detectors: Sequence[str], repeats: int, uncontrolled: bool = True
 ) -> list[ClosedLoopTrial]:
-    """Run every manipulation without control, unless
-    `uncontrolled` is false, then with each detector.
-    """
-    names = (*((NO_CONTROL,) if uncontrolled else ()), *detectors)
-    planned = itertools.product(names, plan_manipulations(repeats, FIRST_SEED))
-    return list(call_each(partial(_run_trial, design, name, *plan) for name, plan in planned))
+    """Run every manipulation with each detector, and first without control if `uncontrolled`."""
+    names = [NO_CONTROL, *detectors] if uncontrolled else detectors
+    runs = itertools.product(names, plan_manipulations(repeats, FIRST_SEED))
+    return list(
+        call_each(partial(_run_trial, design, name, scene, seed) for name, (scene, seed) in runs)
+    )
 
 
 def _run_trial(
@@ -159,6 +154,7 @@ def _run_trial(
 
 
 def plan_manipulations(repeats: int, first_seed: int) -> Iterator[tuple[ManipulationFile, int]]:
+    """Yield the article's manipulations with their seeds, each so many times."""
     for i, (scene, seed) in enumerate(article_manipulations(first_seed)):
         if i % REPEATS_PER_MANIPULATION < repeats:
             yield scene.model_copy(update={"outputs": _OUTPUTS}), seed
@@ -167,31 +163,17 @@ def plan_manipulations(repeats: int, first_seed: int) -> Iterator[tuple[Manipula
 def evaluate_manipulation(
     detector: str, manipulation: ManipulationResult, decisions: Sequence[GripDecision]
 ) -> ClosedLoopTrial:
+    """Compare the decisions of the grip controller with the true slip of a manipulation."""
     time_s = manipulation.time_s
-    closing = manipulation.signals.closing_m
     slip = np.logical_or.reduce(manipulation.output("slip"), axis=0)
-    slipping = np.flatnonzero(slip & (time_s >= manipulation.plan.knock_s))
-    onset_s = reaction_s = None
-
-    if slipping.size:
-        first = int(slipping[0])
-        onset_s = float(time_s[first])
-        further = (closing[:, first:] - closing[:, first : first + 1]).max(axis=0)
-        moved = np.flatnonzero(further > REACTION_M)
-        reaction_s = float(time_s[first + moved[0]]) - onset_s if moved.size else None
+    onset_s, reaction_s = _find_reaction(manipulation, slip)
 
     def is_true(at_s: float) -> bool:
         recent = (time_s > at_s - MAX_SINCE_SLIP_S) & (time_s <= at_s + INCIPIENT_S)
         return bool(slip[recent].any())
 
     grips = [decision.time_s for decision in decisions if decision.tightened]
-    suppressed = [
-        decision.time_s
-        for before, decision in zip((None, *decisions), decisions, strict=False)
-        if decision.detected
-        and decision.suppressed
-        and not (before and before.detected and before.suppressed)
-    ]
+    suppressed = _list_suppressed_s(decisions)
     suppressed_true = [
         at for at in suppressed if is_true(at) and not any(grip < at for grip in grips)
     ]
@@ -210,14 +192,46 @@ def evaluate_manipulation(
     )
 
 
+def _find_reaction(
+    manipulation: ManipulationResult, slip: NDArray[np.bool_]
+) -> tuple[float | None, float | None]:
+    """Find the first slip after the knock [s], and the time from it until a finger moves [s]."""
+    time_s = manipulation.time_s
+    slipping = np.flatnonzero(slip & (time_s >= manipulation.plan.knock_s))
+    if not slipping.size:
+        return None, None
+
+    first = int(slipping[0])
+    onset_s = float(time_s[first])
+    closing = manipulation.signals.closing_m
+    further = (closing[:, first:] - closing[:, first : first + 1]).max(axis=0)
+    moved = np.flatnonzero(further > REACTION_M)
+    return onset_s, float(time_s[first + moved[0]]) - onset_s if moved.size else None
+
+
+def _list_suppressed_s(decisions: Sequence[GripDecision]) -> list[float]:
+    """List when detections began to be suppressed [s]; consecutive ones count once."""
+    times_s = []
+    was_suppressed = False
+
+    for decision in decisions:
+        is_suppressed = decision.detected and decision.suppressed
+        if is_suppressed and not was_suppressed:
+            times_s.append(decision.time_s)
+
+        was_suppressed = is_suppressed
+
+    return times_s
+
+
 def _find_force_ratio(manipulation: ManipulationResult) -> float:
+    """Find the mean force at the end over the planned one; NaN if the object was lost."""
     if manipulation.lost_s is not None:
         return math.nan
 
-    last = manipulation.time_s > manipulation.time_s[-1] - _END_S
-    return float(
-        np.mean(manipulation.output("force_n")[:, last].mean(axis=1) / manipulation.plan.force_n)
-    )
+    is_last = manipulation.time_s > manipulation.time_s[-1] - _END_S
+    mean_n = manipulation.output("force_n")[:, is_last].mean(axis=1)
+    return float(np.mean(mean_n / manipulation.plan.force_n))
 
 
 @dataclass(frozen=True)
@@ -236,12 +250,13 @@ class ClosedLoopSummary:
     suppressed: int
     suppressed_true: int
     slipped_m: float
-    """Median way that the objects slip [m]."""
+    """Median distance that the objects slip [m]."""
     force_ratio: float
-    """Mean force at the end over the planned one, of those held; NaN if none is."""
+    """Mean force at the end over the planned one, where the object is held; NaN if none is."""
 
 
 def summarise(trials: Sequence[ClosedLoopTrial]) -> list[ClosedLoopSummary]:
+    """Pool the trials of each detector."""
     groups: dict[str, list[ClosedLoopTrial]] = {}
     for trial in trials:
         groups.setdefault(trial.detector, []).append(trial)

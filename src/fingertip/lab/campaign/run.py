@@ -1,6 +1,4 @@
-"""Campaign of simulated trials: the recording of each case, what a
-detector makes of it, and the pooled results.
-"""
+"""Run of a campaign: the recording of each case, what a detector finds in it, and the results."""
 
 from __future__ import annotations
 
@@ -8,6 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,9 +35,7 @@ SAME_EVENT_S = 0.1
 Assumption.
 """
 VIBRATION_HZ = 30.0
-"""Frequency from which changes of the force count as vibration
-[Hz]: contacts lie below it (article, III.A).
-"""
+"""Least frequency of vibration [Hz]; the force of contacts changes more slowly (article, III.A)."""
 SCALES = (0.7, 0.8, 0.9, 1.0, 1.15, 1.35, 1.5, 1.6, 1.8, 2.0, 2.3, 2.6, 3.0, 4.0, 6.0, 10.0)
 """Factors of each detector's threshold, from sensitive to insensitive."""
 LOW_SCALES = (0.02, 0.05, 0.1, 0.2, 0.4)
@@ -47,6 +44,8 @@ LOW_SCALES = (0.02, 0.05, 0.1, 0.2, 0.4)
 
 @dataclass(frozen=True)
 class TrialResult:
+    """What one detector found in the recording of one case."""
+
     case: Case
     duration_s: float
     slips: int
@@ -55,9 +54,7 @@ class TrialResult:
     slip did not find it: that is a false alarm.
     """
     on_share: float
-    """Fraction of the time from the first detection to the slip's
-    end that is ON; 0 if there is no detection.
-    """
+    """Share of the time from the first detection to the slip's end that is ON; 0 without one."""
     alarms: tuple[str, ...]
     """Causes of the false alarms, one for each."""
     creep_s: float = 0.0
@@ -68,9 +65,7 @@ class TrialResult:
     motion_s: float | None = None
     """Start of the robot's motion in the recording [s]; None if it does not move."""
     clip_share: float | None = None
-    """Share of the slip in which the board clips; None without
-    slip, or where no detector reads the board.
-    """
+    """Share of the slip in which the board clips; None without slip, or if no detector reads it."""
 
     @property
     def motion_delays_s(self) -> tuple[float, ...]:
@@ -83,9 +78,8 @@ def simulate_trace(
 ) -> Trace:
     """Simulate the recording of a case, through the ADC."""
     outputs = ["voltage_v", "force_n", "slip", *select_board_outputs(design, detectors)]
-    return run_scene(
-        design, case.scene.model_copy(update={"outputs": outputs}), case.seed, grid=grid
-    ).trace
+    scene = case.scene.model_copy(update={"outputs": outputs})
+    return run_scene(design, scene, case.seed, grid=grid).trace
 
 
 def select_board_outputs(design: Design, detectors: Sequence[str]) -> list[str]:
@@ -103,25 +97,27 @@ def evaluate(
     scales: Sequence[float],
     fast_runs: dict[float, FastOutput] | None = None,
 ) -> list[TrialResult]:
-    """Run a detector on a trace, for each factor of its threshold; a constant one needs a single
-    run.
+    """Run a detector on a trace for each factor of its threshold, in the order of `scales`.
 
-    `fast_runs` keeps by factor what `fast` gave on this trace: `incipient` is another operating
-    point of the same run.
+    A constant threshold needs a single run. `fast_runs` stores the runs of `fast` on this trace by
+    factor: `incipient` is another operating point of the same run.
     """
     runs = {} if fast_runs is None else fast_runs
     nominal = registry.make_detector(detector, design)
     inputs = registry.select_inputs(trace, detector)
     output = _process(nominal, inputs, 1.0, runs)
-    constant = float(np.ptp(output.threshold_v)) == 0.0
-    found: dict[float, TrialResult] = {}
+    is_constant = float(np.ptp(output.threshold_v)) == 0.0
+    results_by_scale: dict[float, TrialResult] = {}
     is_off = False  # at a factor, and then at all greater ones
 
     for scale in sorted(scales):
         if not is_off:
-            if constant or scale == 1.0:
-                on = output.on if scale == 1.0 else output.statistic_v > scale * output.threshold_v
-                is_off = constant and not on.any()
+            if scale == 1.0:
+                on = output.on
+                is_off = is_constant and not on.any()
+            elif is_constant:
+                on = output.statistic_v > scale * output.threshold_v
+                is_off = not on.any()
             else:
                 scaled = registry.make_detector(detector, design, threshold_scale=scale)
                 on = _process(scaled, inputs, scale, runs).on
@@ -129,9 +125,9 @@ def evaluate(
 
             result = score_trial(case, trace, on, nominal.memory_s)
 
-        found[scale] = result
+        results_by_scale[scale] = result
 
-    return [found[scale] for scale in scales]
+    return [results_by_scale[scale] for scale in scales]
 
 
 def _process(
@@ -149,68 +145,78 @@ def _process(
 
 
 def score_trial(case: Case, trace: Trace, on: NDArray[np.bool_], memory_s: float) -> TrialResult:
-    """Score the flags of a detector, whose ON may outlast a slip
-    by its memory [s], against the true slip.
-    """
+    """Score the flags of a detector, whose ON may outlast a slip by its memory [s]."""
     assert trace.slip is not None
     scored = score(intervals(trace.time_s, on), intervals(trace.time_s, trace.slip), memory_s)
     # A detector that responds to incipient slip gains no negative delay by that: its delay is 0.
-    counted = [0.0 if d is not None and -INCIPIENT_S <= d < 0.0 else d for d in scored.delays_s]
-    delays = tuple(d for d in counted if d is not None and d >= 0.0)
-    on_share = 0.0
+    delays = [0.0 if d is not None and -INCIPIENT_S <= d < 0.0 else d for d in scored.delays_s]
+    found_after_s = tuple(d for d in delays if d is not None and d >= 0.0)
 
-    if delays:
-        slip, delay = next(
-            (s, d) for s, d in zip(scored.slips, counted, strict=True) if d in delays
-        )
-        since = (trace.time_s >= slip.onset_s + (delay or 0.0)) & (trace.time_s < slip.end_s)
-        on_share = float(np.mean(on[since])) if since.any() else 0.0
+    first_onset_s = scored.slips[0].onset_s if scored.slips else -math.inf
+    alarms = _name_alarms(case, separate_events(scored.false_intervals), first_onset_s)
+    alarms += ["before slip" for d in delays if d is not None and d < 0.0]
 
-    alarms = [case.cause] * len(false := separate_events(scored.false_intervals))
-    if case.cause == "slip":  # contact or grasp before the slip, and release after it
-        first_s = scored.slips[0].onset_s if scored.slips else -math.inf
-        alarms = ["contact" if alarm.onset_s < first_s else "release" for alarm in false]
-
-    alarms += ["before slip" for d in counted if d is not None and d < 0.0]
-    duration = float(trace.time_s[-1] - trace.time_s[0])
     motion_s = trace.origin.motion_s
-    creep = (
-        max(0.0, scored.slips[0].onset_s - motion_s)
-        if scored.slips and motion_s is not None
-        else 0.0
-    )
+    creep_s = 0.0
+    if scored.slips and motion_s is not None:
+        creep_s = max(0.0, first_onset_s - motion_s)
 
     return TrialResult(
         case=case,
-        duration_s=duration,
+        duration_s=float(trace.time_s[-1] - trace.time_s[0]),
         slips=len(scored.slips),
-        delays_s=delays,
-        on_share=on_share,
+        delays_s=found_after_s,
+        on_share=_measure_on_share(trace, on, scored.slips, delays),
         alarms=tuple(alarms),
-        creep_s=creep,
+        creep_s=creep_s,
         motion_s=motion_s,
         clip_share=trace.origin.clip_share,
     )
 
 
+def _measure_on_share(
+    trace: Trace,
+    on: NDArray[np.bool_],
+    slips: Sequence[Interval],
+    delays_s: Sequence[float | None],
+) -> float:
+    """Measure the share that is ON of the first slip found, from its detection to its end.
+
+    Returns 0 if no slip was found.
+    """
+    for slip, delay_s in zip(slips, delays_s, strict=True):
+        if delay_s is not None and delay_s >= 0.0:
+            is_after = trace.time_s >= slip.onset_s + delay_s
+            is_slipping = is_after & (trace.time_s < slip.end_s)
+            return float(np.mean(on[is_slipping])) if is_slipping.any() else 0.0
+
+    return 0.0
+
+
+def _name_alarms(case: Case, alarms: Sequence[Interval], first_onset_s: float) -> list[str]:
+    """Name the causes of false alarms; those of a trial come before its first slip, or after."""
+    if case.cause != "slip":
+        return [case.cause] * len(alarms)
+
+    return ["contact" if alarm.onset_s < first_onset_s else "release" for alarm in alarms]
+
+
 def separate_events(alarms: Iterable[Interval]) -> list[Interval]:
-    """Keep the first alarm of each event."""
-    kept: list[Interval] = []
+    """Return the first alarm of each event."""
+    first_alarms: list[Interval] = []
     end = -np.inf
 
     for alarm in alarms:
         if alarm.onset_s - end > SAME_EVENT_S:
-            kept.append(alarm)
+            first_alarms.append(alarm)
 
         end = alarm.end_s
 
-    return kept
+    return first_alarms
 
 
 def find_onset_s(design: Design, case: Case, trace: Trace) -> float:
-    """Find the first true slip of a trial [s], counted from the
-    start of the slide; NaN without slip or slide.
-    """
+    """Find the first true slip of a trial [s from the start of the slide]; NaN without one."""
     slide = SceneRun(design, case.scene, case.seed).timeline.slide
     if slide is None or trace.slip is None or not trace.slip.any():
         return math.nan
@@ -219,17 +225,16 @@ def find_onset_s(design: Design, case: Case, trace: Trace) -> float:
 
 
 def measure_vibration_n(trace: Trace) -> float:
-    """Measure the RMS vibration of the normal force, beyond a
-    period's mean, in slip [N]; NaN without slip.
+    """Measure the RMS vibration of the normal force in slip [N]; NaN without slip.
+
+    The mean over a period of `VIBRATION_HZ` is taken off.
     """
     if trace.force_n is None or trace.slip is None or not trace.slip.any():
         return math.nan
 
     slipping = np.flatnonzero(trace.slip)
-    width = min(
-        max(1, round(1 / (VIBRATION_HZ * float(trace.time_s[1] - trace.time_s[0])))),
-        len(trace.force_n),
-    )
+    step_s = float(trace.time_s[1] - trace.time_s[0])
+    width = min(max(1, round(1 / (VIBRATION_HZ * step_s))), len(trace.force_n))
     fast_n = trace.force_n - np.convolve(trace.force_n, np.full(width, 1 / width), "same")
     return float(np.sqrt(np.mean(fast_n[slipping[0] : slipping[-1] + 1] ** 2)))
 
@@ -243,25 +248,27 @@ def measure_out_of_contact_share(trace: Trace) -> float:
 
 
 def median_of_known(values: Iterable[float]) -> float:
-    """Median of those values that are finite; NaN if none is."""
+    """Return the median of the values that are finite; NaN if none is."""
     known = [value for value in values if math.isfinite(value)]
     return float(np.median(known)) if known else math.nan
 
 
 def quantile_s(delays_s: Sequence[float], slips: int, fraction: float) -> float:
-    """Upper quantile: smallest delay within which more than a fraction of all slips is found [s],
-    or all for 1.
+    """Return the least delay [s] within which more than a fraction of all slips is found.
 
-    Infinite if fewer are found.
+    For a fraction of 1 all are found. The delay is infinite if fewer are found.
     """
     ranked = sorted(delays_s) + [math.inf] * (slips - len(delays_s))
-    return float(ranked[min(len(ranked) - 1, int(fraction * len(ranked)))]) if ranked else math.inf
+    if not ranked:
+        return math.inf
+
+    return float(ranked[min(len(ranked) - 1, int(fraction * len(ranked)))])
 
 
 def quantile_interval_s(
     delays_s: Sequence[float], slips: int, fraction: float
 ) -> tuple[float, float]:
-    """Interval that holds a quantile with 95 %, from order statistics [s]."""
+    """Return the interval that holds a quantile with 95 %, from order statistics [s]."""
     low, high = quantile_ranks(slips, fraction)
     ranked = [0.0, *sorted(delays_s), *[math.inf] * (slips + 1 - len(delays_s))]
     return ranked[low + 1], ranked[high + 1]
@@ -276,11 +283,17 @@ class DetectorResult:
 
     @property
     def slips(self) -> int:
-        return sum(t.slips for t in self.trials)
+        return sum(trial.slips for trial in self.trials)
 
     @property
     def delays_s(self) -> list[float]:
-        return [d for t in self.trials for d in t.delays_s]
+        """Delays of all slips that were found [s]."""
+        return list(chain.from_iterable(trial.delays_s for trial in self.trials))
+
+    @property
+    def motion_delays_s(self) -> list[float]:
+        """Delays of all slips that were found, since the robot moved [s]."""
+        return list(chain.from_iterable(trial.motion_delays_s for trial in self.trials))
 
     @property
     def found_share(self) -> float:
@@ -292,20 +305,20 @@ class DetectorResult:
         return binomial_interval(len(self.delays_s), self.slips)
 
     def delay_interval(self, fraction: float) -> tuple[float, float]:
-        """Interval that contains a quantile of the delay with 95 %
-        probability [s]; infinite: too few were found.
+        """Interval that contains a quantile of the delay with 95 % probability [s].
+
+        Its upper end is infinite if too few slips were found.
         """
         return quantile_interval_s(self.delays_s, self.slips, fraction)
 
     def motion_delay_interval(self, fraction: float) -> tuple[float, float]:
-        return quantile_interval_s(
-            [d for t in self.trials for d in t.motion_delays_s], self.slips, fraction
-        )
+        """Interval that contains a quantile of the delay since motion, as `delay_interval`."""
+        return quantile_interval_s(self.motion_delays_s, self.slips, fraction)
 
     @property
     def clip_share(self) -> float:
         """Mean share of the slides in which the board clips; NaN if it is not known."""
-        known = [t.clip_share for t in self.trials if t.clip_share is not None]
+        known = [trial.clip_share for trial in self.trials if trial.clip_share is not None]
         return float(np.mean(known)) if known else math.nan
 
     @property
@@ -316,7 +329,7 @@ class DetectorResult:
         return quantile_s(self.delays_s, self.slips, fraction)
 
     def motion_delay_s(self, fraction: float) -> float:
-        return quantile_s([d for t in self.trials for d in t.motion_delays_s], self.slips, fraction)
+        return quantile_s(self.motion_delays_s, self.slips, fraction)
 
     @property
     def worst_s(self) -> float:
@@ -326,32 +339,35 @@ class DetectorResult:
     @property
     def on_share(self) -> float:
         """Mean fraction of the slip that is ON after its detection."""
-        shares = [t.on_share for t in self.trials if t.delays_s]
+        shares = [trial.on_share for trial in self.trials if trial.delays_s]
         return float(np.mean(shares)) if shares else 0.0
 
     def alarms(self) -> dict[str, int]:
-        causes = [cause for t in self.trials for cause in t.alarms]
-        return {
-            cause: causes.count(cause)
-            for cause in dict.fromkeys([t.case.cause for t in self.trials] + causes)
-        }
+        """Number of false alarms by cause; 0 for the causes of all scenes that gave none."""
+        causes = list(chain.from_iterable(trial.alarms for trial in self.trials))
+        scenes = [trial.case.cause for trial in self.trials]
+        return {cause: causes.count(cause) for cause in dict.fromkeys(scenes + causes)}
 
     def minutes(self) -> dict[str, float]:
         """Duration of the scenes by cause [min]; the trials are under ``slip``."""
-        total: dict[str, float] = {}
-        for t in self.trials:
-            total[t.case.cause] = total.get(t.case.cause, 0.0) + t.duration_s / 60
+        minutes: dict[str, float] = {}
+        for trial in self.trials:
+            cause = trial.case.cause
+            minutes[cause] = minutes.get(cause, 0.0) + trial.duration_s / 60
 
-        return total
+        return minutes
 
     @property
     def limited_minutes(self) -> float:
         """Duration of all scenes but those that are reported separately [min]."""
-        return sum(m for cause, m in self.minutes().items() if cause not in REPORTED_SEPARATELY)
+        minutes = self.minutes()
+        return sum(minutes[cause] for cause in minutes if cause not in REPORTED_SEPARATELY)
 
     @property
     def limited_alarms(self) -> int:
-        return sum(n for cause, n in self.alarms().items() if cause not in REPORTED_SEPARATELY)
+        """Number of false alarms in these scenes."""
+        alarms = self.alarms()
+        return sum(alarms[cause] for cause in alarms if cause not in REPORTED_SEPARATELY)
 
     @property
     def alarms_per_minute(self) -> float:
@@ -368,30 +384,27 @@ class DetectorResult:
     def group_delays(
         self, key: Callable[[TrialResult], object]
     ) -> dict[object, tuple[float, float, int]]:
-        """Mean and standard deviation of the delay [s], and
-        number of slips found, by group of trials.
-        """
+        """Mean and standard deviation of the delay [s], and number of slips found, by group."""
         groups: dict[object, list[float]] = {}
-        for t in self.trials:
-            if t.slips:
-                groups.setdefault(key(t), []).extend(t.delays_s)
+        for trial in self.trials:
+            if trial.slips:
+                groups.setdefault(key(trial), []).extend(trial.delays_s)
 
         return {
-            k: (float(np.mean(d)), float(np.std(d)), len(d)) if d else (np.inf, 0.0, 0)
-            for k, d in groups.items()
+            group: (float(np.mean(delays)), float(np.std(delays)), len(delays))
+            if delays
+            else (np.inf, 0.0, 0)
+            for group, delays in groups.items()
         }
 
 
 def surface(trial: TrialResult) -> str:
-    """Surface of a trial, or the object that is pulled through the grasp; a key for
+    """Surface of a trial, or of the object that is pulled through the grasp; a key for
     `DetectorResult.group_delays`.
     """
     scene = trial.case.scene
-    return (
-        scene.contact.surface
-        if scene.name == "sliding_finger"
-        else f"object, {scene.contact.surface}"
-    )
+    name = scene.contact.surface
+    return name if scene.name == "sliding_finger" else f"object, {name}"
 
 
 def speed_m_s(trial: TrialResult) -> float:
@@ -401,6 +414,8 @@ def speed_m_s(trial: TrialResult) -> float:
 
 @dataclass(frozen=True)
 class CampaignResult:
+    """Results of all detectors in one campaign."""
+
     plan: CampaignPlan
     first_seed: int
     detectors: dict[str, tuple[DetectorResult, ...]]
@@ -410,13 +425,12 @@ class CampaignResult:
         return next(result for result in self.detectors[detector] if result.scale == 1.0)
 
     def at_alarm_rate(self, detector: str, max_alarms_per_minute: float) -> DetectorResult | None:
-        """Result of a detector at the lowest threshold that keeps a
-        rate of false alarms; None if none keeps it.
-        """
-        return next(
-            (r for r in self.detectors[detector] if r.alarms_per_minute <= max_alarms_per_minute),
-            None,
-        )
+        """Result at the lowest threshold with at most this rate of false alarms, or None."""
+        for result in self.detectors[detector]:
+            if result.alarms_per_minute <= max_alarms_per_minute:
+                return result
+
+        return None
 
 
 def run_campaign(
@@ -429,11 +443,10 @@ def run_campaign(
 ) -> CampaignResult:
     """Simulate every case once and evaluate every detector on it."""
     scales = sorted({1.0, *scales})
-    low = {
-        name: LOW_SCALES if registry.find_detector_type(name).takes_envelope else ()
-        for name in detectors
-    }
-    factors = {name: sorted({*low[name], *scales}) for name in detectors}
+    factors = {}
+    for name in detectors:
+        takes_envelope = registry.find_detector_type(name).takes_envelope
+        factors[name] = sorted({*LOW_SCALES, *scales}) if takes_envelope else scales
     results = run_cases(design, list(generate_cases(plan, first_seed)), factors, advance)
 
     return CampaignResult(plan, first_seed, results)
@@ -446,24 +459,24 @@ def run_cases(
     advance: Callable[[float], None] = lambda _: None,
 ) -> dict[str, tuple[DetectorResult, ...]]:
     """Simulate cases and evaluate each detector on them at some factors of its threshold."""
-    trials = []
-    for i, found in enumerate(
-        call_each(partial(_run_case, design, case, factors) for case in cases)
-    ):
-        trials.append(found)
-        advance((i + 1) / len(cases))
+    runs = call_each(partial(_run_case, design, case, factors) for case in cases)
+    trials_by_case = []
+    for number, trials in enumerate(runs, 1):
+        trials_by_case.append(trials)
+        advance(number / len(cases))
 
-    return {
-        name: tuple(
-            map(DetectorResult, scales, zip(*(found[name] for found in trials), strict=True))
-        )
-        for name, scales in factors.items()
-    }
+    results = {}
+    for name, scales in factors.items():
+        trials_by_scale = zip(*(trials[name] for trials in trials_by_case), strict=True)
+        results[name] = tuple(map(DetectorResult, scales, trials_by_scale))
+
+    return results
 
 
 def _run_case(
     design: Design, case: Case, factors: Mapping[str, Sequence[float]]
 ) -> dict[str, list[TrialResult]]:
+    """Simulate a case, and evaluate each detector on it at each factor of its threshold."""
     trace = simulate_trace(design, case, tuple(factors))
     runs = dict[float, FastOutput]()
     return {

@@ -1,12 +1,11 @@
-"""Results of a validation: one JSON object, text, and the page of
-failures beside the assumptions of each figure.
-"""
+"""Results of a validation: data for JSON, text, and the page of failures and assumptions."""
 
 from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -16,7 +15,13 @@ from fingertip.catalogues.electronics import PART_TO_PART
 from fingertip.documents.template import lay_out_page, render
 from fingertip.lab.campaign.campaign import REPORTED_SEPARATELY, TUNING_SEEDS
 from fingertip.lab.campaign.closed_loop import NO_CONTROL, ClosedLoopSummary, ClosedLoopTrial
-from fingertip.lab.campaign.run import CampaignResult, DetectorResult, speed_m_s, surface
+from fingertip.lab.campaign.run import (
+    CampaignResult,
+    DetectorResult,
+    TrialResult,
+    speed_m_s,
+    surface,
+)
 from fingertip.sim.signal.parameters import ACCELERATION_M_S2
 from fingertip.slip.traces.truth import (
     ENCODER_HZ,
@@ -49,11 +54,10 @@ def format_ms(
 
 
 def format_interval(span_s: tuple[float, float]) -> str:
-    """Write an interval of delays in ms; without an upper end if too
-    few slips are there, or were found, for one.
-    """
-    low, high = (format_ms(end, unit="") for end in span_s)
-    return f"{low}-{high}" if math.isfinite(span_s[1]) else f"from {low}"
+    """Format an interval of delays in ms; it has no upper end if too few slips were found."""
+    low_s, high_s = span_s
+    low = format_ms(low_s, unit="")
+    return f"{low}-{format_ms(high_s, unit='')}" if math.isfinite(high_s) else f"from {low}"
 
 
 def to_number(value: float) -> float | None:
@@ -94,6 +98,7 @@ def _matched(result: CampaignResult) -> dict[str, DetectorResult | None]:
 
 
 def _detector(result: CampaignResult, name: str) -> dict[str, Any]:
+    """Return the results of one detector for JSON."""
     nominal = result.at_nominal_threshold(name)
     minutes = nominal.minutes()
     alarms: dict[str, dict[str, Any]] = {}
@@ -111,8 +116,8 @@ def _detector(result: CampaignResult, name: str) -> dict[str, Any]:
     return {
         **summarise(nominal),
         "below_30_ms": round(nominal.share_within_30_ms, 4),
-        "surfaces": {str(k): _group(v) for k, v in nominal.group_delays(surface).items()},
-        "speeds_m_s": {str(k): _group(v) for k, v in nominal.group_delays(speed_m_s).items()},
+        "surfaces": _delays_by_group(nominal, surface),
+        "speeds_m_s": _delays_by_group(nominal, speed_m_s),
         "alarms": alarms,
         "trial_minutes": round(minutes.get("slip", 0.0), 3),
         "delays_s": [round(d, 7) for d in nominal.delays_s],
@@ -121,6 +126,7 @@ def _detector(result: CampaignResult, name: str) -> dict[str, Any]:
 
 
 def summarise(result: DetectorResult) -> dict[str, Any]:
+    """Return the results at one threshold for JSON."""
     return {
         "scale": result.scale,
         "found_share": round(result.found_share, 5),
@@ -141,9 +147,17 @@ def summarise(result: DetectorResult) -> dict[str, Any]:
     }
 
 
-def _group(values: tuple[float, float, int]) -> dict[str, Any]:
-    mean, deviation, count = values
-    return {"mean_s": to_number(mean), "deviation_s": to_number(deviation), "found": count}
+def _delays_by_group(
+    result: DetectorResult, key: Callable[[TrialResult], object]
+) -> dict[str, dict[str, Any]]:
+    return {
+        str(group): {
+            "mean_s": to_number(mean_s),
+            "deviation_s": to_number(deviation_s),
+            "found": count,
+        }
+        for group, (mean_s, deviation_s, count) in result.group_delays(key).items()
+    }
 
 
 _ms = partial(format_ms, otherwise="  missed ", form="6.1f")
@@ -185,11 +199,13 @@ def _delay_table(result: CampaignResult) -> Iterator[str]:
     for name in result.detectors:
         nominal = result.at_nominal_threshold(name)
         low, high = (100 * share for share in nominal.found_interval)
-        spans = (
-            *map(nominal.delay_interval, (0.5, 0.9)),
-            *map(nominal.motion_delay_interval, (0.5, 0.9)),
+        intervals = (
+            nominal.delay_interval(0.5),
+            nominal.delay_interval(0.9),
+            nominal.motion_delay_interval(0.5),
+            nominal.motion_delay_interval(0.9),
         )
-        delays = " ".join(f"{format_interval(span):>13}" for span in spans)
+        delays = " ".join(f"{format_interval(interval):>13}" for interval in intervals)
         yield f"{name:8} {f'{low:.1f}-{high:.1f}%':>13} {delays}"
 
     yield "found, median, p90, worst: slips found, percentiles of the delay, longest found."
@@ -277,27 +293,27 @@ def as_markdown(
 
 
 def _collect_failures(name: str, nominal: DetectorResult) -> dict[str, Any]:
-    groups: dict[str, list[int]] = {}
+    """Collect the slips that a detector missed by surface, and its false alarms by cause."""
+    missed: Counter[str] = Counter()
+    slips: Counter[str] = Counter()
     for trial in nominal.trials:
-        if trial.slips:
-            group = groups.setdefault(surface(trial), [0, 0])
-            group[0] += trial.slips - len(trial.delays_s)
-            group[1] += trial.slips
+        missed[surface(trial)] += trial.slips - len(trial.delays_s)
+        slips[surface(trial)] += trial.slips
 
     minutes = nominal.minutes()
+    alarms = []
+    for cause, count in nominal.alarms().items():
+        if count:
+            duration = f" in {minutes[cause]:.1f} min" if cause in minutes else ""
+            note = " (reported separately)" if cause in REPORTED_SEPARATELY else ""
+            alarms.append(f"{cause} {count}{duration}{note if duration else ''}")
+
     return {
         "detector": name,
         "missed": [
-            f"{count} of {total} on {where}" for where, (count, total) in groups.items() if count
+            f"{count} of {slips[where]} on {where}" for where, count in missed.items() if count
         ],
-        "alarms": [
-            f"{cause} {count} in {minutes[cause]:.1f} min"
-            f"{' (reported separately)' if cause in REPORTED_SEPARATELY else ''}"
-            if cause in minutes
-            else f"{cause} {count}"
-            for cause, count in nominal.alarms().items()
-            if count
-        ],
+        "alarms": alarms,
     }
 
 

@@ -25,7 +25,9 @@ DRAWN = {
 def imports() -> dict[str, set[str]]:
     """Folder -> folders that its modules import."""
     graph = grimp.build_graph("fingertip", cache_dir=None)
-    graph.remove_module("fingertip.models.program_types")  # types of the program, for checkers alone
+    graph.remove_module(
+        "fingertip.models.program_types"
+    )  # types of the program, for checkers alone
     found: dict[str, set[str]] = {folder: set() for folder in DRAWN}
     for module in graph.modules:
         for other in graph.find_modules_directly_imported_by(module):

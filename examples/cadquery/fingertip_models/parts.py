@@ -156,15 +156,19 @@ def hardware(finger: Finger, parts: Collection[str]) -> tuple[HardwareItem, ...]
     return tuple(items)
 
 
+class UnknownPartError(ValueError):
+    """The finger has no part or bought item of a name."""
+
+
 def find_solid(finger: Finger, name: str) -> Solid:
-    """Find the solid of a part or of a bought item. Raises ValueError for another name."""
+    """Build the solid of a part or of a bought item. Raises UnknownPartError for another name."""
     parts = parts_by_name(finger)
     if name in parts:
         return parts[name].solid(finger)
 
     bought = {item.name: item.solid for item in hardware(finger, parts)}
     if name not in bought:
-        raise ValueError(f"this finger has no {name}; it has {', '.join((*parts, *bought))}.")
+        raise UnknownPartError(f"this finger has no {name}; it has {', '.join((*parts, *bought))}.")
 
     return bought[name]
 

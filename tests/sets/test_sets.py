@@ -14,6 +14,7 @@ from pathlib import Path
 from types import MappingProxyType, SimpleNamespace
 
 import pytest
+from fingertip.firmware.c_sources import GRIP_SOURCE, library_sources
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from typer.testing import CliRunner
@@ -41,7 +42,6 @@ from fingertip.documents.set_sheets import (
     write_parts_csv,
 )
 from fingertip.firmware.fingers import plan_set
-from fingertip.firmware.sources import GRIP_SOURCE, library_sources
 from fingertip.foundation.errors import DesignError, FingertipError, OutputError
 from fingertip.foundation.output_set import SetWriter
 from fingertip.models.parts import PARTS

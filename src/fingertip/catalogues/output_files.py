@@ -75,9 +75,13 @@ HAND_VIEW = "measure.svg"
 
 PRINT_FOLDER = "print"
 STEPS_FOLDER = "steps"
+MODELS_FOLDER = "fingertip_models"
 PRINTS = OutputSet("print", PRINT_FOLDER)
 STEPS = OutputSet("steps", STEPS_FOLDER)
 """Pictures of the casting steps, beside the casting sheet."""
+MODELS = OutputSet("models", MODELS_FOLDER)
+"""Package that the CadQuery scripts beside it import."""
+PARAMETERS = "parameters.py"
 
 SET_FILES = OutputSet("set")
 SET_REPORT = "set.json"

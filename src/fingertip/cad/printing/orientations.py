@@ -86,7 +86,7 @@ _NONE = Supports((), "nowhere: nothing overhangs", "any face")
 def supports_by_part(design: Design) -> dict[str, Supports]:
     orientations = print_orientations(design)
     every = dict.fromkeys(orientations, _NONE)
-    if design.prints_without_supports:
+    if design.dimensions.prints_without_supports:
         return every
 
     # Those of the bone: proximal to the skin, on the outside.

@@ -41,7 +41,7 @@ from fingertip.documents.set_sheets import (
     write_parts_csv,
 )
 from fingertip.firmware.fingers import plan_set
-from fingertip.firmware.sources import GRIP_SOURCE, library_sources
+from fingertip.firmware.c_sources import GRIP_SOURCE, library_sources
 from fingertip.foundation.errors import DesignError, FingertipError, OutputError
 from fingertip.foundation.output_set import SetWriter
 from fingertip.tasks.make_set import make_set

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fingertip.firmware.c_sources import SOURCE, library_settings
 
 from benchmarks.slip.mix_signals import filter_as_board
 from fingertip.design import Design
+from fingertip.firmware.c_sources import SOURCE, library_settings
 from fingertip.firmware.packaging import read_costs
 from fingertip.foundation import jit
 from fingertip.slip.detectors.fast import FastDetector, FastOutput

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fingertip.firmware.c_sources import library_settings
 
 from fingertip import __version__
 from fingertip.design import Design
+from fingertip.firmware.c_sources import library_settings
 from fingertip.firmware.fingers import Fingers, plan_fingers
 from fingertip.slip.detectors.fast import FastDetector
 from fingertip.tasks.firmware import write_firmware

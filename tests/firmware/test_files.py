@@ -6,14 +6,13 @@ import json
 import re
 from pathlib import Path
 
-from fingertip.firmware.c_sources import HEADER
-
 from fingertip.board.components.front_end import POWER_UP_S
 from fingertip.catalogues.electronics import load_controllers
 from fingertip.catalogues.output_files import BUFFER, TIMER
 from fingertip.design import Design
 from fingertip.design.design_file import load_tables
 from fingertip.documents.wiring import SKETCH_PINS
+from fingertip.firmware.c_sources import HEADER
 from fingertip.firmware.fingers import BUFFER_SAMPLES
 from fingertip.firmware.packaging import controller_changes, find_warnings
 from fingertip.tasks.firmware import firmware_differences, firmware_files, write_firmware

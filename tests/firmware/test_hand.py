@@ -12,10 +12,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fingertip.firmware.c_sources import GRIP_SOURCE, library_settings
 
 from fingertip.catalogues.electronics import NAMES, load_controllers
 from fingertip.design import Design
+from fingertip.firmware.c_sources import GRIP_SOURCE, library_settings
 from fingertip.firmware.fingers import count_fingers, find_load, list_controllers, plan_fingers
 from fingertip.firmware.packaging import read_costs
 from fingertip.foundation import jit

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fingertip.firmware.c_sources import library_settings
 
 from fingertip.design import Design
 from fingertip.documents.firmware import render_readme
 from fingertip.drivers import SampleReader
+from fingertip.firmware.c_sources import library_settings
 from fingertip.firmware.fingers import TASK_CONVERSIONS, find_controller, plan_fingers
 from fingertip.firmware.packaging import find_warnings
 from fingertip.foundation import jit

@@ -14,7 +14,6 @@ from pathlib import Path
 from types import MappingProxyType, SimpleNamespace
 
 import pytest
-from fingertip.firmware.c_sources import GRIP_SOURCE, library_sources
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from typer.testing import CliRunner
@@ -41,6 +40,7 @@ from fingertip.documents.set_sheets import (
     set_sheets,
     write_parts_csv,
 )
+from fingertip.firmware.c_sources import GRIP_SOURCE, library_sources
 from fingertip.firmware.fingers import plan_set
 from fingertip.foundation.errors import DesignError, FingertipError, OutputError
 from fingertip.foundation.output_set import SetWriter

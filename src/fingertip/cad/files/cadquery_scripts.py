@@ -14,6 +14,7 @@ from pathlib import Path
 from pydantic.fields import FieldInfo
 
 import fingertip.models
+from fingertip.cad.files.part_formats import part_file
 from fingertip.catalogues import output_files
 from fingertip.catalogues.electronics import SENSORS
 from fingertip.catalogues.materials import PRINT_MATERIALS
@@ -139,7 +140,7 @@ def write_scripts(design: Design, parts: tuple[str, ...]) -> dict[str, bytes]:
             begin=_BEGIN.format(run_path=""),
             tags=", ".join(_list_tags(design, name)) or "none",
         )
-        files[output_files.part_file(name, "cq")] = text.encode()
+        files[part_file(name, "cq")] = text.encode()
 
     return files
 

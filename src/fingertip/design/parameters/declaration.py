@@ -1,4 +1,6 @@
-"""Declaration of a parameter in one line of its table, and the messages if its value is not valid."""
+"""Declaration of a parameter in one line of its table, and the messages if its value is
+not valid.
+"""
 
 from __future__ import annotations
 
@@ -136,7 +138,9 @@ OWN = "own"
 _MARKUP = (
     r"|`<>\[\]$\\\u0000-\u001f\u007f-\u009f\u00ad\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff"
 )
-"""Characters with a meaning in a file: marks of Markdown and of formulas, and control characters."""
+"""Characters with a meaning in a file: marks of Markdown and of formulas, and control
+characters.
+"""
 _LABEL = rf"^[^\s=+@\-{_MARKUP}][^{_MARKUP}]{{0,59}}$"
 _ALLOWED = (
     "write up to 60 printable characters without | ` < > [ ] $ or a backslash, and none of "
@@ -211,7 +215,7 @@ _FEW = 2
 @functools.cache
 def load_retired() -> Mapping[str, str]:
     """Load the remedies for retired parameters, and retired outputs of a sweep, by name."""
-    remedies = {}
+    remedies: dict[str, str] = {}
     for row in read_rows(Path(__file__).with_name("retired.csv")):
         remedies |= dict.fromkeys(row["names"].split(), row["instead"])
 

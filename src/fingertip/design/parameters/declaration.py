@@ -1,6 +1,4 @@
-"""Declaration of a parameter in one line of its table, and the messages if its value is
-not valid.
-"""
+"""Declaration of a parameter in one line of its table, and messages about invalid values."""
 
 from __future__ import annotations
 

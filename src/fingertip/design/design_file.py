@@ -326,9 +326,7 @@ def to_toml(design: Tables, heading: str = "") -> str:
             continue
 
         table = tomlkit.table()
-        for line in (type(value).__doc__ or "").splitlines():
-            table.add(tomlkit.comment(line))
-
+        table.add(tomlkit.comment(value.describe_table()))
         for key in type(value).model_fields:
             parameter = described[f"{name}.{key}"]
             bounds = f" [{parameter.bounds}]" if parameter.bounds else ""

@@ -73,8 +73,8 @@ def _render_group(
         f": {count} parameter{'s' if count > 1 else ''}",
         element("span", "", class_="counts"),
     )
-    described = "" if name in (MAIN, "design") else type(getattr(design, name)).__doc__ or ""
-    hint = [element("p", " ".join(described.split()), class_="hint")] if described else []
+    described = "" if name in (MAIN, "design") else getattr(design, name).describe_table()
+    hint = [element("p", described, class_="hint")] if described else []
     rendered = (
         _render_field(field, design, moved.get(field.parameter.path, ()), is_main)
         for field in fields

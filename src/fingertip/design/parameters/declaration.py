@@ -54,6 +54,11 @@ class ParameterTable(Frozen):
         allow_inf_nan=False,
     )
 
+    @classmethod
+    def describe_table(cls) -> str:
+        """Return the table's docstring in one line, for files and pages."""
+        return " ".join((cls.__doc__ or "").split())
+
 
 @dataclass(frozen=True)
 class Bounds:

@@ -186,9 +186,8 @@ _STATED = (
 
 
 class ChosenSilicone(ParameterTable):
-    """Silicone of the skin.
-
-    All figures below product are used only if it is "own"; copy them from your data sheet.
+    """Silicone of the skin. All figures below product are used only if it is "own"; copy them from
+    your data sheet.
     """
 
     product: Annotated[str, OneOf(*load_silicones(), OWN)] = choice(

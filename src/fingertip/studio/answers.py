@@ -36,7 +36,7 @@ from fingertip.design.search import Band, as_typed, describe_bands, find_bands, 
 from fingertip.documents.finger import FirstScreen, render_start
 from fingertip.foundation.errors import DesignError, FingertipError, Issue
 from fingertip.models.parts import PARTS, parts_by_name, print_scale
-from fingertip.models.solids import Solid, scaled
+from fingertip.models.solids import Solid
 from fingertip.page.html import Markup
 from fingertip.page.markdown_sheets import render_facts, split_sections
 from fingertip.page.model_section import Item, measure_finger, place_items, render_boxes, scene_data
@@ -299,7 +299,7 @@ the file.
 def _make_meshes(design: Design, still_wanted: StillWanted) -> dict[str, Mesh]:
     evaluator = AskingEvaluator(FILE_TOLERANCE_MM, still_wanted)
     return {
-        name: evaluator.mesh(scaled(part.solid(design), print_scale(design, part)))
+        name: evaluator.mesh(part.solid(design).scaled(print_scale(design, part)))
         for name, part in parts_by_name(design).items()
     }
 

@@ -19,6 +19,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fingertip.tasks.board_files import board_files, write_board
+from fingertip.tasks.firmware_files import firmware_files, write_firmware
+from fingertip.tasks.manifest_comparison import verify_sets
 
 from fingertip.board.fabrication.fabrication_files import provenance_record
 from fingertip.catalogues.output_files import (
@@ -36,10 +39,6 @@ from fingertip.foundation.folder_swap import recover
 from fingertip.foundation.output_set import MANIFEST, SetWriter, hash_parameters, read_manifest
 from fingertip.models.parts import parts_by_name
 from fingertip.slip.traces.truth import Origin, read_origin
-from fingertip.tasks import verification
-from fingertip.tasks.board import board_files, write_board
-from fingertip.tasks.firmware import firmware_files, write_firmware
-from fingertip.tasks.verification import verify_sets
 from tests.conftest import run_fingertip, run_python
 
 pytestmark = pytest.mark.skipif(
@@ -168,9 +167,9 @@ cached_firmware_files = cache(firmware_files)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Compute contents that follow from the same design once."""
     monkeypatch.setattr(
-        "fingertip.tasks.board.board_files", lambda design: dict(cached_board_files(design))
+        "fingertip.tasks.board_files.board_files", lambda design: dict(cached_board_files(design))
     )
-    monkeypatch.setattr("fingertip.tasks.firmware.firmware_files", cached_firmware_files)
+    monkeypatch.setattr("fingertip.tasks.firmware_files.firmware_files", cached_firmware_files)
 
 
 def remove(path: Path) -> None:

@@ -61,11 +61,11 @@ if TYPE_CHECKING:
     from fingertip.slip.traces.read import read_trace
     from fingertip.slip.traces.trace import Trace
     from fingertip.sweep.run import run_sweep
-    from fingertip.tasks.board import write_board
+    from fingertip.tasks.board_files import write_board
     from fingertip.tasks.build import build
-    from fingertip.tasks.firmware import write_firmware
+    from fingertip.tasks.firmware_files import write_firmware
     from fingertip.tasks.make import Made, make
-    from fingertip.tasks.robot import write_robot
+    from fingertip.tasks.robot_files import write_robot
     from fingertip.tasks.views import write_drawing
 
 _NAMES = {

@@ -11,6 +11,9 @@ from functools import cache
 
 import numpy as np
 import pytest
+from fingertip.pictures.picture_scene import Bench, Scene
+from fingertip.tasks.board_files import board_files
+from fingertip.tasks.firmware_files import firmware_files
 from PIL import Image
 
 from fingertip.board import board_circuit, board_values
@@ -24,9 +27,6 @@ from fingertip.documents.wiring import wiring_diagram
 from fingertip.fitting.new_design import PRESETS
 from fingertip.models.parts import PARTS
 from fingertip.pictures.casting_scenes import SCENES, draw_steps
-from fingertip.pictures.scene import Bench, Scene
-from fingertip.tasks.board import board_files
-from fingertip.tasks.firmware import firmware_files
 from tests.conftest import ROOT, design_file
 
 NAMES = ("first_finger", "article", "fsr400", "fsr402", *PRESETS)

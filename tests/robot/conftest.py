@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 
 from fingertip import Design, write_robot
-from fingertip.tasks import robot
 
 INSTALL = "run `sh .ci/install-robot-readers` as root on Debian"
 READERS = (

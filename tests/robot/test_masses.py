@@ -15,7 +15,6 @@ import pytest
 
 from fingertip import Design, write_robot
 from fingertip.design.finger_set import load_set
-from fingertip.tasks import robot
 from tests.robot.conftest import INSTALL
 from tests.tools import require_module
 

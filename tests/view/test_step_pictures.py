@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fingertip.pictures.picture_scene import MARGIN_PX, Bench, Scene, draw_scene
 from PIL import Image
 from PIL.ImageDraw import ImageDraw
 
@@ -24,7 +25,6 @@ from fingertip.models.solids import Point3
 from fingertip.pictures.casting_scenes import SCENES
 from fingertip.pictures.joint_scenes import JOINT_SCENES
 from fingertip.pictures.raster import Canvas
-from fingertip.pictures.scene import MARGIN_PX, Bench, Scene, draw_scene
 from tests.conftest import design_file, run_fingertip
 
 

@@ -212,7 +212,7 @@ def _write_divider(console: Console, design: Design, options: _Options) -> None:
 
 def _compare(console: Console, design: Design, out: Path | None, fab: bool) -> None:
     from fingertip.catalogues.output_files import BOARD
-    from fingertip.tasks.board import board_differences, fabrication_differences
+    from fingertip.tasks.board_files import board_differences, fabrication_differences
 
     folder = out or BOARD.folder(design)
 

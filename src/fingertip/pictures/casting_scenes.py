@@ -35,14 +35,10 @@ from fingertip.models.solids import (
     Point3,
     Solid,
     cylinder,
-    difference,
-    intersection,
-    scaled,
     union,
 )
 from fingertip.pictures.joint_scenes import JOINT_SCENES
-from fingertip.pictures.raster import Camera, Canvas, bounds, to_png
-from fingertip.pictures.scene import (
+from fingertip.pictures.picture_scene import (
     CUP_RADIUS_MM,
     Arrow,
     Bench,
@@ -53,6 +49,7 @@ from fingertip.pictures.scene import (
     View,
     draw_scene,
 )
+from fingertip.pictures.raster import Camera, Canvas, bounds, to_png
 
 _UP = (0.0, 0.0, -1.0)
 _FROM_BELOW = Camera.looking_from((0.4, -1.0, 0.12), _UP)
@@ -147,14 +144,14 @@ def _banded_cup(bench: Bench) -> list[Shown]:
         top = z - 0.4 * height
         end = z + 0.4 * height
         inner = Box((depth - x, low + depth, top - 1.0), (x - depth, high - depth, end + 1.0))
-        shown.append(bench.solid(difference(Box((-x, low, top), (x, high, end)), inner), _BAND))
+        shown.append(bench.solid(Box((-x, low, top), (x, high, end)).cut(inner), _BAND))
 
     return shown
 
 
 def _coated(bench: Bench) -> Solid:
     """Build a coat on the wall of the cavity, thick enough to be seen."""
-    return difference(cavity(bench.design), cavity(bench.design, _COAT_MM))
+    return cavity(bench.design).cut(cavity(bench.design, _COAT_MM))
 
 
 def _stick(bench: Bench, at: tuple[float, float], low: float, high: float) -> Shown:
@@ -182,8 +179,7 @@ def try_core(bench: Bench, sheet: CastingSheet) -> Scene:
     (least, most) = sheet.height_mm
     beam = x - 14.0
     reading = f"{least:g} to {most:g} mm"
-    calipers = union(
-        Box((beam - 6.0, low, top - 16.0), (beam, high, foot + 10.0)),
+    calipers = Box((beam - 6.0, low, top - 16.0), (beam, high, foot + 10.0)).union(
         Box((beam - 1.0, low, top - 5.0), (x, high, top)),
         Box((beam - 1.0, low, foot), (x, high, foot + 5.0)),
     )
@@ -208,7 +204,7 @@ def varnish(bench: Bench, sheet: CastingSheet) -> Scene:
     depth = bench.design.mold_layout.palmar_height - bench.design.mold.wall_mm
     below = Box((-m.half_width, -2 * m.palmar_height, 0.5), (m.half_width, -0.1, 2 * m.foot_z))
     return Scene(
-        (bench.part("mold_palmar"), bench.solid(intersection(_coated(bench), below), _VARNISH)),
+        (bench.part("mold_palmar"), bench.solid(_coated(bench).intersect(below), _VARNISH)),
         Camera.looking_from((0.35, 1.0, -0.35), _UP),
         Label("varnish on all\nof the hollow", (0.0, -depth, bench.dims.sensor_z)),
         Label("PAD stands on\nits outer side", (-m.half_width, -m.palmar_height / 2, m.foot_z / 2)),
@@ -256,7 +252,7 @@ def solder(bench: Bench, sheet: CastingSheet) -> Scene:
 
     return Scene(
         (
-            bench.solid(union(head, Box((-tail, y, end), (tail, y + thickness, z))), Paint.SENSOR),
+            bench.solid(head.union(Box((-tail, y, end), (tail, y + thickness, z))), Paint.SENSOR),
             bench.solid(_legs(bench, y), Paint.STEEL),
             bench.solid(red, Paint.WIRE),
             bench.solid(black, _BLACK),
@@ -295,15 +291,14 @@ def lay_in(bench: Bench, sheet: CastingSheet) -> Scene:
         )
         for side in (-half, half)
     )
-    knot = union(
-        red,
+    knot = red.union(
         cylinder(
             "x",
             centre=(knot_y, knot_z),
             low=-radius,
             high=radius,
             radius=radius,
-        ),
+        )
     )
 
     return Scene(
@@ -396,7 +391,7 @@ def pour(bench: Bench, sheet: CastingSheet) -> Scene:
     y = bench.dims.outer.section.dorsal - 1.0
     z = m.pour_z * bench.dims.shrinkage
     far = 2 * m.foot_z
-    silicone = intersection(cavity(bench.design), Box((-far, -far, z), (far, far, far)))
+    silicone = cavity(bench.design).intersect(Box((-far, -far, z), (far, far, far)))
     stream = bench.solid(
         cylinder(
             "z",
@@ -430,7 +425,7 @@ def lower(bench: Bench, sheet: CastingSheet) -> Scene:
     outer = Box(
         (-x - _BAND_MM, y - side, top - _BAND_MM), (x + _BAND_MM, y + side, foot + _BAND_MM)
     )
-    band = difference(outer, Box((-x, y - 2 * side, top), (x, y + 2 * side, foot)))
+    band = outer.cut(Box((-x, y - 2 * side, top), (x, y + 2 * side, foot)))
     places = [
         (across, out)
         for across in (-m.notch_x, m.notch_x)
@@ -470,7 +465,7 @@ def open_cup(bench: Bench, sheet: CastingSheet) -> Scene:
     tip = m.foot_z - bench.design.mold.wall_mm
     seam = Box((-edge, -0.15, 2.0), (edge, 0.15, edge))
     hollow = cavity(bench.design)
-    fins = difference(intersection(scaled(hollow, 1.06), seam), hollow)
+    fins = hollow.scaled(1.06).intersect(seam).cut(hollow)
 
     return Scene(
         (

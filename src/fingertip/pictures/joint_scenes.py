@@ -13,9 +13,9 @@ from fingertip.casting.sheet import CastingSheet
 from fingertip.models.hand_stub import BAND_NOTCH_MM, BAR_MM, NOTCH_DEPTH_MM, NOTCHES_MM, bars
 from fingertip.models.joint import Joint, TendonAnchor
 from fingertip.models.parts import PARTS
-from fingertip.models.solids import Box, Prism, cylinder, difference, union
+from fingertip.models.solids import Box, Prism, cylinder
+from fingertip.pictures.picture_scene import Arrow, Bench, Label, Scene, Shown
 from fingertip.pictures.raster import Camera
-from fingertip.pictures.scene import Arrow, Bench, Label, Scene, Shown
 
 _FROM_BACK = Camera.from_angles(28, 30)
 _FROM_PALM = Camera.from_angles(28, -35)
@@ -88,14 +88,13 @@ def _pull(bench: Bench) -> tuple[list[Shown], list[Label | Arrow]]:
         )
         for side in (-x, x)
     )
-    knot = union(
-        cylinder(
-            "x",
-            centre=(y, end),
-            low=-x,
-            high=x,
-            radius=0.5,
-        ),
+    knot = cylinder(
+        "x",
+        centre=(y, end),
+        low=-x,
+        high=x,
+        radius=0.5,
+    ).union(
         cylinder(
             "x",
             centre=(y, end),
@@ -144,17 +143,13 @@ def _tendon(bench: Bench) -> Shown:
     )
 
     return bench.solid(
-        union(
-            cylinder(
-                "x",
-                centre=(back, anchor.z),
-                low=-across,
-                high=across,
-                radius=radius,
-            ),
-            *down,
-            *along,
-        ),
+        cylinder(
+            "x",
+            centre=(back, anchor.z),
+            low=-across,
+            high=across,
+            radius=radius,
+        ).union(*down, *along),
         _LINE,
     )
 
@@ -231,7 +226,7 @@ def band(bench: Bench, sheet: CastingSheet) -> Scene:
     )
     around = Box((-half - 0.5, low - 1.0, z - 1.0), (half + 0.5, back + _BAND_MM, z + 1.0))
     within = Box((-into, low, z - 2.0), (into, back + 2 * _BAND_MM, z + 2.0))
-    stretched = bench.solid(union(_band(bench, z - 1.0, half), difference(around, within)), _BAND)
+    stretched = bench.solid(_band(bench, z - 1.0, half).union(around.cut(within)), _BAND)
 
     return Scene(
         (*_finger(bench), bench.part("hand_stub"), _pin(bench), _tendon(bench), stretched),

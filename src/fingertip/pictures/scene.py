@@ -20,7 +20,7 @@ from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.models.parts import PARTS
 from fingertip.models.sensor import sensor_body
-from fingertip.models.solids import Box, Point3, Solid, cylinder, difference
+from fingertip.models.solids import Box, Point3, Solid, cylinder
 from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
 from fingertip.pictures.section import spread
 
@@ -267,6 +267,6 @@ class Bench:
         )
 
         return [
-            self.solid(difference(outside, inside, front), Paint.GLASS),
+            self.solid(outside.cut(inside, front), Paint.GLASS),
             self.solid(content, Paint.SILICONE),
         ]

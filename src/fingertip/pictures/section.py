@@ -26,7 +26,7 @@ from fingertip.models import mold
 from fingertip.models.mold_layout import GAP_MM, PLATE_MM
 from fingertip.models.parts import PARTS, parts_by_name
 from fingertip.models.sensor import sensor_body
-from fingertip.models.solids import Solid, intersection
+from fingertip.models.solids import Solid
 from fingertip.pictures.raster import Colour, Font, Pen
 
 Point = tuple[float, float]
@@ -64,7 +64,7 @@ def list_sections(design: Design) -> list[Section]:
     solids = {name: part.solid(design) for name, part in parts_by_name(design).items()}
     finger = {"bone": solids["bone"], "sensor": sensor_body(design)}
     cast = {name: solids[name] for name in ("mold_dorsal", "mold_palmar", "skin", "core")}
-    notch = intersection(mold.notches(design)[1], mold.block(design))
+    notch = mold.notches(design)[1].intersect(mold.block(design))
     title = (
         "longitudinal section of the closed cup and its core; it stands on its right end; "
         "dashed: an overflow notch"

@@ -4,7 +4,7 @@ moves a slider.
 In: the values of the form, with each change. Out: parts, figures and checks for the page, and files
 to save.
 
->>> from fingertip.studio.page import make_form
+>>> from fingertip.studio.form_page import make_form
 >>> len(make_form()["sensor"])  # fields of that table
 5
 """

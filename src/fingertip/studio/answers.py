@@ -37,7 +37,7 @@ from fingertip.documents.finger_sheets import FirstScreen, render_start
 from fingertip.fitting.fitting import fit_tables
 from fingertip.foundation.errors import DesignError, FingertipError, Issue
 from fingertip.models.parts import PARTS, parts_by_name, print_scale
-from fingertip.models.solids import Solid, scaled
+from fingertip.models.solids import Solid
 from fingertip.page.html import Markup
 from fingertip.page.markdown_sheets import render_facts, split_sections
 from fingertip.page.model_section import Item, measure_finger, place_items, render_boxes, scene_data
@@ -300,7 +300,7 @@ the file.
 def _make_meshes(design: Design, still_wanted: StillWanted) -> dict[str, Mesh]:
     evaluator = AskingEvaluator(FILE_TOLERANCE_MM, still_wanted)
     return {
-        name: evaluator.mesh(scaled(part.solid(design), print_scale(design, part)))
+        name: evaluator.mesh(part.solid(design).scaled(print_scale(design, part)))
         for name, part in parts_by_name(design).items()
     }
 

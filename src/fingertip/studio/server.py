@@ -28,7 +28,7 @@ from fingertip.design.design_file import flatten
 from fingertip.foundation.errors import DesignError, FingertipError, Issue, StudioError
 from fingertip.foundation.tables import UnusableTomlError, check_values
 from fingertip.studio import answers
-from fingertip.studio.page import render_locked, render_studio
+from fingertip.studio.form_page import render_locked, render_studio
 from fingertip.studio.worker import NewestWinsWorker, SupersededError
 
 ADDRESS = "127.0.0.1"

@@ -37,9 +37,9 @@ from fingertip.foundation.output_set import (
     write_attributes,
 )
 from fingertip.pictures.assembly_drawing import draw_assembly
-from fingertip.pictures.drawing.render import render_pdf, render_svg
+from fingertip.pictures.drawing.svg_and_pdf import render_pdf, render_svg
 from fingertip.tasks.edited_board import find_edited, refuse_other_circuit, revise_edited
-from fingertip.tasks.verification import compare_with_design
+from fingertip.tasks.manifest_comparison import compare_with_design
 
 BRING_UP_FILES = (output_files.BRING_UP, output_files.BRING_UP_SKETCH, output_files.WIRING)
 """Names of the files for bringing a board up, which are written where they are asked for."""

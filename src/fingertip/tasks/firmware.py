@@ -14,7 +14,7 @@ from fingertip.firmware.c_sources import LAMP, lamp_sketch, library_sources, rea
 from fingertip.firmware.fingers import ONE_FINGER, Fingers
 from fingertip.firmware.packaging import library_manifest, library_properties
 from fingertip.foundation.output_set import write_attributes
-from fingertip.tasks.verification import compare_with_design
+from fingertip.tasks.manifest_comparison import compare_with_design
 
 SOURCES = "src"
 EXAMPLES = "examples"

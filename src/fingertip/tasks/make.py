@@ -28,7 +28,7 @@ from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.foundation.workers import in_background
 from fingertip.page.html import Markup
 from fingertip.page.pad_section import render_pad
-from fingertip.page.render import Prepared, prepare_page
+from fingertip.page.page import Prepared, prepare_page
 from fingertip.pictures.drawing.draw import file_names
 from fingertip.sim.runs.scene import run_scene
 from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
@@ -37,9 +37,9 @@ from fingertip.sim.trace_file import encode_trace
 from fingertip.slip.detection_results import as_data
 from fingertip.slip.detectors.registry import find_second_column
 from fingertip.slip.plots import draw_detection
-from fingertip.tasks.board import BRING_UP_FILES, plan_board
+from fingertip.tasks.board_files import BRING_UP_FILES, plan_board
 from fingertip.tasks.build import BuildOptions, find_formats, plan_build, run_build
-from fingertip.tasks.firmware import plan_firmware
+from fingertip.tasks.firmware_files import plan_firmware
 from fingertip.tasks.views import write_page
 
 

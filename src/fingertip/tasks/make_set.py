@@ -46,10 +46,9 @@ from fingertip.foundation.files import encode_json
 from fingertip.foundation.input_files import find_link
 from fingertip.foundation.progress import Work
 from fingertip.models.parts import PARTS, print_scale
-from fingertip.models.solids import scaled
-from fingertip.page.render import render_set_page
+from fingertip.page.page import render_set_page
 from fingertip.pictures.casting_scenes import draw_finger
-from fingertip.tasks.board import BRING_UP_FILES, plan_board
+from fingertip.tasks.board_files import BRING_UP_FILES, plan_board
 from fingertip.tasks.build import copy_design
 from fingertip.tasks.make import Made, make
 
@@ -200,7 +199,7 @@ def _refuse_early(fingers: FingerSet) -> None:
     for design in (form.design for form in fingers.forms):
         for name, lies in print_orientations(design).items():
             mesh = evaluator.mesh(
-                scaled(PARTS[name].solid(design), print_scale(design, PARTS[name]))
+                PARTS[name].solid(design).scaled(print_scale(design, PARTS[name]))
             )
             excess = build_volume_excess(design, mesh, lies.rotate_x_deg)
             if excess > 0.0:

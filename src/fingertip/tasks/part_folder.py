@@ -33,8 +33,8 @@ from fingertip.foundation.output_set import (
     read_manifest,
 )
 from fingertip.models.parts import parts_by_name
+from fingertip.tasks.manifest_comparison import verify_sets
 from fingertip.tasks.report_file import read_json_file
-from fingertip.tasks.verification import verify_sets
 
 DEFAULT_TOLERANCE_MM = 0.01
 """Tolerance of the meshes of a build that names none [mm]."""

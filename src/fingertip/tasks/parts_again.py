@@ -11,8 +11,8 @@ from fingertip.design import Design
 from fingertip.foundation.errors import InputFileError, Issue
 from fingertip.foundation.output_set import read_manifest
 from fingertip.models.parts import parts_by_name
+from fingertip.tasks.manifest_comparison import compare_with_design
 from fingertip.tasks.report_file import read_json_file
-from fingertip.tasks.verification import compare_with_design
 
 _FORMATS = ("stl", "3mf")
 

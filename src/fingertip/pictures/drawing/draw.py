@@ -22,7 +22,7 @@ from fingertip.models.solids import Solid
 from fingertip.pictures.drawing import part_sizes
 from fingertip.pictures.drawing.layout import lay_out
 from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView, Sheet
-from fingertip.pictures.drawing.render import render_pdf, render_svg
+from fingertip.pictures.drawing.svg_and_pdf import render_pdf, render_svg
 from fingertip.pictures.drawing.title_block import Heading
 
 _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {

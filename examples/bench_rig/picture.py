@@ -5,8 +5,8 @@ lifted from it, with the things to buy.
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh, to_canonical_mesh
+from fingertip.pictures.picture_scene import Label, Scene, Shown, draw_scene
 from fingertip.pictures.raster import Camera
-from fingertip.pictures.scene import Label, Scene, Shown, draw_scene
 
 COLOURS = {
     "base": (0.62, 0.72, 0.80),

@@ -44,7 +44,7 @@ from fingertip.design.geometry.mold_layout import LIP_GAP_MM
 from fingertip.design.geometry.solids import scaled
 from fingertip.design.new_design import PRESETS
 from fingertip.tasks.build import build
-from fingertip.tasks.verification import verify_sets
+from fingertip.tasks.manifest_comparison import verify_sets
 from tests.conftest import DESIGNS, design_file
 
 if TYPE_CHECKING:

@@ -23,9 +23,9 @@ from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
 from fingertip.documents.finger_sheets import FirstScreen, list_steps, render_sheet, render_start
 from fingertip.documents.wiring import wiring_diagram
 from fingertip.pictures.casting_scenes import SCENES, draw_steps
-from fingertip.pictures.scene import Bench, Scene
-from fingertip.tasks.board import board_files
-from fingertip.tasks.firmware import firmware_files
+from fingertip.pictures.picture_scene import Scene, Workbench
+from fingertip.tasks.board_files import board_files
+from fingertip.tasks.firmware_files import firmware_files
 from tests.conftest import ROOT, design_file
 
 NAMES = ("first_finger", "article", "fsr400", "fsr402", *PRESETS)
@@ -59,8 +59,8 @@ def load(words: str) -> tuple[Design, CastingSheet]:
 @cache
 def scenes(words: str) -> dict[str, Scene]:
     design, sheet = load(words)
-    bench = Bench(design)
-    return {step.picture: SCENES[step.picture](bench, sheet) for step in list_steps(sheet)}
+    workbench = Workbench(design)
+    return {step.picture: SCENES[step.picture](workbench, sheet) for step in list_steps(sheet)}
 
 
 def to_read(words: str) -> dict[str, str]:

@@ -15,16 +15,16 @@ import pytest
 from fingertip.design import Design
 from fingertip.documents.firmware import render_readme
 from fingertip.drivers import SampleReader
+from fingertip.firmware.c_sources import library_settings
 from fingertip.firmware.fingers import TASK_CONVERSIONS, find_controller, plan_fingers
 from fingertip.firmware.packaging import find_warnings
-from fingertip.firmware.c_sources import library_settings
 from fingertip.foundation import jit
 from fingertip.foundation.errors import FingertipError
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.lab.campaign.run import simulate_trace
 from fingertip.sim.runs.grip import ForceCurve
 from fingertip.slip.detectors.fast import FastDetector
-from fingertip.tasks.firmware import write_firmware
+from fingertip.tasks.firmware_files import write_firmware
 from tests.conftest import run_fingertip
 from tests.firmware.conftest import INSTALL
 from tests.firmware.test_examples import ARDUINO, find_changes

@@ -19,7 +19,7 @@ from fingertip.robot.contact import FORCES_N, ContactLaw, TactileMesh, fit_conta
 from fingertip.robot.formats import Placed, render_model
 from fingertip.robot.model import Body, FingerModel, Strand, measure_inertia
 from fingertip.sim.contact.materials import SURFACES
-from fingertip.tasks.robot import _place
+from fingertip.tasks.robot_files import _place
 from tests.robot.test_model import numbers
 
 CORNERS = np.array([[x, y, z] for x in (0.0, 10.0) for y in (0.0, 10.0) for z in (0.0, 10.0)])

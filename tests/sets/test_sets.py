@@ -40,12 +40,12 @@ from fingertip.documents.set_sheets import (
     set_sheets,
     write_parts_csv,
 )
-from fingertip.firmware.fingers import plan_set
 from fingertip.firmware.c_sources import GRIP_SOURCE, library_sources
+from fingertip.firmware.fingers import plan_set
 from fingertip.foundation.errors import DesignError, FingertipError, OutputError
 from fingertip.foundation.output_set import SetWriter
 from fingertip.tasks.make_set import make_set
-from fingertip.tasks.verification import verify_sets
+from fingertip.tasks.manifest_comparison import verify_sets
 from tests.approved import check_text
 from tests.conftest import ROOT, run_fingertip
 

@@ -21,7 +21,7 @@ from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design.geometry.solids import Box, difference
 from fingertip.pictures import picture, section
 from fingertip.pictures.picture import draw, find_free_place, place_on_hand
-from fingertip.pictures.scene import View
+from fingertip.pictures.picture_scene import View
 from fingertip.pictures.section import Section, draw_section, list_sections, slice_solid, spread
 from tests.approved import check_figures
 from tests.figures import sum_up

@@ -23,8 +23,8 @@ from fingertip.design.geometry.solids import Point3
 from fingertip.documents.finger_sheets import list_steps
 from fingertip.pictures.casting_scenes import SCENES
 from fingertip.pictures.joint_scenes import JOINT_SCENES
+from fingertip.pictures.picture_scene import MARGIN_PX, Scene, Workbench, draw_scene
 from fingertip.pictures.raster import Canvas
-from fingertip.pictures.scene import MARGIN_PX, Bench, Scene, draw_scene
 from tests.conftest import design_file, run_fingertip
 
 
@@ -83,10 +83,10 @@ def test_labels_stand_apart_inside_the_picture_and_end_at_a_part(
     monkeypatch.setattr(Canvas, "draw", lambda *args: None)  # the text alone
     design = Design.load(design_file(name))
     sheet = casting_sheet(design, MeshEvaluator(0.05))
-    bench = Bench(design)
+    workbench = Workbench(design)
     for picture in (step.picture for step in list_steps(sheet) if step.picture in scenes):
         boxes.clear()
-        scene = SCENES[picture](bench, sheet)
+        scene = SCENES[picture](workbench, sheet)
         assert [
             label.text for label in scene.labels if not is_at_a_part(scene, label.point_mm)
         ] == [], picture

@@ -141,7 +141,7 @@ def _check_recordings(folder: Path) -> CheckResult:
 def _compare_checksums(folder: Path) -> CheckResult:
     from fingertip.catalogues.output_files import REPORT
     from fingertip.foundation.output_set import MANIFEST
-    from fingertip.tasks.verification import verify_sets
+    from fingertip.tasks.manifest_comparison import verify_sets
 
     files, differences = verify_sets(folder)
 
@@ -177,7 +177,7 @@ def compare_with_designs(
     is_made_again = False
 
     if remake and not faults and comparison.command and isinstance(design, Design):
-        from fingertip.tasks.parts_again import compare_made_again
+        from fingertip.tasks.remade_parts import compare_made_again
 
         is_made_again = True
         console.progress("making the parts again")

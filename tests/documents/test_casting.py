@@ -159,7 +159,7 @@ def test_every_step_has_a_picture_that_names_what_the_step_names_by_a_word_of_it
             assert number in page, (step.picture, number)
         boxes = [
             (item.mesh.vertices.min(axis=0) - 0.15, item.mesh.vertices.max(axis=0) + 0.15)
-            for item in scene.shown
+            for item in scene.meshes
         ]
         for label in scene.labels:
             assert any(

@@ -41,7 +41,7 @@ def is_inside(mesh: Mesh, point_mm: Point3) -> bool:
 def is_at_a_part(scene: Scene, point_mm: Point3) -> bool:
     """Tell whether a part is drawn where a point appears, or within 0.5 mm of it."""
     to_picture = scene.camera.axes[:2].T
-    for mesh in (each.mesh for each in scene.shown):
+    for mesh in (item.mesh for item in scene.meshes):
         for beside in 0.5 * np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)]):
             a, b, c = ((mesh.vertices - point_mm) @ to_picture + beside)[mesh.triangles].transpose(
                 1, 2, 0
@@ -91,7 +91,7 @@ def test_labels_stand_apart_inside_the_picture_and_end_at_a_part(
             label.text for label in scene.labels if not is_at_a_part(scene, label.point_mm)
         ] == [], picture
         for end in (end for arrow in scene.arrows for end in (arrow.start_mm, arrow.end_mm)):
-            assert not any(is_inside(each.mesh, end) for each in scene.shown), (
+            assert not any(is_inside(item.mesh, end) for item in scene.meshes), (
                 picture,
                 "an arrow is hidden",
             )

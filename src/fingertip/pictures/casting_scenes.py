@@ -46,8 +46,8 @@ from fingertip.pictures.picture_scene import (
     Arrow,
     Label,
     Paint,
+    PaintedMesh,
     Scene,
-    Shown,
     View,
     Workbench,
     draw_scene,
@@ -111,7 +111,7 @@ def print_parts(workbench: Workbench, sheet: CastingSheet) -> Scene:
         "hand_stub": {"stub of a hand": (0.0, 0.0, -40.0)},
         "pin": {"pin of the joint": (0.0, 0.0, 0.0)},
     }
-    shown = list[Shown]()
+    meshes = list[PaintedMesh]()
     labels = list[Label]()
     ends = {True: 0.0, False: 30.0}
 
@@ -124,25 +124,25 @@ def print_parts(workbench: Workbench, sheet: CastingSheet) -> Scene:
         ).vertices
         back = np.array((0.0, 0.0 if front else _ROW_MM, 0.0))
         mesh = pose.apply(part.mesh)
-        shown.append(Shown(Mesh(mesh.vertices + back, mesh.triangles), part.colour))
+        meshes.append(PaintedMesh(Mesh(mesh.vertices + back, mesh.triangles), part.colour))
         labels += [
             Label(text, tuple(point + back))
             for text, point in zip(names[name], points, strict=True)
         ]
         ends[front] += pose.size(part.mesh)[0] + FDM.gap_mm
 
-    return Scene(shown, Camera.looking_from((-0.35, -1.0, 0.9), (0.0, 0.0, 1.0)), *labels)
+    return Scene(meshes, Camera.looking_from((-0.35, -1.0, 0.9), (0.0, 0.0, 1.0)), *labels)
 
 
-def _cup(workbench: Workbench, *, cut: bool = False) -> list[Shown]:
+def _cup(workbench: Workbench, *, cut: bool = False) -> list[PaintedMesh]:
     return [workbench.part("mold_palmar", cut=cut), workbench.part("mold_dorsal", cut=cut)]
 
 
-def _banded_cup(workbench: Workbench) -> list[Shown]:
+def _banded_cup(workbench: Workbench) -> list[PaintedMesh]:
     """Show the closed cup with its two rubber bands."""
     layout = workbench.design.mold_layout
     (height, depth) = BELT_MM
-    shown = _cup(workbench)
+    meshes = _cup(workbench)
     x = layout.half_width
     low = -layout.palmar_height
     high = layout.dorsal_height
@@ -151,9 +151,11 @@ def _banded_cup(workbench: Workbench) -> list[Shown]:
         top = z - 0.4 * height
         end = z + 0.4 * height
         inner = Box((depth - x, low + depth, top - 1.0), (x - depth, high - depth, end + 1.0))
-        shown.append(workbench.solid(difference(Box((-x, low, top), (x, high, end)), inner), _BAND))
+        meshes.append(
+            workbench.solid(difference(Box((-x, low, top), (x, high, end)), inner), _BAND)
+        )
 
-    return shown
+    return meshes
 
 
 def _coated(workbench: Workbench) -> Solid:
@@ -161,7 +163,7 @@ def _coated(workbench: Workbench) -> Solid:
     return difference(cavity(workbench.design), cavity(workbench.design, _COAT_MM))
 
 
-def _stick(workbench: Workbench, at: tuple[float, float], low: float, high: float) -> Shown:
+def _stick(workbench: Workbench, at: tuple[float, float], low: float, high: float) -> PaintedMesh:
     return workbench.solid(
         cylinder(
             "z",
@@ -463,14 +465,14 @@ def lower(workbench: Workbench, sheet: CastingSheet) -> Scene:
             for place in places
         )
     )
-    shown = (
+    meshes = (
         workbench.part("core"),
         workbench.solid(drops, Paint.SILICONE),
         workbench.solid(band, _BAND),
     )
 
     return Scene(
-        (*_banded_cup(workbench), *shown),
+        (*_banded_cup(workbench), *meshes),
         _FROM_BELOW,
         Label("silicone comes out\nof all four notches", (layout.notch_x, face, GAP_MM + 1.0)),
         Label("hold it here,\nat both ends", (x + depth, face / 2, top / 2)),
@@ -579,7 +581,7 @@ def connect(workbench: Workbench, sheet: CastingSheet) -> Scene:
     )
 
 
-def _show_mount(workbench: Workbench, sheet: CastingSheet) -> tuple[list[Shown], list[Label]]:
+def _show_mount(workbench: Workbench, sheet: CastingSheet) -> tuple[list[PaintedMesh], list[Label]]:
     """Show what holds the bone: a stand, or a plain part of the hand; nothing yet of a joint."""
     design = workbench.design
     bone = design.bone
@@ -681,14 +683,14 @@ _EDGE_PX = 4
 def draw_finger(design: Design, width_px: int = 640) -> bytes:
     """Draw the finished finger from the back and below from the palm, on a clear ground."""
     workbench = Workbench(design)
-    shown = [*workbench.assembled_bone(), workbench.part("skin")]
+    meshes = [*workbench.assembled_bone(), workbench.part("skin")]
     views = []
 
     for camera in (View.DORSAL, View.PALMAR):
-        centre, size = bounds([item.mesh for item in shown], camera)
+        centre, size = bounds([item.mesh for item in meshes], camera)
         scale = (width_px - 2 * _EDGE_PX) / float(size[0])
         canvas = Canvas(width_px, int(size[1] * scale) + 2 * _EDGE_PX, scale, camera)
-        for item in shown:
+        for item in meshes:
             canvas.draw(item.mesh, item.colour, centre)
 
         views.append(np.dstack([canvas.image(), canvas.cover()]))

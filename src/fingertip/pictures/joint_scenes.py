@@ -12,7 +12,7 @@ from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.sheet import CastingSheet
 from fingertip.design.geometry.joint import Joint, TendonAnchor
 from fingertip.design.geometry.solids import Box, Prism, cylinder, difference, union
-from fingertip.pictures.picture_scene import Arrow, Label, Scene, Shown, Workbench
+from fingertip.pictures.picture_scene import Arrow, Label, PaintedMesh, Scene, Workbench
 from fingertip.pictures.raster import Camera
 
 _FROM_BACK = Camera.from_angles(28, 30)
@@ -34,7 +34,7 @@ def _anchor(workbench: Workbench) -> TendonAnchor:
     return workbench.dims.anchor
 
 
-def _finger(workbench: Workbench, *, bent_deg: float = 0.0) -> list[Shown]:
+def _finger(workbench: Workbench, *, bent_deg: float = 0.0) -> list[PaintedMesh]:
     """Show the finished finger, turned about the pin towards the palm."""
     joint = _joint(workbench)
     turn = math.radians(bent_deg)
@@ -49,7 +49,7 @@ def _finger(workbench: Workbench, *, bent_deg: float = 0.0) -> list[Shown]:
     parts = (*workbench.assembled_bone(), workbench.part("skin"))
 
     return [
-        Shown(
+        PaintedMesh(
             Mesh((part.mesh.vertices - middle) @ rotation.T + middle, part.mesh.triangles),
             part.colour,
         )
@@ -57,7 +57,7 @@ def _finger(workbench: Workbench, *, bent_deg: float = 0.0) -> list[Shown]:
     ]
 
 
-def _pin(workbench: Workbench, out_mm: float = 0.0) -> Shown:
+def _pin(workbench: Workbench, out_mm: float = 0.0) -> PaintedMesh:
     joint = _joint(workbench)
     half = workbench.dims.pin_length / 2
     shaft = cylinder(
@@ -74,7 +74,7 @@ def _end_z(workbench: Workbench) -> float:
     return _joint(workbench).low_z - BAR_MM
 
 
-def _pull(workbench: Workbench) -> tuple[list[Shown], list[Label | Arrow]]:
+def _pull(workbench: Workbench) -> tuple[list[PaintedMesh], list[Label | Arrow]]:
     """Show the loop of the tendon behind the stub, and the pull at it."""
     x = _anchor(workbench).strand_x
     y = _anchor(workbench).y
@@ -114,7 +114,7 @@ def _pull(workbench: Workbench) -> tuple[list[Shown], list[Label | Arrow]]:
     ]
 
 
-def _tendon(workbench: Workbench) -> Shown:
+def _tendon(workbench: Workbench) -> PaintedMesh:
     """Show the tendon: across the back, down both sides, and along both palmar corners."""
     anchor = _anchor(workbench)
     back = workbench.dims.bone_outline.section.dorsal
@@ -263,20 +263,20 @@ def band(workbench: Workbench, sheet: CastingSheet) -> Scene:
 
 def zero(workbench: Workbench, sheet: CastingSheet) -> Scene:
     knot, pull = _pull(workbench)
-    shown = (
+    meshes = (
         *_finger(workbench),
         workbench.part("hand_stub"),
         _pin(workbench),
         _tendon(workbench),
         *knot,
     )
-    return Scene(shown, _FROM_PALM, Label("held straight", workbench.head), *pull)
+    return Scene(meshes, _FROM_PALM, Label("held straight", workbench.head), *pull)
 
 
 def travel(workbench: Workbench, sheet: CastingSheet) -> Scene:
     joint = _joint(workbench)
     (knot, pull) = _pull(workbench) if workbench.dims.anchor else ([], [])
-    shown = (
+    meshes = (
         *_finger(workbench, bent_deg=sheet.mount.travel_deg),
         workbench.part("hand_stub"),
         _pin(workbench),
@@ -285,7 +285,7 @@ def travel(workbench: Workbench, sheet: CastingSheet) -> Scene:
     stop = "must stop here" if sheet.mount.travel_deg else "must turn freely"
 
     return Scene(
-        shown, Camera.from_angles(0, 0), Label(stop, (0.0, joint.axis_y - 1.0, joint.low_z)), *pull
+        meshes, Camera.from_angles(0, 0), Label(stop, (0.0, joint.axis_y - 1.0, joint.low_z)), *pull
     )
 
 

@@ -42,7 +42,7 @@ _HEAD_ANGLE = math.radians(24.0)
 
 
 @dataclass(frozen=True)
-class Shown:
+class PaintedMesh:
     """Mesh with its colour."""
 
     mesh: Mesh
@@ -69,8 +69,10 @@ class Arrow:
 class Scene:
     """Content of a picture: meshes, their camera, and what is written beside them."""
 
-    def __init__(self, shown: Iterable[Shown], camera: Camera, *marks: Label | Arrow) -> None:
-        self.shown = tuple(shown)
+    def __init__(
+        self, meshes: Iterable[PaintedMesh], camera: Camera, *marks: Label | Arrow
+    ) -> None:
+        self.meshes = tuple(meshes)
         self.camera = camera
         self.labels = [mark for mark in marks if isinstance(mark, Label)]
         self.arrows = [mark for mark in marks if isinstance(mark, Arrow)]
@@ -79,7 +81,7 @@ class Scene:
 def draw_scene(scene: Scene) -> bytes:
     ends = np.array([(arrow.start_mm, arrow.end_mm) for arrow in scene.arrows]).reshape(-1, 3)
     arrows = Mesh(ends, np.zeros((0, 3), dtype=np.int32))
-    centre, size = bounds([*(item.mesh for item in scene.shown), arrows], scene.camera)
+    centre, size = bounds([*(item.mesh for item in scene.meshes), arrows], scene.camera)
     room = _WIDTH_PX - 2 * MARGIN_PX, _MAX_HEIGHT_PX - 2 * _PADDING_PX
     scale = min(room[0] / size[0], room[1] / size[1])
     height = int(size[1] * scale) + 2 * _PADDING_PX
@@ -90,7 +92,7 @@ def draw_scene(scene: Scene) -> bytes:
     height = max(height, _PADDING_PX * 2 + _LINE_PX * max(lines))
 
     canvas = Canvas(_WIDTH_PX, height, scale, scene.camera)
-    for item in scene.shown:
+    for item in scene.meshes:
         canvas.draw(item.mesh, item.colour, centre)
 
     picture = Image.fromarray(canvas.image())
@@ -196,7 +198,7 @@ class Workbench:
         shift: Point3 = (0.0, 0.0, 0.0),
         *,
         cut: bool = False,
-    ) -> Shown:
+    ) -> PaintedMesh:
         """Show a solid, shifted, and cut open along x = 0 if asked for."""
         mesh = self._meshes.get((solid, cut))
         if mesh is None:
@@ -207,15 +209,15 @@ class Workbench:
             mesh = to_canonical_mesh(manifold)
             self._meshes[solid, cut] = mesh
 
-        return Shown(Mesh(mesh.vertices + np.array(shift), mesh.triangles), colour)
+        return PaintedMesh(Mesh(mesh.vertices + np.array(shift), mesh.triangles), colour)
 
-    def part(self, name: str, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
+    def part(self, name: str, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> PaintedMesh:
         return self.solid(PARTS[name].solid(self.design), PARTS[name].colour, shift, cut=cut)
 
-    def sensor(self, shift: Point3 = (0.0, 0.0, 0.0)) -> Shown:
+    def sensor(self, shift: Point3 = (0.0, 0.0, 0.0)) -> PaintedMesh:
         return self.solid(sensor_body(self.design), Paint.SENSOR, shift)
 
-    def turned_up_skin(self, fold_z: float, shift_z: float) -> list[Shown]:
+    def turned_up_skin(self, fold_z: float, shift_z: float) -> list[PaintedMesh]:
         """Show half of the skin, shifted, its edge turned inside out up to a height there."""
         outer = self.dims.outer.section
         skin = PARTS["skin"]
@@ -230,12 +232,12 @@ class Workbench:
         out = 2.0 / np.hypot(x / outer.half_width, y / height) - 1.0
         turned = Mesh(np.stack((x * out, y * out, 2.0 * fold_z - z), axis=1), edge.triangles)
 
-        return [Shown(tip, skin.colour), Shown(turned, skin.colour)]
+        return [PaintedMesh(tip, skin.colour), PaintedMesh(turned, skin.colour)]
 
-    def assembled_bone(self) -> list[Shown]:
+    def assembled_bone(self) -> list[PaintedMesh]:
         return [self.part("bone"), self.sensor()]
 
-    def cup(self, level: float) -> list[Shown]:
+    def cup(self, level: float) -> list[PaintedMesh]:
         """Show a cup that stands on z = 0, cut open, filled to a level [mm]."""
         middle = (0.0, 0.0)
         reach = 2 * CUP_RADIUS_MM

@@ -116,7 +116,7 @@ class Answer:
     pad: Markup | None = None
     """Picture of what the sensor feels."""
     bands: tuple[Band, ...] | None = None
-    said: str | None = None
+    band_text: str | None = None
     """Values of the parameter in hand that pass with the others as they are."""
     issues: list[dict[str, str]] | None = None
     passing: float | None = None
@@ -341,7 +341,7 @@ def answer_bands(
     finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted
 ) -> Answer:
     bands = finder.find(tables, path, still_wanted)
-    return Answer(bands=bands, said=describe_bands(path, bands) if bands else "")
+    return Answer(bands=bands, band_text=describe_bands(path, bands) if bands else "")
 
 
 def answer_rules(
@@ -367,7 +367,7 @@ def answer_rules(
         passing = _find_nearest(tables[table][key], finder.opened.value(path), bands)
         return Answer(
             bands=bands,
-            said=values,
+            band_text=values,
             issues=describe_issues(DesignError(refused)),
             passing=passing,
         )

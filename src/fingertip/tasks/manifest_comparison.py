@@ -59,8 +59,8 @@ def compare_with_design(folder: Path, expected: Mapping[str, bytes]) -> list[str
     differences: list[str] = []
     for name, data in expected.items():
         try:
-            written = read_input(folder / name, OUTPUT_LIMIT, below=folder)
-            if fold_lines(written) != fold_lines(data):
+            file_data = read_input(folder / name, OUTPUT_LIMIT, below=folder)
+            if fold_lines(file_data) != fold_lines(data):
                 differences.append(f"{folder / name}: differs from what this design gives.")
         except InputFileError as error:
             differences += (issue.typed for issue in error.issues)

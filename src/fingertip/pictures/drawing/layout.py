@@ -219,7 +219,7 @@ def _place_views(
     def extent(
         names: Sequence[ViewName], k: int, low: Side, high: Side
     ) -> tuple[float, float, float, float]:
-        """Return the lower and upper bound of views along an axis, and the widths of their lanes."""
+        """Return the bounds of views along an axis, and the widths of their lanes."""
         return (
             min(bounds[name][k] for name in names),
             max(bounds[name][k + 2] for name in names),

@@ -9,8 +9,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from fingertip.tasks.board_files import write_board
-from fingertip.tasks.manifest_comparison import verify_sets
 
 from fingertip import Design, board_values, make
 from fingertip.catalogues.output_files import ACCEPTANCE, PART_FILES
@@ -21,7 +19,9 @@ from fingertip.foundation.files import ZIP_DATE, write_zip
 from fingertip.foundation.output_set import SetWriter, is_packed_set
 from fingertip.pictures.drawing.draw import file_names
 from fingertip.tasks import make as make_files
+from fingertip.tasks.board_files import write_board
 from fingertip.tasks.build import BuildOptions, BuildPlan, build, plan_build
+from fingertip.tasks.manifest_comparison import verify_sets
 from tests.conftest import run_fingertip
 
 

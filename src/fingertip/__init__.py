@@ -93,12 +93,12 @@ _NAMES = {
     "slip.traces.read": "read_trace",
     "slip.traces.trace": "Trace",
     "sweep.run": "run_sweep",
-    "tasks.board": "write_board",
+    "tasks.board_files": "write_board",
     "tasks.build": "build",
     "tasks.views": "write_drawing",
-    "tasks.firmware": "write_firmware",
+    "tasks.firmware_files": "write_firmware",
     "tasks.make": "Made make",
-    "tasks.robot": "write_robot",
+    "tasks.robot_files": "write_robot",
 }
 """Module of the package -> its public names."""
 _MODULES = {

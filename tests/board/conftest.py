@@ -6,9 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from fingertip.tasks.board_files import write_board
 
 from fingertip.board.components.values import VARIANT_CHANGES
+from fingertip.tasks.board_files import write_board
 from tests.designs import load_article
 
 BOARDS = VARIANT_CHANGES | {

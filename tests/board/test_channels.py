@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fingertip.tasks.board_files import board_files, write_board
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis import interference
@@ -33,6 +32,7 @@ from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.firmware.fingers import plan_fingers
 from fingertip.foundation.errors import FingertipError
+from fingertip.tasks.board_files import board_files, write_board
 from tests.board.ngspice import run_ngspice
 from tests.conftest import run_fingertip
 

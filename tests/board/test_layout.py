@@ -14,7 +14,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from fingertip.tasks.board_files import board_files, write_board
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.components.values import VARIANT_CHANGES
@@ -31,6 +30,7 @@ from fingertip.board.kicad.sexpr import turn
 from fingertip.board.parts.circuit import Circuit
 from fingertip.catalogues.output_files import LAYOUT
 from fingertip.foundation.errors import BoardError
+from fingertip.tasks.board_files import board_files, write_board
 from tests.board.conftest import BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.designs import ARTICLE, load_article

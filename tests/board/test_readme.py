@@ -16,7 +16,6 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from fingertip.tasks.board_files import board_files, bring_up_files, write_board
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.board_analysis import Analysis, analyse
@@ -26,6 +25,7 @@ from fingertip.board.kicad.sexpr import read_expression
 from fingertip.cli.board_tables import analysis_text
 from fingertip.design import Design
 from fingertip.documents.wiring import wiring_diagram
+from fingertip.tasks.board_files import board_files, bring_up_files, write_board
 from tests.approved import check_text
 from tests.conftest import ROOT
 from tests.designs import load_article

@@ -18,7 +18,6 @@ from zipfile import ZipFile
 
 import numpy as np
 import pytest
-from fingertip.tasks.manifest_comparison import verify_sets
 
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
@@ -44,6 +43,7 @@ from fingertip.fitting.new_design import PRESETS
 from fingertip.models.mold_layout import LIP_GAP_MM
 from fingertip.models.parts import PARTS, parts_by_name, print_scale
 from fingertip.tasks.build import build
+from fingertip.tasks.manifest_comparison import verify_sets
 from tests.conftest import DESIGNS, design_file
 
 if TYPE_CHECKING:

@@ -6,9 +6,6 @@ import json
 import re
 from pathlib import Path
 
-from fingertip.tasks.firmware_files import firmware_differences, firmware_files, write_firmware
-from fingertip.tasks.manifest_comparison import verify_sets
-
 from fingertip.board.components.front_end import POWER_UP_S
 from fingertip.catalogues.electronics import load_controllers
 from fingertip.catalogues.output_files import BUFFER, TIMER
@@ -18,6 +15,8 @@ from fingertip.documents.wiring import SKETCH_PINS
 from fingertip.firmware.c_sources import HEADER
 from fingertip.firmware.fingers import BUFFER_SAMPLES
 from fingertip.firmware.packaging import controller_changes, find_warnings
+from fingertip.tasks.firmware_files import firmware_differences, firmware_files, write_firmware
+from fingertip.tasks.manifest_comparison import verify_sets
 from tests.conftest import ROOT, design_file, run_fingertip
 
 PLACES = {".", "src", "examples/slip_pin", "examples/slip_stream"}

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fingertip.page.page import render_page
 
 from fingertip import Design, make
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.catalogues.output_files import PAGE, PART_FILES
 from fingertip.models.parts import parts_by_name
+from fingertip.page.page import render_page
 from fingertip.page.parameters_and_checks import ReportedCheck
 from fingertip.page.sources import Report, Sources
 from fingertip.tasks.views import write_page

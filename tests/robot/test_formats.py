@@ -10,7 +10,6 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from fingertip.tasks.robot_files import _place
 
 from fingertip import Design
 from fingertip.cad.kernel.mesh import Mesh
@@ -28,6 +27,7 @@ from fingertip.robot.finger_model import (
 )
 from fingertip.robot.formats import Placed, render_model
 from fingertip.sim.contact.surface_files import SURFACES
+from fingertip.tasks.robot_files import _place
 from tests.robot.test_model import numbers
 
 CORNERS = np.array([[x, y, z] for x in (0.0, 10.0) for y in (0.0, 10.0) for z in (0.0, 10.0)])

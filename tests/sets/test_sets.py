@@ -14,7 +14,6 @@ from pathlib import Path
 from types import MappingProxyType, SimpleNamespace
 
 import pytest
-from fingertip.tasks.manifest_comparison import verify_sets
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from typer.testing import CliRunner
@@ -47,6 +46,7 @@ from fingertip.foundation.errors import DesignError, FingertipError, OutputError
 from fingertip.foundation.output_set import SetWriter
 from fingertip.models.parts import PARTS
 from fingertip.tasks.make_set import make_set
+from fingertip.tasks.manifest_comparison import verify_sets
 from tests.approved import check_text
 from tests.conftest import ROOT, run_fingertip
 

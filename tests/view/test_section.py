@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fingertip.pictures.picture_scene import View
 from PIL import Image, ImageDraw
 
 from fingertip import Design
@@ -22,6 +21,7 @@ from fingertip.models.parts import parts_by_name
 from fingertip.models.solids import Box
 from fingertip.pictures import picture, section
 from fingertip.pictures.picture import draw, find_free_place, place_on_hand
+from fingertip.pictures.picture_scene import View
 from fingertip.pictures.section import Section, draw_section, list_sections, slice_solid, spread
 from tests.approved import check_figures
 from tests.figures import sum_up

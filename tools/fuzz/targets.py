@@ -25,8 +25,6 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from fingertip.tasks.board_files import plan_board
-from fingertip.tasks.manifest_comparison import verify_sets
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
@@ -37,7 +35,9 @@ from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.output_set import SetWriter, read_manifest
 from fingertip.slip.traces.read import read_trace
 from fingertip.sweep.database import SweepDatabase
+from fingertip.tasks.board_files import plan_board
 from fingertip.tasks.edited_board import enter_texts, enter_values
+from fingertip.tasks.manifest_comparison import verify_sets
 from tools.fuzz import originals
 from tools.fuzz.damage import damaged
 

@@ -56,15 +56,15 @@ def check_mesh(
     )
 
 
-def _find_one_design(path: Path, given: Sequence[NamedDesign]) -> Design:
+def _find_one_design(path: Path, references: Sequence[NamedDesign]) -> Design:
     """Find the design that a mesh is compared with, which must have a part of its name."""
     from fingertip.cad.verification.mesh_files import name_part
     from fingertip.design import Design
     from fingertip.models.parts import parts_by_name
 
-    designs = [named.design for named in given if isinstance(named.design, Design)]
+    designs = [named.design for named in references if isinstance(named.design, Design)]
 
-    if len(given) != 1 or not designs:
+    if len(references) != 1 or not designs:
         raise InputFileError(
             Issue(str(path), "is compared with the design of one finger; give one, or none.")
         )

@@ -1,5 +1,4 @@
-"""Studio: a local page with a form of a design's parameters, whose parts are redrawn while somebody
-moves a slider.
+"""Studio: a local page with a form of parameters, where parts follow each change.
 
 In: the values of the form, with each change. Out: parts, figures and checks for the page, and files
 to save.

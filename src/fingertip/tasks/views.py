@@ -50,8 +50,7 @@ def write_drawing(
     force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
 ) -> tuple[Path, ...]:
-    """Write a sheet for each printed part as SVG, and all as one PDF, the last path of those that
-    are returned.
+    """Write a drawing of each printed part as SVG, and all as one PDF, whose path is last.
 
     Raises MissingLibraryError or GeometryError or OutputError.
     """

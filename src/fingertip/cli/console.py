@@ -253,7 +253,7 @@ class Console:
             shown = fit_width(
                 self._tables[-1], shutil.get_terminal_size().columns if self._is_terminal else 0
             )
-            print(escape_control(shown, kept="\n"), file=sys.stderr, flush=True)
+            print(escape_control(shown, spared="\n"), file=sys.stderr, flush=True)
 
     def warn(self, warnings: Iterable[str]) -> None:
         for warning in warnings:
@@ -289,7 +289,7 @@ class Console:
         Raises OutputError or BrokenPipeError.
         """
         try:
-            print(escape_control(text, kept="\n\t"), flush=True)
+            print(escape_control(text, spared="\n\t"), flush=True)
         except BrokenPipeError:
             raise
         except OSError as error:

@@ -106,8 +106,9 @@ def make_schema(kind: str) -> dict[str, Any]:
 
 
 def _normalise(value: Any) -> Any:
-    """Write 1 for 1.0, and leave out that further properties are
-    free: releases of pydantic differ in both.
+    """Write 1 for 1.0, a paragraph in one line, and no further properties that are free.
+
+    Releases of pydantic differ in the first and the last.
     """
     if isinstance(value, dict):
         free = ("additionalProperties", True)
@@ -115,6 +116,8 @@ def _normalise(value: Any) -> Any:
 
     if isinstance(value, list):
         return [_normalise(item) for item in value]
+    if isinstance(value, str):
+        return "\n\n".join(" ".join(paragraph.split()) for paragraph in value.split("\n\n"))
 
     return int(value) if isinstance(value, float) and value.is_integer() else value
 

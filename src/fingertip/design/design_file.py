@@ -18,7 +18,12 @@ from pydantic.fields import FieldInfo
 from fingertip.catalogues.electronics import spell_sensor
 from fingertip.catalogues.file_kinds import DESIGN, FileKind, find_file, read_file
 from fingertip.design.parameters import PARAMETERS, ParameterTable, Tables, find_kind
-from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
+from fingertip.design.parameters.declaration import (
+    describe_table,
+    find_bounds,
+    find_unit,
+    list_choices,
+)
 from fingertip.design.proportions import fill_in
 from fingertip.foundation.errors import (
     MAX_VALUE_LENGTH,
@@ -326,8 +331,7 @@ def to_toml(design: Tables, heading: str = "") -> str:
             continue
 
         table = tomlkit.table()
-        for line in (type(value).__doc__ or "").splitlines():
-            table.add(tomlkit.comment(line))
+        table.add(tomlkit.comment(describe_table(type(value))))
 
         for key in type(value).model_fields:
             parameter = described[f"{name}.{key}"]

@@ -1,6 +1,4 @@
-"""Parameters of what is printed: bone, hand that it fits and
-loads that it carries, mold and printer.
-"""
+"""Parameters of the bone, the hand that it fits, the loads that it carries, mold and printer."""
 
 from __future__ import annotations
 
@@ -250,9 +248,8 @@ class Hand(ParameterTable):
 
 
 class Strength(ParameterTable):
-    """Loads that the bone must carry, and what it is printed from.
-
-    The figures named own are used only with "own".
+    """Loads that the bone must carry, and what it is printed from. The figures named own are used
+    only with "own".
     """
 
     grip_force_n: float = quantity(

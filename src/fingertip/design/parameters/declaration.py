@@ -1,9 +1,10 @@
-"""Declaration of a parameter in one line of its table, and the messages if its value is not valid."""
+"""Declaration of a parameter in its table, and the messages if its value is not valid."""
 
 from __future__ import annotations
 
 import difflib
 import functools
+import inspect
 import itertools
 import json
 import re
@@ -136,7 +137,7 @@ OWN = "own"
 _MARKUP = (
     r"|`<>\[\]$\\\u0000-\u001f\u007f-\u009f\u00ad\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff"
 )
-"""Characters with a meaning in a file: marks of Markdown and of formulas, and control characters."""
+"""Characters with a meaning in a file: marks of Markdown and of formulas, and controls."""
 _LABEL = rf"^[^\s=+@\-{_MARKUP}][^{_MARKUP}]{{0,59}}$"
 _ALLOWED = (
     "write up to 60 printable characters without | ` < > [ ] $ or a backslash, and none of "
@@ -177,6 +178,11 @@ def find_follows(field: FieldInfo) -> Follows | None:
     return next((note for note in field.metadata if isinstance(note, Follows)), None)
 
 
+def describe_table(model: Any) -> str:
+    """Return the docstring of a table in one line, as files and schemas state it."""
+    return " ".join((inspect.getdoc(model) or "").split())
+
+
 def list_choices(field: FieldInfo) -> tuple[str, ...]:
     """Return the words that a parameter accepts; none for a number or free text."""
     if get_origin(field.annotation) is Literal:
@@ -211,7 +217,7 @@ _FEW = 2
 @functools.cache
 def load_retired() -> Mapping[str, str]:
     """Load the remedies for retired parameters, and retired outputs of a sweep, by name."""
-    remedies = {}
+    remedies: dict[str, str] = {}
     for row in read_rows(Path(__file__).with_name("retired.csv")):
         remedies |= dict.fromkeys(row["names"].split(), row["instead"])
 

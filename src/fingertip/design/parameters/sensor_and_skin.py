@@ -186,9 +186,8 @@ _STATED = (
 
 
 class ChosenSilicone(ParameterTable):
-    """Silicone of the skin.
-
-    All figures below product are used only if it is "own"; copy them from your data sheet.
+    """Silicone of the skin. All figures below product are used only if it is "own"; copy them from
+    your data sheet.
     """
 
     product: Annotated[str, OneOf(*load_silicones(), OWN)] = choice(
@@ -255,8 +254,8 @@ class ChosenSilicone(ParameterTable):
 
 
 TURN_ON_N = 0.2
-"""Force [N] below which a typical sensor is open: 20 gram force
-(Interlink; light contact in the article).
+"""Force [N] below which a typical sensor is open: 20 gram force (Interlink), a light contact in the
+article.
 """
 
 

@@ -184,9 +184,8 @@ class _SceneTables(SimulationFile):
 
 
 class SceneFile(PathTables, _SceneTables):
-    """One validated scene.
-
-    Raises TraceError with all parameters out of bounds, unknown names and broken rules.
+    """One validated scene. Raises TraceError with all parameters out of bounds, unknown names and
+    broken rules.
     """
 
     model_config = ConfigDict(

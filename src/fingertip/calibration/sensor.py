@@ -113,13 +113,13 @@ def parse_weighings(text: str, source: str) -> Weighings:
     places = []
 
     for names, noun in ((tuple(LOADS), "loads"), (READINGS, "readings")):
-        found = [name for name in names if name in header]
-        if len(found) != 1:
-            problem = f"names {' and '.join(found)}" if found else f"names no column of {noun}"
+        named = [name for name in names if name in header]
+        if len(named) != 1:
+            problem = f"names {' and '.join(named)}" if named else f"names no column of {noun}"
             remedy = f"give one of {', '.join(names)}, with values in that unit"
             raise TraceError(Issue(f"{source}, line {number}", f"{problem}; {remedy}."))
 
-        places.append(header.index(found[0]))
+        places.append(header.index(named[0]))
 
     load = header[places[0]]
     kind = header[places[1]]
@@ -396,7 +396,7 @@ def calibrate_sensor(
     conductances = list[float]()
 
     for row in weighings.rows:
-        found = _find_conductance(
+        conductance = _find_conductance(
             row,
             kind=weighings.kind,
             response=response,
@@ -413,11 +413,11 @@ def calibrate_sensor(
                 Issue(field, f"{message}; delete the line, or set force_curve.turn_on_n.")
             )
 
-        if isinstance(found, str):
-            issues.append(Issue(field, found))
+        if isinstance(conductance, str):
+            issues.append(Issue(field, conductance))
         else:
             forces.append(row.force_n)
-            conductances.append(found)
+            conductances.append(conductance)
 
     raise_issues(TraceError, issues)
     law = fit_power_law(forces, conductances, turn_on)

@@ -94,7 +94,7 @@ def part_file(part: str, file_format: str) -> str:
 
 
 def default_formats() -> tuple[str, ...]:
-    return tuple(name for name, each in PART_FORMATS.items() if each.is_default)
+    return tuple(name for name, part_format in PART_FORMATS.items() if part_format.is_default)
 
 
 PRINT_FOLDER = "print"

@@ -232,7 +232,7 @@ def _swap_in(folder: Path, files: Mapping[str, Content], removed: Collection[str
 
 
 def _is_current(folder: Path) -> bool:
-    """Return whether a folder is the current one, or contains it: that would stay in the old one."""
+    """Return whether a folder is or contains the current one, which would not follow a swap."""
     try:
         current = Path.cwd()
     except OSError:

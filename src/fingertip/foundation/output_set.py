@@ -250,10 +250,10 @@ class SetWriter:
         old = read_manifest(folder)
         known = dict(old.files) if old else {}
         same = old is not None and (old.kind, old.parameters) == (self.kind, self.parameters)
-        others = [name for name in known if name not in contents and (folder / name).is_file()]
-        unwanted = set(others) & set(obsolete) if same else set(others)
+        not_written = [name for name in known if name not in contents and (folder / name).is_file()]
+        unwanted = set(not_written) & set(obsolete) if same else set(not_written)
         removed = tuple(sorted(unwanted - self._foreign(unwanted)))
-        kept = {name: known[name] for name in others if name not in removed} if same else {}
+        staying = {name: known[name] for name in not_written if name not in removed} if same else {}
         hashes = {name: hash_content(data) for name, data in contents.items()}
         program = self.program or (old.program if old and same else "")
         manifest = Manifest(
@@ -261,7 +261,7 @@ class SetWriter:
             kind=self.kind,
             design=self.design,
             parameters=self.parameters,
-            files=kept | hashes,
+            files=staying | hashes,
             program=program,
         )
         files = {**contents, **{name: revision.after for name, revision in revisions.items()}}

@@ -178,7 +178,7 @@ class PadModel:
                 loads = np.zeros((*self.mesh.nodes.shape, load.shape[1]))
                 loads[self._upper, axis] = load
                 moved = self.body.move(loads)[self._upper]
-                parts.append(np.stack([self.top.trace.T @ moved[:, other] for other in range(3)]))
+                parts.append(np.stack([self.top.trace.T @ moved[:, axis] for axis in range(3)]))
 
             self._columns[axis] = np.concatenate(parts, axis=2)
             block = self._columns[axis][:, nodes[:, None], self._solved[axis, nodes]]
@@ -224,12 +224,12 @@ class PadModel:
         if self.copies > 1.0:
             forces[self.bond.points[:, X] <= 0.0, X] = 0.0  # of the other half, not of the bone
 
-        held = self.bond.project(forces)
+        bond_forces = self.bond.project(forces)
         faces = self._triangles[self._is_bonded]
         a, b, c = self.bond.points[faces[:, :3]].transpose(1, 0, 2)
         normal = np.cross(c - a, b - a)
         normal *= (np.sign(normal[:, PALM]) / np.linalg.norm(normal, axis=1))[:, None]
-        mean = held[faces[:, 3:]].mean(axis=1)  # exact for quadratic functions
+        mean = bond_forces[faces[:, 3:]].mean(axis=1)  # exact for quadratic functions
         along = (mean * normal).sum(axis=1)
         shear = np.linalg.norm(mean - along[:, None] * normal, axis=1)
 

@@ -83,13 +83,13 @@ def press_large_strain(
     for target in forces_n:
         while True:
             force = min(force, target)
-            moved, held = contact.balance(force, moved)
+            moved, forces = contact.balance(force, moved)
             if force == target:
                 break
 
             force *= _GROWTH
 
-        share = (model.copies * float((model.step * held).sum()) - rest_n) / target
+        share = (model.copies * float((model.step * forces).sum()) - rest_n) / target
         yield LargeStrainContact(target, share, float(moved[-1]) - first_mm)
         force *= _GROWTH
 
@@ -144,8 +144,8 @@ class LargeStrainSolver:
         if self._model.form.bump_height_mm:
             rest_n, unknown = self._model.at_rest or self._rest(unknown)
             unknown = np.append(unknown[:-1], 0.0)
-            for each in self._faces:
-                each.anchors = each.place(unknown)
+            for contact_face in self._faces:
+                contact_face.anchors = contact_face.place(unknown)
 
         gap, _, closing = face.gaps(face.place(unknown))
         travel = np.partition(gap / closing, _FIRST_NODES)
@@ -155,16 +155,16 @@ class LargeStrainSolver:
     def _rest(self, unknown: Array) -> tuple[float, Array]:
         """Find the same while nothing touches, once for all poses."""
         unknown[-1] = -_AWAY_MM
-        for each in self._faces:
-            each.friction = 0.0  # what lies on slides to where it is at rest
+        for face in self._faces:
+            face.friction = 0.0  # the skin slides to where it is at rest
 
         for self._bulge in _BULGES:
-            unknown, held = self.balance(0.0, unknown)
+            unknown, forces = self.balance(0.0, unknown)
 
-        for each in self._faces:
-            each.friction = self._friction
+        for face in self._faces:
+            face.friction = self._friction
 
-        self._model.at_rest = self._model.copies * float((self._model.step * held).sum()), unknown
+        self._model.at_rest = self._model.copies * float((self._model.step * forces).sum()), unknown
         return self._model.at_rest
 
     def balance(self, force_n: float, unknown: Array) -> tuple[Array, Array]:
@@ -173,14 +173,14 @@ class LargeStrainSolver:
         """
         load = force_n / self._model.copies
         free = self._free if force_n else self._free[:-1]
-        residual, matrix, held = self._assemble(unknown, load)
+        residual, matrix, forces = self._assemble(unknown, load)
 
         for step in range(_MAX_STEPS):
             if float(np.abs(residual[free]).max()) < _CLOSE * (load or _FIRST_N):
                 for face in self._faces:
                     face.settle()
 
-                return unknown, held
+                return unknown, forces
 
             before = float(np.linalg.norm(residual[free]))
             start = unknown
@@ -189,7 +189,7 @@ class LargeStrainSolver:
             for pace in _PACES:
                 unknown = start.copy()
                 unknown[free] -= pace * way
-                residual, matrix, held = self._assemble(unknown, load)
+                residual, matrix, forces = self._assemble(unknown, load)
                 error = float(
                     np.linalg.norm(residual[free])
                 )  # NaN: an element is turned inside out
@@ -204,22 +204,20 @@ class LargeStrainSolver:
         )
 
     def _assemble(self, unknown: Array, load: float) -> tuple[Array, Any, Array]:
-        """Return the forces that lack a balance, their slopes,
-        and the forces of the skin on its nodes.
-        """
+        """Return the unbalanced forces, their slopes, and the forces of the skin on its nodes."""
         from scipy.sparse import block_array  # noqa: PLC0415
 
         with np.errstate(invalid="ignore"):
-            matrix, held = self._model.body.tangent(unknown[:-1].reshape(-1, 3))
+            matrix, skin_forces = self._model.body.tangent(unknown[:-1].reshape(-1, 3))
 
-        residual = np.append(held.ravel(), -load)
+        residual = np.append(skin_forces.ravel(), -load)
         whole = block_array([[matrix, None], [None, np.zeros((1, 1))]]).tocsr()
         for face in self._faces:
             forces, stiffness = face.meet(unknown)
             residual += forces
             whole += stiffness
 
-        return residual, whole, held
+        return residual, whole, skin_forces
 
 
 class Face:
@@ -292,12 +290,14 @@ class Face:
         part = (np.minimum(limit, length) / np.maximum(length, 1e-300))[:, None]
         normal = into[:, :, None] * into[:, None, :]
         ways = way[:, :, None] * way[:, None, :]
-        held = drag * np.where(slides, part[..., None], 1.0) * (np.eye(3) - normal - slides * ways)
-        held += slides * self.friction * self._springs * way[:, :, None] * into[:, None, :]
+        tangent = (
+            drag * np.where(slides, part[..., None], 1.0) * (np.eye(3) - normal - slides * ways)
+        )
+        tangent += slides * self.friction * self._springs * way[:, :, None] * into[:, None, :]
         slip = part * slip
 
         return (
             pressure[:, None] * into + drag * slip,
-            touches * (self._springs * normal + held),
+            touches * (self._springs * normal + tangent),
             slip,
         )

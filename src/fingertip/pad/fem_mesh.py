@@ -260,12 +260,12 @@ def _check_memory(size: MeshSize, area_mm2: float) -> None:
     points = 4.6 * area_mm2 / size.edge_mm**2 + 10.0
     entries = 4.5 * points * (6.0 * size.layers) ** 2 * math.log2(points)
     needed = _FIXED_GB + entries * _BYTES_PER_ENTRY * 1e-9
-    given = size.memory_gb
+    limit_gb = size.memory_gb
 
-    if needed > given:
+    if needed > limit_gb:
         need = (
             f"edges of {size.edge_mm:g} mm in {size.layers} layers need about {needed:.1f} GB, "
-            f"above {given:g} GB"
+            f"above {limit_gb:g} GB"
         )
         raise GeometryError(
             Issue("mesh.edge_mm", f"{need}; use longer edges, or raise mesh.memory_gb.")

@@ -130,7 +130,7 @@ def find_contacts(
     layout = near.lay_out(_FIRST_REACH_MM)
     pressure = None
     inside = _lay_rings(form)
-    found: list[Contact] = []
+    contacts: list[Contact] = []
 
     for force_n in forces_n:
         while True:
@@ -144,7 +144,9 @@ def find_contacts(
             pressure = None
 
         if contact.strain > max_strain:
-            most = found[-1].force_n if found else force_n * (max_strain / contact.strain) ** 2
+            most = (
+                contacts[-1].force_n if contacts else force_n * (max_strain / contact.strain) ** 2
+            )
             message = (
                 f"{force_n:g} N presses the pad by {contact.strain:.0%} of its thickness; "
                 f"at most {most:.2g} N."
@@ -159,9 +161,9 @@ def find_contacts(
             depth = contact.depth_mm + sunk / contact.force_n
             contact = replace(contact, share=max(0.0, share), depth_mm=depth)
 
-        found.append(contact)
+        contacts.append(contact)
 
-    return found
+    return contacts
 
 
 def find_rest_n(form: PadForm) -> float:
@@ -193,7 +195,7 @@ def map_shares(form: PadForm) -> tuple[Array, Array, Array]:
         h=thickness,
         young=form.young_mpa,
         nu=form.poisson,
-        held=form.held_part,
+        bonded=form.held_part,
     )
     shares = _apply(_cover(line, line, form.active_radius_mm), to_bone)
     inside = slice(count, 3 * count + 1)
@@ -235,7 +237,7 @@ class _Approach:
             h=self.thickness_mm,
             young=_FREE_SIDES * form.young_mpa,
             nu=form.poisson,
-            held=form.held_part,
+            bonded=form.held_part,
             grid_mm=grid,
         )
         active = _cover(x, dz, form.active_radius_mm, grid)
@@ -301,7 +303,7 @@ def _kernels(
     h: float,
     young: float,
     nu: float,
-    held: float = 1.0,
+    bonded: float = 1.0,
     grid_mm: float = GRID_MM,
 ) -> tuple[Array, Array, NDArray[np.complex128]]:
     """Evaluate C, T and S on the waves of a grid.
@@ -313,10 +315,10 @@ def _kernels(
     k = np.hypot(kx, kz)
     w = k * h
     ka = 3.0 - 4.0 * nu
-    one = np.exp(-w)
+    decay = np.exp(-w)
     two = np.exp(-2.0 * w)
-    cosh = 0.5 * one * (1.0 + two)
-    sinh = 0.5 * one * (1.0 - two)
+    cosh = 0.5 * decay * (1.0 + two)
+    sinh = 0.5 * decay * (1.0 - two)
     whole = np.where(k > 0.0, k, 1.0)
     d = ka * (1.0 + two * two) + (1.0 + ka * ka + 4.0 * w * w) * two
     compliance = (
@@ -326,14 +328,14 @@ def _kernels(
     normal = (ka + 1.0) * ((ka + 1.0) * cosh + 2.0 * w * sinh) / d
     shear = (ka + 1.0) * ((ka - 1.0) * sinh + 2.0 * w * cosh) / d
 
-    if held < 1.0:
+    if bonded < 1.0:
         d = np.where(k > 0.0, 0.5 * (1.0 - two * two) + 2.0 * w * two, 1.0)
         free = (1.0 - nu * nu) / (young * whole) * (1.0 - two) ** 2 / d
         free[0, 0] = (1.0 - nu * nu) / young * h
-        compliance = held * compliance + (1.0 - held) * free
+        compliance = bonded * compliance + (1.0 - bonded) * free
         passed = np.where(k > 0.0, 2.0 * (sinh + w * cosh) / d, 1.0)
-        normal = held * normal + (1.0 - held) * passed
-        shear = held * shear + (1.0 - held) * 2.0 * w * sinh / d
+        normal = bonded * normal + (1.0 - bonded) * passed
+        shear = bonded * shear + (1.0 - bonded) * 2.0 * w * sinh / d
 
     return compliance, normal, -1j * shear * kz / whole
 

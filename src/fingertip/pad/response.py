@@ -201,8 +201,8 @@ def _respond(form: PadForm, pose: Pose) -> Pad:
     root = np.sqrt(np.sqrt(np.array(FORCES_N)))
 
     def fit(values: list[float]) -> tuple[float, ...]:
-        found = np.polynomial.polynomial.polyfit(root, np.array(values), _DEGREE)
-        return tuple(round(float(value), _DIGITS) for value in found)
+        coefficients = np.polynomial.polynomial.polyfit(root, np.array(values), _DEGREE)
+        return tuple(round(float(value), _DIGITS) for value in coefficients)
 
     low, high = (contact for contact in contacts if 0.8 < contact.force_n < 1.2)
     stiffness = 1e3 * (high.force_n - low.force_n) / (high.depth_mm - low.depth_mm)

@@ -162,8 +162,8 @@ def try_contacts(
 
 @lru_cache(maxsize=256)
 def _share(form: PadForm, pose: Pose, force_n: float) -> float:
-    found = try_contacts(form, pose, force_n)
-    return found[0].share if found else 0.0
+    contacts = try_contacts(form, pose, force_n)
+    return contacts[0].share if contacts else 0.0
 
 
 def find_turn_on_n(form: PadForm, tilt_deg: float) -> float:

@@ -141,7 +141,7 @@ def load_simulation(
 
     Raises FingertipError.
     """
-    given = file
+    named_file = file
     (file, design_file) = _find_files(file, design_file)
     kind = identify_kind(file) if file else None
     is_scene = kind in (SCENE, MANIPULATION)
@@ -162,9 +162,8 @@ def load_simulation(
     options = {option: value for option, value in options.items() if value is not None}
     if not is_scene:
         if design_file:
-            message = (
-                f"stands beside {given or 'no file'}, which is not a scene; leave --design out."
-            )
+            beside = named_file or "no file"
+            message = f"stands beside {beside}, which is not a scene; leave --design out."
             issues.append(Issue("--design", message))
 
         if scene_changes:
@@ -192,7 +191,8 @@ def load_simulation(
             except TraceError as error:
                 typed = {field: f"--{option.replace('_', '-')}" for field, option in fields.items()}
                 issues += dict.fromkeys(
-                    replace(one, field=typed.get(one.field, one.field)) for one in error.issues
+                    replace(issue, field=typed.get(issue.field, issue.field))
+                    for issue in error.issues
                 )
 
     if own is not None and scene is not None:
@@ -217,14 +217,14 @@ def load_simulation(
 def _find_files(
     file: str | Path | None, design_file: str | Path | None
 ) -> tuple[Path | None, Path | None]:
-    found: list[Path | None] = []
+    paths: list[Path | None] = []
     issues: list[Issue] = []
-    for given, kinds in ((file, (DESIGN, SCENE, MANIPULATION)), (design_file, (DESIGN,))):
+    for source, kinds in ((file, (DESIGN, SCENE, MANIPULATION)), (design_file, (DESIGN,))):
         with gather(issues):
-            found.append(find_file(given, *kinds) if given else None)
+            paths.append(find_file(source, *kinds) if source else None)
 
     raise_issues(FingertipError, issues)
-    return found[0], found[1]
+    return paths[0], paths[1]
 
 
 FORCE_RANGE_N = (0.2, 2.0)

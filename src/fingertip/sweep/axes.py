@@ -133,7 +133,7 @@ def select_changes(parameters: Mapping[str, Value], finger: str = "") -> dict[st
     """Select what a point changes in a design, or in a finger of
     a set, whose own parameters come last.
     """
-    found = [
+    candidates = [
         (*split_finger(name), value)
         for name, value in parameters.items()
         if not name.startswith("scene.")
@@ -141,7 +141,7 @@ def select_changes(parameters: Mapping[str, Value], finger: str = "") -> dict[st
     return {
         path: value
         for owner in dict.fromkeys(("", finger))
-        for of, path, value in found
+        for of, path, value in candidates
         if of == owner
     }
 
@@ -221,12 +221,12 @@ def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis, list[Issue]]:
         values = tuple(int(value) for value in values)
 
     # Many values break the same bound: each message is reported once.
-    found = {
+    issues_by_text = {
         issue.message: issue
         for value in values
         for issue in _check_value(model, path, field, value)
     }
-    return axis, list(found.values())
+    return axis, list(issues_by_text.values())
 
 
 def _parse_axis(

@@ -42,9 +42,9 @@ class DesignBuilder:
         """Build the design of a point. Raises DesignError."""
         own_changes: dict[str, Any] = {**select_changes(changes, self._finger)}
         if self._fits:
-            given = {name: value for name, value in own_changes.items() if is_of_parts(name)}
-            key = tuple(given.values())
-            own_changes |= self._fitted.get(key, lambda: self._fit(given))
+            part_values = {name: value for name, value in own_changes.items() if is_of_parts(name)}
+            key = tuple(part_values.values())
+            own_changes |= self._fitted.get(key, lambda: self._fit(part_values))
 
         if not self._only_electronics_vary:
             return Design.without_remedies(**apply_changes(self._tables, own_changes))
@@ -53,11 +53,11 @@ class DesignBuilder:
         raise_issues(DesignError, describe_violations(design, ELECTRONIC_RULES))
         return design
 
-    def _fit(self, given: Mapping[str, Value]) -> dict[str, Any]:
+    def _fit(self, part_values: Mapping[str, Value]) -> dict[str, Any]:
         """Find what moves with given values. Raises DesignError."""
         return {
             move.name: move.after
-            for move in fit_finger(self._base.with_values(given), tuple(given)).moves
+            for move in fit_finger(self._base.with_values(part_values), tuple(part_values)).moves
         }
 
 

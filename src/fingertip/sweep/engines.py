@@ -175,7 +175,7 @@ class DaskEngine:
                 compare_version(worker, name, error)
 
 
-def compare_version(worker: str, name: str, found: str | ImportError) -> None:
+def compare_version(worker: str, name: str, there: str | ImportError) -> None:
     """Refuse a worker whose Python or library could give other rows.
 
     The last number of Python's version does not.
@@ -183,11 +183,11 @@ def compare_version(worker: str, name: str, found: str | ImportError) -> None:
     here = {"Python": platform.python_version(), "numpy": np.__version__, "fingertip": __version__}[
         name
     ]
-    if name == "Python" and isinstance(found, str):
-        found, here = (version.rpartition(".")[0] for version in (found, here))
+    if name == "Python" and isinstance(there, str):
+        there, here = (version.rpartition(".")[0] for version in (there, here))
 
-    if found != here:
-        has = f"no {name} ({found})" if isinstance(found, ImportError) else f"{name} {found}"
+    if there != here:
+        has = f"no {name} ({there})" if isinstance(there, ImportError) else f"{name} {there}"
         raise _make_error(
             f"worker {worker} has {has}, but this is {here}; install the same version everywhere"
         )

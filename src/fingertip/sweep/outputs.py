@@ -142,14 +142,14 @@ def check_outputs(names: Sequence[str], is_set: bool) -> list[Issue]:
 
     misplaced = [name for name in names if (load_outputs()[name].group in SET_GROUPS) != is_set]
     subject = "one finger"
-    given = "a set"
+    subject_given = "a set"
     remedy = 'a design, such as design = "adult_finger"'
 
     if not is_set:
         subject = "a set"
-        given = "one finger"
+        subject_given = "one finger"
         remedy = 'a set, such as design = "adult_hand"'
 
-    text = f"{', '.join(misplaced)} can be computed for {subject}, but design is {given}"
+    text = f"{', '.join(misplaced)} can be computed for {subject}, but design is {subject_given}"
     issue = Issue("outputs", f"{text}; leave out what cannot be computed, or name {remedy}.")
     return [issue] if misplaced else []

@@ -98,9 +98,9 @@ class PointEvaluator:
         try:
             built, fingers, scene = self._build_inputs(changes)
         except FingertipError as error:
-            first, *others = error.issues
-            fields = ", ".join(dict.fromkeys(issue.field for issue in others))
-            more = f" (and {len(others)} more: {fields})" if others else ""
+            first, *further = error.issues
+            fields = ", ".join(dict.fromkeys(issue.field for issue in further))
+            more = f" (and {len(further)} more: {fields})" if further else ""
             return point, "refused", first.field, first.message + more, self._no_outputs
 
         load_trial = partial(self._load_trial, changes)

@@ -315,9 +315,9 @@ class _Run:
 
         indices = range(len(chunk.points))
         points = frozenset(points or ())
-        others = [i for i in indices if chunk.points[i] not in points]
-        if others:
-            self._resend_queue.append(chunk.select(others))
+        other_points = [i for i in indices if chunk.points[i] not in points]
+        if other_points:
+            self._resend_queue.append(chunk.select(other_points))
 
         blamed = [chunk.select([i]) for i in indices if chunk.points[i] in points]
         if not self._is_retrying:

@@ -129,18 +129,18 @@ def find_ceilings(mesh: Mesh) -> list[Ceiling]:
     group = _connected(numbers, beside)
     row, side = np.nonzero(~steep[beside])
     facet = numbers[row]
-    other = beside[row, side]
+    third = beside[row, side]
     edges = np.stack([corners[facet, side], corners[facet, (side + 1) % 3]], axis=1)
     # Of the facet beside, only the corner off the common edge leaves the plane of the ceiling's
     # facet.
-    away = (corners[other] - edges[:, :1]) @ normal[facet, :, None]
+    away = (corners[third] - edges[:, :1]) @ normal[facet, :, None]
     is_held = away[:, :, 0].sum(axis=1) > 0.0
     members = _split(group)
     sides = _split(group[row])
 
     return [
-        Ceiling(numbers[facets], edges[found][:, :, :2], is_held[found])
-        for facets, found in zip(members, sides, strict=True)
+        Ceiling(numbers[facets], edges[selected][:, :, :2], is_held[selected])
+        for facets, selected in zip(members, sides, strict=True)
     ]
 
 
@@ -157,8 +157,8 @@ def _neighbours(triangles: Triangles, numbers: NDArray[np.int64]) -> NDArray[np.
     size = int(triangles.max()) + 1
     keys = (triangles * size + np.roll(triangles, -1, axis=1)).ravel()
     order = np.argsort(keys)
-    wanted = triangles[numbers]
-    opposite = np.roll(wanted, -1, axis=1) * size + wanted
+    edge_triangles = triangles[numbers]
+    opposite = np.roll(edge_triangles, -1, axis=1) * size + edge_triangles
 
     return np.asarray(order[np.searchsorted(keys[order], opposite)] // 3)
 
@@ -168,7 +168,10 @@ def _connected(numbers: NDArray[np.int64], beside: NDArray[np.int64]) -> NDArray
     edge have the place of the first of them.
     """
     row_of = {number: row for row, number in enumerate(numbers.tolist())}
-    links = [[row_of[other] for other in others if other in row_of] for others in beside.tolist()]
+    links = [
+        [row_of[neighbour] for neighbour in neighbours if neighbour in row_of]
+        for neighbours in beside.tolist()
+    ]
     group = [-1] * len(links)
 
     for first in range(len(links)):
@@ -178,10 +181,10 @@ def _connected(numbers: NDArray[np.int64], beside: NDArray[np.int64]) -> NDArray
         waiting = [first]
         group[first] = first
         while waiting:
-            for other in links[waiting.pop()]:
-                if group[other] < 0:
-                    group[other] = first
-                    waiting.append(other)
+            for neighbour in links[waiting.pop()]:
+                if group[neighbour] < 0:
+                    group[neighbour] = first
+                    waiting.append(neighbour)
 
     return np.array(group)
 
@@ -202,10 +205,10 @@ def _unsupported_along(edges: Array, is_held: NDArray[np.bool_], angle: float) -
     at = along[edge, 0] + share * (along[edge, 1] - along[edge, 0])
     order = np.lexsort((at, thread))
     at = at[order]
-    held = is_held[edge[order]]
+    is_supported = is_held[edge[order]]
     # Each thread crosses the boundary an even number of times: it enters and leaves in turn.
     length = at[1::2] - at[::2]
-    ends = held[1::2].astype(int) + held[::2]
+    ends = is_supported[1::2].astype(int) + is_supported[::2]
     longest = np.array([0.0, MAX_LEDGE_MM, MAX_BRIDGE_MM])[ends]
 
     return float(length[length > longest + 1e-6].sum() * spacing)

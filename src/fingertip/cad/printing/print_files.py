@@ -36,12 +36,12 @@ class Placed:
     width: float
     depth: float
 
-    def distance(self, other: Placed) -> float:
+    def distance(self, neighbour: Placed) -> float:
         """Measure the gap to another part along x or y, the
         larger of both; negative if they overlap.
         """
-        along_x = max(other.x - self.x - self.width, self.x - other.x - other.width)
-        along_y = max(other.y - self.y - self.depth, self.y - other.y - other.depth)
+        along_x = max(neighbour.x - self.x - self.width, self.x - neighbour.x - neighbour.width)
+        along_y = max(neighbour.y - self.y - self.depth, self.y - neighbour.y - neighbour.depth)
         return max(along_x, along_y)
 
 
@@ -101,15 +101,15 @@ def _place_part(
                 width=part.width,
                 depth=part.depth,
             )
-            for x in (0.0, *(other.x + other.width + gap for other in plate))
-            for y in (0.0, *(other.y + other.depth + gap for other in plate))
+            for x in (0.0, *(placed.x + placed.width + gap for placed in plate))
+            for y in (0.0, *(placed.y + placed.depth + gap for placed in plate))
         )
         free = [
             spot
             for spot in spots
             if spot.x + spot.width <= bed[0] + _ROUNDING_MM
             and spot.y + spot.depth <= bed[1] + _ROUNDING_MM
-            and all(spot.distance(other) >= gap - _ROUNDING_MM for other in plate)
+            and all(spot.distance(placed) >= gap - _ROUNDING_MM for placed in plate)
         ]
         if free:
             plate.append(min(free, key=lambda spot: (spot.y + spot.depth, spot.x)))

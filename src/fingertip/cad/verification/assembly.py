@@ -131,17 +131,22 @@ def _check_overlaps(
     def volume(solid: Solid) -> float:
         return float(evaluator.manifold(solid).volume())
 
-    for (first, one), (second, other) in combinations(inside.items(), 2):
+    for (first, solid_of_first), (second, solid_of_second) in combinations(inside.items(), 2):
         yield Check.zero_volume(
-            f"overlap.{first}.{second}", volume(one) + volume(other) - volume(union(one, other))
+            f"overlap.{first}.{second}",
+            volume(solid_of_first)
+            + volume(solid_of_second)
+            - volume(union(solid_of_first, solid_of_second)),
         )
 
     cast = union(*inside.values()) if inside else None
     for half, solid in halves.items():
         together = volume(cast) + volume(solid) - volume(union(cast, solid)) if cast else 0.0
-        for name, one in inside.items():
+        for name, solid_of_first in inside.items():
             alone = (
-                together if together <= VOLUME_TOLERANCE_MM3 else volume(intersection(one, solid))
+                together
+                if together <= VOLUME_TOLERANCE_MM3
+                else volume(intersection(solid_of_first, solid))
             )
             yield Check.zero_volume(f"overlap.{name}.{half}", alone)
 

@@ -121,8 +121,8 @@ def check_adapter(design: Design, solids: Solids) -> Iterator[Check]:
         return
 
     limit = design.printer.min_wall_mm - 2 * solids.evaluator.tolerance_mm
-    found = measure_walls(solids["bone"], limit)
-    thin = found.thickness_mm[found.points[:, 2] < -design.bone.base_length_mm]
+    walls = measure_walls(solids["bone"], limit)
+    thin = walls.thickness_mm[walls.points[:, 2] < -design.bone.base_length_mm]
     matters = len(thin) * SPACING_MM**2 > NEGLIGIBLE_MM2
     yield Check(
         name="bone.wall.adapter",

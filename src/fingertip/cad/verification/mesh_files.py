@@ -123,9 +123,9 @@ def _read_stl(path: Path, data: bytes) -> Mesh | None:
 
 def _check_halves(path: Path, mesh: Mesh) -> Iterator[Check]:
     """Check that a mold half meets the other at the seam, does not overlap it, and comes off it."""
-    other, way = _PARTNERS.get(path.stem, ("", 0.0))
-    partner = path.with_name(f"{other}{path.suffix}")
-    if not other or not partner.is_file():
+    partner_name, way = _PARTNERS.get(path.stem, ("", 0.0))
+    partner = path.with_name(f"{partner_name}{path.suffix}")
+    if not partner_name or not partner.is_file():
         return
 
     read = read_mesh(str(partner), read_input(partner, BODY_LIMIT, "a mesh"))
@@ -136,9 +136,9 @@ def _check_halves(path: Path, mesh: Mesh) -> Iterator[Check]:
         float((half.translate((0.0, way * distance, 0.0)) ^ other_half).volume())
         for distance in (0.0, *_PULL_MM)
     ]
-    yield Check.zero_volume(f"{other}.overlap", overlaps[0])
-    yield Check.zero_volume(f"{other}.pull_overlap", max(overlaps[1:]))
-    yield Check(f"{other}.seam", measure_seam_mm2(half, other_half), _MAX_SEAM_MM2, "mm2")
+    yield Check.zero_volume(f"{partner_name}.overlap", overlaps[0])
+    yield Check.zero_volume(f"{partner_name}.pull_overlap", max(overlaps[1:]))
+    yield Check(f"{partner_name}.seam", measure_seam_mm2(half, other_half), _MAX_SEAM_MM2, "mm2")
 
 
 def measure_seam_mm2(half: Manifold, other_half: Manifold) -> float:
@@ -185,7 +185,11 @@ def _part_like(design: Design, name: str, mesh: Mesh, tolerance_mm: float) -> Me
         return fitted
 
     lying = bed_pose(fitted, print_orientations(design)[name].rotate_x_deg).apply(fitted)
-    return min(fitted, lying, key=lambda made: float(np.linalg.norm(_bounds(made) - _bounds(mesh))))
+    return min(
+        fitted,
+        lying,
+        key=lambda candidate: float(np.linalg.norm(_bounds(candidate) - _bounds(mesh))),
+    )
 
 
 def _bounds(mesh: Mesh) -> Array:
@@ -208,8 +212,8 @@ def _compare_with_part(mesh: Mesh, part: Mesh, tolerance_mm: float) -> Iterator[
     yield Check("design.size_difference", difference, 2.0 * tolerance_mm + _SIZE_ROUNDING_MM, "mm")
 
     solid = to_manifold(mesh.vertices, mesh.triangles)
-    wanted = to_manifold(part.vertices, part.triangles)
-    pieces = [piece for one in (solid - wanted, wanted - solid) for piece in one.decompose()]
+    exact = to_manifold(part.vertices, part.triangles)
+    pieces = [*(solid - exact).decompose(), *(exact - solid).decompose()]
     thickness = [
         2.0 * float(piece.volume()) / float(piece.surface_area())
         for piece in pieces

@@ -204,15 +204,17 @@ def _may_be_supported(
     for place in places:
         region = evaluator.manifold(place)
         low, high = np.split(np.array(region.bounding_box()), 2)
-        found = ((points >= low) & (points <= high)).all(axis=1)
+        is_inside = ((points >= low) & (points <= high)).all(axis=1)
         far = float(np.linalg.norm(high - low)) * _RAY
 
-        for i in found.nonzero()[
+        for i in is_inside.nonzero()[
             0
         ]:  # a ray from a point inside leaves the region once more than it enters
-            found[i] = len(region.ray_cast(points[i].tolist(), (points[i] + far).tolist())) % 2 == 1
+            is_inside[i] = (
+                len(region.ray_cast(points[i].tolist(), (points[i] + far).tolist())) % 2 == 1
+            )
 
-        points = points[~found]
+        points = points[~is_inside]
 
     return not len(points)
 
@@ -282,7 +284,7 @@ def _check_plates(
             Placed("", False, *box[0, :2].tolist(), *(box[1] - box[0])[:2].tolist())
             for box in boxes
         ]
-        gaps += [one.distance(other) for one, other in combinations(rectangles, 2)]
+        gaps += [first.distance(second) for first, second in combinations(rectangles, 2)]
 
     yield Check("plate.bed_distance", max(map(abs, low)), _ROUNDING_MM, "mm")
     yield Check("plate.bed_excess", max(excess), _ROUNDING_MM, "mm", change=_BED)

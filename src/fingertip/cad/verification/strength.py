@@ -238,11 +238,11 @@ def assess_strength(
 
     for load, at in list_load_points(design).items():
         proximal = [cut for cut in cuts if cut[0] < at[2]]
-        found = (
+        weaknesses = (
             *_find_weakest_section(design, at, proximal),
             *interface.local_stresses(design, at[2]),
         )
-        here = [Weakness(**vars(place), load=load) for place in found]
+        here = [Weakness(**vars(place), load=load) for place in weaknesses]
         worst = max((place for place in here if place.at_knock), key=stress)
         springs = Springs(pressed.depth_mm, _bending_stiffness(design, at[2], proximal))
         held_n = {place.place: stated.material.strength_mpa / place.stress_per_n for place in here}
@@ -257,7 +257,8 @@ def assess_strength(
         held_speed_m_s=min(knock.held_speed_m_s(stated) for knock in knocks),
         breaks_n=stated.material.strength_mpa / weakest.stress_per_n,
         knock_m_s=min(
-            one.springs.speed_m_s(stated.hand_mass_kg, min(one.bone_n, one.pin_n)) for one in knocks
+            knock.springs.speed_m_s(stated.hand_mass_kg, min(knock.bone_n, knock.pin_n))
+            for knock in knocks
         ),
         tendon_force_n=stated.grip_force_n * tendon_force_per_n(design, design.skin.length_mm),
     )

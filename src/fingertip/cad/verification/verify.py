@@ -95,10 +95,14 @@ def verify(
         work.begin(f"mesh of {name}")
         meshes[name] = solids.mesh(name)
 
-    files = [(part_file(name, each), name, each) for name in meshes for each in codes]
+    files = [
+        (part_file(name, file_format), name, file_format)
+        for name in meshes
+        for file_format in codes
+    ]
     contents = {
-        file: codes[each].to_bytes(meshes[name], name, PARTS[name].note)
-        for file, name, each in files
+        file: codes[file_format].to_bytes(meshes[name], name, PARTS[name].note)
+        for file, name, file_format in files
     }
     encoded = (
         {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()} if "3mf" in codes else {}
@@ -106,8 +110,10 @@ def verify(
     prints = make_print_files(design, meshes, encoded, "stl" in codes)
     work.begin("checks")
     checks: list[Check] = []
-    for file, name, each in files:
-        checks += check_mesh_file(design, PARTS[name], codes[each].from_bytes(contents[file]), each)
+    for file, name, file_format in files:
+        checks += check_mesh_file(
+            design, PARTS[name], codes[file_format].from_bytes(contents[file]), file_format
+        )
 
     checks += check_print_files(design, meshes, encoded, prints)
     checks += run_checks(design, solids)
@@ -166,9 +172,15 @@ def list_margins(design: Design, checks: Iterable[Check]) -> list[Comparison]:
     """List the checks and the rules of a design that compare a
     number with a limit, the nearest to it first.
     """
-    limits = (one for one in _list_limits(design) if abs(one.margin_percent) > _CHOSEN)
-    compared = (one for one in (*checks, *limits) if one.margin_percent < math.inf)
-    return sorted(compared, key=lambda one: one.margin_percent)
+    limits = (
+        comparison
+        for comparison in _list_limits(design)
+        if abs(comparison.margin_percent) > _CHOSEN
+    )
+    compared = (
+        comparison for comparison in (*checks, *limits) if comparison.margin_percent < math.inf
+    )
+    return sorted(compared, key=lambda comparison: comparison.margin_percent)
 
 
 def _list_limits(design: Design) -> Iterator[Comparison]:

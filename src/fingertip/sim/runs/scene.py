@@ -122,17 +122,17 @@ class SceneResult(SceneRecord):
 
         Raises TraceError.
         """
-        found = self.signals
-        if found.voltage_v is None:
+        signals = self.signals
+        if signals.voltage_v is None:
             raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
 
         return Trace(
-            time_s=found.time_s,
-            voltage_v=found.voltage_v,
-            force_n=found.force_n,
-            slip=found.slip,
-            envelope_v=found.sampled_envelope_v,
-            filtered_v=found.sampled_filtered_v,
+            time_s=signals.time_s,
+            voltage_v=signals.voltage_v,
+            force_n=signals.force_n,
+            slip=signals.slip,
+            envelope_v=signals.sampled_envelope_v,
+            filtered_v=signals.sampled_filtered_v,
             origin=Origin(True, self.motion_s, self.clip_share),
         )
 

@@ -59,8 +59,8 @@ class HandSignals:
         if hasattr(self, name):
             return np.asarray(getattr(self, name))
 
-        found = [getattr(finger, name) for finger in self.fingers]
-        return None if found[0] is None else np.stack(found)
+        values = [getattr(finger, name) for finger in self.fingers]
+        return None if values[0] is None else np.stack(values)
 
 
 @dataclass
@@ -91,7 +91,7 @@ class ManipulationStepper:
         target = scene.object
         pin = Pin(knock.stiffness_n_per_m, knock.damping_s_per_m, knock.attached, knock.speed_m_s)
         mounts = tuple(mount_pad(self.pad, force) for force in plan.force_n.tolist())
-        held = HeldObject(
+        held_object = HeldObject(
             friction=plan.friction,
             mounts=mounts,
             mass_kg=target.mass_kg,
@@ -99,8 +99,8 @@ class ManipulationStepper:
             pin=pin,
         )
         # A refined grid keeps the number of parts, so that all errors fall with its step.
-        parts = held.count_parts(scene.hand.max_force_n, 1 / BASE_HZ)
-        self._grasp = Grasp(held, self.grid.step_s, parts)
+        parts = held_object.count_parts(scene.hand.max_force_n, 1 / BASE_HZ)
+        self._grasp = Grasp(held_object, self.grid.step_s, parts)
         self._last_load_n = np.zeros(count)
         self._points = 1
         self._clock = SampleClock(self.grid, self.design.detector.sample_rate_hz)

@@ -216,24 +216,24 @@ def build_timeline(design: Design, scene: SceneFile, pad: Pad, force_n: float) -
     hold = scene.hold
     slide = scene.slide
     approach = None
-    held = OPEN_S + hold.close_s
+    closed_s = OPEN_S + hold.close_s
 
     if hold.mode == "press":
         # Approach and lift have the same speed (assumption: the article gives the duration of the
         # lift only).
         speed = TrapezoidalMove.with_duration(0.0, LIFT_M, LIFT_S).peak_m_s
         approach = TrapezoidalMove.with_speed(0.0, APPROACH_M + pad.depth_m(force_n), speed)
-        held = approach.end_s
+        closed_s = approach.end_s
 
-    starts = held
+    starts = closed_s
     if hold.trigger_v:
-        time_s = np.linspace(0.0, held, _TRIGGER_POINTS)
+        time_s = np.linspace(0.0, closed_s, _TRIGGER_POINTS)
         load_n = Timeline(
             scene=scene,
             force_n=force_n,
-            held_s=held,
-            release_s=held,
-            duration_s=held,
+            held_s=closed_s,
+            release_s=closed_s,
+            duration_s=closed_s,
             slide=None,
             approach=approach,
             lift=None,
@@ -241,7 +241,11 @@ def build_timeline(design: Design, scene: SceneFile, pad: Pad, force_n: float) -
         starts = find_trigger_s(design, pad, scene.sensing, hold.trigger_v, time_s, load_n)
 
     sliding = _plan_slide(slide, starts + hold.wait_s) if slide.distance_m else None
-    busy = max(held + hold.min_s, sliding.end_s if sliding else held, held + _events_end_s(scene))
+    busy = max(
+        closed_s + hold.min_s,
+        sliding.end_s if sliding else closed_s,
+        closed_s + _events_end_s(scene),
+    )
     release = busy + hold.wait_s
     lift = (
         TrapezoidalMove.with_duration(release, LIFT_M, LIFT_S)
@@ -253,7 +257,7 @@ def build_timeline(design: Design, scene: SceneFile, pad: Pad, force_n: float) -
     return Timeline(
         scene=scene,
         force_n=force_n,
-        held_s=held,
+        held_s=closed_s,
         release_s=release,
         duration_s=end + hold.after_s,
         slide=sliding,

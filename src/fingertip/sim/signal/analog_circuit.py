@@ -55,14 +55,14 @@ def augment(A: Array, b: Array, K: Array | None = None, is_curved: bool = False)
     A: (..., n, n), b: (..., n), K: (..., n, constants).
     """
     n = A.shape[-1]
-    given = 0 if K is None else K.shape[-1]
-    M = np.zeros((*A.shape[:-2], n + 2 + given + is_curved, n + 2 + given + is_curved))
+    jump_count = 0 if K is None else K.shape[-1]
+    M = np.zeros((*A.shape[:-2], n + 2 + jump_count + is_curved, n + 2 + jump_count + is_curved))
     M[..., n + 1, -1] = float(is_curved)
     M[..., :n, :n] = A
     M[..., :n, n] = b
     M[..., n, n + 1] = 1.0
     if K is not None:
-        M[..., :n, n + 2 : n + 2 + given] = K
+        M[..., :n, n + 2 : n + 2 + jump_count] = K
 
     return M
 
@@ -86,12 +86,12 @@ def exponentials(M: Array, step_s: float, levels: int) -> Array:
     for _ in range(squarings):
         D = 2 * D + D @ D
 
-    found = [D]
+    powers = [D]
     for _ in range(levels - 1):
         D = 2 * D + D @ D
-        found.append(D)
+        powers.append(D)
 
-    return np.stack(found[::-1], axis=-3) + np.eye(M.shape[-1])
+    return np.stack(powers[::-1], axis=-3) + np.eye(M.shape[-1])
 
 
 COMPONENTS = (
@@ -293,7 +293,7 @@ def compute_step_matrices(
     """
     system = compute_state_space(board)
     count, n = system.A.shape[:2]
-    held = (
+    jump_places = (
         [()] if not system.outputs else [(), system.outputs[1:], system.outputs[:1], system.outputs]
     )
     width = n + 2 + len(system.outputs) + board.is_curved
@@ -310,7 +310,7 @@ def compute_step_matrices(
     output = widen(system.rows[FILTERED])
     step_columns = []
 
-    for places in held:
+    for places in jump_places:
         A = system.A.copy()
         b = system.b.copy()
         rates = np.zeros((count, n, len(system.outputs)))

@@ -205,7 +205,7 @@ def _envelope_loop(
     tables: MutableFloats,
     filtered: MutableFloats,
     envelope: MutableFloats,
-    held: MutableFloats,
+    is_held: MutableFloats,
     statistics: MutableFloats,
 ) -> None:
     """Follow the envelope over a chunk: exact steps of the circuit, and
@@ -257,7 +257,7 @@ def _envelope_loop(
     steps = rejected = implicit = 0
     filtered[0] = 0.0
     envelope[0] = v
-    held[0] = 0.0
+    is_held[0] = 0.0
 
     for i in range(len(before) - 1):
         # z holds the circuit's states, the input, its slope, given rates, and the slope's rate.
@@ -267,7 +267,7 @@ def _envelope_loop(
         z[states + 1] = slope + (3 if is_curved else 2) * bow / H
         tick = 0
         corner = 0
-        held[i + 1] = 0.0
+        is_held[i + 1] = 0.0
 
         if is_curved:
             z[states + 4] = -6 * bow / (H * H)
@@ -299,7 +299,7 @@ def _envelope_loop(
                 state2 = find_state(z[at2], math.inf if is_up > 0.0 else rate2, low, high, slew)
                 mode = (2 if state1 else 0) + (1 if state2 else 0)
                 if state2 != FREE:
-                    held[i + 1] = 1.0
+                    is_held[i + 1] = 1.0
 
                 if state1 == RISING:
                     z[states + 2] = slew

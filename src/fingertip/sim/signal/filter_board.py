@@ -110,10 +110,10 @@ class AnalogStream:
         line; None: it is on it.
         """
         after = voltage_v if after_v is None else after_v
-        given = {"voltage_v": voltage_v} | ({} if after_v is None else {"after_v": after_v})
+        inputs = {"voltage_v": voltage_v} | ({} if after_v is None else {"after_v": after_v})
         raise_issues(
             TraceError,
-            (issue for name, volts in given.items() for issue in find_voltage_issues(name, volts)),
+            (issue for name, volts in inputs.items() for issue in find_voltage_issues(name, volts)),
         )
         # The interval before a chunk's first sample begins at the last sample of the chunk before.
         bends = np.zeros(len(voltage_v)) if bend_v is None else bend_v

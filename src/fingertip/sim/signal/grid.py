@@ -104,11 +104,11 @@ class SampleClock:
         whole = np.floor(at + _SNAP)
         fraction = at - whole
         fraction[np.abs(fraction) <= _SNAP] = 0.0
-        found = Instants(self._samples, whole.astype(np.int64) - origin, fraction, self._rate)
+        instants = Instants(self._samples, whole.astype(np.int64) - origin, fraction, self._rate)
         self._points = last + 1
         self._samples = end
 
-        return found
+        return instants
 
     def count_until(self, point: int) -> int:
         """Number of samples up to a point of the grid."""

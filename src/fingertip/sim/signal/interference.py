@@ -216,7 +216,7 @@ def design_pink() -> tuple[list[float], list[float], list[list[float]]]:
     gains = [
         gain
         * math.prod(1 - b / a for b in zeros)
-        / math.prod(1 - other / a for other in decays if other != a)
+        / math.prod(1 - other_pole / a for other_pole in decays if other_pole != a)
         for a in decays
     ]
     # In the steady state, processes i and k have the covariance gain_i gain_k / (1 - a_i a_k). It
@@ -266,16 +266,16 @@ def _design_butterworth(corner_hz: float, is_high_pass: bool) -> tuple[float, ..
     Butterworth filter of order 4 (bilinear transform).
     """
     k = math.tan(math.pi * corner_hz / BASE_HZ)
-    found: list[float] = []
+    coefficients: list[float] = []
 
     for pole in (1, 3):
         damping = 2 * math.sin(pole * math.pi / 8)  # 1 / Q of the section
         scale = 1 / (1 + damping * k + k * k)
         b0 = scale if is_high_pass else k * k * scale
         b1 = -2 * b0 if is_high_pass else 2 * b0
-        found += [b0, b1, b0, 2 * (k * k - 1) * scale, (1 - damping * k + k * k) * scale]
+        coefficients += [b0, b1, b0, 2 * (k * k - 1) * scale, (1 - damping * k + k * k) * scale]
 
-    return tuple(found)
+    return tuple(coefficients)
 
 
 def _touch_loop(

@@ -115,8 +115,8 @@ class Readout:
         curve = sensor.curve
         response = sensor.response
         ranges = [
-            (one.low_v, one.step_v, 2.0**one.bits - 1)
-            for one in (adc, adc.above_signal_ground(boarded))
+            (converter.low_v, converter.step_v, 2.0**converter.bits - 1)
+            for converter in (adc, adc.above_signal_ground(boarded))
         ]
         tolerance_v = BOARD_TOLERANCE_V / grid.refinement**2
         board = AnalogStream(
@@ -221,8 +221,8 @@ class Readout:
         """
         counts = (_BLOCK - self._is_new) * self._points + self._is_new, _BLOCK, _BLOCK
         return [
-            np.stack([draw(size) for draw in each], axis=1)
-            for each, size in zip(self._draws, counts, strict=True)
+            np.stack([draw(size) for draw in functions], axis=1)
+            for functions, size in zip(self._draws, counts, strict=True)
         ]
 
 

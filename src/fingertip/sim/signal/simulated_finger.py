@@ -187,8 +187,8 @@ class Finger:
         return its signals at the instants within them.
         """
         at = self._clock.advance(len(drive.load_n))
-        found: dict[str, Any] = {"time_s": at.time_s}
-        found |= self._motion.process(drive, at, self._meter)
+        signals: dict[str, Any] = {"time_s": at.time_s}
+        signals |= self._motion.process(drive, at, self._meter)
         contact_n = drive.contact_n
         if self._contact and contact_n is None:
             contact_n = self._contact.process(drive)
@@ -196,7 +196,7 @@ class Finger:
         if self._force:
             assert contact_n is not None
             with self._meter.stage("force"):
-                found["force_n"] = self._force.process(contact_n, at)
+                signals["force_n"] = self._force.process(contact_n, at)
 
         if self._bridge:
             assert contact_n is not None
@@ -204,12 +204,12 @@ class Finger:
             if self._converter:
                 with self._meter.stage("ADC"):
                     before_v = bridge_v if jumps is None else bridge_v - jumps
-                    found["voltage_v"] = self._converter.process(before_v, at, bridge_v)
+                    signals["voltage_v"] = self._converter.process(before_v, at, bridge_v)
 
             if self._board:
-                found |= self._board.process(bridge_v, jumps, bend_v, at)
+                signals |= self._board.process(bridge_v, jumps, bend_v, at)
 
-        return FingerSignals(**found)
+        return FingerSignals(**signals)
 
 
 class _MotionSampler:
@@ -224,29 +224,29 @@ class _MotionSampler:
         self, drive: FingerDrive, at: Instants, meter: CostMeter
     ) -> dict[str, Array | NDArray[np.bool_]]:
         load, velocity, bristle, shear = self._samplers
-        wanted = self._outputs & {"slip", "velocity_m_s", "shear_m"}
-        found: dict[str, Array | NDArray[np.bool_]] = {}
-        if not wanted:
+        outputs = self._outputs & {"slip", "velocity_m_s", "shear_m"}
+        signals: dict[str, Array | NDArray[np.bool_]] = {}
+        if not outputs:
             return {}
 
         if drive.velocity_m_s is None or drive.bristle_m is None or drive.shear_m is None:
             with meter.stage("no motion"):
                 zeros = np.zeros(len(at.index))
-                return {name: zeros > 0.0 if name == "slip" else zeros for name in sorted(wanted)}
+                return {name: zeros > 0.0 if name == "slip" else zeros for name in sorted(outputs)}
 
-        if wanted & {"slip", "velocity_m_s"}:
+        if outputs & {"slip", "velocity_m_s"}:
             with meter.stage("slip"):
-                speed_m_s = found["velocity_m_s"] = velocity.process(drive.velocity_m_s, at)
-                if "slip" in wanted:
+                speed_m_s = signals["velocity_m_s"] = velocity.process(drive.velocity_m_s, at)
+                if "slip" in outputs:
                     bent = bristle.process(drive.bristle_m, at)
                     pressed = load.process(drive.load_n, at)
-                    found["slip"] = self._friction.is_gross_slip(speed_m_s, bent, pressed)
+                    signals["slip"] = self._friction.is_gross_slip(speed_m_s, bent, pressed)
 
-        if "shear_m" in wanted:
+        if "shear_m" in outputs:
             with meter.stage("shear"):
-                found["shear_m"] = shear.process(drive.shear_m, at)
+                signals["shear_m"] = shear.process(drive.shear_m, at)
 
-        return {name: found[name] for name in wanted}
+        return {name: signals[name] for name in outputs}
 
 
 class _Contact:

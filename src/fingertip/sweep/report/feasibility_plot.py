@@ -259,10 +259,10 @@ def _choose_colours(
         for i, name in enumerate(names[: len(colours)])
     ]
     if len(names) > len(colours):
-        others = len(names) - len(colours)
+        other_count = len(names) - len(colours)
         codes = np.minimum(codes, len(colours))
         labels.append(
-            f"others ({others})  {format_percent(counts[len(colours) :].sum() / total, 1)}"
+            f"others ({other_count})  {format_percent(counts[len(colours) :].sum() / total, 1)}"
         )
         colours.append(style.REFERENCE)
 

@@ -326,9 +326,11 @@ def draw_heat_map(
         feasible=feasible,
         minimise=minimise is not False,
     )
-    others = [name for name, count in counts.items() if name not in (x_name, y_name) and count > 1]
+    other_axes = [
+        name for name, count in counts.items() if name not in (x_name, y_name) and count > 1
+    ]
 
-    if finite.max(initial=0) <= 1 and not others:
+    if finite.max(initial=0) <= 1 and not other_axes:
         figure = style.new_figure(8.5, 6.5)
         _draw_cells(
             figure,
@@ -368,8 +370,8 @@ def draw_heat_map(
     caption = f"{finite.sum()} feasible designs{condition}; grey: no such design"
     if not points.all():
         caption += "; white: no point"
-    if others:
-        caption += f"; over all values of {', '.join(others)}"
+    if other_axes:
+        caption += f"; over all values of {', '.join(other_axes)}"
 
     figure.suptitle(caption, x=0.01, ha="left", fontsize=9)
     return style.to_png(figure)
@@ -426,7 +428,7 @@ def draw_sensitivities(
     plot.set_xticks(
         range(len(columns)), [feasibility_plot.wrap_name(name, 16) for name in columns], fontsize=8
     )
-    rows = [feasibility_plot.wrap_name(each.output, 30) for each in sensitivities]
+    rows = [feasibility_plot.wrap_name(sensitivity.output, 30) for sensitivity in sensitivities]
     plot.set_yticks(range(len(rows)), rows, fontsize=9)
     plot.tick_params(
         length=0,

@@ -421,7 +421,7 @@ def compute_sensitivity(
             (index, AxisSensitivity(name, 0.0 if ties else index, rank_correlation, ties))
         )
 
-    sensitivities.sort(key=lambda one: -one[0])
+    sensitivities.sort(key=lambda entry: -entry[0])
     return OutputSensitivity(
         output, len(y), max_deviation, tuple(axis for _, axis in sensitivities)
     )
@@ -435,9 +435,9 @@ def find_tied(axes: Mapping[str, Column]) -> dict[str, tuple[str, ...]]:
     least = max([TIED, *(3.0 / math.sqrt(len(own)) for own in ranks.values())])
     return {
         name: tuple(
-            other
-            for other in ranks
-            if other != name and abs(compute_correlation(own, ranks[other])) > least
+            axis
+            for axis in ranks
+            if axis != name and abs(compute_correlation(own, ranks[axis])) > least
         )
         for name, own in ranks.items()
     }

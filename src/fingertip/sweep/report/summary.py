@@ -307,13 +307,12 @@ def _format_outputs(summary: SweepSummary) -> list[str]:
 
     lines = ["", "output (feasible points)              minimum     median    maximum"]
     for name, column in summary.table.outputs.items():
-        found = _find_range(column[feasible])
+        ends = _find_range(column[feasible])
         numbers = " ".join(
-            f"{_format_value(found[end]):>10}" for end in ("minimum", "median", "maximum")
+            f"{_format_value(ends[end]):>10}" for end in ("minimum", "median", "maximum")
         )
         lines.append(
-            f"{name:34} {numbers}"
-            + (f"   {found['infinite']} infinite" if found["infinite"] else "")
+            f"{name:34} {numbers}" + (f"   {ends['infinite']} infinite" if ends["infinite"] else "")
         )
 
     return lines

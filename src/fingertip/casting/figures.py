@@ -154,12 +154,11 @@ class CoreSeat:
 
     lowering_s: float
     height_mm: tuple[float, float]
-    """Least and largest height from the foot of the cup to the top of the seated core's
-    plate [mm].
+    """Least and largest height from the foot of the cup to the top of the seated core's plate [mm].
     """
     tilt_mm: float
-    """Largest difference of this height between edge and edge,
-    for a skin that is right to 10 % [mm].
+    """Largest difference of this height between edge and edge, for a skin that is right to 10 %
+    [mm].
     """
 
 

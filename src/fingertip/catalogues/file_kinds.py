@@ -46,8 +46,8 @@ SWEEP, SET, SURFACE, MANIPULATION, SCENE, DESIGN = KINDS
 
 
 def read_file(path: Path, kind: FileKind, below: Path | None = None) -> dict[str, Any]:
-    """Read a file, unless none of its names belongs to the expected
-    kind alone, but some name to another kind.
+    """Read a file, unless none of its names belongs to the expected kind alone, but some name to
+    another kind.
     """
     tables = read_toml(path, kind.describe(), below)
     kinds = _find_kinds(tables)

@@ -52,8 +52,8 @@ class LoadedTables:
 
 
 Changes = Iterable[str] | Mapping[str, Any]
-"""Changes of parameters: texts such as "skin.width_mm=18", or
-{"skin.width_mm": 18}, or nested tables.
+"""Changes of parameters: texts such as "skin.width_mm=18", or {"skin.width_mm": 18}, or nested
+tables.
 """
 
 

@@ -228,8 +228,9 @@ def _remove_leftover(path: Path) -> None:
 
 
 def lock_folder(folder: Path, *, shared: bool = False) -> int | None:
-    """Lock a folder until the handle is closed or the process ends; None where the system has no
-    such locks.
+    """Lock a folder until the handle is closed or the process ends.
+
+    None where the system has no such locks.
 
     Raises BlockingIOError if another process holds a lock, and OSError if the folder cannot be
     opened.

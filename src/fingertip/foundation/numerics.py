@@ -51,8 +51,9 @@ def bisect(
 def bisect_arrays(
     is_below: Callable[[Array], NDArray[np.bool_]], low: Array, high: Array, halvings: int
 ) -> tuple[Array, Array]:
-    """Narrow the bracket of a boundary in every element by a fixed number of halvings; the
-    counterpart of `bisect`.
+    """Narrow the bracket of a boundary in every element by a fixed number of halvings.
+
+    It is the counterpart of `bisect`.
     """
     import numpy as np  # noqa: PLC0415
 

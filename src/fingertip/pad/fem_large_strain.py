@@ -27,19 +27,19 @@ from fingertip.pad.touch import Pose, Touch
 _SPRINGS = 1000.0
 """Stiffness of the springs of the contact over that of a layer of silicone in tension."""
 _DRAG = 0.03
-"""Stiffness of the springs along the surface over that of those across
-it; a stiffer one makes Newton's method jump.
+"""Stiffness of the springs along the surface over that of those across it.
+A stiffer one makes Newton's method jump.
 """
 _MAX_STEPS = 60
 _CLOSE = 1e-7
-"""Largest number of Newton's steps for a force, and the error of the
-forces, relative to it, at which they end.
+"""Largest number of Newton's steps for a force, and the error of the forces, relative to it, at
+which they end.
 """
 _FULL_STEPS = 4
 """Steps for a force that are not shortened."""
 _PACES = (1.0, 0.5, 0.25, 0.125, 0.0625)
-"""Parts of a later step that are tried until it lessens the error:
-nodes that stick and slide in turn overshoot.
+"""Parts of a later step that are tried until it lessens the error: nodes that stick and slide in
+turn overshoot.
 """
 _BULGES = (0.1, 0.25, 0.5, 1.0)
 """Parts of a bump and its gap that are computed one after the other."""
@@ -47,8 +47,7 @@ _AWAY_MM = 10.0
 """Distance of the object while nothing touches."""
 _FIRST_N = 0.05
 _FIRST_NODES = 6
-"""Force that is computed first, and the nodes that the object overlaps at the start of
-the search.
+"""Force that is computed first, and the nodes that the object overlaps at the start of the search.
 """
 _GROWTH = 1.5
 """Growth of the force, from one that is computed to the next."""
@@ -134,8 +133,8 @@ class LargeStrainSolver:
             self._faces.append(inner)
 
     def first_touch(self) -> tuple[float, float, Array]:
-        """Return the force on the sensor at rest, how much nearer a
-        bump brings the touch, and the unknowns there.
+        """Return the force on the sensor at rest, how much nearer a bump brings the touch, and the
+        unknowns there.
         """
         rest_n = 0.0
         face = self.face
@@ -168,8 +167,8 @@ class LargeStrainSolver:
         return self._model.at_rest
 
     def balance(self, force_n: float, unknown: Array) -> tuple[Array, Array]:
-        """Return the unknowns under a force, from those under
-        another, and the forces of the skin on its nodes.
+        """Return the unknowns under a force, from those under another, and the forces of the skin
+        on its nodes.
         """
         load = force_n / self._model.copies
         free = self._free if force_n else self._free[:-1]
@@ -221,9 +220,7 @@ class LargeStrainSolver:
 
 
 class Face:
-    """Nodes of a surface of the skin that may meet something rigid: the object, or the
-    bone inside.
-    """
+    """Nodes of a surface of the skin that may meet something rigid: the object, or the bone inside."""
 
     def __init__(
         self,
@@ -236,8 +233,9 @@ class Face:
         friction: float,
         springs: float,
     ) -> None:
-        """Join the nodes to the unknowns; `approach` is the way
-        of the object, and None for the bone.
+        """Join the nodes to the unknowns.
+
+        `approach` is the way of the object, and None for the bone.
         """
         from scipy.sparse import csr_array, eye_array, hstack, kron  # noqa: PLC0415
 
@@ -274,8 +272,8 @@ class Face:
         self.anchors = self._next
 
     def press(self, places: Array) -> tuple[Array, Array, Array]:
-        """Return tractions at places of the surface, their slopes by
-        the place, and the slip that springs hold.
+        """Return tractions at places of the surface, their slopes by the place, and the slip that
+        springs hold.
         """
         gap, into, _ = self.gaps(places)
         pressure = self._springs * np.maximum(-gap, 0.0)

@@ -46,12 +46,11 @@ from fingertip.pad.touch import Pose, Touch
 GRID_MM = 0.25
 _FIRST_REACH_MM = 0.8
 _MAX_REACH_MM = 6.4
-"""Gap before the touch up to which the surface may come into contact: at first, and at
-most [mm].
+"""Gap before the touch up to which the surface may come into contact: at first, and at most [mm].
 """
 _MARGIN = 2.0
-"""Width around that surface on which nothing presses, in
-thicknesses: waves wrap around the grid's edge.
+"""Width around that surface on which nothing presses, in thicknesses: waves wrap around the grid's
+edge.
 """
 _SIZES = tuple(sorted(2**a * 3**b * 5**c for a in range(2, 9) for b in range(4) for c in range(2)))
 """Lengths of a grid for which the Fourier transform is fast."""
@@ -74,12 +73,12 @@ An assumption.
 class Contact:
     force_n: float
     share: float
-    """Fraction of the force that presses on the active area of the
-    sensor, beside what presses there at rest.
+    """Fraction of the force that presses on the active area of the sensor, beside what presses
+    there at rest.
     """
     shear_share: float
-    """Force on the active area over a force along the surface, towards
-    the tip, which is spread as the pressure is.
+    """Force on the active area over a force along the surface, towards the tip, which is spread as
+    the pressure is.
     """
     depth_mm: float
     area_mm2: float
@@ -97,9 +96,7 @@ class Contact:
 
 @dataclass(frozen=True, eq=False)
 class _Layout:
-    """Gap before the touch on a grid around it, and the kernels of the layer on the
-    grid's waves.
-    """
+    """Gap before the touch on a grid around it, and the kernels of the layer on the grid's waves."""
 
     gap_mm: Array
     """Gap [mm], shape (x, z); infinite where nothing may press."""
@@ -167,8 +164,8 @@ def find_contacts(
 
 
 def find_rest_n(form: PadForm) -> float:
-    """Find the force on the active area when nothing touches the
-    finger, from a bump inside the skin [N].
+    """Find the force on the active area when nothing touches the finger, from a bump inside the
+    skin [N].
     """
     inside = _lay_rings(form)
     return inside.rest_n if inside else 0.0
@@ -282,8 +279,8 @@ def is_possible(form: PadForm, pose: Pose) -> bool:
 
 
 def _unwrap(start: float, size: int, used: int, grid_mm: float) -> Array:
-    """Return the positions of a grid that wraps around: the second
-    half of its margin lies before its start.
+    """Return the positions of a grid that wraps around: the second half of its margin lies before
+    its start.
     """
     index = np.arange(size)
     behind = (size - used) // 2

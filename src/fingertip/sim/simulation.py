@@ -69,8 +69,8 @@ class Simulation:
     """Name of the scene's file without suffix; "trace" for a trial of the article."""
 
     def find_warnings(self) -> Iterator[str]:
-        """Yield what limits the recorded voltage: an ADC range that the
-        board exceeds, a profile of too few points.
+        """Yield what limits the recorded voltage: an ADC range that the board exceeds, a profile of
+        too few points.
         """
         if "voltage_v" in self.scene.outputs:
             if self.scene.converter.bits:
@@ -234,8 +234,8 @@ MAX_FORCE_N = 4.0
 At a larger one the hand travels so far that the lift of 5 cm does not end the contact.
 """
 SPEED_RANGE_M_S = (0.005, 0.2)
-"""Range of the sliding speed [m/s]: slower takes minutes to
-compute, faster is not reached within 4 cm.
+"""Range of the sliding speed [m/s]: slower takes minutes to compute, faster is not reached within 4
+cm.
 """
 SPEEDS_M_S = (0.04, 0.06, 0.08)
 REPEATS_PER_TRIAL = 5
@@ -324,8 +324,8 @@ def simulate(design: Design, trial: Trial | None = None) -> Trace:
 
 
 def article_trials() -> Iterator[tuple[SceneFile, int]]:
-    """Yield scene and own seed of the 120 trials: 6 surfaces and
-    2 grasped objects, 3 speeds, 5 repeats.
+    """Yield scene and own seed of the 120 trials: 6 surfaces and 2 grasped objects, 3 speeds, 5
+    repeats.
     """
     seed = 0
     # The thumb of a tri-digital grasp, which presses with the force of both fingers;
@@ -357,8 +357,8 @@ def article_trials() -> Iterator[tuple[SceneFile, int]]:
 
 
 def article_manipulations(first_seed: int = 0) -> Iterator[tuple[ManipulationFile, int]]:
-    """Yield scene, named after its object, and seed of each of the
-    12 manipulations: 4 objects, 3 repeats.
+    """Yield scene, named after its object, and seed of each of the 12 manipulations: 4 objects, 3
+    repeats.
     """
     seed = first_seed
     for name, (target, kind) in MANIPULATED_OBJECTS.items():

@@ -144,8 +144,8 @@ def compute_noise(context: PointContext) -> OutputValues:
 
 
 def compute_detection(context: PointContext) -> OutputValues:
-    """Compute delays and alarms of the detector on simulated
-    trials of the scene, each with its own seed.
+    """Compute delays and alarms of the detector on simulated trials of the scene, each with its own
+    seed.
     """
     from fingertip.foundation.jit import compiled
     from fingertip.lab.campaign import run
@@ -354,8 +354,8 @@ def compute_acceptance(context: PointContext) -> OutputValues:
 
 
 def compute_controller(context: PointContext) -> OutputValues:
-    """Compute what detectors of several fingers ask of the controller
-    that `fingertip firmware` proposes for them.
+    """Compute what detectors of several fingers ask of the controller that `fingertip firmware`
+    proposes for them.
     """
     from fingertip.catalogues.electronics import NAMES
     from fingertip.firmware.fingers import count_fingers, find_controller, find_load
@@ -407,8 +407,8 @@ def compute_set(context: PointContext) -> OutputValues:
 
 
 def compute_checks(context: PointContext) -> OutputValues:
-    """Run every check of `fingertip check` on the design, or
-    all of a set, at the sweep's tolerance.
+    """Run every check of `fingertip check` on the design, or all of a set, at the sweep's
+    tolerance.
     """
     from fingertip.cad.verification.verify import verify
     from fingertip.models.parts import parts_by_name
@@ -482,6 +482,6 @@ GROUP_FUNCTIONS: dict[str, Callable[[PointContext], OutputValues]] = {
     "set": compute_set,
     "set_checks": compute_checks,
 }
-"""Group of outputs -> function that computes them; `outputs.GROUPS` says what each reads
-and costs.
+"""Group of outputs -> function that computes them.
+`outputs.GROUPS` says what each reads and costs.
 """

@@ -62,8 +62,9 @@ class DesignBuilder:
 
 
 def apply_changes(tables: dict[str, Any], changes: Mapping[str, Value]) -> dict[str, Any]:
-    """Copy nested tables with dotted parameters changed;
-    unchanged tables are shared with the original.
+    """Copy nested tables with dotted parameters changed.
+
+    Unchanged tables are shared with the original.
     """
     changed = dict(tables)
     for name, value in changes.items():
@@ -78,8 +79,8 @@ V = TypeVar("V")
 
 
 class LruCache(Generic[K, V]):
-    """Mapping of bounded weight: it evicts the least recently
-    used entries, except for the newest one.
+    """Mapping of bounded weight: it evicts the least recently used entries, except for the newest
+    one.
     """
 
     def __init__(self, max_weight: float) -> None:
@@ -111,8 +112,9 @@ MAX_FITS = 4096
 
 
 def restrict_kernel_to_one_thread() -> None:
-    """Make the mesh kernel compute on one thread in this process; the sweep has a process on each
-    processor already.
+    """Make the mesh kernel compute on one thread in this process.
+
+    The sweep has a process on each processor already.
 
     On two threads a design takes 1.5 times the processor time. The kernel counts the processors at
     its first computation and offers no setting. This function has no effect after that computation,

@@ -1,5 +1,5 @@
-"""Engines that evaluate the chunks of a sweep: worker processes on
-this machine, or those of a Dask cluster.
+"""Engines that evaluate the chunks of a sweep: worker processes on this machine, or those of a Dask
+cluster.
 """
 
 from __future__ import annotations
@@ -136,8 +136,8 @@ class DaskEngine:
         return sorted(self._client.scheduler_info(n_workers=-1).get("workers", ()))
 
     def _check_workers(self, address: str) -> None:
-        """Wait for a worker, then require the same versions on
-        every worker: others give other rows.
+        """Wait for a worker, then require the same versions on every worker: others give other
+        rows.
         """
         try:
             self._client.wait_for_workers(1, timeout=_CONNECT_TIMEOUT_S)

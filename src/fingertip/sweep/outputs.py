@@ -20,16 +20,16 @@ from fingertip.foundation.tables import load_table, read_rows
 FINGER = frozenset({"sensor", "custom_sensor", "bone", "hand", "skin"})
 CLOSED_MOLD = FINGER | {"mold"}
 MOLD = CLOSED_MOLD | {"printer"}
-"""Tables that define the mold around the cavity, whose walls are as
-thick as the printer needs, and the play in it.
+"""Tables that define the mold around the cavity, whose walls are as thick as the printer needs, and
+the play in it.
 """
 PARTS = MOLD | {"name", "strength", "silicone"}
 """Tables that the checks of the printed parts read: the mold halves carry the design's name, and
 the printer's scale and limits, the loads and the silicone decide on the checks.
 """
 PAD = MOLD | {"silicone", "force_curve"}
-"""Tables that the pad depends on; how a skin that is made apart fits depends on mold
-and printer.
+"""Tables that the pad depends on.
+How a skin that is made apart fits depends on mold and printer.
 """
 SIMULATION = PAD | {"board", "detector"}
 
@@ -114,8 +114,8 @@ def find_groups(outputs: Iterable[str]) -> tuple[OutputGroup, ...]:
 
 
 def check_outputs(names: Sequence[str], is_set: bool) -> list[Issue]:
-    """Find outputs that are unknown or listed twice, and else those
-    that cannot be computed for a set, or a finger.
+    """Find outputs that are unknown or listed twice, and else those that cannot be computed for a
+    set, or a finger.
     """
     retired = [name for name in dict.fromkeys(names) if name in load_retired()]
     issues = [Issue("outputs", issue.typed) for issue in describe_retired(retired)]

@@ -118,8 +118,8 @@ class SweepPlan:
         raise SweepError(issues)
 
     def to_toml(self) -> str:
-        """Write the whole sweep, base design and scene included, as
-        canonical text: equal sweeps give equal text.
+        """Write the whole sweep, base design and scene included, as canonical text: equal sweeps
+        give equal text.
         """
         tables: dict[str, Any] = self.file.model_dump(exclude={"axes", "design", "scene"})
         tables["axes"] = {axis.name: _to_entry(axis) for axis in self.axes}
@@ -233,9 +233,7 @@ class SweepPlan:
 
     @cached_property
     def _samples(self) -> NDArray[np.float64]:
-        """(points, axes) in [0, 1): Latin hypercube or scrambled Sobol sequence
-        (scipy.stats.qmc).
-        """
+        """(points, axes) in [0, 1): Latin hypercube or scrambled Sobol sequence (scipy.stats.qmc)."""
         self._require_samplers()
         from scipy.stats import qmc  # noqa: PLC0415
 

@@ -27,8 +27,8 @@ class Pose:
     """Rigid motion of a part from its file to the bed: v -> rotation v + shift."""
 
     rotation: Array
-    """Rotation, shape (3, 3); its entries are 0, 1 and -1, so
-    that vertices keep their exact values.
+    """Rotation, shape (3, 3).
+    Its entries are 0, 1 and -1, so that vertices keep their exact values.
     """
     shift: tuple[float, float, float]
     """Translation after the rotation [mm]."""
@@ -42,8 +42,9 @@ class Pose:
         return x, y, z
 
     def turned(self) -> Pose:
-        """Turn the pose by a quarter turn about the vertical; it lies
-        at the corner again once `on_bed` places it.
+        """Turn the pose by a quarter turn about the vertical.
+
+        It lies at the corner again once `on_bed` places it.
         """
         return Pose(
             np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]) @ self.rotation,
@@ -82,12 +83,12 @@ Design guides of print services state 5 to 15 mm. An assumption.
 MAX_LEDGE_MM = 1.0
 """Longest ledge that prints over air [mm], as design guides for resin state. An assumption."""
 MAX_UNSUPPORTED_MM2 = MAX_LEDGE_MM**2
-"""Largest unsupported part of a ceiling [mm2]: a corner of the longest
-ledge, as where a bore ends in a round side.
+"""Largest unsupported part of a ceiling [mm2]: a corner of the longest ledge, as where a bore ends
+in a round side.
 """
 _STEEP = math.sin(math.radians(OVERHANG_DEG)) + 1e-4
-"""Component of the normal downwards above which a facet
-overhangs; facets at the angle itself do not.
+"""Component of the normal downwards above which a facet overhangs.
+Facets at the angle itself do not.
 """
 _ON_BED_MM = 0.005
 """Height up to which a facet lies on the bed [mm]."""
@@ -106,8 +107,8 @@ class Ceiling:
     """True for edges beside which the surface goes down, shape (n,)."""
 
     def unsupported_mm2(self) -> float:
-        """Area seen from above that no short bridge and no short
-        ledge covers [mm2], in the best direction.
+        """Area seen from above that no short bridge and no short ledge covers [mm2], in the best
+        direction.
         """
         return min(
             _unsupported_along(self.edges, self.is_held, math.pi * i / _DIRECTIONS)
@@ -151,8 +152,8 @@ def _split(group: NDArray[np.int64]) -> list[NDArray[np.int64]]:
 
 
 def _neighbours(triangles: Triangles, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Find the three facets beside each of some facets of a closed
-    mesh, in the order of their sides, shape (n, 3).
+    """Find the three facets beside each of some facets of a closed mesh, in the order of their
+    sides, shape (n, 3).
     """
     size = int(triangles.max()) + 1
     keys = (triangles * size + np.roll(triangles, -1, axis=1)).ravel()
@@ -164,8 +165,8 @@ def _neighbours(triangles: Triangles, numbers: NDArray[np.int64]) -> NDArray[np.
 
 
 def _connected(numbers: NDArray[np.int64], beside: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Find the group of each facet: those that overhang and share an
-    edge have the place of the first of them.
+    """Find the group of each facet: those that overhang and share an edge have the place of the
+    first of them.
     """
     row_of = {number: row for row, number in enumerate(numbers.tolist())}
     links = [

@@ -1,5 +1,5 @@
-"""Files of the printed parts as they lie on the bed: an STL file
-each, and plates as 3MF with slicer settings.
+"""Files of the printed parts as they lie on the bed: an STL file each, and plates as 3MF with
+slicer settings.
 """
 
 from __future__ import annotations
@@ -37,8 +37,9 @@ class Placed:
     depth: float
 
     def distance(self, neighbour: Placed) -> float:
-        """Measure the gap to another part along x or y, the
-        larger of both; negative if they overlap.
+        """Measure the gap to another part along x or y, the larger of both.
+
+        It is negative if they overlap.
         """
         along_x = max(neighbour.x - self.x - self.width, self.x - neighbour.x - neighbour.width)
         along_y = max(neighbour.y - self.y - self.depth, self.y - neighbour.y - neighbour.depth)
@@ -51,8 +52,9 @@ Plate = tuple[Placed, ...]
 def arrange(
     footprints: Mapping[str, tuple[float, float]], bed: tuple[float, float], gap: float
 ) -> tuple[Plate, ...]:
-    """Place parts [mm] on as few plates as a simple search finds,
-    mid-bed; those that are too large stand alone.
+    """Place parts [mm] on as few plates as a simple search finds, mid-bed.
+
+    Those that are too large stand alone.
     """
     # Large parts come first. Turns are tried from none to all, until everything lies on one plate.
     names = sorted(footprints, key=lambda name: (-footprints[name][0] * footprints[name][1], name))
@@ -87,8 +89,9 @@ def arrange(
 def _place_part(
     plates: list[list[Placed]], part: Placed, bed: tuple[float, float], gap: float
 ) -> None:
-    """Place a part on the first plate with room, as near to its front
-    left corner as possible; else on a new one.
+    """Place a part on the first plate with room, as near to its front left corner as possible.
+
+    Without room on any, it begins a new plate.
     """
     for plate in plates:
         # At the left or the front edge of the bed, or right of or behind another part.
@@ -147,8 +150,9 @@ def parts_on_plates(design: Design) -> tuple[str, ...]:
 def make_print_files(
     design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], with_stl: bool
 ) -> PrintFiles:
-    """Make the files of the printed parts; plates only if all parts
-    are there, so that none leaves out a part.
+    """Make the files of the printed parts.
+
+    Plates are made only if all parts are there: none leaves out a part.
     """
     orientations = print_orientations(design)
     poses = {

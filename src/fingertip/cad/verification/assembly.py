@@ -30,8 +30,7 @@ _PULL_DISTANCES_MM = (0.02, 0.2, 1.0, 4.0, 12.0)
 LIFT_MM = RIDGE_HEIGHT_MM + 0.5
 """Height by which a core is lifted out of its grooves before the dorsal half comes off [mm]."""
 _BREP_VOLUME_ERROR = 2e-6
-"""Relative error allowed in volumes of the B-rep kernel, whose quadrature has a
-tolerance of 1e-6.
+"""Relative error allowed in volumes of the B-rep kernel, whose quadrature has a tolerance of 1e-6.
 """
 
 
@@ -157,8 +156,9 @@ def _check_overlaps(
 
 
 def _mold_imbalance(design: Design, evaluator: MeshEvaluator, halves: Iterable[Solid]) -> float:
-    """Compute |block - halves - hollow - cut-outs| [mm3]; hollow and
-    cut-outs are evaluated apart from the halves.
+    """Compute |block - halves - hollow - cut-outs| [mm3].
+
+    Hollow and cut-outs are evaluated apart from the halves.
     """
     cuts = union(*mold.belts(design), *mold.label(design))
     block = mold.block(design)

@@ -1,5 +1,5 @@
-"""Checks of mesh files that any program wrote: alone, as one of two
-mold halves, and as the part of a design.
+"""Checks of mesh files that any program wrote: alone, as one of two mold halves, and as the part of
+a design.
 """
 
 from __future__ import annotations
@@ -34,8 +34,7 @@ _SEAM_MM = 0.02
 Halves that are farther apart do not meet.
 """
 _KEY_GAP_MM = 0.5
-"""Half the width of the widest gap around a key that is closed before two cuts are
-compared [mm].
+"""Half the width of the widest gap around a key that is closed before two cuts are compared [mm].
 """
 _MAX_SEAM_MM2 = 1.0
 """Largest area that the cuts on both sides of the seam may differ by [mm2].
@@ -46,8 +45,8 @@ _SIZE_ROUNDING_MM = 0.005
 _UNITS_MM = {"inches": 25.4, "centimetres": 10.0, "metres": 1000.0}
 """Units in which other programs export [mm]."""
 _SHELL_SHARE = 1.5
-"""Thickness of a piece between two meshes of one surface, over
-their tolerance, that counts as none.
+"""Thickness of a piece between two meshes of one surface, over their tolerance, that counts as
+none.
 """
 _SAME_SHARE = 1e-3
 """Largest difference of two shares that counts as none."""
@@ -176,8 +175,8 @@ def _close_gaps(section: Any) -> Any:
 
 
 def _part_like(design: Design, name: str, mesh: Mesh, tolerance_mm: float) -> Mesh:
-    """Make the part of a design as it fits the others, or as it lies
-    on the bed, whichever the mesh is nearer to.
+    """Make the part of a design as it fits the others, or as it lies on the bed, whichever the mesh
+    is nearer to.
     """
     part = parts_by_name(design)[name]
     fitted = MeshEvaluator(tolerance_mm).mesh(scaled(part.solid(design), print_scale(design, part)))
@@ -202,11 +201,10 @@ def _size(mesh: Mesh) -> Array:
 
 
 def _compare_with_part(mesh: Mesh, part: Mesh, tolerance_mm: float) -> Iterator[Check]:
-    """Compare size and surface with those of the part of a design; each has facets within the
-    tolerance.
+    """Compare size and surface with those of a design's part, each with facets within a tolerance.
 
-    What only one of both fills falls into pieces. Between two meshes of one surface they are thin
-    shells; a piece that is thicker shows another bore, groove or letter, however small.
+    The differences of both bodies fall into pieces. Between two meshes of one surface they are thin
+    shells; a thicker piece shows another bore, groove or letter, however small.
     """
     difference = float(abs(_size(mesh) - _size(part)).max())
     yield Check("design.size_difference", difference, 2.0 * tolerance_mm + _SIZE_ROUNDING_MM, "mm")

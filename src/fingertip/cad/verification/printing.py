@@ -39,8 +39,8 @@ _STAND_GENUS = 2
 
 
 def check_mesh_file(design: Design, part: Part, mesh: Mesh, file_format: str) -> Iterator[Check]:
-    """Check that a file's mesh is closed, not degenerate, oriented
-    outwards, one body, and of the expected genus.
+    """Check that a file's mesh is closed, not degenerate, oriented outwards, one body, and of the
+    expected genus.
     """
     prefix = f"{part.name}.{file_format}."
     solid = to_manifold(mesh.vertices, mesh.triangles)
@@ -95,8 +95,8 @@ def check_brep_solid(
     scale: float,
     tolerance_mm: float,
 ) -> Iterator[Check]:
-    """Check a valid B-rep solid's genus, and its volume against the
-    mesh to the tolerance times the surface area.
+    """Check a valid B-rep solid's genus, and its volume against the mesh to the tolerance times the
+    surface area.
     """
     yield Check(
         name=f"{part.name}.step.genus",
@@ -160,8 +160,8 @@ def check_on_bed(design: Design, solids: Solids) -> Iterator[Check]:
 
 
 def check_overhang(design: Design, solids: Solids, name: str) -> Check:
-    """Check the largest unsupported overhang of a part that lies on
-    the bed, away from the places of supports.
+    """Check the largest unsupported overhang of a part that lies on the bed, away from the places
+    of supports.
     """
     places = supports_by_part(design)[name].places
     mesh = solids.mesh(name)
@@ -254,8 +254,8 @@ def check_print_files(
 def _check_plates(
     design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], prints: PrintFiles
 ) -> Iterator[Check]:
-    """Check that the plates hold each of their parts once,
-    apart from the others and within the bed.
+    """Check that the plates hold each of their parts once, apart from the others and within the
+    bed.
     """
     bed = (design.printer.bed_x_mm, design.printer.bed_y_mm, design.printer.bed_z_mm)
     kind = choose_plate_kind(design)

@@ -151,8 +151,9 @@ def run_checks(design: Design, solids: Solids) -> Iterator[Check]:
 
 
 def list_causes(check: str) -> tuple[str, ...]:
-    """List the parameters behind a check, by its name; none if
-    its failure were a fault of the program.
+    """List the parameters behind a check, by its name.
+
+    There are none if its failure would be a fault of the program.
     """
     return next(filter(None, (registered.find_change(check) for registered in CHECKS)), ())
 
@@ -160,8 +161,8 @@ def list_causes(check: str) -> tuple[str, ...]:
 # Margins of a design: how near its checks and its rules are to their limits.
 
 _TRIED: tuple[tuple[float, Relation], ...] = ((0.7, "at least"), (1.3, "at most"))
-"""Shares of a value at which its rules are asked for their
-limits: what passes there too is not near.
+"""Shares of a value at which its rules are asked for their limits: what passes there too is not
+near.
 """
 
 _CHOSEN = 1e-4
@@ -169,8 +170,8 @@ _CHOSEN = 1e-4
 
 
 def list_margins(design: Design, checks: Iterable[Check]) -> list[Comparison]:
-    """List the checks and the rules of a design that compare a
-    number with a limit, the nearest to it first.
+    """List the checks and the rules of a design that compare a number with a limit, the nearest to
+    it first.
     """
     limits = (
         comparison
@@ -184,8 +185,8 @@ def list_margins(design: Design, checks: Iterable[Check]) -> list[Comparison]:
 
 
 def _list_limits(design: Design) -> Iterator[Comparison]:
-    """List the limits that rules set to a length or the like while
-    all others stay, as far as they are near it.
+    """List the limits that rules set to a length or the like while all others stay, as far as they
+    are near it.
     """
     for name in dict.fromkeys(
         rule.field for rule in RULES if isinstance(design.value(rule.field), float)

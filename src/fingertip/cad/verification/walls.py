@@ -82,8 +82,8 @@ def find_thin_walls(design: Design, evaluator: MeshEvaluator, part: str) -> Thin
 
 
 def measure_walls(solid: Manifold, limit_mm: float) -> ThinWalls:
-    """Cast rays into a solid from points spread over its surface,
-    and keep those with a wall below a limit.
+    """Cast rays into a solid from points spread over its surface, and keep those with a wall below
+    a limit.
     """
     mesh = to_canonical_mesh(solid)  # in the same order, however the solid was made
     corners = mesh.vertices[mesh.triangles]

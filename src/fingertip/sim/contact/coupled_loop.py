@@ -56,12 +56,12 @@ MIN_STEP_RATIO = 1e-12
 Such a step is accepted whatever its error.
 """
 POSITION, VELOCITY, BRISTLE, COMPRESSION, RATE, STEP = range(6)
-"""Indices of what a chunk carries to the next one: the states x, v, s,
-y and w, and the length of the next step [s].
+"""Indices of what a chunk carries to the next one: the states x, v, s, y and w, and the length of
+the next step [s].
 """
 ACCEPTED, REJECTED, FAILED_SAMPLE = range(3)
-"""Indices of the statistics: accepted steps, rejected steps, and
-the sample at which the loop gave up, or 0.
+"""Indices of the statistics: accepted steps, rejected steps, and the sample at which the loop gave
+up, or 0.
 """
 
 Curve = tuple[float, float, float, float]
@@ -77,8 +77,9 @@ def bristle_rate(
     v: float,
     s: float,
 ) -> float:
-    """Return ds/dt, with relaxation of bristles that hardly touch or
-    are bent beyond breakaway; `scale` is c.
+    """Return ds/dt, with relaxation of bristles that hardly touch or are bent beyond breakaway.
+
+    `scale` is c.
     """
     mu_c, mu_s, per_vs, elastic = curve
     s0, _, _, relax_per_s, n0 = sigma

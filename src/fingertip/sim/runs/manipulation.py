@@ -100,8 +100,9 @@ class ManipulationResult:
 
     @property
     def out_of_contact_share(self) -> float:
-        """Share of the fingers' true slip in which their pads
-        do not touch; 0 if it is not recorded.
+        """Share of the fingers' true slip in which their pads do not touch.
+
+        0 if it is not recorded.
         """
         slip = self.signals.find("slip")
         force_n = self.signals.find("force_n")
@@ -113,8 +114,9 @@ class ManipulationResult:
 
     @property
     def clip_share(self) -> float | None:
-        """Share of the fingers' true slip in which their boards clip; None if it is not
-        recorded.
+        """Share of the fingers' true slip in which their boards clip.
+
+        None if it is not recorded.
         """
         slip = self.signals.find("slip")
         clips = self.signals.find("clips")
@@ -318,8 +320,8 @@ def _advance_in_loop(stepper: ManipulationStepper, controller: Controller) -> It
 def _observe(
     stepper: ManipulationStepper, point: int, period: int, planned_m: Array
 ) -> Observation:
-    """Collect what a controller sees at a point of the last
-    chunk: the samples since its last command.
+    """Collect what a controller sees at a point of the last chunk: the samples since its last
+    command.
     """
     window, closing_m = stepper.select_window(point, period)
 

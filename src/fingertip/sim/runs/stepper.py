@@ -23,15 +23,15 @@ from fingertip.sim.signal.grid import BASE_HZ, CostMeter, Grid, SampleClock, Sam
 from fingertip.sim.signal.simulated_finger import Finger, FingerDrive, FingerSetup, FingerSignals
 
 PROFILE_MARGIN_M = 2e-3
-"""Length of the surface profile before the point of first touch [m],
-because objects are also pushed back a little.
+"""Length of the surface profile before the point of first touch [m], because objects are also
+pushed back a little.
 """
 
 
 @dataclass(frozen=True, eq=False)
 class HandSignals:
-    """Signals of a manipulation at the instants of the ADC: (fingers,
-    samples), those of the object (samples,).
+    """Signals of a manipulation at the instants of the ADC: (fingers, samples), those of the object
+    (samples,).
     """
 
     time_s: Array
@@ -153,8 +153,8 @@ class ManipulationStepper:
         self._record(motors.closing_m, command_m, drives, moved)
 
     def select_window(self, point: int, period: int) -> tuple[slice, Array]:
-        """Select the samples of the last chunk in the period before
-        one of its points, and the closing there [m].
+        """Select the samples of the last chunk in the period before one of its points, and the
+        closing there [m].
         """
         before = self._clock.count_until(self._points - 1) - len(self.chunks[-1].time_s)
         first, end = (self._clock.count_until(at) - before for at in (point - period, point))

@@ -35,8 +35,8 @@ APPROACH_M = 0.01
 Assumption: half of the article's 2 cm. The other half presses the finger on.
 """
 _TRIGGER_POINTS = 4001
-"""Number of moments of the closing between which the trigger is
-sought: some 0.2 ms apart, on straight lines.
+"""Number of moments of the closing between which the trigger is sought: some 0.2 ms apart, on
+straight lines.
 """
 OPEN_S = 0.3
 """Time for which an open grasp is recorded before it closes [s]. Assumption."""
@@ -69,8 +69,9 @@ class TrapezoidalMove:
 
     @classmethod
     def with_duration(cls, start_s: float, distance_m: float, duration_s: float) -> TrapezoidalMove:
-        """Build the move that takes `duration_s` [s]; one that is
-        shorter than a triangle accelerates more.
+        """Build the move that takes `duration_s` [s].
+
+        One that is shorter than a triangle accelerates more.
         """
         T = duration_s
         a = max(ACCELERATION_M_S2, 4 * distance_m / (T * T))
@@ -199,8 +200,9 @@ def find_trigger_s(
     time_s: Array,
     force_n: Array,
 ) -> float:
-    """Moment at which a growing force has moved the tactile voltage
-    by so much [s]; the last one if it does not.
+    """Moment at which a growing force has moved the tactile voltage by so much [s].
+
+    It is the last one if the force never does.
     """
     sensed_n = pad.sensed_n(force_n, None, reads_whole_finger(design, sensing.bridge))
     volts = Bridge.select(design, sensing.bridge).voltage_v(sensed_n)
@@ -348,8 +350,8 @@ class UncoupledPad:
         load_n: Array,
         push_n: Array | None,
     ) -> FingerDrive:
-        """Follow the pad over the next points: position [m] and
-        velocity [m/s] of the carriage, and forces [N].
+        """Follow the pad over the next points: position [m] and velocity [m/s] of the carriage, and
+        forces [N].
         """
         with self._meter.stage("friction", self._states):
             motion = self._integrator.process(carriage_m, carriage_m_s, load_n)
@@ -359,8 +361,9 @@ class UncoupledPad:
 
 
 class CoupledPad:
-    """Pad whose vibration acts back on friction; the profile is read
-    along the path that results without that.
+    """Pad whose vibration acts back on friction.
+
+    The profile is read along the path that results without that.
     """
 
     def __init__(
@@ -474,9 +477,7 @@ def _shake_loop(
     envelope: Floats,
     out: MutableFloats,
 ) -> None:
-    """Sum both tones point by point: the last bit of a vectorised sine varies between
-    processors.
-    """
+    """Sum both tones point by point: the last bit of a vectorised sine varies between processors."""
     first, second = phases
     for i in range(len(time)):
         if envelope[i] != 0.0:

@@ -51,8 +51,8 @@ BOARD_TOLERANCE_V = 1e-4
 """Largest error of one step of the envelope on the base grid [V]."""
 OF_BRIDGE = FILTER_OUTPUTS | {"voltage_v", "tactile_v"}
 OF_CONTACT = OF_BRIDGE | {"force_n"}
-"""Outputs that need the filter board, the bridge, and the
-contact force with all that shakes the pad.
+"""Outputs that need the filter board, the bridge, and the contact force with all that shakes the
+pad.
 """
 
 
@@ -81,8 +81,9 @@ class FingerDrive:
 
 @dataclass(frozen=True, eq=False)
 class FingerSignals:
-    """Signals of one finger at its converter's instants, named as
-    the outputs; None where no output needs it.
+    """Signals of one finger at its converter's instants, named as the outputs.
+
+    None where no output needs it.
     """
 
     time_s: Array
@@ -98,8 +99,8 @@ class FingerSignals:
     sampled_filtered_v: Array | None = None
     slip_pin_v: Array | None = None
     clips: NDArray[np.bool_] | None = None
-    """True where the filter's output is at its limits; no output of
-    a scene, and there wherever a board is.
+    """True where the filter's output is at its limits.
+    It is no output of a scene, and is there wherever a board is.
     """
 
     @classmethod
@@ -183,8 +184,8 @@ class Finger:
             self._board = _BoardSignals(setup, grid, outputs, meter)
 
     def process(self, drive: FingerDrive) -> FingerSignals:
-        """Follow the finger over the next points of the grid, and
-        return its signals at the instants within them.
+        """Follow the finger over the next points of the grid, and return its signals at the
+        instants within them.
         """
         at = self._clock.advance(len(drive.load_n))
         signals: dict[str, Any] = {"time_s": at.time_s}
@@ -308,8 +309,8 @@ class _BridgeVoltage:
         )
 
     def process(self, drive: FingerDrive, contact_n: Array) -> tuple[Array, Array | None, Array]:
-        """Return the voltage [V], how it jumps at each point, and how
-        it bends in the middle of the step before.
+        """Return the voltage [V], how it jumps at each point, and how it bends in the middle of the
+        step before.
         """
         with self._meter.stage("sensor", 1, len(contact_n)):
             shear_n = None if drive.shear_m is None else self._shear_n_per_m * drive.shear_m

@@ -139,8 +139,9 @@ def _write_heading(shown: int, count: int, left_out: Sequence[str], width_in: fl
 
 
 def _locate_with_jitter(scale: feasibility_plot.PlotScale, column: Column) -> NDArray[np.float64]:
-    """Compute the positions of points; those of a category are
-    spread out, or they would cover each other.
+    """Compute the positions of points.
+
+    Those of a category are spread out, or they would cover each other.
     """
     positions = scale.locate(column)
     if not scale.categories:
@@ -157,8 +158,9 @@ def _select_finite(column: Column) -> Column:
 def _draw_histogram(
     plot: Axes, x: feasibility_plot.PlotScale, column: Column, feasible: NDArray[np.bool_]
 ) -> None:
-    """Draw how many points there are at each value; bars of unequal
-    width show their number per mean width.
+    """Draw how many points there are at each value.
+
+    Bars of unequal width show their number per mean width.
     """
     positions = x.locate(column)
     edges = (
@@ -204,8 +206,9 @@ _MAX_HEAT_MAPS = 3
 
 
 def select_plots(summary: SweepSummary) -> Iterator[tuple[str, Callable[[], bytes]]]:
-    """Select the plots that have something to show; give the file name
-    of each and the function that draws its PNG.
+    """Select the plots that have something to show.
+
+    Give the file name of each and the function that draws its PNG.
     """
     table, feasible = summary.table, statistics.find_feasible(summary.table)
     axes = {name: column for name, column in table.axes.items() if _varies(column)}
@@ -380,8 +383,8 @@ def draw_heat_map(
 def draw_sensitivities(
     sensitivities: Sequence[statistics.OutputSensitivity], axes: Sequence[str]
 ) -> bytes:
-    """Draw first-order indices as a table: a row per output, a column
-    per axis, and one for the unexplained share.
+    """Draw first-order indices as a table: a row per output, a column per axis, and one for the
+    unexplained share.
     """
     columns = [*axes, "no single axis"]
     shares = np.zeros((len(sensitivities), len(columns)))

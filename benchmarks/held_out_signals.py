@@ -306,7 +306,7 @@ def take_motion(rng: Rng, row: str) -> Take:
     (low_hz, high_hz), rms_mv = MOTION_BANDS_HZ.get(row, (8.0, 12.0)), 5.0 if slips else log_uniform(rng, 1.0, 30.0)
     take = Take(rng, rng.uniform(130.0, 330.0) + 4.0 * rms_mv)
     n = samples(rng.uniform(12.0, 15.0) if slips else rng.uniform(20.0, 26.0))
-    take.vibrate(take.now_s, rms_mv * hand_motion(rng, n=n, low_hz=low_hz, high_hz=high_hz, steady=slips > 0), True)
+    take.vibrate(take.now_s, rms_mv * hand_motion(rng, n, low_hz, high_hz, slips > 0), True)
     stop_s = take.now_s + n / FINE_HZ
     for _ in range(slips):
         take.wait(0.6, 1.5)

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import fingertip
-from fingertip.catalogues.output_files import default_formats
+from fingertip.cad.files.part_formats import default_formats
 from fingertip.design import Design
 from fingertip.foundation import extras
 from fingertip.foundation.display import new_figure

@@ -57,10 +57,8 @@ def add_surface(house: Path) -> None:
 
 
 def add_format(house: Path) -> None:
-    row = (
-        '    "mine": PartFormat(".mine", "fingertip.cad.files.stl", is_default=False),\n    "cq": '
-    )
-    edit(house / "src/fingertip/catalogues/output_files.py", '    "cq": ', row)
+    row = '    "mine": PartFormat(".mine", stl, is_default=False),\n    "cq": '
+    edit(house / "src/fingertip/cad/files/part_formats.py", '    "cq": ', row)
 
 
 ADDITIONS = {

@@ -6,8 +6,8 @@ import re
 
 import pytest
 
+from fingertip.cad.files.part_formats import PART_FORMATS
 from fingertip.catalogues.electronics import SENSORS
-from fingertip.catalogues.output_files import PART_FORMATS
 from fingertip.design import Design
 from fingertip.design.formulas.filter import ideal_components
 from fingertip.design.parameters import PARAMETERS

@@ -112,7 +112,7 @@ def names_in(module: str) -> str:
 def test_paths_in_the_developers_pages_exist(page: str) -> None:
     text = (ROOT / page).read_text(encoding="utf-8")
     named = re.findall(
-        r"`((?:src|tests|tools|params|benchmarks|docs|examples|\.ci|\.github|board|cad|calibration|casting|catalogues|cli|design|detection|documents|firmware|foundation|lab|page|pictures|sim|slip|studio|sweep|tasks)/[\w./-]*)`",
+        r"`((?:src|tests|tools|params|benchmarks|docs|examples|\.ci|\.github|board|cad|calibration|casting|catalogues|cli|design|detection|documents|firmware|foundation|lab|models|page|pictures|sim|slip|studio|sweep|tasks)/[\w./-]*)`",
         text,
     )
     missing = [

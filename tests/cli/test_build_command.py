@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from fingertip.design import Design
-from fingertip.models.parts import PARTS
 from tests.conftest import design_file, run_fingertip
 
 FSR400 = design_file("fsr400")
 
 
 def test_failed_check_exits_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(PARTS, "skin", replace(PARTS["skin"], genus=lambda design: 3))
+    monkeypatch.setattr("fingertip.cad.verification.printing.part_genus", lambda *_: 3)
     done = run_fingertip("build", FSR400, "--out", tmp_path, "--parts", "skin", "--formats", "stl")
     assert done.returncode == 1, done.stderr
     assert "FAILED skin.stl.genus" in done.stdout

@@ -13,8 +13,8 @@ import pytest
 
 from benchmarks.slip.mix_signals import filter_as_board
 from fingertip.design import Design
+from fingertip.firmware.c_sources import SOURCE, library_settings
 from fingertip.firmware.packaging import read_costs
-from fingertip.firmware.sources import SOURCE, library_settings
 from fingertip.foundation import jit
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from tests.firmware.conftest import Library, make_library, require_arm, require_gcc

@@ -13,8 +13,8 @@ import pytest
 
 from fingertip import __version__
 from fingertip.design import Design
+from fingertip.firmware.c_sources import library_settings
 from fingertip.firmware.fingers import Fingers, plan_fingers
-from fingertip.firmware.sources import library_settings
 from fingertip.slip.detectors.fast import FastDetector
 from fingertip.tasks.firmware import write_firmware
 from tests.firmware.conftest import INSTALL, Library

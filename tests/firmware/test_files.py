@@ -12,9 +12,9 @@ from fingertip.catalogues.output_files import BUFFER, TIMER
 from fingertip.design import Design
 from fingertip.design.design_file import load_tables
 from fingertip.documents.wiring import SKETCH_PINS
+from fingertip.firmware.c_sources import HEADER
 from fingertip.firmware.fingers import BUFFER_SAMPLES
 from fingertip.firmware.packaging import controller_changes, find_warnings
-from fingertip.firmware.sources import HEADER
 from fingertip.tasks.firmware import firmware_differences, firmware_files, write_firmware
 from fingertip.tasks.verification import verify_sets
 from tests.conftest import ROOT, design_file, run_fingertip

@@ -15,9 +15,9 @@ import pytest
 
 from fingertip.catalogues.electronics import NAMES, load_controllers
 from fingertip.design import Design
+from fingertip.firmware.c_sources import GRIP_SOURCE, library_settings
 from fingertip.firmware.fingers import count_fingers, find_load, list_controllers, plan_fingers
 from fingertip.firmware.packaging import read_costs
-from fingertip.firmware.sources import GRIP_SOURCE, library_settings
 from fingertip.foundation import jit
 from fingertip.foundation.errors import FingertipError
 from fingertip.sim.runs.grip import ForceCurve, GripLaw, GripSettings

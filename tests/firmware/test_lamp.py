@@ -15,9 +15,9 @@ import pytest
 from fingertip.design import Design
 from fingertip.documents.firmware import render_readme
 from fingertip.drivers import SampleReader
+from fingertip.firmware.c_sources import library_settings
 from fingertip.firmware.fingers import TASK_CONVERSIONS, find_controller, plan_fingers
 from fingertip.firmware.packaging import find_warnings
-from fingertip.firmware.sources import library_settings
 from fingertip.foundation import jit
 from fingertip.foundation.errors import FingertipError
 from fingertip.lab.campaign.campaign import HELD_OUT_FROM, CampaignPlan, generate_cases

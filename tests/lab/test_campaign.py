@@ -10,7 +10,6 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -354,10 +353,10 @@ def test_thresholds_are_found_by_their_factor_and_by_their_alarms() -> None:
 
 def test_every_case_is_evaluated_at_every_threshold(monkeypatch: pytest.MonkeyPatch) -> None:
     def evaluate(
-        case: Case, trace: int, name: str, _: Design, scales: Sequence[float], __: Any
+        case: Case, trace: int, detector: str, scales: Sequence[float], **_: object
     ) -> list[TrialResult]:
         assert trace == case.seed
-        return [trial([scale], case=case, alarms=[name]) for scale in scales]
+        return [trial([scale], case=case, alarms=[detector]) for scale in scales]
 
     cases = [Case("slip", SLIDE, seed) for seed in (7, 8, 9)]
     shares = list[float]()

@@ -169,9 +169,12 @@ def test_a_board_is_judged_with_all_detectors_and_a_divider_with_its_own(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     asked: list[Any] = []
-    monkeypatch.setattr(
-        lab, "run_campaign", lambda _, __, *rest: asked.append(rest[:2]) or campaign()
-    )
+
+    def note_campaign(_: Design, detectors: Any, scales: Any, **__: Any) -> CampaignResult:
+        asked.append((detectors, scales))
+        return campaign()
+
+    monkeypatch.setattr(lab, "run_campaign", note_campaign)
     monkeypatch.setattr(
         lab, "run_closed_loop", lambda _, *rest: asked.append(rest) or closed_loop()
     )

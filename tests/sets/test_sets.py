@@ -40,8 +40,8 @@ from fingertip.documents.set_sheets import (
     set_sheets,
     write_parts_csv,
 )
+from fingertip.firmware.c_sources import GRIP_SOURCE, library_sources
 from fingertip.firmware.fingers import plan_set
-from fingertip.firmware.sources import GRIP_SOURCE, library_sources
 from fingertip.foundation.errors import DesignError, FingertipError, OutputError
 from fingertip.foundation.output_set import SetWriter
 from fingertip.models.parts import PARTS

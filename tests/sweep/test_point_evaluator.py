@@ -237,7 +237,7 @@ def test_alarms_of_a_sweep_are_per_minute(monkeypatch: pytest.MonkeyPatch) -> No
     """Three trials of 10 s with an alarm each, and delays of 10, 20 and 90 ms."""
     delays = iter((0.01, 0.02, 0.09))
 
-    def evaluate_trial(case: Case, *_: object) -> list[TrialResult]:
+    def evaluate_trial(case: Case, *_: object, **__: object) -> list[TrialResult]:
         return [TrialResult(case, 10.0, 1, (next(delays),), 1.0, ("slip",))]
 
     monkeypatch.setattr("fingertip.lab.campaign.run.evaluate", evaluate_trial)

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from fingertip.catalogues.electronics import NAMES, load_controllers
 from fingertip.design import Design
+from fingertip.firmware.c_sources import GRIP_SOURCE, SOURCE, library_sources
 from fingertip.firmware.fingers import ONE_FINGER, Fingers
-from fingertip.firmware.sources import GRIP_SOURCE, SOURCE, library_sources
 from fingertip.foundation.numerics import Array
 from tools.firmware.signals import Recording
 

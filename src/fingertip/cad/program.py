@@ -12,7 +12,7 @@ from pathlib import Path
 from fingertip.foundation.output_set import fold_lines
 
 _PACKAGE = Path(__file__).resolve().parents[1]
-_FOLDERS = ("cad", "catalogues", "design", "foundation", "pad")
+_FOLDERS = ("cad", "catalogues", "design", "foundation", "models", "pad")
 """Packages of fingertip whose code or tables shape a part, or write its files."""
 _SUFFIXES = (".csv", ".json", ".py", ".toml")
 _LIBRARIES = ("manifold3d", "numpy")

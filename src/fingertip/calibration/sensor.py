@@ -516,7 +516,7 @@ def _find_conductance(
     scale: float,
     offset_v: float,
 ) -> float | str:
-    """Return the sensor's conductance [S], or a sentence on a reading that the board cannot give."""
+    """Return the sensor's conductance [S], or why the board cannot give such a reading."""
     if kind == "resistance_ohm":
         return 1.0 / row.reading
 

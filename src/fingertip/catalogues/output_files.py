@@ -73,35 +73,15 @@ PAD_VIEW = "pad.svg"
 HAND_VIEW = "measure.svg"
 
 
-@dataclass(frozen=True)
-class PartFormat:
-    suffix: str
-    is_default: bool = True
-    """False if it is written only where it is named."""
-
-
-PART_FORMATS = {
-    "stl": PartFormat(".stl"),
-    "3mf": PartFormat(".3mf"),
-    "step": PartFormat(".step"),
-    "cq": PartFormat(".cq.py", is_default=False),
-}
-"""Formats of a part's files."""
-
-
-def part_file(part: str, file_format: str) -> str:
-    return f"{part}{PART_FORMATS[file_format].suffix}"
-
-
-def default_formats() -> tuple[str, ...]:
-    return tuple(name for name, part_format in PART_FORMATS.items() if part_format.is_default)
-
-
 PRINT_FOLDER = "print"
 STEPS_FOLDER = "steps"
+MODELS_FOLDER = "fingertip_models"
 PRINTS = OutputSet("print", PRINT_FOLDER)
 STEPS = OutputSet("steps", STEPS_FOLDER)
 """Pictures of the casting steps, beside the casting sheet."""
+MODELS = OutputSet("models", MODELS_FOLDER)
+"""Package that the CadQuery scripts beside it import."""
+PARAMETERS = "parameters.py"
 
 SET_FILES = OutputSet("set")
 SET_REPORT = "set.json"

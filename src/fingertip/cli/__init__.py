@@ -70,9 +70,7 @@ def _version(version: bool = flag("Print the version and exit.")) -> None:
 
 
 def _refuse_empty_words(words: Sequence[str]) -> None:
-    """Refuse an empty word, which is a variable of the shell that is
-    not set: as a folder it would be this one.
-    """
+    """Refuse an empty word: it is an unset variable of the shell, and as a folder this one."""
     for before, word in zip(["", *words], words, strict=False):
         option, sign, value = word.partition("=")
         if not word or (sign and not value and option.startswith("--")):

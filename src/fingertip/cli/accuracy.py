@@ -1,6 +1,4 @@
-"""`fingertip accuracy`: errors of the simulation against its run
-time, what each stage adds, and extreme cases.
-"""
+"""`fingertip accuracy`: errors of the simulation against run time, and extreme cases."""
 
 from __future__ import annotations
 
@@ -51,15 +49,15 @@ def accuracy(
 
     if is_budget:
         curves = measure_budget(loaded, console.progress)
-        shown = loaded.name, curves, {name: output.group for name, output in load_outputs().items()}
-        console.result(accuracy_summary.budget_data(*shown), accuracy_summary.budget_text(*shown))
+        groups = {name: output.group for name, output in load_outputs().items()}
+        data = accuracy_summary.budget_data(loaded.name, curves, groups)
+        console.result(data, accuracy_summary.budget_text(loaded.name, curves, groups))
         return
 
     writer = SetWriter(out, "accuracy", loaded.name, hash_parameters(loaded.identity()))
     writer.check(accuracy_summary.FILES)
-    found = measure_accuracy(loaded, cases, console.progress, jobs)
-    writer.write(accuracy_summary.as_files(found))
-    text = f"{accuracy_summary.as_text(found)}\ndetails: {out / accuracy_summary.FILES[0]}"
-    console.result(
-        accuracy_summary.as_data(found), text, passed=all(one.is_passed for one in found.extremes)
-    )
+    errors = measure_accuracy(loaded, cases, console.progress, jobs)
+    writer.write(accuracy_summary.as_files(errors))
+    text = f"{accuracy_summary.as_text(errors)}\ndetails: {out / accuracy_summary.FILES[0]}"
+    passed = all(extreme.is_passed for extreme in errors.extremes)
+    console.result(accuracy_summary.as_data(errors), text, passed)

@@ -1,6 +1,4 @@
-"""`fingertip board`: compute the component values of the board
-and write its files for KiCad and SPICE.
-"""
+"""`fingertip board`: component values of a board, and its files for KiCad and SPICE."""
 
 from __future__ import annotations
 
@@ -94,7 +92,7 @@ def board(
 
         needing = {"--fab": fab, "--analysis": analysis, "--article": article} | writing
         message = f"needs a board, and a divider is none; leave it out, or {BOARD_REMEDY}."
-        refuse(Issue(option, message) for option, given in needing.items() if given)
+        refuse(Issue(option, message) for option, value in needing.items() if value)
 
     if check:
         _compare(console, loaded, out, fab)
@@ -121,13 +119,11 @@ class _Options:
 
 
 def _write_board(console: Console, design: Design, options: _Options) -> None:
-    """Write the files of a board, and print its values, what is
-    doubtful of it, and what the options add.
-    """
+    """Write the files of a board; print values, warnings, and what the options add."""
     from fingertip.board.analysis.board_values import board_values
 
     values = board_values(design)
-    folder, written = _write(console, design, options)
+    folder, report = _write(console, design, options)
     warnings = list(_find_warnings(design, values))
     data = values.as_data()
     verdict = _format_verdict(values, warnings)
@@ -168,23 +164,21 @@ def _write_board(console: Console, design: Design, options: _Options) -> None:
         from fingertip.foundation.files import write_file
 
         write_file(options.bode, bode_table(design).encode(), "--bode")
-        written["files"].append(options.bode.as_posix())
+        report["files"].append(options.bode.as_posix())
         lines += ["", f"wrote {options.bode.as_posix()}"]
 
     if options.analysis:
         from fingertip.board.analysis.board_analysis import analyse
 
-        found = analyse(design)
-        data["analysis"] = found.as_data()
-        lines += ["", analysis_text(design, found)]
+        analysis = analyse(design)
+        data["analysis"] = analysis.as_data()
+        lines += ["", analysis_text(design, analysis)]
 
-    console.result(data | written | {"verdict": verdict, "warnings": warnings}, "\n".join(lines))
+    console.result(data | report | {"verdict": verdict, "warnings": warnings}, "\n".join(lines))
 
 
 def _write_panel(folder: Path, rows: int, columns: int) -> str:
-    """Write a panel of a board beside it, or name the command
-    that does it where KiKit is not installed.
-    """
+    """Write a panel of a board, or return the command for it if KiKit is not installed."""
     from fingertip.board.fabrication.fabrication_files import panel_command, run_kikit
     from fingertip.catalogues.output_files import LAYOUT
 
@@ -202,7 +196,7 @@ def _write_divider(console: Console, design: Design, options: _Options) -> None:
     from fingertip.board.analysis.board_values import find_range_warnings
     from fingertip.documents.board.divider import describe_readings, list_readings
 
-    folder, written = _write(console, design, options)
+    folder, report = _write(console, design, options)
     console.warn(
         [*find_range_warnings(design), *design.force_curve.find_doubt(design.sensor.model)]
     )
@@ -212,7 +206,7 @@ def _write_divider(console: Console, design: Design, options: _Options) -> None:
     )
     readings = list_readings(design)
     console.result(
-        written | {"readings": readings}, "\n  ".join([first, *describe_readings(readings)])
+        report | {"readings": readings}, "\n  ".join([first, *describe_readings(readings)])
     )
 
 
@@ -223,17 +217,15 @@ def _compare(console: Console, design: Design, out: Path | None, fab: bool) -> N
     folder = out or BOARD.folder(design)
 
     if folder.is_dir():
-        found = board_differences(design, folder) + fabrication_differences(
-            design, folder, expected=fab
-        )
+        differences = board_differences(design, folder)
+        differences += fabrication_differences(design, folder, expected=fab)
     else:
-        found = [
-            f"{folder} {'is no folder' if folder.exists() else 'does not exist'}; name the folder "
-            "with --out."
-        ]
+        problem = "is no folder" if folder.exists() else "does not exist"
+        differences = [f"{folder} {problem}; name the folder with --out."]
 
-    text = "\n".join(found) or f"{folder} is up to date with this design"
-    console.result({"current": not found, "differences": found}, text, passed=not found)
+    text = "\n".join(differences) or f"{folder} is up to date with this design"
+    data = {"current": not differences, "differences": differences}
+    console.result(data, text, passed=not differences)
 
 
 def _write(console: Console, design: Design, options: _Options) -> tuple[Path, dict[str, Any]]:
@@ -244,9 +236,8 @@ def _write(console: Console, design: Design, options: _Options) -> tuple[Path, d
     folder = options.out or BOARD.folder(design)
     force = options.force
 
-    if (
-        options.out is None and not force
-    ):  # a folder that nobody named keeps a board of another circuit
+    # A folder that was not named keeps a board of another circuit.
+    if options.out is None and not force:
         task.refuse_other_board(design)
     if options.fab:
         task.check_fabrication(design, folder, force=force)
@@ -271,7 +262,7 @@ def _write(console: Console, design: Design, options: _Options) -> tuple[Path, d
 
 
 def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:
-    """Find settings that are valid but make a board that performs badly."""
+    """Yield warnings of settings that are valid but make a bad board."""
     from fingertip.board.analysis.gate import gate_warnings
     from fingertip.board.analysis.interference import crosstalk_warning
     from fingertip.board.analysis.loads import load_warnings
@@ -280,8 +271,10 @@ def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:
     warning = noise_warning(values.noise, design.detector.threshold_v)
     if warning:
         yield warning
-    if values.shared and (warning := crosstalk_warning(values.shared, design.board)):
-        yield warning
+    if values.shared:
+        warning = crosstalk_warning(values.shared, design.board)
+        if warning:
+            yield warning
 
     yield from load_warnings(design, values.filter_load_ohm, values.preferred.c_f)
     yield from gate_warnings(values.gate)
@@ -294,9 +287,7 @@ def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:
 
 
 def _format_verdict(values: BoardValues, warnings: Sequence[str]) -> str:
-    """Verdict on the board: its conditions, and in the same breath what is doubtful all
-    the same.
-    """
+    """Return the verdict on a board's conditions, with the warnings."""
     failed = sum(not condition.passed for condition in values.gate)
     verdict = f"all {len(values.gate)} conditions of a working board are met"
     if failed:
@@ -309,6 +300,5 @@ def _format_verdict(values: BoardValues, warnings: Sequence[str]) -> str:
     else:
         more = ""
 
-    return "\n".join(
-        [f"variant {values.variant}: {verdict}{more}", *(f"  warning: {each}" for each in warnings)]
-    )
+    lines = [f"variant {values.variant}: {verdict}{more}"]
+    return "\n".join([*lines, *(f"  warning: {warning}" for warning in warnings)])

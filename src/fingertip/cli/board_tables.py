@@ -40,7 +40,7 @@ def table_lines(design: Design, values: BoardValues) -> list[str]:
 
 
 def gate_lines(values: BoardValues) -> list[str]:
-    """Conditions that the board must meet to work."""
+    """Return lines of the conditions that the board must meet to work."""
     from fingertip.board.analysis.gate import describe_condition
     from fingertip.board.analysis.thresholds import describe_threshold_spread
     from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE
@@ -50,24 +50,22 @@ def gate_lines(values: BoardValues) -> list[str]:
         f"Conditions with {amplifier.order_name} (unverified: {', '.join(amplifier.unverified)}):"
     ]
     required = {
-        (c.name, c.subject, c.relation) for c in values.gate if c.level == "required" and c.passed
+        (condition.name, condition.subject, condition.relation)
+        for condition in values.gate
+        if condition.level == "required" and condition.passed
     }
 
     for condition in values.gate:
         is_repeated = condition.level == "advised" and condition.passed
-        if (
-            not is_repeated
-            or (condition.name, condition.subject, condition.relation) not in required
-        ):
-            lines.append(
-                f"  {'' if condition.passed else 'FAILS: '}{describe_condition(condition)}"
-            )
+        key = (condition.name, condition.subject, condition.relation)
+        if not is_repeated or key not in required:
+            verdict = "" if condition.passed else "FAILS: "
+            lines.append(f"  {verdict}{describe_condition(condition)}")
 
-    return (
-        [*lines, describe_threshold_spread(values.threshold_spread)]
-        if values.threshold_spread
-        else lines
-    )
+    if values.threshold_spread:
+        lines.append(describe_threshold_spread(values.threshold_spread))
+
+    return lines
 
 
 def channel_lines(design: Design, values: BoardValues) -> Iterator[str]:
@@ -100,7 +98,7 @@ def _component_lines(design: Design, values: BoardValues) -> list[str]:
         filter_resistors.append(("R6", ideal.r_lp_ohm, preferred.r_lp_ohm, "R_LP, envelope"))
 
     single = adc.output_ohm, adc.output_f
-    others = [
+    other_rows = [
         ("C1 C2 C3", (preferred.c_f,), "both filters"),
         *([("C4", (preferred.c_lp_f,), "C_LP, envelope")] if has_envelope else []),
         *_front_end_rows(values),
@@ -125,7 +123,7 @@ def _component_lines(design: Design, values: BoardValues) -> list[str]:
 
     if added:
         capacitors = (added.series_capacitor_f, added.limiting_capacitor_f)
-        others.append(("C14 C20", capacitors, "first stage, AC coupling of R4 and low-pass"))
+        other_rows.append(("C14 C20", capacitors, "first stage, AC coupling of R4 and low-pass"))
 
     lines = [f"{'component':10} {'ideal':>14} {design.board.series:>10} {'deviation':>9}  function"]
     lines += [
@@ -136,7 +134,7 @@ def _component_lines(design: Design, values: BoardValues) -> list[str]:
     lines += [
         f"{names:10} {'':14} {' '.join(map(format_component_value, components)):>10} {'':9}  "
         f"{function}"
-        for names, components, function in others
+        for names, components, function in other_rows
     ]
     return lines
 
@@ -192,12 +190,13 @@ def _response_lines(values: BoardValues) -> list[str]:
     ]
     lines = [f"{'response':22} {'target':>12} {'achieved':>12}"]
     lines += [
-        f"{name:22} {format_figure(wanted):>12} {format_figure(real):>12} {unit}".rstrip()
-        for name, wanted, real, unit in quantities
+        f"{name:22} {format_figure(target_value):>12} {format_figure(value):>12} {unit}".rstrip()
+        for name, target_value, value, unit in quantities
     ]
-    software = (
-        "; software computes the envelope" if values.voltage_limits.max_envelope_v is None else ""
-    )
+    software = ""
+    if values.voltage_limits.max_envelope_v is None:
+        software = "; software computes the envelope"
+
     lines.append(
         "achieved: preferred values; gain and -3 dB with the finite bandwidth and gain of the "
         f"amplifiers{software}"
@@ -207,13 +206,13 @@ def _response_lines(values: BoardValues) -> list[str]:
 
 
 def _format_deviation(ratio: float) -> str:
-    """Deviation of a ratio from 1 in percent; one that rounds to zero has no sign."""
+    """Format the deviation of a ratio from 1 in percent; zero has no sign."""
     text = f"{100 * (ratio - 1):+.2f}%"
     return f"{text[1:] if text[1:] == '0.00%' else text:>9}"
 
 
 def _force_lines(design: Design, values: BoardValues) -> list[str]:
-    """Sensor resistance and tactile voltage at a few forces, and what they assume of the sensor."""
+    """Return lines of sensor resistance and tactile voltage at a few forces."""
     from fingertip.board.components.front_end import sensor_conductance_s
 
     conductance_of = sensor_conductance_s
@@ -246,7 +245,7 @@ _LABELS = {
 
 
 def analysis_text(design: Design, analysis: Analysis) -> str:
-    """Tables of the analysis of a board, whose text is the template `analysis.txt`."""
+    """Return the tables of a board's analysis, from the template `analysis.txt`."""
     from fingertip.board.analysis import interference, limits, noise
     from fingertip.board.analysis.board_values import board_values
     from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance_s
@@ -274,12 +273,11 @@ def analysis_text(design: Design, analysis: Analysis) -> str:
 
 
 def _group_tolerances(percent: Mapping[str, float]) -> str:
-    """List the tolerances: the resistors' in one, the capacitors' one by one where they differ."""
+    """List the tolerances by kind of component; by component where a kind has several."""
     groups: dict[tuple[str, float], list[str]] = {}
     for name, value in percent.items():
-        groups.setdefault(
-            ("filter resistors" if name.startswith("R") else "capacitors", value), []
-        ).append(name)
+        kind = "filter resistors" if name.startswith("R") else "capacitors"
+        groups.setdefault((kind, value), []).append(name)
 
     kinds = [kind for kind, _ in groups]
     return ", ".join(

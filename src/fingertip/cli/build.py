@@ -6,11 +6,11 @@ import json
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
-from fingertip.cli.check_reports import message
+from fingertip.cli.check_reports import NamedDesign, message
 from fingertip.cli.check_tables import describe_cause, offer_fit
 from fingertip.cli.console import Console
 from fingertip.cli.options import (
@@ -82,24 +82,23 @@ def build(
     loaded = load_design(design, changes, console)
     if only_check:
         from fingertip.cli.check_files import compare_with_designs
-        from fingertip.cli.check_found import Given
 
-        wanted = loaded.with_silicone(material)
-        words = [
-            *list_words(changes or (), console),
-            *(["--material", material] if material else []),
-        ]
-        folder = PART_FILES.folder(wanted, out)
+        loaded = loaded.with_silicone(material)
+        words = list_words(changes or (), console)
+        if material:
+            words = [*words, "--material", material]
+
+        folder = PART_FILES.folder(loaded, out)
         refuse(_find_other_kind(folder))
-        found = compare_with_designs(
+        comparison = compare_with_designs(
             folder,
-            given=[Given(design, wanted)],
+            designs=[NamedDesign(design, loaded)],
             words=words,
             remake=verify,
             console=console,
             parts=split_names(parts),
         )
-        console.result(found.data, found.text, found.passed)
+        console.result(comparison.data, comparison.text, comparison.passed)
         return
 
     from fingertip.tasks.build import build as build_parts
@@ -120,20 +119,20 @@ def build(
         "folder": str(result.folder),
         "removed": list(result.removed),
     }
-    following = (
-        f"{result.folder / SHEET} says what to print, and how to cast the skin"
-        if result.casting
-        else ""
-    )
+    following = ""
+    if result.casting:
+        following = f"{result.folder / SHEET} says what to print, and how to cast the skin"
+
     lines = _format_build(result)
-    data |= (offer := offer_fit(loaded, result.checks, changes or (), console))
+    offer = offer_fit(loaded, result.checks, changes or (), console)
+    data |= offer
     last = _tell_next(result, following, offer)
     lines += [*_list_remarks(result, _MAX_LINES - len(lines) - len(last)), *last]
     console.result(data, "\n".join(lines), result.passed)
 
 
 def _find_other_kind(folder: Path) -> Iterator[Issue]:
-    """Find out whether a folder holds something else than parts."""
+    """Yield an issue if a folder holds something else than parts."""
     from fingertip.catalogues.output_files import PART_FILES
     from fingertip.foundation.output_set import read_manifest
 
@@ -149,13 +148,11 @@ def _find_other_kind(folder: Path) -> Iterator[Issue]:
 
 _MAX_LINES = 12
 _MAX_WIDTH = 100
-"""Largest summary of what was made: a screen shows it at a glance, and a terminal
-breaks no line.
-"""
+"""Largest summary of what was made, which a terminal shows at once and unbroken."""
 
 
 def _format_build(result: Build) -> list[str]:
-    """Format verdict, what it takes and strength in five or six lines."""
+    """Format verdict, effort and strength in five or six lines."""
     from fingertip.cad.verification.check import count_checks
     from fingertip.cad.verification.strength import describe_loads
     from fingertip.casting.shopping import add_prices
@@ -176,49 +173,46 @@ def _format_build(result: Build) -> list[str]:
     else:
         lines.append(f"parts: {', '.join(built.part.name for built in result.parts)}")
 
-    found = result.strength
-    if found:
-        lines += textwrap.wrap(describe_loads(found), _MAX_WIDTH, subsequent_indent="  ")
+    if result.strength:
+        lines += textwrap.wrap(describe_loads(result.strength), _MAX_WIDTH, subsequent_indent="  ")
 
     return lines
 
 
 def _list_remarks(result: Build, room: int, rewrite: Callable[[str], str] = str) -> list[str]:
-    """List failed checks in so many lines, each cut to its share, and
-    count the rest; those of a set have remedies.
-    """
+    """List failed checks in `room` lines, each cut to its share; count the rest."""
     from fingertip.catalogues.output_files import REPORT
 
-    failed = (check for check in result.checks if not check.passed)
     remarks = [
         f"FAILED {check.name}: {message(check)}; {describe_cause(check, rewrite is not str)}"
-        for check in failed
+        for check in result.checks
+        if not check.passed
     ]
-    shown = [
-        rewrite(remark) for remark in (remarks if len(remarks) <= room else remarks[: room - 1])
-    ]
-    share: dict[str, Any] = {
-        "max_lines": room // max(1, len(shown)),
-        "subsequent_indent": "  ",
-        "placeholder": " ...",
-    }
-    lines = [line for remark in shown for line in textwrap.wrap(remark, _MAX_WIDTH, **share)]
+    count = len(remarks) if len(remarks) <= room else len(remarks[: room - 1])
+    lines = list[str]()
+    for remark in remarks[:count]:
+        lines += textwrap.wrap(
+            rewrite(remark),
+            _MAX_WIDTH,
+            max_lines=room // count,
+            subsequent_indent="  ",
+            placeholder=" ...",
+        )
 
-    return lines + (
-        [f"and {len(remarks) - len(shown)} more, in {REPORT}"] if len(shown) < len(remarks) else []
-    )
+    if count < len(remarks):
+        lines.append(f"and {len(remarks) - count} more, in {REPORT}")
+
+    return lines
 
 
 def _tell_next(result: Build, following: str, offer: Mapping[str, Sequence[str]]) -> list[str]:
-    """Tell what follows; where checks failed, the one command that mends them."""
+    """Return the next step; where checks failed, the command that mends them."""
     if result.passed:
         return [f"next: {following}"] if following else []
 
     remedies = dict.fromkeys(f"--set {check.remedy}" for check in result.checks if check.remedy)
-    offers = [
-        *([" ".join(remedies)] if remedies else []),
-        *(f"--fit, which moves {join_words(moved)}" for moved in offer.values()),
-    ]
+    offers = [" ".join(remedies)] if remedies else []
+    offers += [f"--fit, which moves {join_words(moved)}" for moved in offer.values()]
     return [f"next: run it again with {', or '.join(offers) or 'a change that mends what failed'}"]
 
 
@@ -279,34 +273,36 @@ def make(
     from fingertip.tasks.make import make as make_everything
 
     loaded = load_design(design, changes, console)
-    made = make_everything(
+    finger = make_everything(
         loaded, out, formats=split_names(formats), force=force, progress=console.progress
     )
-    console.warn(made.detection.warnings)
+    console.warn(finger.detection.warnings)
+    parts = finger.parts
     data = {
-        "folder": str(made.parts.folder),
-        "parts": made.parts.report(),
-        "drawings": [path.as_posix() for path in made.drawings],
-        "board": [path.as_posix() for path in made.board],
-        "signal": [path.as_posix() for path in made.signal],
-        "firmware": [path.as_posix() for path in made.firmware],
-        "page": None if made.page is None else str(made.page),
-        "detection": as_data(made.detection.detection, made.detection.noise),
+        "folder": str(parts.folder),
+        "parts": parts.report(),
+        "drawings": [path.as_posix() for path in finger.drawings],
+        "board": [path.as_posix() for path in finger.board],
+        "signal": [path.as_posix() for path in finger.signal],
+        "firmware": [path.as_posix() for path in finger.firmware],
+        "page": None if finger.page is None else str(finger.page),
+        "detection": as_data(finger.detection.detection, finger.detection.noise),
     }
     if zip_file:
-        write_zip(zip_file, made.parts.folder)
+        write_zip(zip_file, parts.folder)
 
-    prints = made.parts.prints
-    printed = (
-        f", {PRINT_FOLDER}/{'plate_*.3mf' if prints.plates else '*.stl'}" if prints.contents else ""
-    )
-    last = [f"look at: {made.page or made.parts.folder}{' in a browser' if made.page else ''}"]
-    lines = _format_build(made.parts)
-    following = f"order what the page lists, print the parts{printed}, then follow {SHEET}"
-    data |= (offer := offer_fit(loaded, made.parts.checks, changes or (), console))
-    last += _tell_next(made.parts, following, offer)
-    lines += [*_list_remarks(made.parts, _MAX_LINES - len(lines) - len(last)), *last]
-    console.result(data, "\n".join(lines), made.parts.passed)
+    prints = ""
+    if parts.prints.contents:
+        prints = f", {PRINT_FOLDER}/{'plate_*.3mf' if parts.prints.plates else '*.stl'}"
+
+    last = [f"look at: {finger.page or parts.folder}{' in a browser' if finger.page else ''}"]
+    lines = _format_build(parts)
+    following = f"order what the page lists, print the parts{prints}, then follow {SHEET}"
+    offer = offer_fit(loaded, parts.checks, changes or (), console)
+    data |= offer
+    last += _tell_next(parts, following, offer)
+    lines += [*_list_remarks(parts, _MAX_LINES - len(lines) - len(last)), *last]
+    console.result(data, "\n".join(lines), parts.passed)
 
 
 def _make_set(
@@ -324,34 +320,40 @@ def _make_set(
     from fingertip.tasks.make_set import make_set
 
     fingers = load_fingers(file, changes, console)
-    made = make_set(fingers, out, formats=formats, force=force, progress=console.progress)
+    finger_set = make_set(fingers, out, formats=formats, force=force, progress=console.progress)
     if zip_file:
-        write_zip(zip_file, made.folder)
+        write_zip(zip_file, finger_set.folder)
 
-    totals = made.sheets.totals
-    plan = made.sheets.plan
+    totals = finger_set.sheets.totals
+    plan = finger_set.sheets.plan
     lines = list[str]()
     silicone_g = sum(totals.silicone_g.values())
-    boards = "; one board for all fingers" if made.board else ""
+    boards = "; one board for all fingers" if finger_set.board else ""
     last = [
-        f"{totals.fingers} fingers of {len(made.forms)} forms; to print: {plan.print_h:g} h, "
-        f"{totals.printed_g:g} g; to buy: {len(made.sheets.things)} things",
+        f"{totals.fingers} fingers of {len(finger_set.forms)} forms; to print: {plan.print_h:g} h, "
+        f"{totals.printed_g:g} g; to buy: {len(finger_set.sheets.things)} things",
         f"{silicone_g:g} g of silicone in {totals.mixtures} mixtures on day {plan.cast_day}, "
         f"{plan.cure_h:g} h to cure; {plan.days} days{boards}",
-        f"look at: {made.folder / PAGE}",
+        f"look at: {finger_set.folder / PAGE}",
     ]
-    following = f"{made.folder / OVERVIEW} says what to print, cast and build"
-    last.append(f"next: {following if made.passed else 'mend what failed, and make it again'}")
+    following = f"{finger_set.folder / OVERVIEW} says what to print, cast and build"
+    if not finger_set.passed:
+        following = "mend what failed, and make it again"
 
-    for each, form in zip(made.forms, fingers.forms, strict=True):
-        console.warn(map(form.name_values, each.detection.warnings))
-        room = (_MAX_LINES - len(last)) // len(made.forms) - 1
-        remarks = _list_remarks(each.parts, room, form.name_values) if room > 0 else []
-        lines += [_format_build(each.parts)[0], *remarks]
+    last.append(f"next: {following}")
+    room = (_MAX_LINES - len(last)) // len(finger_set.forms) - 1
+    for finger, form in zip(finger_set.forms, fingers.forms, strict=True):
+        console.warn(map(form.name_values, finger.detection.warnings))
+        remarks = _list_remarks(finger.parts, room, form.name_values) if room > 0 else []
+        lines += [_format_build(finger.parts)[0], *remarks]
 
     lines += last
-    data = {"folder": str(made.folder), "passed": made.passed, **asdict(made.sheets)}
-    console.result(data, "\n".join(lines), made.passed)
+    data = {
+        "folder": str(finger_set.folder),
+        "passed": finger_set.passed,
+        **asdict(finger_set.sheets),
+    }
+    console.result(data, "\n".join(lines), finger_set.passed)
 
 
 @command
@@ -407,9 +409,10 @@ def firmware(
 
     folder = out or FIRMWARE.folder(loaded)
     if check:
-        found = firmware_differences(loaded, folder, planned)
-        text = "\n".join(found) or f"{folder} is up to date with this design"
-        console.result({"current": not found, "differences": found}, text, passed=not found)
+        differences = firmware_differences(loaded, folder, planned)
+        text = "\n".join(differences) or f"{folder} is up to date with this design"
+        data = {"current": not differences, "differences": differences}
+        console.result(data, text, passed=not differences)
         return
 
     paths = write_firmware(loaded, folder, fingers=planned, force=force)
@@ -451,16 +454,18 @@ def robot(
     from fingertip.design.finger_set import is_set
     from fingertip.tasks.robot import write_robot
 
-    loaded = (
-        load_fingers(design, changes, console)
-        if is_set(design)
-        else load_design(design, changes, console)
+    load = load_fingers if is_set(design) else load_design
+    model = write_robot(
+        load(design, changes, console),
+        out,
+        file_format=file_format,
+        force=force,
+        progress=console.progress,
     )
-    made = write_robot(loaded, out, file_format=file_format, force=force, progress=console.progress)
     lines = [
         f"{form['design']}: {1e3 * form['mass_kg']:.2f} g in {len(form['parts'])} parts. "
         f"{form['errors']}"
-        for form in made.get("forms", {"": made}).values()
+        for form in model.get("forms", {"": model}).values()
     ]
-    written = f"{len(made['files'])} files in {made['folder']}; its README.md explains them"
-    console.result(made, "\n".join([*lines, written]))
+    lines.append(f"{len(model['files'])} files in {model['folder']}; its README.md explains them")
+    console.result(model, "\n".join(lines))

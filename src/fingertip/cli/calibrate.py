@@ -1,6 +1,4 @@
-"""`fingertip calibrate`: caliper readings of cup and core give the
-printer's parameters, weighings the sensor's.
-"""
+"""`fingertip calibrate`: a printer's parameters from calipers, a sensor's from weights."""
 
 from __future__ import annotations
 
@@ -74,24 +72,23 @@ def printer(
         calibrated = apply_calibration(loaded, calibration.changes, out.stem if out else None)
 
     raise_issues(FingertipError, issues)
-    known = "known" if plate_width_mm else "assumed"
+    knowledge = "known" if plate_width_mm else "assumed"
     figures = ("scale", "scale_uncertainty", "offset_mm", "offset_uncertainty_mm")
     data: dict[str, Any] = {name: round_for_output(getattr(calibration, name)) for name in figures}
     data |= {
         "values": dict(calibration.changes),
-        "set": [f"{path}={v:g}" for path, v in calibration.changes.items()],
+        "set": [f"{path}={value:g}" for path, value in calibration.changes.items()],
     }
     offset = calibration.offset_mm
     percent = 100.0 * (calibration.scale - 1.0)
+    scale_error = ""
+    if percent:
+        scale_error = f", and {abs(percent):.2f} % too {'large' if percent > 0 else 'small'}"
+
     lines = [
         f"Your printer prints solids {abs(offset):.2f} mm too {'thick' if offset > 0 else 'thin'} "
-        f"(+- {calibration.offset_uncertainty_mm:.2f} mm, standard uncertainty)"
-        + (
-            f", and {abs(percent):.2f} % too {'large' if percent > 0 else 'small'}"
-            if percent
-            else ""
-        )
-        + f"; the scale is {known} within {100 * calibration.scale_uncertainty:.1f} %.",
+        f"(+- {calibration.offset_uncertainty_mm:.2f} mm, standard uncertainty){scale_error}; "
+        f"the scale is {knowledge} within {100 * calibration.scale_uncertainty:.1f} %.",
         "Write into the design, in place of the lines of these names:",
         *(f"{path} = {value:g}" for path, value in calibration.changes.items()),
         " ".join(f"--set {change}" for change in data["set"]),

@@ -1,6 +1,4 @@
-"""Command `fingertip check`: verify designs, folders and meshes
-without writing parts, in a terminal or in CI.
-"""
+"""Command `fingertip check`: verify designs, folders and meshes, in a terminal or in CI."""
 
 from __future__ import annotations
 
@@ -15,8 +13,14 @@ from typing import TYPE_CHECKING
 import typer
 
 from fingertip.cli import options
-from fingertip.cli.check_found import Found, Given
-from fingertip.cli.check_reports import Finding, message, to_junit, to_sarif
+from fingertip.cli.check_reports import (
+    CheckResult,
+    Finding,
+    NamedDesign,
+    message,
+    to_junit,
+    to_sarif,
+)
 from fingertip.cli.check_tables import describe_cause, format_checks, offer_fit
 from fingertip.cli.console import BAD_INPUT, Console, align_columns
 from fingertip.foundation.errors import DesignError, Issue, escape_control, gather, join_words
@@ -82,12 +86,12 @@ def check(
     other beside it. Beside one design, a mesh that has the name of a part is compared with that
     part.
     """
-    given = _sort(designs, console)
-    _refuse_what_cannot_be_checked(given, junit, sarif, verify)
+    arguments = _sort(designs, console)
+    _refuse_what_cannot_be_checked(arguments, junit, sarif, verify)
 
     settings = changes or ()
     refused: dict[Path, list[Issue]] = {}
-    loaded = _load(given.files, settings, console, refused)
+    loaded = _load(arguments.files, settings, console, refused)
     checked = _check_designs(
         loaded,
         tolerance_mm=tolerance_mm,
@@ -98,7 +102,7 @@ def check(
         verify=verify,
     )
     folders, meshes = _check_files(
-        given,
+        arguments,
         loaded=loaded,
         tolerance_mm=tolerance_mm,
         changes=settings,
@@ -109,10 +113,12 @@ def check(
     )
 
     results = [*checked, *folders, *meshes]
-    findings = [
-        *(Finding.make(path, issue) for path, issues in refused.items() for issue in issues),
-        *(finding for result in results for finding in result.findings),
-    ]
+    findings = list[Finding]()
+    for path, issues in refused.items():
+        findings += [Finding.make(path, issue) for issue in issues]
+    for result in results:
+        findings += result.findings
+
     _report(
         results,
         findings=findings,
@@ -128,9 +134,10 @@ def check(
         "issues": [vars(finding) for finding in findings],
     }
 
-    for kind, some in (("designs", checked), ("folders", folders), ("meshes", meshes)):
-        if some:
-            data[kind] = [result.data for result in some]
+    by_kind = {"designs": checked, "folders": folders, "meshes": meshes}
+    for kind, of_kind in by_kind.items():
+        if of_kind:
+            data[kind] = [result.data for result in of_kind]
 
     texts = [result.text for result in results]
     if not all(result.passed for result in checked) and tolerance_mm > FINE_MM:
@@ -149,7 +156,7 @@ def check(
     console.result(data, "\n\n".join(texts), passed)
 
 
-# --- what is given
+# --- arguments
 # --------------------------------------------------------------------------------------------------
 
 
@@ -171,22 +178,20 @@ def _sort(paths: Sequence[Path], console: Console) -> _Sorted:
 
 
 def _refuse_what_cannot_be_checked(
-    given: _Sorted, junit: Path | None, sarif: Path | None, verify: bool
+    arguments: _Sorted, junit: Path | None, sarif: Path | None, verify: bool
 ) -> None:
-    """Refuse files that are no designs, names that are no file
-    names, and options that would have no effect.
-    """
+    """Refuse files that are no designs, unsafe names, and options without effect."""
     reports = {"--junit": (junit, ".xml"), "--sarif": (sarif, ".sarif")}
     options.refuse(
         (
             Issue(str(path), _NO_DESIGN)
-            for path in given.files
+            for path in arguments.files
             if path.suffix not in ("", ".toml") and path.exists()
         ),
-        _find_unsafe_names([*given.files, *given.folders, *given.meshes]),
+        _find_unsafe_names([*arguments.files, *arguments.folders, *arguments.meshes]),
         *(options.find_file_issues(option, *pair) for option, pair in reports.items()),
         [Issue("--verify", "makes the parts of a design; give a design too, or leave it out.")]
-        if verify and not given.files
+        if verify and not arguments.files
         else (),
     )
 
@@ -206,7 +211,7 @@ def _load(
     changes: Sequence[str],
     console: Console,
     refused: dict[Path, list[Issue]],
-) -> list[Given]:
+) -> list[NamedDesign]:
     """Load designs and sets, and add what refuses one to `refused`."""
     from fingertip.design.design_file import load_tables
     from fingertip.design.finger_set import is_set
@@ -214,16 +219,15 @@ def _load(
     if files:
         load_tables((), changes)  # reports invalid changes once instead of once per file
 
-    loaded: list[Given] = []
+    loaded: list[NamedDesign] = []
     for file in dict.fromkeys(files):
         issues: list[Issue] = []
         with gather(issues):
             if is_set(file):
-                loaded.append(Given(file, options.load_fingers(file, changes, console)))
+                loaded.append(NamedDesign(file, options.load_fingers(file, changes, console)))
             else:
-                loaded.append(
-                    Given(file, options.load_design(file, changes, console, may_be_empty=False))
-                )
+                design = options.load_design(file, changes, console, may_be_empty=False)
+                loaded.append(NamedDesign(file, design))
 
         if issues:
             refused[file] = issues
@@ -231,25 +235,23 @@ def _load(
     return loaded
 
 
-def _label_designs(loaded: Sequence[Given]) -> dict[str, tuple[Path, Design]]:
+def _label_designs(loaded: Sequence[NamedDesign]) -> dict[str, tuple[Path, Design]]:
     """Label each design by its name, or by its file where two have the same name."""
     from fingertip.design import Design
 
-    listed: list[tuple[str, Path, Design]] = []
-
-    for one in loaded:
-        if isinstance(one.design, Design):
-            listed.append((one.file.as_posix(), one.file, one.design))
+    designs: list[tuple[str, Path, Design]] = []
+    for named in loaded:
+        label = named.file.as_posix()
+        if isinstance(named.design, Design):
+            designs.append((label, named.file, named.design))
         else:
-            forms = [form.design for form in one.design.forms]
-            listed += (
-                (f"{one.file.as_posix()}: {design.name}", one.file, design) for design in forms
-            )
+            forms = [form.design for form in named.design.forms]
+            designs += [(f"{label}: {design.name}", named.file, design) for design in forms]
 
-    names = [design.name for _, _, design in listed]
+    names = [design.name for _, _, design in designs]
     return {
         design.name if names.count(design.name) == 1 else label: (file, design)
-        for label, file, design in listed
+        for label, file, design in designs
     }
 
 
@@ -258,17 +260,17 @@ def _label_designs(loaded: Sequence[Given]) -> dict[str, tuple[Path, Design]]:
 
 
 def _check_designs(
-    loaded: Sequence[Given],
+    loaded: Sequence[NamedDesign],
     tolerance_mm: float,
     console: Console,
     verbose: bool,
     margins: bool,
     changes: Sequence[str],
     verify: bool,
-) -> list[Found]:
+) -> list[CheckResult]:
     designs = _label_designs(loaded)
     work = Work("checking", dict.fromkeys(designs, 1.0), console.progress)
-    found = []
+    results = []
 
     for label, (file, design) in designs.items():
         work.begin(label)
@@ -287,14 +289,16 @@ def _check_designs(
             **offer,
         }
         if margins:
-            data["margins"] = [{key: getattr(one, key) for key in _MARGIN} for one in nearest]
+            data["margins"] = [
+                {key: getattr(comparison, key) for key in _MARGIN} for comparison in nearest
+            ]
 
         text = "\n".join([format_checks(label, checks, verbose), *_format_offer(offer)])
         if nearest:
             text += "\n\n" + _format_margins(label, nearest)
 
-        found.append(
-            Found(
+        results.append(
+            CheckResult(
                 label=label,
                 data=data,
                 text=text,
@@ -303,15 +307,19 @@ def _check_designs(
             )
         )
 
-    return found
+    return results
 
 
 def _run_checks(design: Design, tolerance_mm: float, verify: bool) -> tuple[Check, ...]:
     from fingertip.cad.verification.second_opinion import second_opinions
     from fingertip.cad.verification.verify import check
 
-    made = check(design, tolerance_mm=tolerance_mm)
-    return (*made.checks, *(second_opinions(made.contents, made.meshes) if verify else ()))
+    verification = check(design, tolerance_mm=tolerance_mm)
+    if not verify:
+        return tuple(verification.checks)
+
+    opinions = second_opinions(verification.contents, verification.meshes)
+    return (*verification.checks, *opinions)
 
 
 def _list_nearest(design: Design, checks: Sequence[Check]) -> list[Comparison]:
@@ -323,11 +331,11 @@ def _list_nearest(design: Design, checks: Sequence[Check]) -> list[Comparison]:
 def _format_margins(label: str, nearest: Sequence[Comparison]) -> str:
     rows = [
         (
-            f"{one.margin_percent:.1f} %",
-            one.name,
-            f"{one.value:.5g} {one.sign} {one.limit:.5g} {one.unit}",
+            f"{comparison.margin_percent:.1f} %",
+            comparison.name,
+            f"{comparison.value:.5g} {comparison.sign} {comparison.limit:.5g} {comparison.unit}",
         )
-        for one in nearest
+        for comparison in nearest
     ]
     return "\n".join([f"{label}: nearest to their limits", *align_columns(rows)])
 
@@ -348,35 +356,35 @@ def _list_findings(file: Path, checks: Sequence[Check]) -> Iterator[Finding]:
 
 
 def _check_files(
-    given: _Sorted,
-    loaded: Sequence[Given],
+    arguments: _Sorted,
+    loaded: Sequence[NamedDesign],
     tolerance_mm: float,
     changes: Sequence[str],
     verify: bool,
     verbose: bool,
     console: Console,
     refused: dict[Path, list[Issue]],
-) -> tuple[list[Found], list[Found]]:
+) -> tuple[list[CheckResult], list[CheckResult]]:
     """Check folders and meshes, and add what cannot be read to `refused`."""
     from fingertip.cli.check_files import check_folder, check_mesh
 
     words = options.list_words(changes, console)
-    folders: list[Found] = []
-    meshes: list[Found] = []
+    folders: list[CheckResult] = []
+    meshes: list[CheckResult] = []
 
-    for folder in given.folders:
+    for folder in arguments.folders:
         with _refusing(folder, refused):
             folders.append(
                 check_folder(
                     folder,
-                    given=loaded,
+                    designs=loaded,
                     words=words,
                     remake=verify,
                     console=console,
                 )
             )
 
-    for mesh in given.meshes:
+    for mesh in arguments.meshes:
         with _refusing(mesh, refused):
             meshes.append(check_mesh(mesh, loaded, tolerance_mm, verbose))
 
@@ -399,7 +407,7 @@ def _refusing(path: Path, refused: dict[Path, list[Issue]]) -> Iterator[None]:
 
 
 def _report(
-    results: Sequence[Found],
+    results: Sequence[CheckResult],
     findings: Sequence[Finding],
     refused: Mapping[Path, Sequence[Issue]],
     junit: Path | None,

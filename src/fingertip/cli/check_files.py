@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fingertip.cli.check_found import Found, Given
-from fingertip.cli.check_reports import Finding, message
+from fingertip.cli.check_reports import CheckResult, Finding, NamedDesign, message
 from fingertip.cli.check_tables import format_checks
 from fingertip.cli.console import Console
 from fingertip.foundation.errors import InputFileError, Issue
@@ -21,14 +20,16 @@ if TYPE_CHECKING:
 # --------------------------------------------------------------------------------------------------
 
 
-def check_mesh(path: Path, given: Sequence[Given], tolerance_mm: float, verbose: bool) -> Found:
+def check_mesh(
+    path: Path, designs: Sequence[NamedDesign], tolerance_mm: float, verbose: bool
+) -> CheckResult:
     """Check a mesh file, and compare it with the part of the same name if a design is given.
 
     Raises InputFileError if there is no such part, or more than one design.
     """
     from fingertip.cad.verification.mesh_files import check_mesh_file, describe_mesh_cause
 
-    design = _find_one_design(path, given) if given else None
+    design = _find_one_design(path, designs) if designs else None
     file = check_mesh_file(path, design, max(tolerance_mm, _read_tolerance_beside(path)))
 
     label = path.as_posix()
@@ -46,7 +47,7 @@ def check_mesh(path: Path, given: Sequence[Given], tolerance_mm: float, verbose:
         if not check.passed
     )
 
-    return Found(
+    return CheckResult(
         label=label,
         data=data,
         text=format_checks(compared, file.checks, verbose, causes),
@@ -55,13 +56,13 @@ def check_mesh(path: Path, given: Sequence[Given], tolerance_mm: float, verbose:
     )
 
 
-def _find_one_design(path: Path, given: Sequence[Given]) -> Design:
+def _find_one_design(path: Path, given: Sequence[NamedDesign]) -> Design:
     """Find the design that a mesh is compared with, which must have a part of its name."""
     from fingertip.cad.verification.mesh_files import name_part
     from fingertip.design import Design
     from fingertip.models.parts import parts_by_name
 
-    designs = [one.design for one in given if isinstance(one.design, Design)]
+    designs = [named.design for named in given if isinstance(named.design, Design)]
 
     if len(given) != 1 or not designs:
         raise InputFileError(
@@ -80,9 +81,7 @@ def _find_one_design(path: Path, given: Sequence[Given]) -> Design:
 
 
 def _read_tolerance_beside(path: Path) -> float:
-    """Read the tolerance of the parts among which a mesh lies
-    [mm]; 0 if no report beside it states one.
-    """
+    """Read the tolerance of the parts beside a mesh [mm]; 0 if no report states one."""
     from fingertip.catalogues.output_files import PRINT_FOLDER, REPORT
     from fingertip.tasks.report_file import read_json_file
 
@@ -102,13 +101,12 @@ def _read_tolerance_beside(path: Path) -> float:
 
 def check_folder(
     folder: Path,
-    given: Sequence[Given],
+    designs: Sequence[NamedDesign],
     words: Sequence[str],
     remake: bool,
     console: Console,
-) -> Found:
-    """Check a folder: recordings for what they must hold, any other with its manifests, and with
-    the designs given.
+) -> CheckResult:
+    """Check a folder of recordings, or another with its manifests and the designs.
 
     `words` are the options of the command line that change the designs.
     """
@@ -116,10 +114,10 @@ def check_folder(
 
     if list_trials(folder) and (folder / DESIGN).exists():
         return _check_recordings(folder)
-    if given:
+    if designs:
         return compare_with_designs(
             folder,
-            given=given,
+            designs=designs,
             words=words,
             remake=remake,
             console=console,
@@ -128,7 +126,7 @@ def check_folder(
     return _compare_checksums(folder)
 
 
-def _check_recordings(folder: Path) -> Found:
+def _check_recordings(folder: Path) -> CheckResult:
     from fingertip.recorded_trials.trials import check_recordings
 
     trials, faults, notes = check_recordings(folder)
@@ -140,7 +138,7 @@ def _check_recordings(folder: Path) -> Found:
     )
 
 
-def _compare_checksums(folder: Path) -> Found:
+def _compare_checksums(folder: Path) -> CheckResult:
     from fingertip.catalogues.output_files import REPORT
     from fingertip.foundation.output_set import MANIFEST
     from fingertip.tasks.verification import verify_sets
@@ -159,14 +157,13 @@ def _compare_checksums(folder: Path) -> Found:
 
 def compare_with_designs(
     folder: Path,
-    given: Sequence[Given],
+    designs: Sequence[NamedDesign],
     words: Sequence[str],
     remake: bool,
     console: Console,
     parts: Sequence[str] | None = None,
-) -> Found:
-    """Compare a folder with that of the designs which it was made from, and name the command that
-    makes it again.
+) -> CheckResult:
+    """Compare a folder with the design that it was made from, of those given.
 
     With `remake`, the STL and 3MF files are made again and compared byte by byte. A folder of parts
     must hold these `parts`, or all of the design.
@@ -174,42 +171,44 @@ def compare_with_designs(
     from fingertip.design import Design
     from fingertip.tasks.part_folder import compare_folder
 
-    found = compare_folder([one.design for one in given], folder, parts)
-    faults = [*found.faults]
-    is_made_again = (
-        remake and not faults and bool(found.command) and isinstance(found.design, Design)
-    )
+    comparison = compare_folder([named.design for named in designs], folder, parts)
+    design = comparison.design
+    faults = [*comparison.faults]
+    is_made_again = False
 
-    if is_made_again and isinstance(found.design, Design):
+    if remake and not faults and comparison.command and isinstance(design, Design):
         from fingertip.tasks.parts_again import compare_made_again
 
+        is_made_again = True
         console.progress("making the parts again")
-        faults += compare_made_again(found.design, folder)
-    elif found.doubt:
-        faults.append(found.doubt)
+        faults += compare_made_again(design, folder)
+    elif comparison.doubt:
+        faults.append(comparison.doubt)
 
-    name = found.design.name if found.design else ""
-    data: dict[str, Any] = {"design": name, "files": found.files, "differences": faults}
-    compared = f"{folder}: {count(found.files, 'file')} compared with {name or 'the designs given'}"
+    name = design.name if design else ""
+    data: dict[str, Any] = {"design": name, "files": comparison.files, "differences": faults}
+    files = count(comparison.files, "file")
+    compared = f"{folder}: {files} compared with {name or 'the designs given'}"
 
     if not faults:
         how = "STL and 3MF are the same, made again" if is_made_again else "all are as written"
         return _find_in_folder(folder, faults, f"{compared}, {how}", data)
 
     lines = [*faults, f"{compared}, {count(len(faults), 'difference')}"]
-    file = next((one.file for one in given if one.design is found.design), None)
-    if found.command and file:
-        typed = ["fingertip", found.command, str(file), *words, *found.words, "--out", str(folder)]
-        data["make_again"] = shlex.join(typed)
+    file = next((named.file for named in designs if named.design is design), None)
+    if comparison.command and file:
+        command = ["fingertip", comparison.command, str(file)]
+        options = [*words, *comparison.words, "--out", str(folder)]
+        data["make_again"] = shlex.join([*command, *options])
         lines.append(f"next: {data['make_again']}")
 
     return _find_in_folder(folder, faults, "\n".join(lines), data)
 
 
-def _find_in_folder(folder: Path, faults: Sequence[str], text: str, data: dict[str, Any]) -> Found:
-    """Collect what was found in a folder; for the reports, each
-    fault is a case, or that there is none.
-    """
+def _find_in_folder(
+    folder: Path, faults: Sequence[str], text: str, data: dict[str, Any]
+) -> CheckResult:
+    """Collect the faults of a folder; without any, the reports have one case that passes."""
     from fingertip.cad.verification.check import Check
 
     label = folder.as_posix()
@@ -225,7 +224,7 @@ def _find_in_folder(folder: Path, faults: Sequence[str], text: str, data: dict[s
     )
     findings = tuple(Finding.make(folder, issue) for issue in issues)
 
-    return Found(
+    return CheckResult(
         label=label,
         data={"folder": label, "passed": not faults, **data},
         text=text,

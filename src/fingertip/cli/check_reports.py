@@ -1,6 +1,4 @@
-"""Reports of `fingertip check` for machines: findings with file and
-line, JUnit, SARIF, and annotations of GitHub.
-"""
+"""Results of `fingertip check`, and their reports for machines: JUnit, SARIF, GitHub."""
 
 from __future__ import annotations
 
@@ -19,6 +17,8 @@ from fingertip.foundation.tables import read_toml
 
 if TYPE_CHECKING:
     from fingertip.cad.verification.check import Check
+    from fingertip.design import Design
+    from fingertip.design.finger_set import FingerSet
 
 _TABLE = re.compile(r"\s*\[+\s*([\w.-]+)\s*\]")
 _KEY = re.compile(r"\s*([\w.-]+)\s*=")
@@ -40,11 +40,14 @@ class Finding:
         """Make a finding of an issue, whose place is that of a field, by default its own."""
         field = field or issue.field
         line, value = _find_place(path, field)
-        stated = re.match(r"line (\d+)\b", issue.message)  # of what is no TOML
+        # An issue of a file that is no TOML states its line itself.
+        match = re.match(r"line (\d+)\b", issue.message)
+        if line is None and match:
+            line = int(match[1])
 
         return cls(
             file=escape_control(path.as_posix()),
-            line=line or (int(stated[1]) if stated else None),
+            line=line,
             field=issue.field,
             message=issue.message,
             value=value,
@@ -57,15 +60,39 @@ class Finding:
         return f"::error {place}::{_percent_encode(self.message, '%')}"
 
 
+@dataclass(frozen=True)
+class NamedDesign:
+    """Design or set, with the file or bundled name by which it was given."""
+
+    file: Path
+    design: Design | FingerSet
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """Result for one design, folder or mesh: as data, as text, and for the reports of CI."""
+
+    label: str
+    data: Mapping[str, Any]
+    text: str
+    cases: tuple[Check | Issue, ...] = ()
+    """Cases of a JUnit report: checks, or issues as errors."""
+    findings: tuple[Finding, ...] = ()
+    """Failed checks and differences, with their place."""
+
+    @property
+    def passed(self) -> bool:
+        """Return whether nothing was wrong."""
+        return bool(self.data["passed"])
+
+
 def _escape_property(text: str) -> str:
     """Escape a property of a workflow command, which a colon or a comma would end."""
     return _percent_encode(text, "%:,")
 
 
 def _percent_encode(text: str, reserved: str) -> str:
-    """Encode reserved and control characters; GitHub decodes those
-    that it reserves, and shows the others encoded.
-    """
+    """Encode reserved and control characters; GitHub decodes those that it reserves."""
     return "".join(
         f"%{ord(character):02X}" if character in reserved or character < " " else character
         for character in text
@@ -88,7 +115,10 @@ def _find_place(path: Path, field: str) -> tuple[int | None, Any]:
         heading = _TABLE.match(line)
         if heading:
             table = f"{heading[1]}."
-        elif (key_found := _KEY.match(line)) and table + key_found[1] == field:
+            continue
+
+        key_match = _KEY.match(line)
+        if key_match and table + key_match[1] == field:
             return number, value if isinstance(value, str | int | float | bool) else None
 
     return None, None
@@ -97,16 +127,16 @@ def _find_place(path: Path, field: str) -> tuple[int | None, Any]:
 def to_sarif(findings: Iterable[Finding]) -> bytes:
     """Write findings in SARIF 2.1.0, which code scanning of GitHub and editors read."""
     results = []
-    for found in findings:
-        place: dict[str, Any] = {"artifactLocation": {"uri": quote(found.file, safe="/:")}}
-        if found.line:
-            place["region"] = {"startLine": found.line}
+    for finding in findings:
+        place: dict[str, Any] = {"artifactLocation": {"uri": quote(finding.file, safe="/:")}}
+        if finding.line:
+            place["region"] = {"startLine": finding.line}
 
-        message = {"text": f"{found.field}: {found.message}"}
+        message = {"text": f"{finding.field}: {finding.message}"}
         locations = [{"physicalLocation": place}]
         results.append(
             {
-                "ruleId": found.field,
+                "ruleId": finding.field,
                 "level": "error",
                 "message": message,
                 "locations": locations,
@@ -164,14 +194,11 @@ def _suite(root: Element, name: str, cases: Iterable[Check | Issue]) -> None:
         "errors": 0,
         "skipped": 0,
     }
-    for each in cases:
-        is_refusal = isinstance(each, Issue)
-        title, text = (
-            (each.field, each.message) if isinstance(each, Issue) else (each.name, message(each))
-        )
-        title = _clean(title)
-        text = _clean(text)
-        case = SubElement(
+    for case in cases:
+        is_refusal = isinstance(case, Issue)
+        title = _clean(case.field if isinstance(case, Issue) else case.name)
+        text = _clean(case.message if isinstance(case, Issue) else message(case))
+        element = SubElement(
             suite,
             "testcase",
             classname="fingertip." + name.replace(".", "_"),
@@ -179,13 +206,13 @@ def _suite(root: Element, name: str, cases: Iterable[Check | Issue]) -> None:
         )
         counts["tests"] += 1
 
-        if isinstance(each, Issue) or not each.passed:
+        if isinstance(case, Issue) or not case.passed:
             tag, kind = ("error", "refused") if is_refusal else ("failure", "check")
             counts[f"{tag}s"] += 1
-            SubElement(case, tag, type=kind, message=text).text = f"{name}: {title}: {text}"
+            SubElement(element, tag, type=kind, message=text).text = f"{name}: {title}: {text}"
 
         if not is_refusal:
-            SubElement(case, "system-out").text = text
+            SubElement(element, "system-out").text = text
 
     for count, number in counts.items():
         suite.set(count, str(number))

@@ -20,8 +20,7 @@ _NUMBERS = (1, 3)
 def format_checks(
     label: str, checks: Sequence[Check], verbose: bool, causes: Mapping[str, str] | None = None
 ) -> str:
-    """Format a verdict, then the checks that failed, or all of them, with what to do about each
-    failure.
+    """Format a verdict, then the failed checks, or all, with what to do about failures.
 
     `causes` says what to do by the name of a check; without it, that follows from the parameters
     behind the check.
@@ -29,17 +28,17 @@ def format_checks(
     from fingertip.cad.verification.check import count_checks
 
     verdict = f"{label}: {count_checks(checks)}"
-    shown = [check for check in checks if verbose or not check.passed]
-    if not shown:
+    listed_checks = [check for check in checks if verbose or not check.passed]
+    if not listed_checks:
         return verdict
 
-    rows = [_HEADINGS, *map(_format_row, shown)]
+    rows = [_HEADINGS, *map(_format_row, listed_checks)]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = [_align(row, widths) for row in rows]
 
     remedies = [
         f"  {check.name}: {causes[check.name] if causes else describe_cause(check)}"
-        for check in shown
+        for check in listed_checks
         if not check.passed
     ]
 
@@ -63,27 +62,23 @@ def _align(row: Sequence[str], widths: Sequence[int]) -> str:
 
 
 def describe_cause(check: Check, with_remedy: bool = True) -> str:
-    """Say what to change about a check that failed: settings with
-    which it passes, or parameters to look at.
-    """
+    """Describe what to change for a failed check: settings that pass, or its parameters."""
     remedy = f"it passes with --set {check.remedy}; or " if check.remedy and with_remedy else ""
-    return remedy + (
-        f"change {', '.join(check.change)}" if check.change else f"this is a bug in {check.source}"
-    )
+    if check.change:
+        return f"{remedy}change {', '.join(check.change)}"
+
+    return f"{remedy}this is a bug in {check.source}"
 
 
 def offer_fit(
     design: Design, checks: Iterable[Check], changes: Iterable[str], console: Console
 ) -> dict[str, Any]:
-    """Name, as data, what a fit moves for checks that failed, if
-    it mends them all and was not asked for.
-    """
+    """Return what --fit would move, as data, if it mends all failed checks."""
     from fingertip.fitting.fitting import find_mend
 
     if console.fits or not any(check.change for check in checks if not check.passed):
         return {}
 
-    moved = find_mend(
-        design, [split_finger(change.partition("=")[0].strip())[1] for change in changes]
-    )
+    changed = [split_finger(change.partition("=")[0].strip())[1] for change in changes]
+    moved = find_mend(design, changed)
     return {"fit_moves": list(moved)} if moved else {}

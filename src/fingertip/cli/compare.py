@@ -65,12 +65,10 @@ def compare(
 
 @dataclass(frozen=True)
 class _Side:
-    """One of the two versions that are compared: what was read in a
-    folder, or a design that is made first.
-    """
+    """One of the two compared versions: as read, or a design that is made first."""
 
     label: str
-    made: Version | Design
+    version: Version | Design
 
 
 def _load_sides(old: Path, new: Path) -> tuple[_Side, _Side]:
@@ -141,10 +139,10 @@ def _read(side: _Side, console: Console) -> Version:
     from fingertip.documents.comparison import Version
     from fingertip.tasks.versions import make_version
 
-    if isinstance(side.made, Version):
-        return side.made
+    if isinstance(side.version, Version):
+        return side.version
 
-    return make_version(side.label, side.made, console.progress)
+    return make_version(side.label, side.version, console.progress)
 
 
 # --- output
@@ -190,7 +188,7 @@ def format_comparison(comparison: Comparison) -> str:
         if changes:
             rows = [
                 (heading, "before", "after"),
-                *((one.name, one.before, one.after) for one in changes),
+                *((change.name, change.before, change.after) for change in changes),
             ]
             blocks.append("\n".join(align_columns(rows)))
 

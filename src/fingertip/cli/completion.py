@@ -1,5 +1,4 @@
-"""Completion in bash, zsh and fish: the words that options and arguments take, and `fingertip
-completion`.
+"""Completion in bash, zsh and fish: words of options and arguments.
 
 At the tab key the shell starts the program with the line before the cursor, and typer finds what
 may stand there.
@@ -58,33 +57,29 @@ def _bundled(*kinds: str) -> Iterable[str]:
 
 
 def _files(*kinds: str) -> Callable[[str], Iterable[str]]:
-    """Bundled files of some kinds, and files of the user, of any kind."""
+    """Return the completion of bundled files of some kinds, and of the user's own files."""
 
     def complete(incomplete: str) -> Iterable[str]:
+        # Names with control characters would control the terminal.
         own = glob.glob(f"{glob.escape(incomplete)}*.toml")
-        return [
-            *_bundled(*kinds),
-            *sorted(name for name in own if name.isprintable()),
-        ]  # others control the terminal
+        return [*_bundled(*kinds), *sorted(name for name in own if name.isprintable())]
 
     return complete
 
 
 def _table(code: str) -> Callable[[], Iterable[str]]:
-    """Names of a table, or those that a function lists, given as
-    "module:name"; it is imported when they are asked.
-    """
+    """Return the names of a table or of a function, given as "module:name", when asked."""
 
     def names() -> Iterable[str]:
         module, _, name = code.partition(":")
-        found = getattr(import_module(f"fingertip.{module}"), name)
-        return [*(found() if callable(found) else found)]
+        table = getattr(import_module(f"fingertip.{module}"), name)
+        return [*(table() if callable(table) else table)]
 
     return names
 
 
 def _choices(parameter: str) -> Callable[[], Iterable[str]]:
-    """Names that a parameter of the design takes."""
+    """Return the completion of the choices of a design's parameter."""
 
     def names() -> Iterable[str]:
         from fingertip.design.parameters import PARAMETERS
@@ -96,20 +91,20 @@ def _choices(parameter: str) -> Callable[[], Iterable[str]]:
 
 
 def _settings() -> Iterable[str]:
-    """Parameters with =, and with each choice of those that have choices."""
+    """List the parameters with =, and each choice of those that have choices."""
     from fingertip.design.parameters import PARAMETERS
     from fingertip.design.parameters.declaration import list_choices
 
-    return [
-        f"{path}={choice}"
-        for path, field in PARAMETERS.items()
-        for choice in list_choices(field) or ("",)
-    ]
+    settings = []
+    for path, field in PARAMETERS.items():
+        settings += [f"{path}={choice}" for choice in list_choices(field) or ("",)]
+
+    return settings
 
 
 def _sets_of_formats() -> Iterable[str]:
-    """Formats, and the first two, three and so on of those that are written where none is named."""
-    from fingertip.catalogues.output_files import PART_FORMATS, default_formats
+    """List the formats, and the first two, three and so on of the default ones."""
+    from fingertip.cad.files.part_formats import PART_FORMATS, default_formats
 
     names = default_formats()
     return [*PART_FORMATS, *(",".join(names[: i + 1]) for i in range(1, len(names)))]
@@ -143,7 +138,7 @@ _LISTS: Mapping[str, Callable[[], Iterable[str]]] = {
     "hands": COMPLETIONS["hand"],
     "presets": COMPLETIONS["preset"],
     "fingers": lambda: [", ".join(NAMES)],
-    "formats": lambda: [", ".join(_table("catalogues.output_files:PART_FORMATS")())],
+    "formats": lambda: [", ".join(_table("cad.files.part_formats:PART_FORMATS")())],
     "sweeps": lambda: _bundled("sweep"),
     "detectors": describe_detectors,
 }

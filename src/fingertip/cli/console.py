@@ -1,5 +1,4 @@
-"""Output conventions of all commands: results on stdout; messages, progress and errors on stderr;
-exit codes.
+"""Output of all commands: results on stdout; messages and errors on stderr; exit codes.
 
 Exit codes: 0 for success, 1 for a failed check, 2 for bad input, 70 for a fault of the program, 130
 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP, 141 where the reader of the output has closed its
@@ -84,9 +83,7 @@ _REPORT = "report it, with that file, by the form for bugs of the project's issu
 
 
 def describe_fault(error: BaseException) -> FingertipError:
-    """Describe an unexpected exception, and write its details to a
-    file of the folder for temporary files.
-    """
+    """Describe an unexpected exception, and write its details to a temporary file."""
     reason = type(error).__name__
     text = " ".join(str(error).split())
     if text:
@@ -114,16 +111,11 @@ def describe_fault(error: BaseException) -> FingertipError:
 
 
 def describe_path_error(error: BaseException) -> FingertipError | None:
-    """Describe an error of the system that blames a path, which is
-    no fault of the program; None for others.
-    """
+    """Describe an operating system's error about a path; None for others."""
     if not isinstance(error, OSError):
         return None
-    if (
-        isinstance(error, FileNotFoundError)
-        and error.filename is None
-        and _is_working_folder_gone()
-    ):
+    has_no_path = isinstance(error, FileNotFoundError) and error.filename is None
+    if has_no_path and _is_working_folder_gone():
         return FingertipError(
             Issue("working folder", "has been removed; change to a folder that exists.")
         )
@@ -136,11 +128,10 @@ def describe_path_error(error: BaseException) -> FingertipError | None:
     if error.filename is None or error.errno in _MACHINE_ERRORS:
         return None
 
-    path = (
-        os.fsdecode(error.filename)
-        if isinstance(error.filename, str | bytes)
-        else str(error.filename)
-    )
+    path = str(error.filename)
+    if isinstance(error.filename, str | bytes):
+        path = os.fsdecode(error.filename)
+
     return FingertipError(
         Issue(path, f"cannot be used ({reason}); give another path, or change its mode.")
     )
@@ -156,9 +147,7 @@ def _is_working_folder_gone() -> bool:
 
 
 def _write_details(error: BaseException) -> str | None:
-    """Write command, versions and traceback to a new file; return its path, or None if
-    that fails.
-    """
+    """Write command, versions and traceback to a new file; return its path, or None."""
     try:
         import platform
         import tempfile
@@ -185,10 +174,10 @@ _MAX_PRINTED = 200
 
 
 class Console:
+    """Output of one run of a command."""
+
     has_bar: ClassVar[bool] = False
-    """True while the terminal, of which there is one, shows a bar: whoever prints next
-    removes it.
-    """
+    """True while the terminal shows a bar, which the next message removes."""
 
     def __init__(self, as_json: bool = False, quiet: bool = False, fits: bool = False) -> None:
         self.as_json = as_json
@@ -201,9 +190,7 @@ class Console:
         self._printed: set[str] = set()
 
     def progress(self, message: str) -> None:
-        """Print a note to stderr once, or on a terminal draw a bar for
-        the share of long work; a log has no shares.
-        """
+        """Print a note to stderr once; on a terminal, draw a bar for the share of long work."""
         if message.startswith("warning: "):
             self.warnings.append(message.removeprefix("warning: "))
         if self.quiet:
@@ -227,41 +214,38 @@ class Console:
             Console.has_bar = False
 
     def show_moves(self, design: str, moves: Sequence[Move]) -> None:
-        """Print what a fit has moved, before anything is written;
-        with --quiet it is part of the result.
-        """
+        """Print what a fit has moved, or with --quiet add it to the result."""
         from fingertip.design.parameters import find_kind
 
         keys = ("parameter", "kind", "was", "is", "why")
         # Of what is measured, guesses alone move.
         kinds = (find_kind(move.name).replace("measurement", "guess") for move in moves)
         rows = [
-            (m.name, kind, m.before, m.after, m.reason)
-            for m, kind in zip(moves, kinds, strict=True)
+            (move.name, kind, move.before, move.after, move.reason)
+            for move, kind in zip(moves, kinds, strict=True)
         ]
         self._moves += ({"design": design, **dict(zip(keys, row, strict=True))} for row in rows)
-        said = (
-            f"{len(rows)} value{'s' * (len(rows) > 1)} moved"
-            if rows
-            else "passes as it is, nothing was moved"
-        )
-        lines = align_columns([[*map(str, row)] for row in (keys, *rows)]) if rows else []
-        self._tables.append("\n".join([f"{design}, fit: {said}", *lines]))
+        verdict = "passes as it is, nothing was moved"
+        lines = []
+        if rows:
+            verdict = f"{len(rows)} value{'s' * (len(rows) > 1)} moved"
+            lines = align_columns([[*map(str, row)] for row in (keys, *rows)])
+
+        table = "\n".join([f"{design}, fit: {verdict}", *lines])
+        self._tables.append(table)
 
         if not self.quiet:
             self.clear()
-            shown = fit_width(
-                self._tables[-1], shutil.get_terminal_size().columns if self._is_terminal else 0
-            )
-            print(escape_control(shown, spared="\n"), file=sys.stderr, flush=True)
+            width = shutil.get_terminal_size().columns if self._is_terminal else 0
+            text = escape_control(fit_width(table, width), spared="\n")
+            print(text, file=sys.stderr, flush=True)
 
     def warn(self, warnings: Iterable[str]) -> None:
         for warning in warnings:
             self.progress(f"warning: {warning}")
 
     def result(self, data: Mapping[str, Any], text: str, passed: bool = True) -> None:
-        """Print the result of the command to stdout: `data` as one JSON object, else `text` for
-        people.
+        """Print the result to stdout: `data` as one JSON object, or `text` for people.
 
         After a fit, the object holds what moved. So does the text with --quiet, unless it is a file
         of the design. On a terminal, lines of the text that are too long for it are broken between
@@ -277,17 +261,16 @@ class Console:
         if self.as_json:
             self.write(json.dumps(data, indent=2, allow_nan=False))
         elif text:
-            self.write(
-                fit_width(text, shutil.get_terminal_size().columns) if sys.stdout.isatty() else text
-            )
+            if sys.stdout.isatty():
+                text = fit_width(text, shutil.get_terminal_size().columns)
+
+            self.write(text)
 
         if not passed:
             raise typer.Exit(CHECK_FAILED)
 
     def write(self, text: str) -> None:
-        """Write a line of the result, or all of it, to stdout and flush it.
-        Raises OutputError or BrokenPipeError.
-        """
+        """Write text of the result to stdout. Raises OutputError or BrokenPipeError."""
         try:
             print(escape_control(text, spared="\n\t"), flush=True)
         except BrokenPipeError:
@@ -300,9 +283,7 @@ class Console:
     def print_issues(
         self, error: FingertipError, partial_result: Mapping[str, Any] | None = None
     ) -> None:
-        """Print the issues of an error to stderr; with --json also
-        to stdout, with what was found before.
-        """
+        """Print the issues of an error to stderr; with --json to stdout too."""
         self.clear()
         for issue in error.issues[:_MAX_PRINTED]:
             print(f"error: {issue.typed}", file=sys.stderr)
@@ -347,9 +328,7 @@ def fit_width(text: str, width: int) -> str:
 
 
 def discard_stdout() -> None:
-    """Redirect stdout to the null device: its buffer would fail
-    again, with a traceback, when the process ends.
-    """
+    """Redirect stdout to the null device, so that flushing it at exit does not fail."""
     with contextlib.suppress(OSError, ValueError):
         null = os.open(os.devnull, os.O_WRONLY)
         os.dup2(null, sys.stdout.fileno())

@@ -1,6 +1,4 @@
-"""Commands `fingertip params`, `schema` and `completion`: parameters
-and schemas, for users, editors and shells.
-"""
+"""Commands `fingertip params`, `schema` and `completion`, for users, editors and shells."""
 
 from __future__ import annotations
 
@@ -36,25 +34,25 @@ def params(
         text = export.to_toml(loaded)
         console.result({"toml": text}, text.removesuffix("\n"))
     else:
-        parameters = [
-            (parameter, loaded.value(parameter.path)) for parameter in export.list_parameters()
-        ]
-        data = [
-            {
-                "name": p.path,
-                "value": value,
-                "default": p.default,
-                "unit": p.unit,
-                "bounds": p.bounds,
-                "kind": p.kind,
-                "description": p.description,
-            }
-            for p, value in parameters
-        ]
-        rows = [
-            (p.path, export.format_value(v), p.unit, p.bounds, p.kind, p.description)
-            for p, v in parameters
-        ]
+        data = []
+        rows = []
+        for parameter in export.list_parameters():
+            value = loaded.value(parameter.path)
+            facts = (parameter.unit, parameter.bounds, parameter.kind, parameter.description)
+            unit, bounds, kind, description = facts
+            rows.append((parameter.path, export.format_value(value), *facts))
+            data.append(
+                {
+                    "name": parameter.path,
+                    "value": value,
+                    "default": parameter.default,
+                    "unit": unit,
+                    "bounds": bounds,
+                    "kind": kind,
+                    "description": description,
+                }
+            )
+
         console.result({"parameters": data}, export.format_parameter_table(rows, "kind"))
 
 
@@ -93,15 +91,15 @@ def make_schema(kind: str) -> dict[str, Any]:
         )
 
     module, _, name = _MODELS[kind].partition(":")
-    found = getattr(import_module(f"fingertip.{module}"), name).model_json_schema()
+    pydantic_schema = getattr(import_module(f"fingertip.{module}"), name).model_json_schema()
     if kind == "sweep":
         for base in ("design", "scene"):  # the file of a base may be named in place of its tables
-            found["properties"][base] = {
+            pydantic_schema["properties"][base] = {
                 "anyOf": [{"type": "string"}, {"type": "object"}],
-                "description": found["properties"][base]["description"],
+                "description": pydantic_schema["properties"][base]["description"],
             }
 
-    schema: dict[str, Any] = _normalise(found)
+    schema: dict[str, Any] = _normalise(pydantic_schema)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 
 
@@ -118,6 +116,9 @@ def _normalise(value: Any) -> Any:
         return [_normalise(item) for item in value]
     if isinstance(value, str):
         return "\n\n".join(" ".join(paragraph.split()) for paragraph in value.split("\n\n"))
+
+    if isinstance(value, str):  # a docstring is broken into lines where it stands
+        return "\n\n".join(" ".join(text.split()) for text in value.split("\n\n"))
 
     return int(value) if isinstance(value, float) and value.is_integer() else value
 

@@ -1,6 +1,4 @@
-"""Commands `detect`, for a recording or a stream, and `validate`,
-which tests detectors on simulated trials.
-"""
+"""Commands `detect`, on recordings and streams, and `validate`, on simulated trials."""
 
 from __future__ import annotations
 
@@ -94,9 +92,12 @@ def detect(
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
 
     loaded = load_design(design, changes)
-    own = loaded.detector.kind  # "fast" is what a design has that says nothing
-    detector = detector or (DEFAULT if own == "fast" and loaded.board.has_filter else own)
-    named, channels = _parse_columns(columns or [])
+    if detector is None:
+        # "fast" is the kind of a design that states none.
+        is_open = loaded.detector.kind == "fast" and loaded.board.has_filter
+        detector = DEFAULT if is_open else loaded.detector.kind
+
+    column_names, channels = _parse_columns(columns or [])
     time_scale_s = _parse_time_scale(time_scale)
 
     if is_stream:
@@ -109,7 +110,7 @@ def detect(
             rate_hz=rate_hz,
             scale=scale,
             time_scale=time_scale_s,
-            columns=named,
+            columns=column_names,
             channels=channels,
             floors=floors,
             progress=console.progress,
@@ -123,7 +124,7 @@ def detect(
         )
         raise TraceError(Issue("--column", message))
 
-    found = detect_file(
+    result = detect_file(
         trace,
         loaded,
         detector,
@@ -132,16 +133,16 @@ def detect(
         floors=floors,
         scale=scale,
         time_scale=time_scale_s,
-        columns=named,
+        columns=column_names,
         progress=console.progress,
     )
-    console.warn(found.warnings)
+    console.warn(result.warnings)
     if plot is not None:
-        add_to_set(plot, draw_detection(found.detection, trace.name), "--plot")
+        add_to_set(plot, draw_detection(result.detection, trace.name), "--plot")
 
     console.result(
-        as_data(found.detection, found.noise) | {"warnings": found.warnings},
-        as_text(found.detection),
+        as_data(result.detection, result.noise) | {"warnings": result.warnings},
+        as_text(result.detection),
     )
 
 
@@ -196,9 +197,7 @@ def _refuse_without_recording(options: Mapping[str, object]) -> None:
 def _follow_standard_input(
     console: Console, detector: str, begin: Callable[[], StreamDetection]
 ) -> None:
-    """Detect slip in standard input until it ends, is wrong or is
-    interrupted; report the transitions up to then.
-    """
+    """Detect slip in standard input until it ends, and report the transitions."""
     transitions: list[dict[str, Any]] = []
     data: dict[str, Any] = {
         "detector": detector,
@@ -208,12 +207,12 @@ def _follow_standard_input(
     any_on = False
 
     try:
-        found = begin()
-        data["signals"] = list(found.signals.columns)
-        console.progress(f"detector {detector}, {found.signals.describe()}")
-        console.warn(found.warnings)
+        detection = begin()
+        data["signals"] = list(detection.signals.columns)
+        console.progress(f"detector {detector}, {detection.signals.describe()}")
+        console.warn(detection.warnings)
 
-        for transition in found.transitions:
+        for transition in detection.transitions:
             any_on = True
             if console.as_json:
                 force = transition.force.as_data() if transition.force else {}
@@ -293,14 +292,8 @@ def validate(
 
     if recordings is not None:
         if (trials, minutes, seed) != (120, 40.0, 5_000_000):
-            refuse(
-                [
-                    Issue(
-                        "--recordings",
-                        "states the trials; leave --trials, --minutes and --seed out.",
-                    )
-                ]
-            )
+            message = "states the trials; leave --trials, --minutes and --seed out."
+            refuse([Issue("--recordings", message)])
 
         compare_recordings(
             console,
@@ -315,8 +308,9 @@ def validate(
     plan = CampaignPlan(trials, minutes)
     check_first_seed(seed)
     find_workers(jobs)
-    wanted = {"matplotlib": "plots"} if out else {}
-    extras.say_left_out({**wanted, "numba": "compiled loops (20 times faster)"}, console.progress)
+    packages = {"matplotlib": "plots"} if out else {}
+    packages["numba"] = "compiled loops (20 times faster)"
+    extras.say_left_out(packages, console.progress)
     console.warn([*settings_warnings(loaded, detector), *find_range_warnings(loaded)])
 
     writer = None
@@ -332,18 +326,18 @@ def validate(
     if writer:
         writer.write(validation.files(with_plots=extras.is_installed("matplotlib")))
 
-    shown = [validation.as_verdict()]
+    lines = [validation.as_verdict()]
     if verbose:
-        shown += ["", validation.as_text(), ""]
+        lines += ["", validation.as_text(), ""]
 
-    shown.append(_tell_details(out, verbose))
-    console.result(validation.as_data(), "\n".join(shown), validation.passed)
+    lines.append(_tell_details(out, verbose))
+    console.result(validation.as_data(), "\n".join(lines), validation.passed)
 
 
 def _tell_details(out: Path | None, verbose: bool) -> str:
-    """Tell where the details of a validation are, or how to get them."""
+    """Return where the details of a validation are, or how to get them."""
     if out:
         return f"details: {out / 'validation.txt'}" + ("" if verbose else ", or --verbose")
 
-    written = "--out FOLDER writes them to files"
-    return f"details: {written}" if verbose else f"details: --verbose prints them, and {written}"
+    remedy = "--out FOLDER writes them to files"
+    return f"details: {remedy}" if verbose else f"details: --verbose prints them, and {remedy}"

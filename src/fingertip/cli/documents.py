@@ -1,6 +1,4 @@
-"""Commands that show a design: casting sheet, acceptance sheet,
-drawings, pictures, page and studio.
-"""
+"""Commands that show a design: sheets, drawings, pictures, page and studio."""
 
 from __future__ import annotations
 
@@ -18,21 +16,19 @@ if TYPE_CHECKING:
 
 
 class _File:
-    """File that a command writes: the one that is named, else one
-    beside the parts, refused before the work starts.
-    """
+    """File that a command writes: the named one, or one beside the parts."""
 
     def __init__(
         self,
         design: Design,
-        named: Path | None,
+        path: Path | None,
         name: str,
         force: bool,
     ) -> None:
         from fingertip.catalogues.output_files import PART_FILES
 
-        self.path = named or PART_FILES.folder(design) / name
-        self._writer = None if named else PART_FILES.writer(design, self.path.parent, force)
+        self.path = path or PART_FILES.folder(design) / name
+        self._writer = None if path else PART_FILES.writer(design, self.path.parent, force)
         if self._writer:
             self._writer.check_addition((name,))
 
@@ -106,24 +102,23 @@ def sheet(
         step_writer.check(())
 
     data = casting_sheet(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
-    drawn: dict[str, bytes] = {}
+    step_pictures: dict[str, bytes] = {}
     if pictures:
         from fingertip.pictures.casting_scenes import draw_steps
 
-        drawn = draw_steps(
-            loaded, data, [step.picture for step in list_steps(data)], console.progress
-        )
-        step_writer.write(drawn)
+        names = [step.picture for step in list_steps(data)]
+        step_pictures = draw_steps(loaded, data, names, console.progress)
+        step_writer.write(step_pictures)
 
-    drawn_files = [f"{STEPS_FOLDER}/{name}" for name in drawn]
-    file.write(render_sheet(data, drawn_files).encode())
-    (first, second) = data.batch.components
+    picture_files = [f"{STEPS_FOLDER}/{name}" for name in step_pictures]
+    file.write(render_sheet(data, picture_files).encode())
     batch = data.batch
+    first, second = batch.components
     text = (
         f"mix {batch.a_g:g} g of {first} and {batch.b_g:g} g of {second}; casting sheet "
         f"written to {file.path}"
     )
-    console.result({**asdict(data), "page": str(file.path), "pictures": drawn_files}, text)
+    console.result({**asdict(data), "page": str(file.path), "pictures": picture_files}, text)
 
 
 @command
@@ -175,16 +170,16 @@ def picture(
         find_width_issues(width_px),
     )
     loaded = load_design(design, changes, console)
-    file = _File(loaded, out, HAND_VIEW if measure else PAD_VIEW if pad else EXPLODED_VIEW, force)
-
     if measure:
-        svg = draw_hand_sizes(loaded)
+        file = _File(loaded, out, HAND_VIEW, force)
+        file.write(draw_hand_sizes(loaded))
     elif pad:
-        svg = write_svg(draw_pad(loaded))
+        file = _File(loaded, out, PAD_VIEW, force)
+        file.write(write_svg(draw_pad(loaded)))
     else:
-        svg = None
+        file = _File(loaded, out, EXPLODED_VIEW, force)
+        file.write(draw(loaded, width_px, console.progress))
 
-    file.write(svg or draw(loaded, width_px, console.progress))
     console.result({"picture": str(file.path)}, f"drawn to {file.path}")
 
 

@@ -1,5 +1,4 @@
-"""Help pages: plain text of at most 80 columns, options in groups, flags without a type, and
-examples to copy.
+"""Help pages: plain text of 80 columns, options in groups, and examples to copy.
 
 typer draws help pages in boxes, with a type beside each flag. These classes write plain text with
 click's formatter, from the attributes of the parameters that all versions of typer share.
@@ -52,7 +51,7 @@ class HelpCommand(TyperCommand):
     """Command whose help page this module writes."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Parse words; an error of which the parser knows no command is one of this command."""
+        """Parse words; an error without a command is one of this command."""
         try:
             return super().parse_args(ctx, args)
         except Exception as error:
@@ -97,14 +96,10 @@ class HelpCommand(TyperCommand):
 
 
 class HelpGroup(TyperGroup):
-    """Group of commands whose help page this module writes, and whose
-    errors are printed as those of the commands.
-    """
+    """Group of commands with help page and errors as those of its commands."""
 
     def main(self, *args: Any, **extra: Any) -> NoReturn:
-        """Run the program.
-        Words that it does not take would be drawn in a box by typer; none give the help page.
-        """
+        """Run the program; unknown words become an issue, none give the help page."""
         try:
             raise SystemExit(super().main(*args, **extra | {"standalone_mode": False}))
         except FingertipError as error:
@@ -126,9 +121,10 @@ class HelpGroup(TyperGroup):
                 print(message, file=sys.stderr)
             else:
                 path = getattr(getattr(error, "ctx", None), "command_path", "fingertip")
-                problem = f"{message[:1].lower()}{message[1:]}".rstrip(".") + (
-                    "" if message.endswith("?") else ";"
-                )
+                problem = f"{message[:1].lower()}{message[1:]}".rstrip(".")
+                if not message.endswith("?"):
+                    problem += ";"
+
                 text = f"{problem} `{path} --help` lists what it takes."
                 Console().print_issues(FingertipError(Issue(path, text)))
 
@@ -154,7 +150,9 @@ class HelpGroup(TyperGroup):
             for subject, rows in subjects.items()
         }
         options = [
-            (_term(p), _describe(p)) for p in self.get_params(ctx) if p.param_type_name == "option"
+            (_term(parameter), _describe(parameter))
+            for parameter in self.get_params(ctx)
+            if parameter.param_type_name == "option"
         ]
         _write_page(
             self,
@@ -174,9 +172,8 @@ def _write_page(
     usage: str,
     sections: dict[str, list[tuple[str, str]]],
 ) -> None:
-    formatter.width = max(
-        MIN_WIDTH, min(MAX_WIDTH, ctx.terminal_width or shutil.get_terminal_size().columns)
-    )
+    columns = ctx.terminal_width or shutil.get_terminal_size().columns
+    formatter.width = max(MIN_WIDTH, min(MAX_WIDTH, columns))
     formatter.write_usage(ctx.command_path, usage)
     formatter.write_paragraph()
     formatter.write_text(command.help or "")
@@ -201,23 +198,23 @@ def _write_page(
 
 
 def _command_name(ctx: Any) -> str:
-    """Words of a command behind the name of the program."""
+    """Return the words of a command behind the name of the program."""
     return "" if ctx.parent is None else f"{_command_name(ctx.parent)} {ctx.info_name}".strip()
 
 
 def metavar(parameter: Any) -> str:
-    """Word that stands for the value of a parameter; empty for a flag, which has none."""
+    """Return the word for the value of a parameter; empty for a flag."""
     if parameter.param_type_name == "option" and parameter.is_flag:
         return ""
     if parameter.metavar:
         return str(parameter.metavar)
 
-    described = getattr(parameter, "type_descriptor", None)  # typer with its own parser
-    kind = (
-        getattr(described.annotation, "__name__", "")
-        if described
-        else getattr(parameter.type, "name", "")
-    )
+    descriptor = getattr(parameter, "type_descriptor", None)  # typer with its own parser
+    if descriptor:
+        kind = getattr(descriptor.annotation, "__name__", "")
+    else:
+        kind = getattr(parameter.type, "name", "")
+
     return _METAVARS.get(kind.lower(), "TEXT")
 
 

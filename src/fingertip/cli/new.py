@@ -81,24 +81,13 @@ def new(
     """
     sensor = sensor and spell_sensor(sensor)
     issues = list(find_file_issues("--out", out, ".toml", kept="give another name"))
-    issues += _find_taken(name, out)
+    issues += _find_name_issues(name, out)
     order = _Order(name, out or Path(f"{name}.toml"), changes or (), issues)
 
     if old:
-        others = {
-            "--sensor": sensor,
-            "--preset": preset,
-            "--hand": hand,
-            "--finger": finger,
-        }
-        for option in (option for option, value in others.items() if value):
-            issues.append(
-                Issue(
-                    option,
-                    "says otherwise what --from takes from the old design; give one of both.",
-                )
-            )
-
+        message = "says otherwise what --from takes from the old design; give one of both."
+        contrary = {"--sensor": sensor, "--preset": preset, "--hand": hand, "--finger": finger}
+        issues += [Issue(option, message) for option, value in contrary.items() if value]
         _write_renewed(console, order, old)
     elif finger:
         from fingertip.fitting.new_set import start_set
@@ -119,7 +108,7 @@ def new(
 
 @dataclass(frozen=True)
 class _Order:
-    """Design, or set, that is asked for, and what is wrong with the words so far."""
+    """Request for a design or a set, with what is wrong so far."""
 
     name: str
     path: Path
@@ -131,8 +120,8 @@ class _Order:
         return f"fingertip make {shlex.quote(self.path.as_posix())}"
 
 
-def _find_taken(name: str, out: Path | None) -> Iterator[Issue]:
-    """Find why a name is refused: a bundled file has it, or Windows makes no file of it."""
+def _find_name_issues(name: str, out: Path | None) -> Iterator[Issue]:
+    """Yield an issue if a bundled file has the name, or Windows makes no file of it."""
     from fingertip.catalogues.file_kinds import DESIGN, SET, list_bundled_files
 
     if not is_safe_name(f"{name}.toml") and name.isalnum():
@@ -146,8 +135,8 @@ def _find_taken(name: str, out: Path | None) -> Iterator[Issue]:
 
     for kind in (DESIGN, SET):
         if name in list_bundled_files(kind):
-            taken = f"{name} is the name of a bundled {kind.name}"
-            yield Issue("NAME", f"{taken}; choose another, such as my_{name}.")
+            problem = f"{name} is the name of a bundled {kind.name}"
+            yield Issue("NAME", f"{problem}; choose another, such as my_{name}.")
 
 
 def _write_one(
@@ -157,29 +146,29 @@ def _write_one(
     from fingertip.design.hand_sizes import describe_guesses
     from fingertip.foundation.files import write_file
 
-    made = None
-    found = list[Issue]()
+    new_design = None
+    refusals = list[Issue]()
     issues = order.issues
-    with gather(found):
-        made = begin()
+    with gather(refusals):
+        new_design = begin()
 
-    issues += _name_options(found)
-    if made and is_new:
+    issues += _name_options(refusals)
+    if new_design and is_new:
         issues += find_file_issues("--out", order.path, ".toml", kept="give another name")
-    if issues or made is None:
+    if issues or new_design is None:
         raise FingertipError(issues)
 
-    data, lines = _describe(order.path, made)
+    data, lines = _describe(order.path, new_design)
     if console.fits:
-        console.show_moves(order.name, made.moves)
-        failed, strength = _check(made.design, data, console.progress)
+        console.show_moves(order.name, new_design.moves)
+        failed, strength = _check(new_design.design, data, console.progress)
         raise_issues(FingertipError, _refuse(failed))
         lines += strength
 
-    write_file(order.path, made.text.encode())
+    write_file(order.path, new_design.text.encode())
     lines += [
         f"wrote {order.path}; edit it, then run: {order.following}",
-        describe_guesses(made.guessed),
+        describe_guesses(new_design.guessed),
     ]
     console.result(data | {"next": order.following}, "\n".join(filter(None, lines)))
 
@@ -193,12 +182,12 @@ def _write_renewed(console: Console, order: _Order, old: Path) -> None:
     )
     raise_issues(FingertipError, dict.fromkeys(order.issues))
 
-    for left in LEFT_OUT:
+    for left_out in LEFT_OUT:
         renewed = renew_design(
             order.name,
             file=old,
             changes=order.changes,
-            left_out=left,
+            left_out=left_out,
             progress=console.progress,
         )
         data, lines = _describe(order.path, renewed.made)
@@ -224,25 +213,21 @@ def _write_renewed(console: Console, order: _Order, old: Path) -> None:
     console.result(data | {"next": order.following}, "\n".join(lines))
 
 
-def _tell_other_joint(made: NewDesign) -> Iterator[str]:
-    """Tell with which joint of the hand the bundled design holds more than the new one."""
+def _tell_other_joint(new_design: NewDesign) -> Iterator[str]:
+    """Yield a note if the bundled design holds more, on another joint."""
     from fingertip.design import Design
 
-    base = Design.load(made.base)
-    design = made.design
+    base = Design.load(new_design.base)
+    design = new_design.design
     paths = (f"hand.{name}" for name in type(base.hand).model_fields)
-    others = [
+    sizes = [
         f"{path}={base.value(path)}" for path in paths if design.value(path) != base.value(path)
     ]
-
-    if (
-        others
-        and design.dimensions.joint
-        and design.strength.grip_force_n < base.strength.grip_force_n
-    ):
+    is_weaker = design.strength.grip_force_n < base.strength.grip_force_n
+    if sizes and design.dimensions.joint and is_weaker:
         yield (
-            f"note: {made.base} holds {base.strength.grip_force_n:g} N, on a joint of "
-            f"{', '.join(others)}"
+            f"note: {new_design.base} holds {base.strength.grip_force_n:g} N, on a joint of "
+            f"{', '.join(sizes)}"
         )
 
 
@@ -253,29 +238,26 @@ def _write_set(console: Console, order: _Order, start: Callable[[], Starts]) -> 
 
     path = order.path
     issues = order.issues
-    found = list[Issue]()
+    refusals = list[Issue]()
     starts: Starts = {}
-    with gather(found):
+    with gather(refusals):
         starts = start()
 
-    issues += _name_options(found)
-    for file in (path, *(path.with_name(f"{one.tables.name}.toml") for one in starts.values())):
+    issues += _name_options(refusals)
+    files = (path.with_name(f"{begun.tables.name}.toml") for begun in starts.values())
+    for file in (path, *files):
         issues += find_file_issues("--out", file, ".toml", kept="give another name")
 
     raise_issues(FingertipError, dict.fromkeys(issues))
     work = Work("", {"fit": 2.0 * len(starts), "checks": len(starts)}, console.progress)
     forms = fit_set(starts, work.within("fit"), issues)
-    checking = Work(
-        "checking",
-        dict.fromkeys((join_words(form.fingers) for form in forms), 1.0),
-        work.within("checks"),
-    )
+    labels = [join_words(form.fingers) for form in forms]
+    checking = Work("checking", dict.fromkeys(labels, 1.0), work.within("checks"))
     form_data: list[dict[str, Any]] = []
     lines = list[str]()
     guessed = dict[str, None]()
 
-    for form in forms:
-        label = join_words(form.fingers)
+    for label, form in zip(labels, forms, strict=True):
         data, details = _describe(path.with_name(form.file), form.design)
         if form.is_own:
             console.show_moves(form.design.design.name, form.design.moves)
@@ -318,14 +300,14 @@ def _name_options(issues: Iterable[Issue]) -> list[Issue]:
     return [Issue(options.get(issue.field, issue.field), issue.message) for issue in issues]
 
 
-def _describe(path: Path, made: NewDesign) -> tuple[dict[str, Any], list[str]]:
-    design = made.design
+def _describe(path: Path, new_design: NewDesign) -> tuple[dict[str, Any], list[str]]:
+    design = new_design.design
     data: dict[str, Any] = {
         "design": path.as_posix(),
         "name": design.name,
         "sensor": design.sensor.model,
-        "base": made.base,
-        "guessed": list(made.guessed),
+        "base": new_design.base,
+        "guessed": list(new_design.guessed),
     }
     lines = [f"note: {doubt}" for doubt in design.force_curve.find_doubt(design.sensor.model)]
 
@@ -341,18 +323,16 @@ def _describe(path: Path, made: NewDesign) -> tuple[dict[str, Any], list[str]]:
 def _check(
     design: Design, data: dict[str, Any], progress: Callable[[str], None]
 ) -> tuple[list[Check], list[str]]:
-    """Check a design as a build does, and add its strength to the data.
-    Return what failed, and its strength.
-    """
+    """Check a design as a build does; return the failed checks, and its strength in words."""
     from fingertip.cad.verification.strength import describe_loads, strength_data
     from fingertip.cad.verification.verify import check as check_design
 
-    verified = check_design(design, progress=progress)
-    assert verified.strength
-    data["strength"] = strength_data(verified.strength)
-    failed = [check for check in verified.checks if not check.passed]
+    verification = check_design(design, progress=progress)
+    assert verification.strength
+    data["strength"] = strength_data(verification.strength)
+    failed = [check for check in verification.checks if not check.passed]
 
-    return failed, [describe_loads(verified.strength)]
+    return failed, [describe_loads(verification.strength)]
 
 
 def _refuse(failed: Iterable[Check]) -> Iterator[Issue]:
@@ -361,9 +341,8 @@ def _refuse(failed: Iterable[Check]) -> Iterator[Issue]:
             f"{check.value:.3g} {check.unit} must be {check.relation} {check.limit:g}, or "
             "`make` fails"
         )
-        remedy = (
-            f"it passes with --set {check.remedy}"
-            if check.remedy
-            else f"change {' or '.join(check.change)}"
-        )
+        remedy = f"change {' or '.join(check.change)}"
+        if check.remedy:
+            remedy = f"it passes with --set {check.remedy}"
+
         yield Issue(check.name, f"{problem}; {remedy}")

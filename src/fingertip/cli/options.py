@@ -1,11 +1,10 @@
-"""Options of the same meaning in each command, their decorator,
-loading a design, and checks of file names.
-"""
+"""Options of all commands, their decorator, loading of designs, checks of file names."""
 
 from __future__ import annotations
 
 import functools
 import inspect
+import itertools
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -94,9 +93,7 @@ DESIGN_FILES = typer.Argument(
 )
 _OFFER = re.compile(r", or add --fit, which moves .*\.$")
 _ONLY_FIT = re.compile(r"; (?:add )?--fit(,? )")
-"""Offer of a fit, which a command without the option --fit leaves out,
-and one that has no other remedy beside it.
-"""
+"""Offers of a fit, beside another remedy and alone, for commands without --fit."""
 _FITTED_FILE = r"; `fingertip params DESIGN --fit --toml > fitted.toml`\1"
 _FITTED = (DESIGN_FILE, OPTIONAL_DESIGN, DESIGN_FILES)
 """Arguments of the commands that have the option --fit."""
@@ -142,7 +139,11 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
     declared = [parameter for name, parameter in own.items() if name != "console"]
     if "console" in own:
         declared += _OUTPUT_OPTIONS
-    if any(parameter.default is each for parameter in declared for each in _FITTED):
+    takes_design = any(
+        parameter.default is argument
+        for parameter, argument in itertools.product(declared, _FITTED)
+    )
+    if takes_design:
         declared.append(
             inspect.Parameter(
                 "fit", inspect.Parameter.POSITIONAL_OR_KEYWORD, default=FIT, annotation=bool
@@ -185,12 +186,7 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
 
             refusal = _find_refusal(error)
             if refusal and "fit" not in words:
-                texts = (
-                    _ONLY_FIT.sub(_FITTED_FILE, _OFFER.sub(".", each.message))
-                    for each in refusal.issues
-                )
-                issues = zip(refusal.issues, texts, strict=True)
-                refusal = FingertipError(replace(issue, message=text) for issue, text in issues)
+                refusal = FingertipError(map(_leave_out_fit, refusal.issues))
 
             console.print_issues(refusal or describe_fault(error))
             raise typer.Exit(BAD_INPUT if refusal else FAULT) from None
@@ -200,10 +196,14 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
     return run
 
 
+def _leave_out_fit(issue: Issue) -> Issue:
+    """Leave the offer of --fit out of an issue of a command that has no such option."""
+    message = _OFFER.sub(".", issue.message)
+    return replace(issue, message=_ONLY_FIT.sub(_FITTED_FILE, message))
+
+
 def _find_refusal(error: BaseException) -> FingertipError | None:
-    """Find what an error tells the user about input, a path or a
-    missing package; None for a fault of the program.
-    """
+    """Return the issues of an error about input, a path or a package; None for a fault."""
     if isinstance(error, FingertipError):
         return error
 
@@ -216,7 +216,8 @@ def load_design(
     console: Console | None = None,
     may_be_empty: bool = True,
 ) -> Design:
-    """Load the design of a file, or the default design, with changes; with --fit, fit it.
+    """Load a design, or the default one, with changes; with --fit, fit it.
+
     Raises DesignError.
     """
     if console and console.fits:
@@ -246,17 +247,15 @@ def load_design(
     if console and design.provisional:
         from fingertip.design.hand_sizes import describe_guesses
 
-        said = describe_guesses(design.provisional)
-        if said:
-            console.progress(f"note: {said}")
+        guesses = describe_guesses(design.provisional)
+        if guesses:
+            console.progress(f"note: {guesses}")
 
     return design
 
 
 def find_folders(paths: Iterable[Path], console: Console) -> list[Path]:
-    """Find the folders among designs; a bare name that is bundled
-    is that of the bundled design or set.
-    """
+    """Find the folders among designs; a bundled name wins over a folder."""
     from fingertip.catalogues.file_kinds import DESIGN, SET, is_bundled_name
 
     folders = [path for path in paths if path.is_dir()]
@@ -269,10 +268,11 @@ def find_folders(paths: Iterable[Path], console: Console) -> list[Path]:
 
 
 def list_words(changes: Iterable[str], console: Console) -> list[str]:
-    """List the options that change a design as they were typed, for a command that is to
-    be typed.
-    """
-    words = [word for change in changes for word in ("--set", change)]
+    """List the options that change a design, for a command to type."""
+    words = list[str]()
+    for change in changes:
+        words += ["--set", change]
+
     return [*words, "--fit"] if console.fits else words
 
 
@@ -282,10 +282,8 @@ def read_design(file: Path | None, changes: tuple[str, ...]) -> tuple[Design, bo
     from fingertip.design.design_file import load_tables
 
     loaded = load_tables([file] if file else [], changes)
-
-    return Design.from_tables(
-        loaded.tables, loaded.before, loaded.changed, loaded.provisional
-    ), not loaded.before
+    design = Design.from_tables(loaded.tables, loaded.before, loaded.changed, loaded.provisional)
+    return design, not loaded.before
 
 
 def load_fingers(file: Path, changes: Sequence[str] | None, console: Console) -> FingerSet:
@@ -300,9 +298,8 @@ def load_fingers(file: Path, changes: Sequence[str] | None, console: Console) ->
     typed = {split_finger(change.partition("=")[0].strip())[1] for change in changes or ()}
 
     def fit(loaded: LoadedTables) -> Design:
-        changed = [
-            name for name in loaded.changed if name in typed
-        ]  # what the set's file states may move
+        # A fit may move what the set's file states.
+        changed = [name for name in loaded.changed if name in typed]
         return fit_tables(
             loaded.tables,
             before=loaded.before,
@@ -327,9 +324,7 @@ def refuse(*issues: Iterable[Issue]) -> None:
 
 
 def find_idle_issues(mode: str, options: Mapping[str, object]) -> Iterator[Issue]:
-    """Find options that are given though an option that only prints something would pass
-    over them.
-    """
+    """Yield an issue for each option that has no effect as nothing is written."""
     for name, value in options.items():
         if value:
             yield Issue(
@@ -344,9 +339,7 @@ def find_file_issues(
     inputs: Iterable[Path | None] = (),
     kept: str = "",
 ) -> Iterator[Issue]:
-    """Find why a file is not written: it is a folder, ends in another
-    suffix, is needed, or its place takes no file.
-    """
+    """Yield an issue if a file cannot be written: folder, wrong suffix, input, or place."""
     from fingertip.foundation.output_set import find_place_issues
 
     if path is None:
@@ -360,11 +353,13 @@ def find_file_issues(
             option,
             f"{path.name!r} is of no format that is written; end it in {' or '.join(suffixes)}.",
         )
-    elif os.path.exists(path) and any(
-        each and os.path.exists(each) and path.samefile(each) for each in inputs
-    ):
+    elif os.path.exists(path) and any(_is_same_file(path, file) for file in inputs):
         yield Issue(option, f"{path} is an input of this command; give another name.")
     elif kept and os.path.lexists(path):
         yield Issue(str(path), f"exists and is not overwritten; {remedy}, or {kept}.")
     else:
         yield from find_place_issues(path.parent, remedy, path.name)
+
+
+def _is_same_file(path: Path, file: Path | None) -> bool:
+    return bool(file and os.path.exists(file) and path.samefile(file))

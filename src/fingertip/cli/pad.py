@@ -1,6 +1,4 @@
-"""Command `fingertip pad`: what part of a force reaches the sensor,
-in the poses in which a finger presses.
-"""
+"""Command `fingertip pad`: the part of a force that reaches the sensor, by pose."""
 
 from __future__ import annotations
 
@@ -29,9 +27,7 @@ _WORST = ("strain", "bond_shear_mpa", "bond_tension_mpa")
 """Figures of which the largest over all tilts is stated."""
 _SMALL_STRAIN = 0.1
 _DEPTH = 0.3
-"""Strain of the elements, and indentation over thickness, up to
-which small strains are not commented on.
-"""
+"""Largest strain, and indentation over thickness, without a comment on small strains."""
 _FRICTION = 0.5
 """Friction of silicone on a dry plate. An assumption."""
 _REFUSED = "-: the plate reaches the rigid collar, or the strain is too large for this computation"
@@ -137,29 +133,28 @@ def _add_elements(
     from fingertip.pad.survey import FORCE_N
 
     is_refused = False
-    worst = dict[str, float]()
+    worst: dict[str, float] = {}
 
     for is_fine in (False, True)[: 1 + refine]:
         console.progress(
             ShareText(f"finite elements{', finer mesh' if is_fine else ''}", 0.5 * is_fine)
         )
-        found = _press(form, is_fine)
-        name, title = (
-            ("fem_refined", "finite elements, edges 0.7")
-            if is_fine
-            else ("fem", "the same, finite elements")
-        )
-        data[name] = [
-            None if c is None else {"share": round(c.share, 4), "depth_mm": round(c.depth_mm, 4)}
-            for c in found
-        ]
-        lines.insert(
-            3 + is_fine, _row(title, ["-" if c is None else f"{c.share:.2f}" for c in found])
-        )
-        pressed = [c for c in found if c and form.bonded]
-        worst = {part: max(getattr(c, part) for c in pressed) for part in _WORST} if pressed else {}
-        data[f"{name}_worst"] = {part: round(value, 4) for part, value in worst.items()}
-        is_refused = None in found
+        contacts = _press(form, is_fine)
+        name = "fem_refined" if is_fine else "fem"
+        title = "finite elements, edges 0.7" if is_fine else "the same, finite elements"
+        data[name] = [contact and _round_contact(contact) for contact in contacts]
+        shares = [f"{contact.share:.2f}" if contact else "-" for contact in contacts]
+        lines.insert(3 + is_fine, _row(title, shares))
+
+        bonded = [contact for contact in contacts if contact and form.bonded]
+        worst = {}
+        if bonded:
+            worst = {
+                figure: max(getattr(contact, figure) for contact in bonded) for figure in _WORST
+            }
+
+        data[f"{name}_worst"] = {figure: round(value, 4) for figure, value in worst.items()}
+        is_refused = None in contacts
 
     remarks = [_REFUSED] if is_refused else []
     if worst:
@@ -177,28 +172,34 @@ def _add_elements(
     return remarks
 
 
+def _round_contact(contact: PadContact | LargeStrainContact) -> dict[str, float]:
+    return {"share": round(contact.share, 4), "depth_mm": round(contact.depth_mm, 4)}
+
+
 def _list_large_strain(rows: list[dict[str, Any]], friction: float) -> list[str]:
     titles = {
         "small": "small strain",
         "large": "large strain",
         "friction": f"with friction of {friction:g}",
     }
+    poses = [f"{row['force_n']:g} N, {row['tilt_deg']:g} deg" for row in rows]
     lines = [
         f"finite elements, edges of {_COARSE_MM:g} mm:",
-        _row(
-            "share and depth [mm]", [f"{r['force_n']:g} N, {r['tilt_deg']:g} deg" for r in rows], 17
-        ),
+        _row("share and depth [mm]", poses, 17),
     ]
-    lines += [
-        _row(title, [f"{r[name][0]:.3f}  {r[name][1]:.3f}" if r[name] else "-" for r in rows], 17)
-        for name, title in titles.items()
-    ]
-    return lines if all(row[name] for row in rows for name in titles) else [*lines, _REFUSED]
+    is_refused = False
+
+    for name, title in titles.items():
+        contacts = [row[name] for row in rows]
+        texts = [f"{contact[0]:.3f}  {contact[1]:.3f}" if contact else "-" for contact in contacts]
+        lines.append(_row(title, texts, 17))
+        is_refused = is_refused or not all(contacts)
+
+    return [*lines, _REFUSED] if is_refused else lines
 
 
 def _press(form: PadForm, is_fine: bool) -> list[PadContact | LargeStrainContact | None]:
-    """Press the pad by finite elements at all tilts of the survey; None where they refuse the
-    contact.
+    """Press the pad by finite elements at the survey's tilts; None where they refuse.
 
     A skin that lies on the bone is pressed at large strain, with its friction inside and on the
     plate.
@@ -210,25 +211,27 @@ def _press(form: PadForm, is_fine: bool) -> list[PadContact | LargeStrainContact
     from fingertip.pad.touch import Pose
 
     size = MeshSize() if form.bonded else MeshSize(_LYING_MM)
-    model = PadModel(
-        form, replace(size, edge_mm=_REFINED * size.edge_mm) if is_fine else size, is_half=True
-    )
-    found: list[PadContact | LargeStrainContact | None] = []
+    if is_fine:
+        size = replace(size, edge_mm=_REFINED * size.edge_mm)
+
+    model = PadModel(form, size, is_half=True)
+    contacts: list[PadContact | LargeStrainContact | None] = []
 
     for tilt in TILTS_DEG:
-        far = press_large_strain(model, Pose(tilt), (FORCE_N,), form.friction)
+        pose = Pose(tilt)
         try:
-            found.append(Patch(model, Pose(tilt)).press(FORCE_N) if form.bonded else next(far))
+            if form.bonded:
+                contacts.append(Patch(model, pose).press(FORCE_N))
+            else:
+                contacts.append(next(press_large_strain(model, pose, (FORCE_N,), form.friction)))
         except TraceError:
-            found.append(None)
+            contacts.append(None)
 
-    return found
+    return contacts
 
 
 def _compare_large_strain(console: Console, form: PadForm, friction: float) -> list[dict[str, Any]]:
-    """Press with a usual and a firm force, at small and at
-    large strain; None where that is refused.
-    """
+    """Press with a usual and a firm force, at small and large strain; None if refused."""
     from fingertip.pad.fem_contact import PadModel, Patch
     from fingertip.pad.fem_large_strain import press_large_strain
     from fingertip.pad.fem_mesh import MeshSize
@@ -243,30 +246,33 @@ def _compare_large_strain(console: Console, form: PadForm, friction: float) -> l
         console.progress(
             ShareText(f"large strain at a tilt of {tilt:g} degrees", done / len(_STRAINED_DEG))
         )
-        patch = Patch(model, Pose(tilt))
-        ways = {
-            "small": _collect(patch.press(force, with_strain=False) for force in forces)
-            if form.bonded
-            else [],
-            "large": _collect(press_large_strain(model, Pose(tilt), forces)),
-            "friction": _collect(press_large_strain(model, Pose(tilt), forces, friction)),
+        pose = Pose(tilt)
+        patch = Patch(model, pose)
+        small = (patch.press(force, with_strain=False) for force in forces)
+        methods = {
+            "small": _collect(small) if form.bonded else [],
+            "large": _collect(press_large_strain(model, pose, forces)),
+            "friction": _collect(press_large_strain(model, pose, forces, friction)),
         }
 
         for index, force in enumerate(forces):
-            found = {name: way[index] if index < len(way) else None for name, way in ways.items()}
-            rows.append({"tilt_deg": tilt, "force_n": force, **found})
+            contacts = {
+                name: results[index] if index < len(results) else None
+                for name, results in methods.items()
+            }
+            rows.append({"tilt_deg": tilt, "force_n": force, **contacts})
 
     return rows
 
 
 def _collect(contacts: Iterator[PadContact | LargeStrainContact]) -> list[list[float]]:
-    """Share and depth of contacts, up to the first that is refused."""
-    found: list[list[float]] = []
+    """Return share and depth of contacts, up to the first that is refused."""
+    rows: list[list[float]] = []
     with suppress(TraceError):
         for contact in contacts:
-            found.append([round(contact.share, 4), round(contact.depth_mm, 4)])
+            rows.append([round(contact.share, 4), round(contact.depth_mm, 4)])
 
-    return found
+    return rows
 
 
 def _row(title: str, texts: list[str], width: int = 7) -> str:

@@ -1,6 +1,4 @@
-"""Command `record`, which guides through trials of a built
-finger, and the comparison of its recordings.
-"""
+"""Command `record`, for trials of a built finger, and comparison of its recordings."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""`fingertip simulate`: simulate one of the article's trials, a
-scene or a manipulation, and write its trace.
-"""
+"""`fingertip simulate`: simulate a trial, a scene or a manipulation, and write its trace."""
 
 from __future__ import annotations
 
@@ -123,8 +121,8 @@ def simulate(
     elif plan:
         from fingertip.sim.stages import plan_simulation
 
-        found = plan_simulation(simulation)
-        console.result(found.as_data(), "\n".join(found.as_text()))
+        stages = plan_simulation(simulation)
+        console.result(stages.as_data(), "\n".join(stages.as_text()))
     else:
         if plot is not None:
             extras.require("--plot", "matplotlib", alternative="leave --plot out")
@@ -148,9 +146,7 @@ def _write(
     grip: str | None,
     force: bool,
 ) -> None:
-    """Simulate and write trace and plot, the trace beside the parts of the design if
-    `out` is None.
-    """
+    """Simulate, and write trace and plot; without `out`, beside the parts of the design."""
     from fingertip.catalogues.output_files import SIGNAL
     from fingertip.foundation.files import open_atomic, write_file
     from fingertip.sim import simulation_summary as summary
@@ -172,9 +168,10 @@ def _write(
                 progress=console.progress,
             )
 
-        if out is None and (
-            removed := trace_file.write_trace(simulation.design, path, finished, force)
-        ):
+        removed = []
+        if out is None:
+            removed = [*trace_file.write_trace(simulation.design, path, finished, force)]
+        if removed:
             console.progress(
                 f"removed what was made from earlier traces or another design: {', '.join(removed)}"
             )
@@ -185,9 +182,9 @@ def _write(
     if plot is not None and picture is not None:
         write_file(plot, picture, "--plot")
 
-    written = {"trace": path.as_posix()} | ({"plot": plot.as_posix()} if plot else {})
-    lines = [*summary.as_text(record, grips_s), f"wrote {' and '.join(written.values())}"]
-    console.result(written | summary.as_data(record, grips_s), "\n".join(lines))
+    files = {"trace": path.as_posix()} | ({"plot": plot.as_posix()} if plot else {})
+    lines = [*summary.as_text(record, grips_s), f"wrote {' and '.join(files.values())}"]
+    console.result(files | summary.as_data(record, grips_s), "\n".join(lines))
 
 
 def _simulate(
@@ -198,9 +195,7 @@ def _simulate(
     plotted: bool,
     progress: Callable[[str], None],
 ) -> tuple[SceneRecord | ManipulationResult, tuple[float, ...] | None, bytes | None]:
-    """Simulate and write the trace; return what is known about it, the
-    moments of grip, and the plot if asked for.
-    """
+    """Simulate and write the trace; return the record, moments of grip, and the plot."""
     from fingertip.sim import simulation_summary as summary
     from fingertip.sim import trace_file
 
@@ -216,8 +211,5 @@ def _simulate(
         record, grips_s = run_with_grip(simulation, grip, progress)
 
     trace_file.write_columns(file, path, record.time_s, record.columns)
-    return (
-        record,
-        grips_s,
-        summary.draw(record, summary.as_text(record, grips_s)[0]) if plotted else None,
-    )
+    picture = summary.draw(record, summary.as_text(record, grips_s)[0]) if plotted else None
+    return record, grips_s, picture

@@ -1,6 +1,4 @@
-"""`fingertip sweep`: evaluate many designs from one file, on all processors or a cluster;
-interruptible, resumable.
-"""
+"""`fingertip sweep`: evaluate many designs from one file, here or on a cluster."""
 
 from __future__ import annotations
 
@@ -70,7 +68,7 @@ def sweep(
     if outputs:
         _list_outputs(console)
     elif show:
-        _show_report(console, *_find_shown(file, out, changes or ()), csv)
+        _show_report(console, *_find_reported(file, out, changes or ()), csv)
     else:
         plan, engine = _prepare(file, changes or (), jobs, cluster)
         with _open_database(console, out or _default_folder(plan), plan, resume) as database:
@@ -84,13 +82,13 @@ def sweep(
 def _list_outputs(console: Console) -> None:
     from fingertip.sweep.outputs import load_outputs
 
-    listed = [
-        {"name": o.name, "group": o.group, "description": o.description}
-        for o in load_outputs().values()
-    ]
+    data = []
     lines = [f"{'output':24} {'group':10} description"]
-    lines += [f"{o.name:24} {o.group:10} {o.description}" for o in load_outputs().values()]
-    console.result({"outputs": listed}, "\n".join(lines))
+    for output in load_outputs().values():
+        lines.append(f"{output.name:24} {output.group:10} {output.description}")
+        data.append({"name": output.name, "group": output.group, "description": output.description})
+
+    console.result({"outputs": data}, "\n".join(lines))
 
 
 def _prepare(
@@ -116,10 +114,10 @@ def _prepare(
     return SweepPlan.load(file, changes), DaskEngine(cluster) if cluster else ProcessEngine(workers)
 
 
-def _find_shown(
+def _find_reported(
     file: Path | None, out: Path | None, changes: Sequence[str]
 ) -> tuple[Path, SweepPlan | None]:
-    """Find the folder to report on, and its sweep; None if only the folder is given."""
+    """Return the folder to report on, and its sweep, or None without its file."""
     from fingertip.sweep.sweep_plan import SweepPlan
 
     if file is not None:
@@ -167,7 +165,7 @@ def _run(console: Console, database: SweepDatabase, engine: Engine) -> int:
             plan,
             database,
             engine,
-            lambda s: console.progress(ShareText(format_state(s), s.done / plan.size)),
+            lambda state: console.progress(ShareText(format_state(state), state.done / plan.size)),
         )
     except interruption.INTERRUPTIONS as error:
         interrupted = interruption.exit_code(error)
@@ -192,11 +190,14 @@ def _run(console: Console, database: SweepDatabase, engine: Engine) -> int:
     statuses = ", ".join(f"{count} {status}" for status, count in counts.items() if count)
     elapsed_s = time.perf_counter() - start_s
     speed = f"{state.written} now in {elapsed_s:.1f} s by {engine.workers} {engine.description}"
+    if state.written:
+        work = f"{speed}, {state.written / elapsed_s:.3g} points/s"
+    else:
+        work = "every point already had its row"
+
     lines = [
         f"{rows} of {plan.size} points in {folder}: {statuses}",
-        f"{speed}, {state.written / elapsed_s:.3g} points/s"
-        if state.written
-        else "every point already had its row",
+        work,
         f"next: fingertip sweep --show --out {shlex.quote(folder.as_posix())}",
     ]
     data = {"name": plan.file.name, **data, "computed_now": state.written}

@@ -1,5 +1,4 @@
-"""Detection of slip in recordings: a file, an array or a stream comes in, and slip goes out, with
-warnings.
+"""Detection of slip in files, arrays and streams, with warnings about the result.
 
 The detector of a design is adapted to the sampling rate and to the noise of the recording.
 

@@ -1,5 +1,4 @@
-"""Adaptation of a design's detector to a recording: to its sampling rate, and to the noise of a
-quiet part.
+"""Adaptation of a design's detector to a recording's sampling rate and noise.
 
 Nothing happens in a quiet part, in the air or in a held grasp. Its noise, of any spectrum, is
 expressed as the white noise for which a detector has the threshold it needs.
@@ -32,15 +31,11 @@ from fingertip.slip.traces.trace import RawTrace, Trace
 from fingertip.slip.traces.truth import intervals
 
 _DISTURBANCE_RATIO = 6.0
-"""Ratio of the energy statistic to its median that indicates a
-disturbance; noise alone reaches half of it.
-"""
+"""Ratio of the energy statistic to its median at a disturbance; noise reaches half of it."""
 _ENERGY_S = 0.015
 """Window of that energy [s]."""
 MIN_S = 0.3
-"""Minimum duration [s].
-A shorter part does not determine the deviation in a band of 40 Hz to 10 %.
-"""
+"""Minimum duration [s]; a shorter part does not give the deviation in 40 Hz to 10 %."""
 _RAMP_MEAN_S = 0.05
 """Time over which the signal is averaged to see how the force moves [s]."""
 _RAMP_V = 0.01
@@ -55,7 +50,7 @@ NOISELESS_REMEDY = "use a measured signal, or the voltage of a simulated trace i
 
 @dataclass(frozen=True)
 class QuietPart:
-    """Part of a recording during which nothing happens, and from whose noise thresholds follow."""
+    """Quiet part of a recording, whose noise gives the thresholds."""
 
     samples: slice
     text: str
@@ -69,7 +64,7 @@ class QuietPart:
         in_volts: bool,
         name: str,
     ) -> QuietPart:
-        """Select it between two times after the first sample [s].
+        """Select the part between two times after the first sample [s].
 
         Raises TraceError, also where the force moves.
         """
@@ -135,7 +130,9 @@ def _select_samples(trace: Trace, between_s: tuple[float, float], name: str) -> 
     elif trace.slip is not None and trace.slip[part].any():
         first_s = trace.time_s[part.start + np.argmax(trace.slip[part])]
         slip = next(
-            i for i in intervals(trace.time_s, trace.slip) if i.onset_s <= first_s <= i.end_s
+            interval
+            for interval in intervals(trace.time_s, trace.slip)
+            if interval.onset_s <= first_s <= interval.end_s
         )
         between = f"{slip.onset_s - trace.time_s[0]:.4g} to {slip.end_s - trace.time_s[0]:.4g} s"
         message = f"covers slip, which lasts from {between}; choose a part without it."
@@ -146,8 +143,7 @@ def _select_samples(trace: Trace, between_s: tuple[float, float], name: str) -> 
 
 
 def equivalent_noise_v(detector: str, design: Design, quiet_v: Array, name: str) -> float:
-    """Compute the white RMS noise for which a detector's threshold exceeds this signal as its rule
-    requires.
+    """Compute the white RMS noise for which a detector's threshold exceeds this signal.
 
     The detector's own output for the signal decides. The white noise of the signal's second
     differences is the lower bound; drift and a constant load do not contribute to it. Raises
@@ -165,15 +161,12 @@ def equivalent_noise_v(detector: str, design: Design, quiet_v: Array, name: str)
         message = f"covers a constant part of {name}: a signal without noise gives no threshold"
         raise TraceError(Issue("--calibrate", f"{message}; {NOISELESS_REMEDY}."))
 
-    return max(
-        white_v, find_detector_type(detector).implementation.equivalent_noise_v(design, quiet_v)
-    )
+    implementation = find_detector_type(detector).implementation
+    return max(white_v, implementation.equivalent_noise_v(design, quiet_v))
 
 
 def _find_disturbance(design: Design, quiet_v: Array) -> int | None:
-    """Find the first sample of a quiet part whose energy is far
-    above the median; None if there is none.
-    """
+    """Return the first sample with far more energy than the median; None if there is none."""
     settling = round(0.1 * design.detector.sample_rate_hz)
     filtered = FastDetector(FastSettings.from_design(design, 1.0)).process(quiet_v).filtered_v
     window = max(1, round(_ENERGY_S * design.detector.sample_rate_hz))
@@ -188,13 +181,10 @@ def _find_disturbance(design: Design, quiet_v: Array) -> int | None:
 
 
 def _describe_ramp(trace: Trace, part: slice, in_volts: bool) -> str | None:
-    """Describe a change of the force within a quiet part; None if
-    there is none that a drift would not make.
-    """
+    """Describe a change of the force that is no drift; None if there is none."""
     volts = trace.voltage_v[part]
-    width = max(
-        1, round(_RAMP_MEAN_S * (len(trace.time_s) - 1) / (trace.time_s[-1] - trace.time_s[0]))
-    )
+    duration_s = trace.time_s[-1] - trace.time_s[0]
+    width = max(1, round(_RAMP_MEAN_S * (len(trace.time_s) - 1) / duration_s))
     means = volts[: len(volts) // width * width].reshape(-1, width).mean(axis=1)
     if len(means) < 2:
         return None
@@ -259,9 +249,7 @@ class Adaptation:
     report: Callable[[str], None] = lambda message: None
 
     def to_recording(self, design: Design, raw: RawTrace) -> Design:
-        """Adapt a design to a recording's sampling rate, if the
-        rates differ and some detector has it.
-        """
+        """Adapt a design to a recording's rate, if the rates differ and a detector has it."""
         # A rate out of bounds is refused as the recording is validated, with all else that is
         # wrong.
         rate_hz = raw.rate_hz

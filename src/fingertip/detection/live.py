@@ -1,6 +1,4 @@
-"""Detection on a stream of CSV lines: each line gives one sample and
-one decision, and no samples are stored.
-"""
+"""Detection on a stream of CSV lines, one decision a sample; no samples are stored."""
 
 from __future__ import annotations
 
@@ -18,7 +16,7 @@ from fingertip.detection.warnings import StreamWatch, settings_warnings
 from fingertip.foundation.errors import Issue, TraceError, shorten
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.detector import Detector
-from fingertip.slip.detectors.fast import FastDetector
+from fingertip.slip.detectors.fast import FastDetector, Floors
 from fingertip.slip.force import MEAN_S, Force, ForceScale
 from fingertip.slip.traces import sampling
 from fingertip.slip.traces.cells import bare_lines, parse_number, split_cells
@@ -101,79 +99,79 @@ def detect_stream(
         If `rate_hz` is out of bounds, or too low for the design's filters.
     """
     report = progress or (lambda message: None)
-    given = design or Design()
-    design = given
+    original = design or Design()
+    design = original
     kind = registry.check_detector(design, detector)
     adaptation = Adaptation(detector, report=report)
     if rate_hz is not None:
         design = adaptation.to_rate(design, rate_hz)
 
     voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
-    selected = [
-        replace(voltage, names={**voltage.names, "voltage_v": name}) for name in channels
-    ] or [voltage]
-    if not all(each.in_volts for each in selected):
+    column_maps = [_select_voltage(voltage, name) for name in channels] or [voltage]
+    if not all(column_map.in_volts for column_map in column_maps):
         problem = "names a force, whose thresholds require --calibrate and the whole recording"
         raise TraceError(Issue("--column", f"{problem}; save the lines in a file."))
 
-    envelope = replace(
-        voltage, names={**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")}
-    )
-    header, rows = open_stream(lines, selected[0], *([envelope] if kind.takes_envelope else []))
+    envelope = _select_voltage(voltage, voltage.name_in_file("envelope_v"))
+    alternatives = [envelope] if kind.takes_envelope else []
+    header, rows = open_stream(lines, column_maps[0], *alternatives)
     if rate_hz is None and "sample_rate_hz" not in design.detector.model_fields_set:
         first = list(itertools.islice(rows, _FIRST))
         rows = itertools.chain(first, rows)
-        found_hz = _find_rate(header, first, voltage, design.detector.sample_rate_hz)
-        if found_hz:
-            design = adaptation.to_rate(design, found_hz)
+        measured_hz = _find_rate(header, first, voltage, design.detector.sample_rate_hz)
+        if measured_hz:
+            design = adaptation.to_rate(design, measured_hz)
 
     second = None if channels else registry.find_second_column(design, detector)
-    found = [
-        _Channel.open(
+    opened = []
+    for column_map in column_maps:
+        channel = _Channel.open(
             header,
             design=design,
             detector=detector,
-            voltage=each,
+            voltage=column_map,
             second=second,
             report=report,
             is_named=bool(channels),
         )
-        for each in selected
-    ]
-    for channel, each in zip(found, selected, strict=True):
         if floors is not None:
-            found_hz = design.detector.sample_rate_hz
-            stored = read_floors(
-                floors,
-                design=given,
-                detector=detector,
-                columns=each,
-                rate_hz=found_hz,
-                with_filtered=len(channel.places) > 1,
+            channel.start_with(
+                read_floors(
+                    floors,
+                    design=original,
+                    detector=detector,
+                    columns=column_map,
+                    rate_hz=design.detector.sample_rate_hz,
+                    with_filtered=len(channel.places) > 1,
+                )
             )
-            assert isinstance(channel.detector, FastDetector)  # another one was refused
-            channel.detector.stored_floors = stored
+
+        opened.append(channel)
 
     transitions = _follow(
         header,
         rows=rows,
-        channels=found,
+        channels=opened,
         parameters=design.detector,
-        columns=selected[0],
+        columns=column_maps[0],
         report=report,
     )
-    signals = registry.find_signals(design, detector, len(found[0].places) > 1)
+    signals = registry.find_signals(design, detector, len(opened[0].places) > 1)
     return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)), signals)
+
+
+def _select_voltage(columns: ColumnMap, name: str) -> ColumnMap:
+    return replace(columns, names={**columns.names, "voltage_v": name})
 
 
 @dataclass
 class _Channel:
-    """One voltage of the lines, while slip is looked for in it."""
+    """One voltage of the lines, with its detector."""
 
     name: str
     """Name in transitions and warnings; empty for a single one."""
     places: list[int]
-    """Places in a line of what the detector takes."""
+    """Places in a line of the detector's inputs."""
     detector: Detector
     watch: StreamWatch | None
     scale: ForceScale | None
@@ -193,30 +191,27 @@ class _Channel:
         report: Callable[[str], None],
         is_named: bool,
     ) -> _Channel:
-        """Create the detector and select its columns; `analog` takes
-        the board's output if the lines contain it.
-        """
+        """Create the detector of a channel; `analog` takes the board's output if it is there."""
         voltage = voltage.with_simulated_names(header.names)
         place = header.find_place
         name = voltage.name_in_file("voltage_v")
         envelope = voltage.name_in_file("envelope_v")
         takes_envelope = registry.find_detector_type(detector).takes_envelope
-        shown = name if is_named else ""
+        label = name if is_named else ""
 
         if takes_envelope and envelope in header.names and not is_named:
             return cls(
-                name=shown,
+                name=label,
                 places=[place(envelope)],
                 detector=registry.make_detector(detector, design),
                 watch=None,
                 scale=None,
             )
 
-        has_second = second is not None and voltage.name_in_file(second) in header.names
-        places = [
-            place(name),
-            *([place(voltage.name_in_file(second))] if second and has_second else []),
-        ]
+        places = [place(name)]
+        if second is not None and voltage.name_in_file(second) in header.names:
+            places.append(place(voltage.name_in_file(second)))
+
         instance: Detector
 
         if takes_envelope:
@@ -227,44 +222,47 @@ class _Channel:
         else:
             instance = registry.make_detector(detector, design)
 
-        watch = StreamWatch(design, detector, instance, not has_second)
+        watch = StreamWatch(design, detector, instance, with_steps=len(places) == 1)
         return cls(
-            name=shown,
+            name=label,
             places=places,
             detector=instance,
             watch=watch,
             scale=find_force_scale(design),
         )
 
+    def start_with(self, floors: Floors) -> None:
+        """Give the detector the floors of a rest."""
+        assert isinstance(self.detector, FastDetector)  # floors of another one are refused
+        self.detector.stored_floors = floors
+
     def step(self, values: Sequence[float], time_s: float, share: float) -> Transition | None:
         """Process one sample.
 
         `share` is that of a new voltage in the mean of which the force follows.
         """
-        self.mean_v = (
-            values[0]
-            if math.isnan(self.mean_v)
-            else self.mean_v + share * (values[0] - self.mean_v)
-        )
+        if math.isnan(self.mean_v):
+            self.mean_v = values[0]
+        else:
+            self.mean_v = self.mean_v + share * (values[0] - self.mean_v)
+
         if self.detector.step(*values) == self.is_on:
             return None
 
         self.is_on = not self.is_on
-        return Transition(
-            self.is_on, time_s, self.scale.read(self.mean_v) if self.scale else None, self.name
-        )
+        force = self.scale.read(self.mean_v) if self.scale else None
+        return Transition(self.is_on, time_s, force, self.name)
 
-    def warn(self, found: Sequence[str], report: Callable[[str], None]) -> None:
-        for warning in found:
-            report(f"warning: {self.name}{': ' if self.name else ''}{warning}")
+    def warn(self, warnings: Sequence[str], report: Callable[[str], None]) -> None:
+        prefix = f"{self.name}: " if self.name else ""
+        for warning in warnings:
+            report(f"warning: {prefix}{warning}")
 
 
 def _find_rate(
     header: Header, rows: Sequence[tuple[int, str]], columns: ColumnMap, known_hz: float
 ) -> float | None:
-    """Find the rate from the times of the first lines [Hz]; None if
-    it is the known one, or if there are none.
-    """
+    """Return the rate by the first times [Hz]; None if it is the known one, or without times."""
     times = _place_times(header, columns)
     if not times or len(rows) < 2:
         return None
@@ -299,7 +297,8 @@ def open_stream(
     """
     remaining = bare_lines(bounded_lines(lines, name))
     header = find_header(name, remaining, columns, *alternatives)
-    rows = ((n, line) for n, line in enumerate(remaining, start=header.line + 1) if line.strip())
+    numbered = enumerate(remaining, start=header.line + 1)
+    rows = ((number, line) for number, line in numbered if line.strip())
     first = next(rows, None)
     if first is None or header.is_unit_line(first[1]):
         return header, rows
@@ -325,7 +324,7 @@ def _follow(
     sample = -1
     step_s = 1 / parameters.sample_rate_hz
     share = 1 / max(1.0, MEAN_S * parameters.sample_rate_hz)
-    taken = {place for place, _ in times}.union(*(channel.places for channel in channels))
+    places = {place for place, _ in times}.union(*(channel.places for channel in channels))
 
     for number, line in rows:
         if header.is_repeated(line) or line.startswith("#"):
@@ -333,7 +332,7 @@ def _follow(
 
         sample += 1
         cells = split_cells(line, header.delimiter)
-        width = width or header.count_cells(len(cells), taken)
+        width = width or header.count_cells(len(cells), places)
 
         if len(cells) != width:
             message = (
@@ -350,9 +349,8 @@ def _follow(
             channel.is_whole = channel.is_whole and volts % 1 == 0
             channel.warn(channel.watch.add(volts) if channel.watch else (), report)
             if not parameters.adc_low_v <= volts <= parameters.adc_range_v:
-                raise _line_error(
-                    number, sampling.range_message(volts, "", channel.is_whole, parameters)
-                )
+                message = sampling.range_message(volts, "", channel.is_whole, parameters)
+                raise _line_error(number, message)
 
         time_s = _read_time(times, cells, number, line) if times else sample * step_s
         if times:
@@ -367,19 +365,15 @@ def _follow(
         channel.warn(channel.watch.end() if channel.watch else (), report)
 
     if sample < 0:
-        raise TraceError(
-            Issue(NAME, "has no samples below its header; write at least one line of samples.")
-        )
+        message = "has no samples below its header; write at least one line of samples."
+        raise TraceError(Issue(NAME, message))
     if sample + 1 < parameters.window_samples:
-        raise TraceError(
-            Issue(NAME, sampling.length_message(sample + 1, parameters.window_samples))
-        )
+        message = sampling.length_message(sample + 1, parameters.window_samples)
+        raise TraceError(Issue(NAME, message))
 
 
 def _place_times(header: Header, columns: ColumnMap) -> list[tuple[int, float]]:
-    """Find the places of the times, and seconds per unit of
-    each; none where the lines hold no times.
-    """
+    """Return the places of the times with seconds per unit; none if the lines hold no times."""
     units_s = {
         columns.name_in_file("time_s"): columns.time_scale,
         columns.names.get(NANOSEC, ""): 1e-9,
@@ -398,9 +392,7 @@ def _read_time(
 
 
 class _SampleClock:
-    """Checks the times of samples against the sampling rate: each
-    step, and the mean rate once a window is full.
-    """
+    """Check of the times of samples against the sampling rate: each step, and the mean."""
 
     def __init__(self, parameters: DetectorParameters) -> None:
         self._parameters = parameters
@@ -470,7 +462,7 @@ def _parse_number(cell: str, number: int, line: str) -> float:
 
 
 def _quote(line: str) -> str:
-    """Quote a line as it came, so that a message of a controller among the samples is read."""
+    """Quote a line as it came: it may be a message of the controller."""
     return f"The line reads {shorten(line.strip(), _MAX_QUOTED)!r}."
 
 

@@ -1,5 +1,4 @@
-"""Detection on recordings, in files and in arrays of a program, from reading to warnings about the
-result.
+"""Detection on recordings in files and arrays, with warnings about the result.
 
 `fingertip detect` prints what these functions return. They adapt the design to the recording's
 sampling rate, derive thresholds from a quiet part, and simulate the analog board for the detector
@@ -72,9 +71,7 @@ def detect(
     kind = registry.check_detector(design, detector)
     adaptation = Adaptation(detector, noise_is_measured=noise_v is not None)
     channels = _read_channels(recording, rate_hz)
-    trace, *others = channels.values()
-
-    if others:
+    if len(channels) > 1:
         problem = f"holds {len(channels)} channels, {shorten(join_words(channels), 200)}"
         raise TraceError(
             Issue(
@@ -83,6 +80,7 @@ def detect(
             )
         )
 
+    (trace,) = channels.values()
     raw = RawTrace("trace", trace, in_volts=noise_v is None, is_array=True)
     if rate_hz is not None:
         design = adaptation.to_rate(design, rate_hz)
@@ -133,16 +131,11 @@ def _read_channels(recording: Any, rate_hz: float | None) -> dict[str, Trace]:
     array = as_numbers("recording", recording)
     names = [*map(str, getattr(recording, "columns", ()))]
     array = array[:, None] if array.ndim == 1 else array
-    index: Any = getattr(
-        getattr(recording, "index", None), "values", None
-    )  # of a series or a frame of pandas
+    # The index of a series or a frame of pandas.
+    index: Any = getattr(getattr(recording, "index", None), "values", None)
+    has_index = isinstance(index, np.ndarray) and index.dtype.kind in "fmM" and len(index)
 
-    if (
-        rate_hz is None
-        and isinstance(index, np.ndarray)
-        and index.dtype.kind in "fmM"
-        and len(index)
-    ):
+    if rate_hz is None and has_index:
         times = index if index.dtype.kind == "f" else (index - index[0]) / np.timedelta64(1, "s")
         array = np.column_stack([times, array])
         names = ["", *(names or ["voltage_v"])]
@@ -168,26 +161,24 @@ def _read_channels(recording: Any, rate_hz: float | None) -> dict[str, Trace]:
         check_rate(rate_hz)
 
     time_s = array[:, 0] if has_times or rate_hz is None else np.arange(len(array)) / rate_hz
-    places = range(int(has_times), array.shape[1])
+    names = names or [*map(str, range(array.shape[1]))]
     return {
-        (names or [*map(str, range(array.shape[1]))])[i]: Trace(time_s.copy(), array[:, i].copy())
-        for i in places
+        names[i]: Trace(time_s.copy(), array[:, i].copy())
+        for i in range(int(has_times), array.shape[1])
     }
 
 
 @dataclass(frozen=True, eq=False)
 class FileDetection:
+    """Detection on a file, with what was used for it."""
+
     detection: Detection
     trace: Trace
     """Validated trace, with the board's output if that was simulated."""
     design: Design
-    """Design used: at the recording's sampling rate, and for
-    `analog` with the threshold from the quiet part.
-    """
+    """Design used: at the recording's rate, and for `analog` with a calibrated threshold."""
     noise: NoiseLevel | None
-    """Noise level of the quantity that the threshold applies to;
-    None for the detectors `fft` and `fast`.
-    """
+    """Noise level of the thresholded quantity; None for the detectors `fft` and `fast`."""
     warnings: tuple[str, ...]
     """Reasons to doubt the result."""
 
@@ -250,17 +241,13 @@ def detect_file(
     """
     path = Path(path)
     report = progress or (lambda message: None)
-    given = design or Design()
-    design = given
+    original = design or Design()
+    design = original
     kind = registry.check_detector(design, detector)
-
     if floors is not None and calibrate_s is not None:
-        left = (
-            "--calibrate"
-            if ColumnMap(columns or {}).in_volts
-            else "--floors, which are of a voltage,"
-        )
-        raise TraceError(Issue("--floors", f"are not used beside --calibrate; leave {left} out."))
+        in_volts = ColumnMap(columns or {}).in_volts
+        option = "--calibrate" if in_volts else "--floors, which are of a voltage,"
+        raise TraceError(Issue("--floors", f"are not used beside --calibrate; leave {option} out."))
 
     adaptation = Adaptation(detector, calibrate_s is not None, report)
     if rate_hz is not None:
@@ -279,11 +266,10 @@ def detect_file(
         design = adaptation.to_recording(design, raw)
 
     trace = replace(raw.validate(design.detector), origin=origin or read_origin(path))
-    quiet = (
-        None
-        if calibrate_s is None
-        else QuietPart.select(trace, calibrate_s, column_map.in_volts, path.name)
-    )
+    quiet = None
+    if calibrate_s is not None:
+        quiet = QuietPart.select(trace, calibrate_s, column_map.in_volts, path.name)
+
     recording = _Recording(
         name=path.name,
         trace=trace,
@@ -298,13 +284,12 @@ def detect_file(
     stored = None
 
     if floors is not None:
-        adapted_hz = design.detector.sample_rate_hz
         stored = read_floors(
             floors,
-            design=given,
+            design=original,
             detector=detector,
             columns=column_map,
-            rate_hz=adapted_hz,
+            rate_hz=design.detector.sample_rate_hz,
             with_filtered=trace.filtered_v is not None,
         )
 
@@ -314,10 +299,9 @@ def detect_file(
     elif quiet:
         noise_v = _measure_noise(recording, quiet)
         if column_map.in_volts:
-            found = detect_in_trace(trace, design, detector)
             doubts += warnings.calibration_warnings(
                 noise_v,
-                before=found,
+                before=detect_in_trace(trace, design, detector),
                 quiet=quiet.samples,
                 design=design,
                 part=quiet.describe(),
@@ -330,12 +314,11 @@ def detect_file(
         noise_v=noise_v,
         floors=stored,
     )
-    if column_map.in_volts and column_map.name_in_file("voltage_v") != column_map.name_in_file(
-        "envelope_v"
-    ):
+    signal = column_map.name_in_file("voltage_v")
+    if column_map.in_volts and signal != column_map.name_in_file("envelope_v"):
         detection = replace(detection, scale=find_force_scale(recording.design))
     elif not column_map.in_volts and not kind.takes_envelope:
-        unit = f"thousandths of {column_map.name_in_file('voltage_v')}"
+        unit = f"thousandths of {signal}"
         detection = replace(detection, threshold=replace(detection.threshold, unit=unit))
 
     if quiet:
@@ -354,7 +337,7 @@ def detect_file(
 
 @dataclass(frozen=True, eq=False)
 class _Recording:
-    """Recording while slip is looked for in it, with the design that fits it."""
+    """Recording to be judged, with the design that fits it."""
 
     name: str
     trace: Trace
@@ -365,9 +348,7 @@ class _Recording:
 
 
 def _doubt_signals(recording: _Recording) -> Iterator[str]:
-    """Find what is wrong with the signals or does not suit the design; of a force nothing
-    is known.
-    """
+    """Warn of signals that are wrong or do not suit the design; of a force nothing is known."""
     design = recording.design
     volts = recording.trace.voltage_v
     trace = recording.trace
@@ -376,23 +357,18 @@ def _doubt_signals(recording: _Recording) -> Iterator[str]:
 
     yield from warnings.hum_warnings(volts, design.detector.sample_rate_hz)
     yield from warnings.preload_warnings(volts, design)
-    if (
-        np.ptp(volts) == 0.0
-        and volts[0] < design.detector.adc_range_v - 1.5 * design.detector.adc_step_v
-    ):
+    below_limit_v = design.detector.adc_range_v - 1.5 * design.detector.adc_step_v
+    if np.ptp(volts) == 0.0 and volts[0] < below_limit_v:
         yield f"the voltage is constant at {volts[0]:g} V; is a sensor connected?"
     else:
-        yield from list(warnings.flat_warnings(volts, design)) or warnings.polarity_warnings(
-            volts, design
-        )
+        flat = list(warnings.flat_warnings(volts, design))
+        yield from flat or warnings.polarity_warnings(volts, design)
 
     yield from warnings.settings_warnings(design, recording.detector)
     # A filtered signal has finer steps. Thresholds follow from the recording itself after a
     # calibration.
-    if (
-        registry.find_second_column(design, recording.detector) is not None
-        and trace.filtered_v is not None
-    ):
+    takes_filtered = registry.find_second_column(design, recording.detector) is not None
+    if takes_filtered and trace.filtered_v is not None:
         yield from warnings.filtered_warnings(trace, design)
     elif recording.quiet is None:
         yield from warnings.step_warnings(volts, design, recording.detector)
@@ -424,48 +400,45 @@ def read_floors(
         columns=columns.names,
     )
     has_filtered = rest.trace.filtered_v is not None
-    found_hz = rest.design.detector.sample_rate_hz
-    found = rest.detection
+    rest_hz = rest.design.detector.sample_rate_hz
+    detection = rest.detection
+    noise_v = detection.learned_noise_v or 0.0
     lasts_s = rest.trace.time_s[-1] - rest.trace.time_s[0]
 
-    if found.floors is None:
+    if detection.floors is None:
         message = (
-            f"are not learned by {found.detector}; add --detector fast, or leave --floors out."
+            f"are not learned by {detection.detector}; add --detector fast, or leave --floors out."
         )
     elif lasts_s < FLOORS_S:
         message = (
             f"the rest lasts {lasts_s:.3g} s, and fast learns for {FLOORS_S:g} s; record a "
             "longer one."
         )
-    elif found.incipient:
+    elif detection.incipient:
         message = (
-            f"the rest may hold slip at {found.incipient[0].onset_s:.4f} s; record it while "
+            f"the rest may hold slip at {detection.incipient[0].onset_s:.4f} s; record it while "
             "nothing moves."
         )
-    elif (noise_v := found.learned_noise_v or 0.0) and any(
-        warnings.noise_warnings(noise_v, design, None)
-    ):
+    elif any(warnings.noise_warnings(noise_v, design, None)):
         message = (
             f"the rest vibrates by {1000 * noise_v:.2g} mV, over {MAX_NOISE_RATIO:g} times the "
             "stated noise; "
             "record it while nothing moves; if nothing did, state the noise with --set "
             f"detector.noise_v={noise_v:.2g}."
         )
-    elif (has_filtered, found_hz) != (with_filtered, rate_hz):
+    elif (has_filtered, rest_hz) != (with_filtered, rate_hz):
         message = (
-            f"the rest has {found_hz:g} Hz, or other columns than what follows it; record "
+            f"the rest has {rest_hz:g} Hz, or other columns than what follows it; record "
             "both in the same way."
         )
     else:
-        return found.floors
+        return detection.floors
 
     raise TraceError(Issue("--floors", message))
 
 
 def _add_board(recording: _Recording, report: Progress) -> tuple[_Recording, NoiseLevel]:
-    """Add the output of the design's board where it was not
-    recorded, and the threshold from its noise.
-    """
+    """Add the board's output if it was not recorded, and the threshold from its noise."""
     from fingertip.sim.signal.converter import simulate_quiescent_level, simulate_replay_level  # noqa: PLC0415
 
     trace = recording.trace
@@ -494,9 +467,7 @@ def _add_board(recording: _Recording, report: Progress) -> tuple[_Recording, Noi
 
 
 def _measure_noise(recording: _Recording, quiet: QuietPart) -> float:
-    """Measure the white noise for which the detector has the
-    threshold that the quiet part needs [V].
-    """
+    """Return the white noise for which the detector has the quiet part's threshold [V]."""
     design = recording.design
     quiet_v = recording.trace.voltage_v[quiet.samples]
     noise_v = equivalent_noise_v(recording.detector, design, quiet_v, recording.name)
@@ -508,7 +479,7 @@ def _measure_noise(recording: _Recording, quiet: QuietPart) -> float:
 def _doubt_result(
     recording: _Recording, detection: Detection, noise_v: float | None, level: NoiseLevel | None
 ) -> Iterator[str]:
-    """Find reasons to doubt the noise, the threshold and the quiet part."""
+    """Warn of noise, thresholds and quiet parts that make the result doubtful."""
     trace = recording.trace
     design = recording.design
     quiet = recording.quiet
@@ -516,9 +487,8 @@ def _doubt_result(
     if recording.columns.in_volts:
         # Noise jumps, too.
         noisy = list(warnings.noise_warnings(detection.learned_noise_v, design, noise_v))
-        if not any(
-            warnings.flat_warnings(trace.voltage_v, design)
-        ):  # a clipped signal jumps, and is named as such
+        # A clipped signal jumps, and is named as such.
+        if not any(warnings.flat_warnings(trace.voltage_v, design)):
             undecided = detection.undecided
             if undecided and undecided.end_s < trace.time_s[-1]:
                 yield from warnings.begin_warnings(undecided.end_s)
@@ -531,14 +501,13 @@ def _doubt_result(
         )
         yield from warnings.threshold_warnings(detection.threshold_v, level, may_be_lower)
 
-    if quiet and (disturbance := quiet.describe_disturbance(design, trace)):
+    disturbance = quiet.describe_disturbance(design, trace) if quiet else None
+    if disturbance:
         yield disturbance
 
 
 def find_force_scale(design: Design) -> ForceScale | None:
-    """Find the forces that a design's tactile voltages mean; None
-    for a sensor whose curve is not known.
-    """
+    """Return the force at each tactile voltage; None if the sensor's curve is not known."""
     from fingertip.sim.runs.grip import ForceCurve  # noqa: PLC0415
 
     if design.force_curve.find_doubt(design.sensor.model):
@@ -555,9 +524,7 @@ def simulate_board(
     name: str,
     progress: Progress,
 ) -> Trace:
-    """Add the simulated output of the design's board to a trace; a
-    force passes the design's bridge first.
-    """
+    """Add the simulated output of the design's board; a force passes its bridge first."""
     from fingertip.sim.signal.converter import SimulatedBoardDetector, compute_bridge_v  # noqa: PLC0415
 
     voltage_v = trace.voltage_v

@@ -19,21 +19,15 @@ from fingertip.slip.scored_detection import BEGIN_RATIO, BEGIN_S, MAX_NOISE_RATI
 from fingertip.slip.traces.trace import Trace
 
 _MAX_RESIDUAL = 0.05
-"""Largest deviation of a difference between voltages from a whole
-number of steps, in steps: rounding of the file.
-"""
+"""Largest deviation of a difference from a whole number of steps: rounding of the file."""
 _MAX_STEPS = 1000
-"""Number of steps between two neighbouring voltages above which rounding hides whether it
-is whole.
-"""
+"""Largest number of steps between neighbouring voltages that rounding leaves whole."""
 _RECENT = 4000
 """Samples of a stream that are examined together."""
 
 
 def find_step_v(volts: Array) -> float | None:
-    """Find the step of which all differences between voltages are
-    multiples [V]; None if there is none.
-    """
+    """Return the step that divides all differences between voltages [V]; None without one."""
     levels = np.unique(volts)
     if len(levels) < 2:
         return None
@@ -48,13 +42,11 @@ def find_step_v(volts: Array) -> float | None:
 
 
 def step_warnings(volts: Array, design: Design, detector: str) -> Iterator[str]:
-    """Warn of steps in the voltages [V] of a recording that hide
-    the noise that the thresholds assume.
-    """
+    """Warn of steps in the voltages [V] that hide the noise that the thresholds assume."""
     settings = design.detector
     step = find_step_v(volts)
-    assumed = settings.adc_step_v
-    if step is None or step <= max(COARSE_RATIO * settings.noise_v, (1 + _MAX_RESIDUAL) * assumed):
+    expected = (1 + _MAX_RESIDUAL) * settings.adc_step_v
+    if step is None or step <= max(COARSE_RATIO * settings.noise_v, expected):
         return
 
     effect = "single steps can be reported as slip"
@@ -76,18 +68,13 @@ def step_warnings(volts: Array, design: Design, detector: str) -> Iterator[str]:
 _LEAST_RUN = 4
 _LEAST_FLAT = 10
 _DEVIATIONS = 6.0
-"""Least equal samples in a row, all samples in such rows, and
-standard deviations over chance, that are a limit.
-"""
+"""Samples in a row, and in all, that make a limit, and deviations above chance."""
 _BLOCK = 100
-"""Samples in a part of which the share of repeated samples is taken;
-the quietest part tells what steps explain.
-"""
+"""Samples in a block; the block with most repeats shows what steps explain."""
 
 
 def flat_warnings(volts: Array, design: Design, detector: str = "") -> Iterator[str]:
-    """Warn of voltages [V] at the converter's end, and of runs of the largest or smallest that
-    noise does not explain.
+    """Warn of voltages [V] at the converter's end, and of runs at the largest or smallest one.
 
     A divider rests at 0 V.
     """
@@ -100,9 +87,9 @@ def flat_warnings(volts: Array, design: Design, detector: str = "") -> Iterator[
 
     clipped = int(np.sum((volts >= high) | (volts <= low)))
     if clipped:
+        share = f"all {clipped}" if clipped == len(volts) else f"{clipped} of {len(volts)}"
         yield (
-            f"{f'all {clipped}' if clipped == len(volts) else f'{clipped} of {len(volts)}'} "
-            "samples are at the limits "
+            f"{share} samples are at the limits "
             f"of the ADC range, {settings.adc_range_text}: slip is not visible there. Attenuate "
             "the signal before the "
             "ADC, or record with a wider range (detector.adc_range_v)."
@@ -121,9 +108,7 @@ def flat_warnings(volts: Array, design: Design, detector: str = "") -> Iterator[
 
 
 def _count_flat(volts: Array, limit: float) -> int:
-    """Count the samples in runs of one voltage [V] that are longer
-    than steps and noise of the rest explain.
-    """
+    """Count the samples in runs at a voltage [V] that are longer than chance explains."""
     is_flat = volts == limit
     edges = np.flatnonzero(np.diff(is_flat.astype(np.int8), prepend=0, append=0))
     rest = volts[~is_flat]
@@ -135,15 +120,14 @@ def _count_flat(volts: Array, limit: float) -> int:
         runs >= _LEAST_RUN
     )
 
-    return (
-        int(runs[: np.flatnonzero(is_long)[-1] + 1].sum()) if is_long.any() and len(blocks) else 0
-    )
+    if not is_long.any() or not len(blocks):
+        return 0
+
+    return int(runs[: np.flatnonzero(is_long)[-1] + 1].sum())
 
 
 class StreamWatch:
-    """Voltages of a stream, examined in pieces for what a recording's are: each is
-    warned of once.
-    """
+    """Watch over the voltages of a stream: warns once of what a recording is warned of."""
 
     def __init__(
         self,
@@ -169,14 +153,15 @@ class StreamWatch:
     def end(self) -> list[str]:
         """List the warnings of the last samples, at the end of the stream maybe the only ones."""
         volts = np.array(self._recent)
-        found = list[str]()
+        warnings = list[str]()
 
         for check in [*self._checks]:
-            found += (warnings := [*check(volts, self._design, self._detector)][:1])
-            if warnings or check is preload_warnings:  # later there may be a load all the time
+            first = [*check(volts, self._design, self._detector)][:1]
+            warnings += first
+            if first or check is preload_warnings:  # later there may be a load all the time
                 self._checks.remove(check)
 
-        return found
+        return warnings
 
     def _doubt_begin(self, *_: object) -> Iterator[str]:
         rests = getattr(self._instance, "threshold_v", 0.0) * BEGIN_RATIO < self._first_v
@@ -185,17 +170,15 @@ class StreamWatch:
     def add(self, volts: float) -> Sequence[str]:
         self._recent.append(volts)
         self._count += 1
-        if (
-            self._count == round(BEGIN_S * self._design.detector.sample_rate_hz)
-            and len({*self._recent}) > 2
-        ):
+        has_begun = self._count == round(BEGIN_S * self._design.detector.sample_rate_hz)
+        if has_begun and len({*self._recent}) > 2:
             self._first_v = getattr(self._instance, "threshold_v", 0.0)
         if len(self._recent) < _RECENT:
             return ()
 
-        found = self.end()
+        warnings = self.end()
         del self._recent[: _RECENT // 2]
-        return found
+        return warnings
 
 
 # Warnings of recorded outputs of a board that cannot be: a broken wire, two wires exchanged, or the
@@ -206,9 +189,7 @@ MAX_REST_V = 0.3
 
 
 def filtered_warnings(trace: Trace, design: Design) -> Iterator[str]:
-    """Warn of a filtered signal that stands still, or that does
-    not rest at the board's signal ground.
-    """
+    """Warn of a filtered signal that is constant, or rests off the board's signal ground."""
     if trace.filtered_v is None or not len(trace.filtered_v):
         return
 
@@ -228,9 +209,7 @@ def filtered_warnings(trace: Trace, design: Design) -> Iterator[str]:
 
 
 def envelope_warnings(trace: Trace, design: Design) -> Iterator[str]:
-    """Warn of an envelope that was recorded above ground, on a board
-    whose envelope is that above the signal ground.
-    """
+    """Warn of an envelope that was recorded above ground instead of the signal ground."""
     ground_v = _find_ground_v(design)
     if trace.envelope_v is None or not len(trace.envelope_v) or not ground_v:
         return
@@ -258,33 +237,24 @@ _MAINS_HZ = (50, 60)
 _PIECE_S = 0.5
 """Length of a piece of which the hum is taken [s]: whole periods of either mains."""
 _PEAK_RATIO = 4.0
-"""Ratio of a tone to the spectrum around it from which it is hum, and no part of a broad
-vibration.
-"""
+"""Ratio of a tone to the spectrum around it above which it is hum."""
 _HIGH_N = 20.0
 _REST_S = 0.2
 _PRESSED_SHARE = 0.8
 _MOVED_SHARE = 0.1
-"""Shares of the voltage's way from no force to `_HIGH_N`: where a
-reversed signal begins, and how far it moves.
-"""
+"""Start and motion of a reversed signal, as shares of the way from no force to `_HIGH_N`."""
 
 
 def hum_warnings(volts: Array, rate_hz: float) -> Iterator[str]:
-    """Warn of mains hum in most of a recording that is stronger than any in the signals
-    of the fit.
-    """
+    """Warn of mains hum that is stronger than in the signals of the fit."""
     size = round(_PIECE_S * rate_hz)
     pieces = volts[: len(volts) // size * size].reshape(-1, size)
     if len(pieces) < 2:
         return
 
     window = np.hanning(size + 1)[:-1]
-    rms_v = (
-        np.abs(np.fft.rfft((pieces - pieces.mean(axis=1, keepdims=True)) * window))
-        * math.sqrt(2)
-        / window.sum()
-    )
+    spectra = np.fft.rfft((pieces - pieces.mean(axis=1, keepdims=True)) * window)
+    rms_v = np.abs(spectra) * math.sqrt(2) / window.sum()
     spectrum_v = np.median(rms_v, axis=0)  # a slip passes, hum stays
 
     for hertz in _MAINS_HZ:
@@ -301,9 +271,7 @@ def hum_warnings(volts: Array, rate_hz: float) -> Iterator[str]:
 
 
 def polarity_warnings(volts: Array, design: Design) -> Iterator[str]:
-    """Warn of a voltage that begins where the sensor would be
-    pressed hard, and then goes towards no force.
-    """
+    """Warn of a voltage that begins as if pressed hard, and then goes towards no force."""
     from fingertip.sim.signal.converter import compute_bridge_v  # noqa: PLC0415
 
     rest_v, pressed_v = compute_bridge_v(design, np.array([0.0, _HIGH_N])).tolist()
@@ -327,10 +295,10 @@ def preload_warnings(volts: Array, design: Design, detector: str = "") -> Iterat
     response = find_tactile_response(design)
     means = _average(volts, design)
 
-    if len(means) and (
-        preload := response.describe_preload(means.min() if response.rises else means.max())
-    ):
-        yield preload
+    if len(means):
+        preload = response.describe_preload(means.min() if response.rises else means.max())
+        if preload:
+            yield preload
 
 
 def _average(volts: Array, design: Design) -> Array:
@@ -343,9 +311,7 @@ def _average(volts: Array, design: Design) -> Array:
 def noise_warnings(
     learned_v: float | None, design: Design, measured_v: float | None
 ) -> Iterator[str]:
-    """Warn of more noise than the detector `fast` was fitted to, over
-    that of the design or of a quiet part [V].
-    """
+    """Warn of more noise [V] than `fast` was fitted to, over the design's or a quiet part's."""
     stated_v = _stated_noise_v(design, measured_v)
     if learned_v is not None and learned_v > MAX_NOISE_RATIO * stated_v:
         yield (
@@ -364,9 +330,7 @@ def calibration_warnings(
     design: Design,
     part: str,
 ) -> Iterator[str]:
-    """Warn of a quiet part in which something may move, as its noise
-    [V] and the detection before calibration tell.
-    """
+    """Warn of a quiet part in which something may move, by its noise [V] or a detection."""
     stated_v = _stated_noise_v(design)
     on = before.output.on[quiet]
 
@@ -387,7 +351,7 @@ def calibration_warnings(
 
 
 def _stated_noise_v(design: Design, measured_v: float | None = None) -> float:
-    """Noise that holds for stated, of the design or of a quiet part [V]."""
+    """Return the stated noise: that of a quiet part, or the design's [V]."""
     return max(measured_v or design.detector.noise_v, FastDetector.min_noise_v(design))
 
 
@@ -399,14 +363,14 @@ def glitch_warnings(output: DetectorOutput, trace: Trace) -> Iterator[str]:
     if not isinstance(output, FastOutput):
         return
 
-    found = np.flatnonzero(np.diff(output.is_replaced.astype(np.int8), prepend=0) > 0) - 1
-    found = np.maximum(found, 0)
-    found = found[~output.incipient[found]]  # strong slip may look like it
-    if not len(found):
+    places = np.flatnonzero(np.diff(output.is_replaced.astype(np.int8), prepend=0) > 0) - 1
+    places = np.maximum(places, 0)
+    places = places[~output.incipient[places]]  # strong slip may look like it
+    if not len(places):
         return
 
-    times = join_words([f"{time_s:.4f}" for time_s in trace.time_s[found[:3]].tolist()])
-    more = f" and {len(found) - 3} more times" if len(found) > 3 else ""
+    times = join_words([f"{time_s:.4f}" for time_s in trace.time_s[places[:3]].tolist()])
+    more = f" and {len(places) - 3} more times" if len(places) > 3 else ""
     yield (
         f"the signal jumps and is back in the next sample at {times} s{more}: fast takes such "
         "samples for glitches, "
@@ -419,9 +383,7 @@ _BEGIN = "Begin while nothing moves, or give a rest of the same finger and board
 
 
 def begin_warnings(end_s: float | None) -> Iterator[str]:
-    """Warn of a signal that begins in vibration, as in the middle
-    of a slip, and rests from a time on [s].
-    """
+    """Warn of a signal that begins in vibration, and rests from a time on [s]."""
     if end_s is not None:
         yield (
             f"the signal begins in more vibration than it rests in: before {end_s:.1f} s it "
@@ -433,13 +395,9 @@ def begin_warnings(end_s: float | None) -> Iterator[str]:
 # Warnings of thresholds and settings that are permitted but degrade a detector.
 
 HIGH_RATIO = 3.0
-"""Ratio of the threshold to the noise-derived threshold above
-which a warning recommends a lower one.
-"""
+"""Ratio to the noise-derived threshold above which a lower one is advised."""
 CLEAR_DEVIATIONS = 4.0
-"""Standard deviations above the mean noise level below which
-noise crosses a threshold within minutes.
-"""
+"""Deviations above the mean noise level below which noise soon turns a detector ON."""
 
 
 def threshold_warnings(
@@ -464,24 +422,18 @@ def threshold_warnings(
 
 
 MIN_CUTOFF_HZ = 45.0
-"""Cutoff below which detectors report contacts as slip [Hz] (article, III.A: they lie
-below 30 Hz).
-"""
+"""Cutoff below which contacts count as slip [Hz]: they lie below 30 Hz (article, III.A)."""
 MIN_WINDOW_S = 0.02
 """Window length below which contacts are reported as slip [s] (article, figure 5)."""
 TOO_LONG_S = 0.1
-"""Window length from which on a detector is slower than a person [s]
-(article, figure 5); above 1 s it is refused.
-"""
+"""Window from which a detector is slower than a person [s] (article, fig. 5)."""
 COARSE_RATIO = 2.0
 """Ratio of the ADC's step to the noise above which the step hides the noise."""
 
 
 def settings_warnings(design: Design, detector: str = DEFAULT) -> Iterator[str]:
-    """Warn of settings of the filter, the ADC or the window that
-    are permitted but degrade a detector.
-    """
-    d = design.detector
+    """Warn of permitted settings of filter, ADC or window that degrade a detector."""
+    settings = design.detector
     cutoff = design.board.cutoff_hz
 
     if cutoff < MIN_CUTOFF_HZ:
@@ -491,29 +443,28 @@ def settings_warnings(design: Design, detector: str = DEFAULT) -> Iterator[str]:
             f"choose at least {MIN_CUTOFF_HZ:g} Hz (article: 67 Hz)."
         )
 
-    step = d.adc_step_v
-    if step > COARSE_RATIO * d.noise_v > 0.0:
+    step = settings.adc_step_v
+    if step > COARSE_RATIO * settings.noise_v > 0.0:
         yield (
-            f"detector.adc_bits of {d.adc_bits} over {d.adc_range_text} gives steps of "
-            f"{1000 * step:.3g} mV, which "
-            f"hide the noise of {1000 * d.noise_v:.3g} mV: weak slip is not detected, and single "
-            "steps resemble slip. "
+            f"detector.adc_bits of {settings.adc_bits} over {settings.adc_range_text} gives steps "
+            f"of {1000 * step:.3g} mV, which hide the noise of {1000 * settings.noise_v:.3g} mV: "
+            "weak slip is not detected, and single steps resemble slip. "
             "Choose more bits or a smaller detector.adc_range_v."
         )
 
-    window_s = d.window_samples / d.sample_rate_hz
-    if (
-        find_detector_type(detector).has_design_threshold
-        and not MIN_WINDOW_S <= window_s < TOO_LONG_S
-    ):
-        effect = (
-            f"below {1000 * MIN_WINDOW_S:g} ms contacts are reported as slip"
-            if window_s < MIN_WINDOW_S
-            else f"from {1000 * TOO_LONG_S:g} ms on slip is reported, and its end too, later than "
-            "a person responds"
-        )
+    window_s = settings.window_samples / settings.sample_rate_hz
+    has_window = find_detector_type(detector).has_design_threshold
+    if has_window and not MIN_WINDOW_S <= window_s < TOO_LONG_S:
+        if window_s < MIN_WINDOW_S:
+            effect = f"below {1000 * MIN_WINDOW_S:g} ms contacts are reported as slip"
+        else:
+            effect = (
+                f"from {1000 * TOO_LONG_S:g} ms on slip is reported, and its end too, later than "
+                "a person responds"
+            )
+
         yield (
-            f"detector.window_samples of {d.window_samples} at {d.sample_rate_hz:g} Hz is "
-            f"{1000 * window_s:.3g} ms; "
-            f"{effect}. Choose {round(0.03 * d.sample_rate_hz)} samples for 30 ms."
+            f"detector.window_samples of {settings.window_samples} at "
+            f"{settings.sample_rate_hz:g} Hz is {1000 * window_s:.3g} ms; "
+            f"{effect}. Choose {round(0.03 * settings.sample_rate_hz)} samples for 30 ms."
         )

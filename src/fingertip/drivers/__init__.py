@@ -35,25 +35,17 @@ from fingertip.slip.traces.trace import ColumnMap
 
 SILENT_S = 5.0
 STALE_S = 1.0
-"""Time without a byte after which a port counts as silent, and in
-which what waited ahead of it has arrived [s].
-"""
+"""Time without a byte after which a port is silent, and for which older data may arrive [s]."""
 _COLUMNS = ("time_s", "voltage_v", "filtered_v", "moving")
-"""Columns of a stream, the last two optional; `moving` is 1
-while the contact of `MOTION_PIN` is open.
-"""
+"""Columns of a stream, the last two optional; `moving`: the contact of `MOTION_PIN` is open."""
 _VERSION = "# fingertip "
 _BLOCK = 65_536
 _MOST_BLOCKS = 2**17
-"""Beginning of the line in which a sketch states its version, bytes
-read at once, and blocks that may wait.
-"""
+"""Start of a sketch's version line, bytes read at once, and most blocks that wait."""
 _POLL_S = 0.1
 _FIRST = 20
 _RATE_TOLERANCE = 0.02
-"""Time in which a closed port is noticed [s], and first steps of
-time that show a rate, within a tolerance.
-"""
+"""Time in which a closed port is noticed [s]; first steps that show a rate; its tolerance."""
 
 
 class Port:
@@ -63,9 +55,7 @@ class Port:
     """
 
     def __init__(self, port: Any, silent_s: float = SILENT_S, stale_s: float = STALE_S) -> None:
-        """Open a port by its name, or take a `serial.Serial`,
-        whose own `readline` is too slow for 2 kHz.
-        """
+        """Open a port by name, or a `serial.Serial`, whose `readline` is too slow for 2 kHz."""
         is_open = hasattr(port, "fileno")
         self._silent_s = silent_s
         self.name = str(port.name if is_open else port)
@@ -109,17 +99,15 @@ class Port:
 
     def _read(self) -> None:
         block = b"."
-        with suppress(
-            OSError
-        ):  # the other end of a pseudo terminal was closed, or the controller unplugged
+        # The other end of a pseudo terminal may be closed, or the controller unplugged.
+        with suppress(OSError):
             while block and not self._closed.is_set():
                 if select.select([self._number], [], [], _POLL_S)[0]:
                     block = os.read(self._number, _BLOCK)
                     self._blocks.put(block)
 
-                if (
-                    self._blocks.qsize() > _MOST_BLOCKS
-                ):  # nobody takes them: the oldest are lost, and counted
+                # The oldest blocks that nobody takes are lost, and counted.
+                if self._blocks.qsize() > _MOST_BLOCKS:
                     self._blocks.get()
 
         os.close(self._number)
@@ -176,9 +164,8 @@ class SampleReader:
                 parse_number(cells[names.index(name)]) if name in names else None
                 for name in _COLUMNS
             ]
-            if all(
-                value is not None and abs(value) < np.inf for value in values[:2]
-            ):  # no header, no damaged line
+            # A repeated header and a damaged line hold no numbers there.
+            if all(value is not None and abs(value) < np.inf for value in values[:2]):
                 yield tuple(np.nan if value is None else value for value in values)
 
     def _note_version(self) -> Iterator[str]:
@@ -194,7 +181,7 @@ class SampleReader:
 
 
 class Slip(IntEnum):
-    """State of a contact: the greater, the surer.
+    """State of a contact, in order of certainty.
 
     A divider takes knocks for incipient slip, and is never INCIPIENT.
     """
@@ -222,8 +209,7 @@ class Reading:
 
 @checked
 class Finger(AbstractContextManager["Finger"]):
-    """A built finger whose controller streams: `read` gives the newest reading, iteration one for
-    each sample.
+    """A built finger whose controller streams its samples.
 
     `port` is a name, such as /dev/ttyACM0, or a `serial.Serial`, or gives lines, as a file or a
     list does. `design` is the one whose firmware streams, or its name. A thread reads the port:
@@ -237,7 +223,8 @@ class Finger(AbstractContextManager["Finger"]):
         self.design = design if isinstance(design, Design) else Design.load(design)
         is_port = isinstance(port, str | Path) or hasattr(port, "in_waiting")
         self._lines: Any = Port(port) if is_port else port
-        self._name, self._readings = str(getattr(self._lines, "name", "stream")), self._judge()
+        self._name = str(getattr(self._lines, "name", "stream"))
+        self._readings = self._judge()
 
     def close(self, *of_an_error: object) -> None:
         if isinstance(self._lines, Port):
@@ -253,7 +240,7 @@ class Finger(AbstractContextManager["Finger"]):
 
         Raises TraceError.
         """
-        # a computer that is too slow would take samples for ever
+        # A computer that is too slow would read samples for ever.
         slip = Slip.NONE
         end_s = time.monotonic() + SILENT_S
 

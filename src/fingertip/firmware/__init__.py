@@ -1,5 +1,4 @@
-"""Firmware: a design comes in, and the detector `fast` goes out as a C99 library, with sketches,
-wiring and costs.
+"""Firmware of a design: the detector `fast` as a C99 library, sketches, wiring and costs.
 
 `fingers` plans which inputs of which controller read which finger.
 

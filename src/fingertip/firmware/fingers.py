@@ -20,13 +20,9 @@ DIVIDER_CONTROLLER = "teensy40"
 """The same for fingers that are read by dividers."""
 CONVERSIONS = 4
 TASK_CONVERSIONS = 8
-"""Conversions of which a sample of a divider is the mean: in an
-interrupt, and in the task of an ESP32-S3.
-"""
+"""Conversions per sample of a divider: in an interrupt, and in an ESP32-S3's task."""
 CYCLES_PER_INSTRUCTION = 1.5
-"""Mean clock cycles of an instruction, with waits for the flash.
-An assumption: most take one, loads and jumps two.
-"""
+"""Assumed clock cycles of an instruction: most take one, loads and jumps two; with waits."""
 BUFFER_SAMPLES = 1024
 """Samples that may wait in the ring buffer of `slip_buffer.h`."""
 CODE_BYTES = 2
@@ -46,9 +42,7 @@ class Fingers:
     """Analog inputs of T and S of each finger; of a divider, its one."""
     controller: ControllerBoard | None = None
     designs: tuple[Design, ...] = ()
-    """Design of each finger with its pad and the force curve of its
-    sensor; empty where all are that of the library.
-    """
+    """Design of each finger, with its pad and curve; empty if all are the library's."""
 
     @property
     def count(self) -> int:
@@ -65,9 +59,7 @@ ONE_FINGER = Fingers()
 
 @dataclass(frozen=True)
 class Load:
-    """Clock cycles between two samples, and those that the detectors of some fingers
-    take for one.
-    """
+    """Clock cycles between two samples, and those of the detectors of some fingers."""
 
     available: int
     at_rest: int
@@ -75,9 +67,7 @@ class Load:
     mean: int
     """Mean while slip lasts at all fingers."""
     longest: int
-    """Most, if all fingers slip: the trees of one finger, or of
-    several if there are more than samples of a tick.
-    """
+    """Most if all fingers slip: with the trees of as many fingers as one sample evaluates."""
 
 
 def find_load(board: ControllerBoard, sample_rate_hz: float, fingers: int = 1) -> Load:
@@ -104,9 +94,8 @@ def find_load(board: ControllerBoard, sample_rate_hz: float, fingers: int = 1) -
 
     available = math.floor(1e4 * board.clock_mhz / sample_rate_hz) * 100
     slip = max(counts["slip"], target["five_fingers"]["slip"] / 5)
-    slip = (
-        short + (slip - short) * measured / tick_samples
-    )  # the trees are evaluated as often at any rate
+    # The trees are evaluated as often at any rate.
+    slip = short + (slip - short) * measured / tick_samples
     return Load(available, cycles(fingers * counts["quiet"]), cycles(fingers * slip), cycles(worst))
 
 
@@ -125,20 +114,18 @@ def list_controllers(design: Design) -> list[ControllerBoard]:
 def list_limits(
     board: ControllerBoard, sample_rate_hz: float, has_divider: bool = False
 ) -> dict[str, int]:
-    """Return how many fingers a controller carries by each of its
-    limits, which are named in the plural.
-    """
+    """Return how many fingers a controller carries, by each of its limits."""
     load = find_load(board, sample_rate_hz)
     has_task = board.timer == "in the sketch"
-    inputs, conversions = (
-        (1, TASK_CONVERSIONS if has_task else CONVERSIONS) if has_divider else (2, 2)
-    )
+    inputs = 2
+    conversions = 2
+    if has_divider:
+        inputs = 1
+        conversions = TASK_CONVERSIONS if has_task else CONVERSIONS
+
     share = 1.0 if board.has_scan or has_task else INTERRUPT_SHARE
-    by_ram = (
-        1024
-        * (board.ram_kb - OTHER_RAM_KB)
-        / (read_costs()["state_bytes"] + 2 * CODE_BYTES * BUFFER_SAMPLES)
-    )
+    finger_bytes = read_costs()["state_bytes"] + 2 * CODE_BYTES * BUFFER_SAMPLES
+    by_ram = 1024 * (board.ram_kb - OTHER_RAM_KB) / finger_bytes
 
     return {
         "analog inputs": len(board.inputs) // inputs,
@@ -149,29 +136,27 @@ def list_limits(
 
 
 def find_controller(design: Design, name: str | None = None) -> ControllerBoard | None:
-    """Find a controller of `list_controllers` by a usual name, or
-    the one of several fingers, or one's own.
-    """
+    """Find a controller by its usual name or description; without a name the default."""
     name = name or (DEFAULT_CONTROLLER if design.board.has_filter else DIVIDER_CONTROLLER)
     return _parse_generic(name) or _find_by_name(name, list_controllers(design))
 
 
 def _find_by_name(name: str, boards: Sequence[ControllerBoard]) -> ControllerBoard | None:
     plain = plain_name(name)
-    return next(
-        (one for one in boards if plain in (plain_name(one.key), plain_name(one.name), *one.names)),
-        None,
-    )
+    for board in boards:
+        if plain in (plain_name(board.key), plain_name(board.name), *board.names):
+            return board
+
+    return None
 
 
 GENERIC = "generic"
 _EXAMPLE = f"{GENERIC}:240MHz,12bit,A0,A1"
-"""Controller of one's own."""
+"""Description of a controller that is not in the table."""
 
 
 def _parse_generic(text: str) -> ControllerBoard | None:
-    """Parse a controller of one's own such as `_EXAMPLE`; None for another text, or without clock,
-    bits and inputs.
+    """Parse the description of a controller, such as `_EXAMPLE`; None for any other text.
 
     It computes floats itself with the word `floats`. The range of its converter is 3.3 V, if no
     other one such as 5V is stated. Its memory and the time of a conversion are those of the weakest
@@ -179,25 +164,32 @@ def _parse_generic(text: str) -> ControllerBoard | None:
     """
     start, _, rest = text.replace(" ", "").partition(":")
     words = rest.split(",")
-    sizes = {word: found for word in words if (found := _SIZE.fullmatch(word))}
-    given = {found[2].lower(): float(found[1]) for found in sizes.values()}
     pins = [word for word in words if _PIN.fullmatch(word)]
-    if start != GENERIC or set(words) - {*sizes, *pins, "floats"} or not pins or "mhz" not in given:
+    sizes: dict[str, float] = {}
+    unknown = set(words) - {*pins, "floats"}
+
+    for word in words:
+        match = _SIZE.fullmatch(word)
+        if match:
+            sizes[match[2].lower()] = float(match[1])
+            unknown.discard(word)
+
+    if start != GENERIC or unknown or not pins or "mhz" not in sizes:
         return None
-    if not 8 <= given.get("bit", 0) <= 24:
+    if not 8 <= sizes.get("bit", 0) <= 24:
         return None
 
-    bits = round(given["bit"])
+    bits = round(sizes["bit"])
     return ControllerBoard(
         key=GENERIC,
         name="your controller",
         processor="processor of your own",
-        clock_mhz=given["mhz"],
+        clock_mhz=sizes["mhz"],
         has_floats="floats" in words,
         adc_bits=bits,
         adc_hardware_bits=bits,
         adc_from_v=0.0,
-        adc_to_v=given.get("v", 3.3),
+        adc_to_v=sizes.get("v", 3.3),
         timer="no",
         note="where `slip_timer.h` knows no timer of it, start one of your own",
         inputs=tuple(pins),
@@ -212,13 +204,13 @@ _PIN = re.compile(r"[A-Z]{0,4}_?\d{1,2}")
 
 
 def _explain_controller(design: Design, name: str, fingers: int) -> str:
-    """Explain why a controller is refused, and name those that the design takes."""
+    """Explain why a controller is refused, with one that carries the fingers."""
     board = _find_by_name(name, load_controllers())
     rate_hz = design.detector.sample_rate_hz
 
     if board is None:
-        known = join_words([one.key for one in list_controllers(design)], "or")
-        return f"{quote_value(name)} is not known; give {known}, or your own such as {_EXAMPLE}."
+        keys = join_words([controller.key for controller in list_controllers(design)], "or")
+        return f"{quote_value(name)} is not known; give {keys}, or your own such as {_EXAMPLE}."
 
     if board.timer == "too slow":
         load = find_load(board, rate_hz)
@@ -248,9 +240,9 @@ def _find_carrier(design: Design, fingers: int) -> str:
     rate_hz = design.detector.sample_rate_hz
     has_divider = not design.board.has_filter
     boards = [
-        one.key
-        for one in list_controllers(design)
-        if count_fingers(one, rate_hz, has_divider) >= fingers
+        board.key
+        for board in list_controllers(design)
+        if count_fingers(board, rate_hz, has_divider) >= fingers
     ]
     if not boards:
         return "teensy40 with --set detector.sample_rate_hz=2000"
@@ -278,28 +270,16 @@ def plan_fingers(
     issues: list[Issue] = []
     channels = design.board.channels
     names = _read_names(str(channels) if fingers is None else fingers, issues)
-
-    if 1 < channels < len(names):
-        remedy = f"give --fingers {channels}, or --set board.channels={len(names)}"
-        issues.append(
-            Issue(
-                "--fingers",
-                f"{len(names)} are more than the {channels} of the design's board; {remedy}.",
-            )
-        )
-    elif 1 < channels < (last := max(list_places(names), default=0)):
-        problem = f"{NAMES[last - 1]} has place {last}, and the design's board {channels}"
-        remedy = f"give --set board.channels={last}, or leave {NAMES[last - 1]} out"
-        issues.append(Issue("--fingers", f"{problem}; {remedy}."))
+    if channels > 1:
+        issues += _find_place_issues(names, channels)
 
     signals = ("T", "S") if design.board.has_filter else ("T",)
     board = None
     if controller is not None or inputs is not None or names != Fingers.names:
         board = find_controller(design, controller)
         if board is None:
-            issues.append(
-                Issue("--controller", _explain_controller(design, controller or "", len(names)))
-            )
+            message = _explain_controller(design, controller or "", len(names))
+            issues.append(Issue("--controller", message))
 
     raise_issues(FingertipError, issues)
     if board:
@@ -313,17 +293,25 @@ def plan_fingers(
         issues=issues,
     )
     raise_issues(FingertipError, issues)
-    return Fingers(
-        names,
-        tuple(zip(*(pins[i :: len(signals)] for i in range(len(signals))), strict=True)),
-        board,
-    )
+    pins_by_signal = (pins[i :: len(signals)] for i in range(len(signals)))
+    return Fingers(names, tuple(zip(*pins_by_signal, strict=True)), board)
+
+
+def _find_place_issues(names: Sequence[str], channels: int) -> Iterator[Issue]:
+    """Yield an issue if fingers have no place on a board of some channels."""
+    last = max(list_places(names), default=0)
+    if channels < len(names):
+        remedy = f"give --fingers {channels}, or --set board.channels={len(names)}"
+        problem = f"{len(names)} are more than the {channels} of the design's board"
+        yield Issue("--fingers", f"{problem}; {remedy}.")
+    elif channels < last:
+        problem = f"{NAMES[last - 1]} has place {last}, and the design's board {channels}"
+        remedy = f"give --set board.channels={last}, or leave {NAMES[last - 1]} out"
+        yield Issue("--fingers", f"{problem}; {remedy}.")
 
 
 def list_places(names: Sequence[str]) -> list[int]:
-    """List the places of fingers on one board, from 1 on: where it
-    prints their names, or in turn for other names.
-    """
+    """List the places of fingers on one board, from 1: by usual names, or in turn."""
     if all(name in NAMES for name in names):
         return [NAMES.index(name) + 1 for name in names]
 
@@ -403,27 +391,26 @@ def _read_inputs(
     letters: Sequence[str],
     issues: list[Issue],
 ) -> list[str]:
-    known = board.inputs if board else ()
+    available = board.inputs if board else ()
     signals = [f"{signal} of {name}" for name in names for signal in letters]
     if inputs is None:
-        return list(known[: len(signals)]) if board else ["A0", "A1"][: len(letters)]
+        return list(available[: len(signals)]) if board else ["A0", "A1"][: len(letters)]
 
     pins = [word.strip() for word in inputs.split(",")]
     number = "two" if len(letters) == 2 else "one"
-    problems = (
-        [] if len(pins) == len(signals) else [f"{len(pins)} inputs are not {number} a finger"]
-    )
+    problems = []
+    if len(pins) != len(signals):
+        problems.append(f"{len(pins)} inputs are not {number} a finger")
 
     for pin in sorted(set(pins)):
         owners = [signal for signal, own in zip(signals, pins, strict=False) if own == pin]
         if len(owners) > 1:
             problems.append(f"{quote_value(pin)} is the input of {join_words(owners)}")
-        if pin not in known if board else not _PIN.fullmatch(pin):
-            problems.append(
-                f"{quote_value(pin)} is no free analog input"
-                + (f" of {board.name}" if board else "")
-            )
+        if board and pin not in available:
+            problems.append(f"{quote_value(pin)} is no free analog input of {board.name}")
+        elif not board and not _PIN.fullmatch(pin):
+            problems.append(f"{quote_value(pin)} is no free analog input")
 
-    usual = ",".join((known or ("A0", "A1"))[: len(signals)])
+    usual = ",".join((available or ("A0", "A1"))[: len(signals)])
     issues += (Issue("--inputs", f"{problem}; give --inputs {usual}.") for problem in problems)
     return pins

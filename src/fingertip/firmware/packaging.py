@@ -1,6 +1,4 @@
-"""Library for controllers: its descriptions for Arduino and PlatformIO,
-its measured costs, and the boards it fits.
-"""
+"""Library's descriptions for Arduino and PlatformIO, measured costs, and warnings."""
 
 from __future__ import annotations
 
@@ -23,7 +21,7 @@ _CONTROLLER_SUPPLY = SUPPLIES["precision"]
 
 
 def library_properties(design: Design) -> bytes:
-    """Description of the library for Arduino."""
+    """Return the library's description for Arduino."""
     fields = {
         "name": NAME,
         "version": _semantic_version(),
@@ -40,7 +38,7 @@ def library_properties(design: Design) -> bytes:
 
 
 def library_manifest(design: Design) -> bytes:
-    """Description of the library for PlatformIO."""
+    """Return the library's description for PlatformIO."""
     data = {
         "name": NAME,
         "version": _semantic_version(),
@@ -65,15 +63,14 @@ def _describe(design: Design) -> str:
 
 
 def _semantic_version() -> str:
-    """Version without a suffix that Arduino does not accept."""
+    """Return the version without a suffix, which Arduino does not accept."""
     numbers = __version__.split("+")[0].split(".")[:3]
-    return ".".join("".join(c for c in number if c.isdigit()) or "0" for number in numbers)
+    digits = ("".join(filter(str.isdigit, number)) for number in numbers)
+    return ".".join(number or "0" for number in digits)
 
 
 TABLE = "measured_costs.json"
-"""Name of the costs of the library on a controller, which
-`tools/firmware/measure.py` measures, beside this module.
-"""
+"""File of the library's costs on controllers; written by `tools/firmware/measure.py`."""
 _COLUMNS = (
     "processor",
     "flash",
@@ -95,7 +92,7 @@ def read_costs() -> dict[str, Any]:
 
 
 def cost_table() -> str:
-    """Table of the measurements, in Markdown: bytes, and instructions per sample."""
+    """Return the table of measurements, in Markdown: bytes, and instructions per sample."""
     costs = read_costs()
     rows = [_COLUMNS, ("---", *["---:"] * (len(_COLUMNS) - 1))]
 
@@ -171,7 +168,7 @@ def _fits_range(controller: ControllerBoard, design: Design) -> bool:
 
 
 def controller_changes() -> tuple[str, ...]:
-    """Changes to a design that select a board and a converter for a controller."""
+    """Return the changes that select a board and a converter for a controller."""
     return (
         *VARIANT_CHANGES["precision"],
         "detector.adc_polarity=unipolar",

@@ -112,7 +112,7 @@ def bump_rests_lightly(design: DesignTables) -> Limit | None:
     )
 
 
-@_SKIN.at_most("bone.platform_mm", when=lambda design: design.prints_without_supports)
+@_SKIN.at_most("bone.platform_mm", when=lambda design: design.dimensions.prints_without_supports)
 def platform_prints_as_a_ledge(design: DesignTables) -> Limit | None:
     """A wide head stands out beside the ramp, where it prints over air."""
     dims = design.dimensions

@@ -1,5 +1,5 @@
-"""Renewal of a design of an earlier version: the new one begins from the nearest bundled design,
-and takes the old sizes that pass.
+"""Renewal of a design of an earlier version: the new one begins from the nearest bundled one, and
+takes the old sizes that pass.
 
 Skin, hand, interface, board, detector, printer and loads are those of the old file as far as the
 rules allow, tried in halves down to single parameters. The bone behind them and the mold are those
@@ -136,7 +136,7 @@ def renew_design(
 
 
 def _complete_old(stated: Mapping[str, Any]) -> dict[str, Any]:
-    """Complete the values of an old file by the defaults of its time; leave out retired ones."""
+    """Complete the values of an old file by the defaults of its time, but for retired ones."""
     defaults = {
         path: field.default
         for path, field in PARAMETERS.items()
@@ -164,7 +164,7 @@ def _measure_distance(old: DesignTables, base: str) -> tuple[bool, bool, float]:
 
 
 def _adopt_all(tables: DesignTables, sizes: Mapping[str, Any]) -> DesignTables:
-    """Adopt sizes as far as rules allow, again and again, as one may need another one first."""
+    """Adopt sizes as far as rules allow; one that needs another first is tried after it."""
     left = -1
     rest = list(sizes.items())
     while left != len(rest):

@@ -1,4 +1,4 @@
-"""Checks of values: bounds that pass when they are typed back, and a value compared with its limit."""
+"""Checks of values: bounds that pass when they are typed back, and comparison with a limit."""
 
 from __future__ import annotations
 

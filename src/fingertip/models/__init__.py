@@ -6,7 +6,8 @@ tables of parameters and the lengths that follow from them, and returns a solid 
 `workplanes` makes CadQuery workplanes of solids.
 
 The package stands alone: it imports the standard library and itself, and CadQuery in `workplanes`.
-`fingertip build DESIGN --formats cq` copies this folder, as it is, beside the scripts of the parts.
+`fingertip build DESIGN --formats cq` copies this folder, as it is, beside the scripts of the parts;
+`examples/cadquery` holds them.
 
 >>> from fingertip import Design
 >>> from fingertip.models.skin import skin

@@ -181,7 +181,7 @@ def collar(finger: Finger) -> Solid:
     """Build the collar: the flange proximal to the skin, on which the skin ends."""
     return (
         _sloping_collar(finger)
-        if finger.prints_without_supports
+        if finger.dimensions.prints_without_supports
         else SuperconicSolid(finger.dimensions.collar)
     )
 

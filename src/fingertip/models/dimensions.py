@@ -93,6 +93,11 @@ class Dimensions(SkinDimensions):
             foot=0.0 if is_fork and hand.travel_deg else bone.foot_radius_mm,
         )
 
+    @property
+    def prints_without_supports(self) -> bool:
+        """True for a bone on a post: its collar and base rise on slopes of 45 degrees."""
+        return self._finger.bone.interface == "post"
+
     @cached_property
     def pin_length(self) -> float:
         """Length of the joint's pin through the eyes [mm]: it

@@ -156,15 +156,19 @@ def hardware(finger: Finger, parts: Collection[str]) -> tuple[HardwareItem, ...]
     return tuple(items)
 
 
+class UnknownPartError(ValueError):
+    """The finger has no part or bought item of a name."""
+
+
 def find_solid(finger: Finger, name: str) -> Solid:
-    """Find the solid of a part or of a bought item. Raises ValueError for another name."""
+    """Build the solid of a part or of a bought item. Raises UnknownPartError for another name."""
     parts = parts_by_name(finger)
     if name in parts:
         return parts[name].solid(finger)
 
     bought = {item.name: item.solid for item in hardware(finger, parts)}
     if name not in bought:
-        raise ValueError(f"this finger has no {name}; it has {', '.join((*parts, *bought))}.")
+        raise UnknownPartError(f"this finger has no {name}; it has {', '.join((*parts, *bought))}.")
 
     return bought[name]
 
@@ -207,11 +211,10 @@ def list_tagged_planes(finger: Finger, part: str) -> dict[str, tuple[str | float
 
 def list_tagged_points(finger: Finger, part: str) -> dict[str, tuple[Point3, ...]]:
     """List points of the curved faces that have a tag [mm]."""
-    dims = finger.dimensions
-    z = dims.sensor_z
-    points: dict[str, tuple[Point3, ...]] = {
-        "pad": ((0.0, -dims.outer.palmar_height_at(0.0, z), z),)
-    }
+    points: dict[str, tuple[Point3, ...]] = {}
+    if part in ("skin", "mold_palmar"):
+        z = finger.dimensions.sensor_z
+        points["pad"] = ((0.0, -finger.dimensions.outer.palmar_height_at(0.0, z), z),)
 
     if part == "bone":  # where the bend of the channel meets its straight pieces
         tube = cable_channel(finger)

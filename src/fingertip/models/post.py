@@ -77,7 +77,7 @@ def post_body(finger: Finger, width: float, height: float, length: float) -> Sol
             ),
         )
 
-    if finger.prints_without_supports:
+    if finger.dimensions.prints_without_supports:
         post = intersection(
             post,
             *_chamfer(
@@ -163,7 +163,7 @@ def _foot_reach(finger: Finger) -> float:
     """Return how far a foot without supports stands out: to the
     base's corners, but for a short ledge [mm].
     """
-    if not finger.prints_without_supports:
+    if not finger.dimensions.prints_without_supports:
         return 0.0
 
     dims = finger.dimensions

@@ -23,7 +23,7 @@ from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
 from OCP.TColStd import TColStd_Array1OfReal, TColStd_Array2OfReal
 from OCP.TopoDS import TopoDS
 
-from .parts import find_solid, list_tagged_planes, list_tagged_points
+from .parts import UnknownPartError, find_solid, list_tagged_planes, list_tagged_points
 from .solids import (
     Box,
     Cone,
@@ -52,9 +52,10 @@ def make_part(finger: Finger, name: str) -> cq.Workplane:
 
     Raises ValueError where the finger has no such part, or its parameters give no solid.
     """
-    solid = find_solid(finger, name)
     try:
-        part = to_workplane(solid)
+        part = to_workplane(find_solid(finger, name))
+    except UnknownPartError:
+        raise
     except Exception as error:
         message = (
             f"{name}: these parameters give no solid; `fingertip build` says which rule they "

@@ -249,7 +249,7 @@ class Body:
         return out.reshape(loads.shape)
 
     def support(self, displacements: Array) -> Array:
-        """Forces of the support on the nodes [N] for displacements that are 0 where they are fixed."""
+        """Return the forces of the support on the nodes [N]; displacements are 0 at fixed ones."""
         out = np.zeros(displacements.size)
         out[self._fixed] = self._coupling @ displacements.ravel()[self._free]
         return out.reshape(-1, 3)

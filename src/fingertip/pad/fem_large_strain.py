@@ -220,7 +220,7 @@ class LargeStrainSolver:
 
 
 class Face:
-    """Nodes of a surface of the skin that may meet something rigid: the object, or the bone inside."""
+    """Nodes of a surface of the skin that may meet something rigid: the object, or the bone."""
 
     def __init__(
         self,

@@ -153,7 +153,7 @@ def _outline(form: PadForm) -> Array:
     """
 
     def reach(start: Array, x: float, z: float) -> Array:
-        """Distance from points on the axis, in a direction, at which the surface falls to the rim."""
+        """Find how far from points on the axis, in a direction, the surface falls to the rim."""
 
         def is_inside(distance: Array) -> NDArray[np.bool_]:
             return np.asarray(form.skin_mm(x * distance, start + z * distance) >= RIM_MM)

@@ -96,7 +96,7 @@ class Contact:
 
 @dataclass(frozen=True, eq=False)
 class _Layout:
-    """Gap before the touch on a grid around it, and the kernels of the layer on the grid's waves."""
+    """Gap before the touch on a grid around it, and the layer's kernels for the grid's waves."""
 
     gap_mm: Array
     """Gap [mm], shape (x, z); infinite where nothing may press."""

@@ -105,7 +105,7 @@ class Pad:
         return _MINDLIN * self.normal_stiffness_n_per_m(force_n)
 
     def resonance_hz(self, force_n: float) -> float:
-        """Normal resonance at a holding force, of the mass between the pad and what holds it [Hz]."""
+        """Normal resonance at a holding force [Hz]: that of the mass between pad and backing."""
         stiffness = self.normal_stiffness_n_per_m(force_n) + self.backing.stiffness_n_per_m
         return math.sqrt(stiffness / self.backing.mass_kg) / (2 * math.pi)
 
@@ -184,7 +184,7 @@ class Pad:
 
 
 def _evaluate(coefficients: Sequence[float], x: Array) -> Array:
-    """Evaluate a polynomial by Horner's rule, whose products and sums every processor rounds alike."""
+    """Evaluate a polynomial by Horner's rule, which every processor rounds alike."""
     value = np.full_like(x, coefficients[-1])
     for coefficient in coefficients[-2::-1]:
         value = value * x + coefficient

@@ -143,7 +143,7 @@ class PointEvaluator:
     def _build_inputs(
         self, changes: Mapping[str, Value]
     ) -> tuple[dict[str, Design], FingerSet | None, SceneFile | None]:
-        """Build design, set and scene of a point: "" -> design, or each finger -> design of a set."""
+        """Build design, set and scene of a point; the designs by finger, or "" for a single one."""
         issues: list[Issue] = []
         built = dict[str, Design]()
         fingers = None

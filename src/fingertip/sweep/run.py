@@ -231,7 +231,7 @@ class _Run:
         self._compute_each(iter(self._retry_queue), lambda: 1)
 
     def write_rows(self, at_once: bool = False) -> None:
-        """Commit the pending rows if the interval has passed, there are many, or `at_once` is set."""
+        """Commit the pending rows if the interval has passed, if there are many, or `at_once`."""
         now = time.perf_counter()
         due = (
             at_once

@@ -233,7 +233,7 @@ class SweepPlan:
 
     @cached_property
     def _samples(self) -> NDArray[np.float64]:
-        """(points, axes) in [0, 1): Latin hypercube or scrambled Sobol sequence (scipy.stats.qmc)."""
+        """Samples in [0, 1), shape (points, axes): Latin hypercube or scrambled Sobol sequence."""
         self._require_samplers()
         from scipy.stats import qmc  # noqa: PLC0415
 

@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fingertip.cad.build_result import DESIGN_HEADING, Build, BuiltPart
+from fingertip.cad.files.cadquery_scripts import write_models, write_scripts
+from fingertip.cad.files.part_formats import PART_FORMATS, default_formats, part_file
 from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.parts import exact_parts
@@ -21,7 +23,6 @@ from fingertip.cad.verification.second_opinion import list_packages, second_opin
 from fingertip.cad.verification.verify import VerifiedParts, verify
 from fingertip.casting.sheet import CastingSheet, casting_sheet
 from fingertip.catalogues import output_files
-from fingertip.catalogues.output_files import PART_FORMATS, part_file
 from fingertip.design import Design
 from fingertip.design.design_file import to_toml
 from fingertip.design.parameters.declaration import suggest_name
@@ -135,6 +136,7 @@ class BuildPlan:
     parts: SetWriter
     prints: SetWriter
     pictures: SetWriter
+    models: SetWriter
 
     @property
     def exact(self) -> tuple[str, ...]:
@@ -193,10 +195,14 @@ def plan_build(
         pictures=output_files.STEPS.writer(
             design, folder / output_files.STEPS_FOLDER, force, folder
         ),
+        models=output_files.MODELS.writer(
+            design, folder / output_files.MODELS_FOLDER, force, folder
+        ),
     )
     plan.parts.check([*_name_files(plan), *(file_names(design) if options.drawings else ())])
     plan.prints.check(_name_prints(plan))
     plan.pictures.check(())
+    plan.models.check(())
 
     return plan
 
@@ -322,6 +328,9 @@ def _collect(
     if plan.options.drawings:
         contents |= render_sheets(design, step.also)
 
+    if "cq" in plan.formats:
+        contents |= write_scripts(design, plan.names)
+
     if casting:
         drawn = [f"{output_files.STEPS_FOLDER}/{name}" for name in pictures]
         contents[output_files.SHEET] = render_sheet(casting, drawn).encode()
@@ -365,13 +374,16 @@ def copy_design(design: Design, name: str, heading: str) -> dict[str, bytes]:
 def _write(
     plan: BuildPlan, made: Build, pictures: Mapping[str, bytes], progress: Callable[[str], None]
 ) -> Build:
-    """Write the three sets, and remove what is of another design."""
+    """Write the sets, and remove what is of another design."""
     prints = made.prints
+    models = write_models() if "cq" in plan.formats else {}
     plan.prints.check(prints.contents)
     plan.pictures.check(pictures)
+    plan.models.check(models)
     removed = _record_program(plan.parts, made.contents).write(made.contents)
     removed += _replace_subset(plan.prints, prints.contents, ".3mf" if prints.plates else None)
     removed += _replace_subset(plan.pictures, pictures, ".png")
+    removed += _replace_subset(plan.models, models, None)
     if removed:
         progress(f"removed files of another design from {plan.parts.folder}: {', '.join(removed)}")
 
@@ -417,6 +429,7 @@ def _name_files(plan: BuildPlan) -> list[str]:
     names = [
         part_file(part, file_format) for part in plan.names for file_format in plan.formats_of(part)
     ]
+    names += [output_files.PARAMETERS] if "cq" in plan.formats else []
     names += [output_files.ASSEMBLY] if plan.exact else []
     names += [output_files.SHEET] if plan.is_whole else []
     return [*names, output_files.REPORT, *copy_design(plan.design, output_files.DESIGN, "")]
@@ -440,10 +453,10 @@ def find_formats(progress: Callable[[str], None] = lambda message: None) -> tupl
     and STEP where its kernel is installed.
     """
     if extras.is_installed("cadquery"):
-        return output_files.default_formats()
+        return default_formats()
 
     extras.say_left_out({"cadquery": "STEP files and checks against exact solids"}, progress)
-    return tuple(name for name in output_files.default_formats() if name != "step")
+    return tuple(name for name in default_formats() if name != "step")
 
 
 def select_names(option: str, requested: Iterable[str], known: tuple[str, ...]) -> tuple[str, ...]:

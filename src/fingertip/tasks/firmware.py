@@ -10,9 +10,9 @@ from pathlib import Path
 from fingertip.catalogues.output_files import FIRMWARE, MANIFEST, PROPERTIES, README
 from fingertip.design import Design
 from fingertip.documents.firmware import render_readme
+from fingertip.firmware.c_sources import LAMP, lamp_sketch, library_sources, read_template
 from fingertip.firmware.fingers import ONE_FINGER, Fingers
 from fingertip.firmware.packaging import library_manifest, library_properties
-from fingertip.firmware.sources import LAMP, lamp_sketch, library_sources, read_template
 from fingertip.foundation.output_set import write_attributes
 from fingertip.tasks.verification import compare_with_design
 

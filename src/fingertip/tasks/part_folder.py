@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from fingertip.cad.files.part_formats import PART_FORMATS
 from fingertip.cad.program import digest_program
 from fingertip.catalogues.output_files import (
     DESIGN,
     PART_FILES,
-    PART_FORMATS,
     REPORT,
     SET_FILES,
     SIGNAL_FOLDER,

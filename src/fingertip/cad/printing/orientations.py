@@ -1,4 +1,4 @@
-"""Orientation of each printed part on the build plate, and the places where its supports may stand."""
+"""Orientation of each printed part on the build plate, and the places for its supports."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ _NONE = Supports((), "nowhere: nothing overhangs", "any face")
 def supports_by_part(design: Design) -> dict[str, Supports]:
     orientations = print_orientations(design)
     every = dict.fromkeys(orientations, _NONE)
-    if design.prints_without_supports:
+    if design.dimensions.prints_without_supports:
         return every
 
     # Those of the bone: proximal to the skin, on the outside.

@@ -186,7 +186,7 @@ def pull_off_n(design: Design, *, is_glued: bool = False) -> float:
 
 
 def slide_mm(design: Design) -> float:
-    """Estimate how far 1 N along the finger moves the skin over the sensor, without friction [mm]."""
+    """Estimate how far 1 N along the finger moves the skin over the sensor [mm], if it slides."""
     modulus = design.silicone.material.modulus_mpa
     factor = _SLIDE if design.bone.platform_mm else _SLIDE_FLAT
     return factor * FORCE_N / math.sqrt(modulus.low * modulus.high)

@@ -9,14 +9,14 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from fingertip.cad.files import stl, threemf
+from fingertip.cad.files import threemf
+from fingertip.cad.files.part_formats import PART_FORMATS, part_file
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.print_files import PrintFiles, make_print_files
 from fingertip.cad.verification import assembly, bone, joint, mold, printing, skin
 from fingertip.cad.verification.check import Check, RegisteredCheck, Solids
 from fingertip.cad.verification.printing import check_mesh_file, check_print_files
 from fingertip.cad.verification.strength import BoneStrength
-from fingertip.catalogues.output_files import part_file
 from fingertip.design import Design
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, find_unit
@@ -38,8 +38,6 @@ CHECKS: tuple[RegisteredCheck, ...] = (
     *bone.STRENGTH_CHECKS,
 )
 """Checks of parts, in the order of a report."""
-MESH_FORMATS = {"stl": stl, "3mf": threemf}
-"""Format of meshes -> module with its `to_bytes` and `from_bytes`."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +83,9 @@ def verify(
 
     Raises GeometryError.
     """
-    codes = {name: MESH_FORMATS[name] for name in formats if name in MESH_FORMATS}
+    mesh_formats = {
+        name: mesh_format for name in formats if (mesh_format := PART_FORMATS[name].mesh)
+    }
     solids = Solids.of(design, evaluator, parts)
     stages = {f"mesh of {name}": 1.0 for name in solids.parts} | {"checks": 2.0 * len(solids.parts)}
     meshes = {}
@@ -98,21 +98,23 @@ def verify(
     files = [
         (part_file(name, file_format), name, file_format)
         for name in meshes
-        for file_format in codes
+        for file_format in mesh_formats
     ]
     contents = {
-        file: codes[file_format].to_bytes(meshes[name], name, PARTS[name].note)
+        file: mesh_formats[file_format].to_bytes(meshes[name], name, PARTS[name].note)
         for file, name, file_format in files
     }
     encoded = (
-        {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()} if "3mf" in codes else {}
+        {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()}
+        if "3mf" in mesh_formats
+        else {}
     )
-    prints = make_print_files(design, meshes, encoded, "stl" in codes)
+    prints = make_print_files(design, meshes, encoded, "stl" in mesh_formats)
     work.begin("checks")
     checks: list[Check] = []
     for file, name, file_format in files:
         checks += check_mesh_file(
-            design, PARTS[name], codes[file_format].from_bytes(contents[file]), file_format
+            design, PARTS[name], mesh_formats[file_format].from_bytes(contents[file]), file_format
         )
 
     checks += check_print_files(design, meshes, encoded, prints)

@@ -87,11 +87,6 @@ class Tables(Frozen):
     board: Board = Board()
     detector: Detector = Detector()
 
-    @property
-    def prints_without_supports(self) -> bool:
-        """True for a bone on a post: its collar and base rise on slopes of 45 degrees."""
-        return self.bone.interface == "post"
-
     def value(self, path: str) -> Any:
         """Return the value of a parameter by its dotted name, such as "skin.width_mm"."""
         table, _, key = path.rpartition(".")

@@ -1,4 +1,4 @@
-"""Declaration of a parameter in its table, and the messages if its value is not valid."""
+"""Declaration of a parameter in one line of its table, and messages about invalid values."""
 
 from __future__ import annotations
 
@@ -137,7 +137,9 @@ OWN = "own"
 _MARKUP = (
     r"|`<>\[\]$\\\u0000-\u001f\u007f-\u009f\u00ad\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff"
 )
-"""Characters with a meaning in a file: marks of Markdown and of formulas, and controls."""
+"""Characters with a meaning in a file: marks of Markdown and of formulas, and control
+characters.
+"""
 _LABEL = rf"^[^\s=+@\-{_MARKUP}][^{_MARKUP}]{{0,59}}$"
 _ALLOWED = (
     "write up to 60 printable characters without | ` < > [ ] $ or a backslash, and none of "

@@ -261,7 +261,9 @@ def _out_of_range(ohm: float) -> str:
 SIGNAL_RULES = Ruleset()
 
 SAMPLES_PER_CYCLE = 4.0
-"""Minimum samples per cycle of a cutoff: twice Nyquist's, for an octave above the cutoff."""
+"""Minimum samples per cycle of a cutoff: twice Nyquist's, an octave of passband above
+the cutoff.
+"""
 MAX_WINDOW_S = 1.0
 """Maximum length of the averaging window [s]: a whole slide of the article's.
 The article's limit for a useful reaction is 0.1 s.

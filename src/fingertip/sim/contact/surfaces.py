@@ -44,7 +44,7 @@ class SurfaceProfile:
     spacing_m: float = _SPACING_M
 
     def height_m(self, position_m: Array) -> Array:
-        """Height under a pad [m]: the cubic through heights and slopes, constant beyond the ends."""
+        """Height under a pad [m]: a cubic through heights and slopes, constant beyond the ends."""
         out = np.zeros(len(position_m))
         _interpolate(self.spacing_m, self.start_m, self.heights_m, self.slopes, position_m, out)
         return out

@@ -158,7 +158,7 @@ def plan_motion(design: Design, scene: ManipulationFile, pad: Pad, seed: int) ->
 
 
 def _find_trigger_s(design: Design, plan: MotionPlan, pad: Pad) -> float:
-    """Moment at which the planned closing has lowered the thumb's voltage by the stated drop [s]."""
+    """Find when the planned closing has lowered the thumb's voltage by the stated drop [s]."""
     scene, hand, count = plan.scene, plan.scene.hand, round(plan.released_s * BASE_HZ)
     motors = Motors(
         hand=hand,

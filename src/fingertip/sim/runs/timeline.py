@@ -477,7 +477,7 @@ def _shake_loop(
     envelope: Floats,
     out: MutableFloats,
 ) -> None:
-    """Sum both tones point by point: the last bit of a vectorised sine varies between processors."""
+    """Sum both tones point by point: processors differ in the last bit of a vectorised sine."""
     first, second = phases
     for i in range(len(time)):
         if envelope[i] != 0.0:

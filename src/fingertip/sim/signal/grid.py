@@ -66,7 +66,7 @@ def count_samples(duration_s: float, sample_rate_hz: float) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Instants:
-    """Samples in a chunk of points, by positions from the last point before it, or the very first."""
+    """Samples in a chunk of points, by their positions from the last point before the chunk."""
 
     first: int
     """Number of samples before the chunk."""

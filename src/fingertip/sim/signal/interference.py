@@ -137,7 +137,7 @@ def compute_hum_v(noise: Noise, time_s: Array) -> Array:
 
 
 class RefinedNoise:
-    """Noise that is drawn on the base grid, with straight lines between its points on a finer grid."""
+    """Noise that is drawn on the base grid; on a finer grid it is linear between these points."""
 
     def __init__(self, grid: Grid, draw: Callable[[int], Array]) -> None:
         self._parts = grid.refinement

@@ -233,7 +233,7 @@ def _open_noise(
     name: str,
     purpose: str,
 ) -> Callable[[int], Array]:
-    """Open one noise of one finger, from the stream from which the simulation of a scene draws it."""
+    """Open one noise of one finger, from the same stream as in the simulation of a scene."""
     if seed is None:
         return np.zeros
 

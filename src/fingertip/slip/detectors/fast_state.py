@@ -2,7 +2,7 @@
 it.
 
 The `CompiledLoop` of `fast_loop` inlines these functions. The firmware's library has the same state
-and the same limits (`fingertip.firmware.sources`).
+and the same limits (`fingertip.firmware.c_sources`).
 """
 
 from __future__ import annotations

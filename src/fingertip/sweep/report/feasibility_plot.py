@@ -88,7 +88,7 @@ class PlotScale:
 
 
 def make_scale(name: str, column: Column, max_cells: int) -> PlotScale:
-    """Make the scale of a column, with at most `max_cells` cells unless the column is categorical."""
+    """Make the scale of a column, with at most `max_cells` cells unless it is categorical."""
     bins = statistics.bin_by_value(column, max_cells)
     if statistics.is_categorical(column) or column.dtype.kind == "b":
         categories = tuple(str(value) for value in bins.low)

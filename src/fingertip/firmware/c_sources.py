@@ -1,6 +1,4 @@
-"""C sources of the library: the files of `c/`, with the constants of
-a design in place of two of their includes.
-"""
+"""C sources of the library: the files of `c/`, with the constants of a design."""
 
 from __future__ import annotations
 
@@ -42,41 +40,38 @@ def real(value: float) -> str:
 
 
 def _render_constants(design: Design) -> str:
-    """Render the constants of a design as lines of C: settings and
-    coefficients of its detector, and its converter.
-    """
+    """Render a design's constants as lines of C: its detector and its converter."""
     converter = design.detector
     detector = _start(design, None)
     both = _start(design, 0.0)
-    c = detector.coefficients
+    coefficients = detector.coefficients
     state = detector.state
     rate = detector.coefficients.sample_rate_hz
     step_v = converter.adc_step_v
     sections: dict[str, Any] = {
-        name: value for name, value in c._asdict().items() if isinstance(value, tuple)
+        name: value for name, value in coefficients._asdict().items() if isinstance(value, tuple)
     }
+    terms = {}
+    for name, section in sections.items():
+        for key, term in section._asdict().items():
+            terms[f"{name}_{key}".upper()] = term
+
     limits = {**vars(fast_state), **vars(fast_decision_and_floors)}
+    low_v = converter.adc_low_v
     values: dict[str, Any] = {
         **limits,
-        **{name.upper(): value for name, value in c._asdict().items()},
-        **{
-            f"{name}_{key}".upper(): term
-            for name, one in sections.items()
-            for key, term in one._asdict().items()
-        },
+        **{name.upper(): value for name, value in coefficients._asdict().items()},
+        **terms,
         "FILTERED_GAIN": both.coefficients.filtered_gain,
         "FILTERED_LIMIT": both.coefficients.filtered_limit,
-        **{name.upper(): round(getattr(c, name)) for name in _COUNTS.split()},
+        **{name.upper(): round(getattr(coefficients, name)) for name in _COUNTS.split()},
         "LOWEST_CODE": math.ceil(
-            (c.middle_input - c.half_range - converter.adc_low_v) / converter.adc_step_v
+            (coefficients.middle_input - coefficients.half_range - low_v) / step_v
         ),
         "HIGHEST_CODE": math.floor(
-            (c.middle_input + c.half_range - converter.adc_low_v) / converter.adc_step_v
+            (coefficients.middle_input + coefficients.half_range - low_v) / step_v
         ),
-        "REST_CODE": (
-            signal_ground_ratio(design.board) * design.board.supply_v - converter.adc_low_v
-        )
-        / step_v,
+        "REST_CODE": (signal_ground_ratio(design.board) * design.board.supply_v - low_v) / step_v,
         "REST_CODES": REST_SHARE
         * (filtered_range_v(design.board, converter.adc_range_v) or math.inf)
         / step_v,
@@ -98,7 +93,7 @@ def _render_constants(design: Design) -> str:
         "SAMPLE_RATE_HZ": converter.sample_rate_hz,
         "SAMPLE_RATE_MILLIHZ": f"{1000 * converter.sample_rate_hz:.0f}u",
         "ADC_BITS": converter.adc_bits,
-        "ADC_LOW_V": converter.adc_low_v,
+        "ADC_LOW_V": low_v,
         "ADC_STEP_V": converter.adc_step_v,
         "VERSION": __version__,
     }
@@ -110,17 +105,13 @@ def _render_constants(design: Design) -> str:
 
 
 OPEN_SHARE = 0.5
-"""Share of the way from an open sensor's voltage to the end of
-the range that a good board may be off.
-"""
+"""Possible error of an open sensor's voltage, over its distance to the range's end."""
 SHORTED_SHARE = 0.02
 """Share of the range by which less than a shorted sensor's voltage counts as one."""
 
 
 def library_settings(design: Design, in_codes: bool = False) -> FastSettings:
-    """Settings of a finger's detector, with the voltages that forces
-    give; for codes, with the rest of S too.
-    """
+    """Return a finger's detector settings, with possible voltages, and the rest of S for codes."""
     converter = design.detector
     response = find_tactile_response(design)
     lowest = converter.adc_low_v
@@ -142,9 +133,7 @@ def library_settings(design: Design, in_codes: bool = False) -> FastSettings:
 
 
 def _start(design: Design, filtered_v: float | None) -> FastDetector:
-    """Make the detector, and give it one sample, with the filtered
-    signal [V] or without: floors stand still in it.
-    """
+    """Return the detector after one sample, with or without the filtered signal [V]."""
     detector = FastDetector(library_settings(design))
     detector.step(0.0, filtered_v)
     return detector
@@ -178,29 +167,27 @@ def render_trees(model: FastModel) -> str:
         ("Values of the leaves.", "slip_real slip_leaves", leaves),
     )
 
-    return "\n\n".join(
-        "\n".join(
-            [
-                f"/* {comment} */",
-                f"static const {name}[SLIP_TREES * LEAVES] = {{",
-                *_rows(values),
-                "};",
-            ]
-        )
-        for comment, name, values in tables
-    )
+    blocks = []
+    for comment, name, values in tables:
+        opening = f"static const {name}[SLIP_TREES * LEAVES] = {{"
+        blocks.append("\n".join([f"/* {comment} */", opening, *_rows(values), "};"]))
+
+    return "\n\n".join(blocks)
 
 
 def float_key(value: float) -> int:
-    """Bits of a number in single precision, as an integer in the order of these numbers."""
+    """Return the bits of a float32 as an integer in the order of these numbers."""
     (bits,) = struct.unpack("<I", struct.pack("<f", value))
     return int(~bits & 0xFFFFFFFF if bits & 0x80000000 else bits | 0x80000000)
 
 
 def _pad(values: list[str], unused: str) -> list[str]:
     """Put the unused entry ahead of the nodes of each tree."""
-    rows = (values[i : i + NODES] for i in range(0, len(values), NODES))
-    return [entry for row in rows for entry in (unused, *row)]
+    padded = []
+    for i in range(0, len(values), NODES):
+        padded += [unused, *values[i : i + NODES]]
+
+    return padded
 
 
 def _rows(values: list[str]) -> Iterator[str]:
@@ -218,14 +205,11 @@ def _rows(values: list[str]) -> Iterator[str]:
 
 
 def _render_fingers(fingers: Fingers, has_divider: bool) -> str:
-    """Render how many fingers there are, and for several or dividers
-    the inputs and names that the example takes.
-    """
+    """Render the number of fingers; for several or dividers also inputs and names."""
     lines = ["#ifndef SLIP_FINGERS", f"#define SLIP_FINGERS {fingers.count}", "#endif"]
     if fingers.is_hand or has_divider:
-        inputs = ", ".join(
-            f"{{{', '.join(each[:1] if has_divider else each)}}}" for each in fingers.inputs
-        )
+        count = 1 if has_divider else 2
+        inputs = ", ".join(f"{{{', '.join(pins[:count])}}}" for pins in fingers.inputs)
         prefixes = [f"{name}_" if fingers.count > 1 else "" for name in fingers.names]
         names = ", ".join(f'"{name}"' for name in (prefixes if has_divider else fingers.names))
         lines += [
@@ -275,28 +259,26 @@ def _render_grip(settings: GripSettings) -> str:
 
 
 def _render_curves(curves: Sequence[ForceCurve], designs: Sequence[Design]) -> str:
-    """Render the distinct curves, the pads' constants beside them,
-    which each finger has, and its interval.
-    """
+    """Render the distinct curves and pads, and which of them each finger has."""
     scales = [
-        ForceScale.of(each, curve.volts, curve.forces_n)
-        for each, curve in zip(designs, curves, strict=True)
+        ForceScale.of(design, curve.volts, curve.forces_n)
+        for design, curve in zip(designs, curves, strict=True)
     ]
-    known = ", ".join(f"{{{', '.join(map(real, each.known_n))}}}" for each in scales)
-    factors = ", ".join(real(each.factor) for each in scales)
+    ranges = ", ".join(f"{{{', '.join(map(real, scale.known_n))}}}" for scale in scales)
+    factors = ", ".join(real(scale.factor) for scale in scales)
     numbers = [
         (tuple(curve.volts.tolist()), tuple(curve.forces_n.tolist()), curve.pad.hertz_m_per_n23)
         for curve in curves
     ]
     distinct = list(dict.fromkeys(numbers))
-    of_finger = ", ".join(str(distinct.index(each)) for each in numbers)
+    of_finger = ", ".join(str(distinct.index(curve_numbers)) for curve_numbers in numbers)
     pads = ", ".join(real(pad) for _, _, pad in distinct)
     blocks = [
         f"enum {{ SLIP_CURVES = {len(distinct)}, SLIP_CURVE = {len(distinct[0][0])} }};",
         "/* Curve of each finger. */\nstatic const uint8_t slip_curve_of[SLIP_FINGERS] = "
         f"{{{of_finger}}};",
         "/* Forces where it is known [N]. */\nstatic const slip_real "
-        f"slip_known_n[SLIP_FINGERS][2] = {{{known}}};",
+        f"slip_known_n[SLIP_FINGERS][2] = {{{ranges}}};",
         "/* Factor within which a force lies. */\nstatic const slip_real "
         f"slip_factors[SLIP_FINGERS] = {{{factors}}};",
         "/* By which a falling force reads too high. */\n#define SLIP_HYSTERESIS_FACTOR "
@@ -310,11 +292,10 @@ def _render_curves(curves: Sequence[ForceCurve], designs: Sequence[Design]) -> s
     )
 
     for comment, name, columns in tables:
-        rows = [
-            line
-            for each in columns
-            for line in ("{", *_rows([f"R({value!r})" for value in each]), "},")
-        ]
+        rows = []
+        for values in columns:
+            rows += ["{", *_rows([f"R({value!r})" for value in values]), "},"]
+
         opening = f"static const slip_real {name}[SLIP_CURVES][SLIP_CURVE] = {{"
         blocks.append("\n".join([f"/* {comment} */", opening, *rows, "};"]))
 
@@ -334,14 +315,12 @@ def read_template(name: str) -> str:
 
 
 def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
-    """Headers and sources of a design by name: the detector,
-    and forces with the grip law of a hand.
-    """
+    """Return headers and sources by name: detector, forces, and the grip law of a hand."""
     has_divider = not design.board.has_filter
     constants = f"{_render_fingers(fingers, has_divider)}\n\n{_render_constants(design)}"
     designs = fingers.designs or (design,) * fingers.count
     settings = GripSettings()
-    curves = [ForceCurve.from_design(each) for each in designs]
+    curves = [ForceCurve.from_design(finger) for finger in designs]
     header = _insert(read_template(GRIP_HEADER), "slip_grip_constants.h", _render_grip(settings))
     backing = f"#define SLIP_BACKING_N_PER_M {real(curves[0].pad.backing.stiffness_n_per_m)}"
     header = _insert(header, "slip_grip_backing.h", backing)
@@ -361,15 +340,12 @@ def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
 
 
 def lamp_sketch(design: Design, fingers: Fingers) -> dict[str, bytes]:
-    """Sketch for dividers, whose head says what to wire and how far
-    its forces can be trusted, and its header.
-    """
+    """Return the sketch for dividers, with what to wire and how far to trust its forces."""
     board = fingers.controller
-    bits, *_, range_v, _ = (
-        board.converter if board and board.key == GENERIC else "12 bits, 0 to 3.3 V"
-    ).split()
+    converter = board.converter if board and board.key == GENERIC else "12 bits, 0 to 3.3 V"
+    bits, *_, range_v, _ = converter.split()
     reliability = dict.fromkeys(
-        one.force_curve.describe(one.sensor.model) for one in fingers.designs or (design,)
+        finger.force_curve.describe(finger.sensor.model) for finger in fingers.designs or (design,)
     )
     values = {
         "supply": f"{design.board.supply_v:g}",

@@ -1,0 +1,207 @@
+"""Bone with pocket and trough for the sensor, and the channel for its cables."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .conic import ConicBody, add_groove, inset_body
+from .interfaces import shapes_of
+from .outlines import LEDGE_MM, ramp_slab
+from .profile import farthest_corner
+from .solids import (
+    Box,
+    ElbowTube,
+    Solid,
+    SuperconicSolid,
+    cylinder,
+    difference,
+    intersection,
+    union,
+)
+
+if TYPE_CHECKING:
+    from .program_types import Finger
+
+_ALONG_FLOOR_MM = 1.0
+"""Length of the channel before its bend, in the floor of the trough [mm]."""
+_NECK_OVERLAP_MM = 0.5
+"""Length by which the ramp's solid begins below the flat, proximal to the ramp [mm]."""
+_INTO_BASE = 0.01
+"""Part of its size by which the foot of a sloping collar begins inside the base."""
+_OUTLINE_POINTS = 16
+_STEP_IN_COLLAR_MM = 0.3
+"""Depth of the step between both flats in the collar, which rules keep longer than this [mm]."""
+
+
+def bone(finger: Finger) -> Solid:
+    added, removed = shapes_of(finger)
+    return difference(
+        union(filled_bone(finger), *added), sensor_recess(finger), cable_channel(finger), *removed
+    )
+
+
+def sensor_recess(finger: Finger) -> Solid:
+    """Build the recess of the sensor, open to the palm: head pocket,
+    and trough of the tail to the wires' hole.
+    """
+    dims = finger.dimensions
+    gap = finger.sensor.clearance_mm
+    outside = (
+        -dims.collar.section.palmar - dims.bone_outline.section.palmar
+    )  # below the palmar surface of every solid
+    radius = dims.sensor.head_diameter_mm / 2 + gap
+    floor = dims.pocket_depth - dims.platform_depth
+    pocket = cylinder(
+        "y",
+        centre=(dims.sensor_z, 0.0),
+        low=outside,
+        high=floor,
+        radius=radius,
+        around_radius=dims.platform_radius,
+    )
+    top = dims.sensor_z + gap  # also clears a tail that is wider than the head
+
+    return union(
+        pocket,
+        flat_slab(
+            finger,
+            low_mm=outside,
+            high_mm=dims.pocket_depth,
+            half_width=dims.tail_half_width,
+            begin=dims.trough_end_z,
+            end=top,
+        ),
+    )
+
+
+def cable_channel(finger: Finger) -> ElbowTube:
+    """Build the cable channel: from the floor of the trough by
+    one bend to the dorsal side of the base.
+    """
+    dims = finger.dimensions
+    bone = finger.bone
+    assert bone.channel_bend_radius_mm > bone.channel_diameter_mm / 2, (
+        "the channel folds into itself"
+    )
+
+    return ElbowTube(
+        start_y=-dims.flat_depth + dims.pocket_depth,
+        start_z=dims.channel_exit_z + bone.channel_bend_radius_mm + _ALONG_FLOOR_MM,
+        exit_z=dims.channel_exit_z,
+        end_y=dims.bone_outline.section.dorsal + bone.channel_diameter_mm,
+        bend_radius=bone.channel_bend_radius_mm,
+        radius=bone.channel_diameter_mm / 2,
+    )
+
+
+def filled_bone(finger: Finger, inset_mm: float = 0.0) -> Solid:
+    """Build the bone without hollows; all its surfaces but the collar's may lie deeper by
+    an inset.
+    """
+    body = add_groove(finger, inset_body(finger.dimensions.bone_outline, inset_mm))
+    return union(
+        cut_flat(finger, body, inset_mm), *platform(finger, body, inset_mm), collar(finger)
+    )
+
+
+def cut_flat(finger: Finger, body: ConicBody, inset_mm: float) -> Solid:
+    section = body.section
+    dims = finger.dimensions
+    # The cutting boxes extend past the outline by a length that scales with the design: its half
+    # width.
+
+    def below(depth: float, low: float) -> Box:
+        return Box(
+            (-2 * section.half_width, -section.palmar - section.half_width, low),
+            (2 * section.half_width, -depth, finger.skin.length_mm + section.half_width),
+        )
+
+    flat = dims.flat_depth - inset_mm
+    base = dims.base_flat_depth
+    low = body.stations[0][0] - section.half_width
+    below_base = below(base, low)
+    if base == dims.flat_depth:
+        return difference(SuperconicSolid(body), below_base)
+
+    below_flat = below(flat, -_STEP_IN_COLLAR_MM)
+    return difference(SuperconicSolid(body), below_base, below_flat)
+
+
+def platform(finger: Finger, body: ConicBody, inset_mm: float) -> tuple[Solid, ...]:
+    """Build the platform under the sensor's head, and the ramp of its
+    tail, within the outline; none without one.
+    """
+    dims = finger.dimensions
+    if finger.bone.platform_mm == 0.0:
+        return ()
+
+    radius = dims.platform_radius - inset_mm
+    half = dims.neck_half_width - inset_mm
+    disc = cylinder(
+        "y",
+        centre=(dims.sensor_z, 0.0),
+        low=inset_mm - dims.platform_depth,
+        high=0.0,
+        radius=radius,
+    )
+    neck = flat_slab(
+        finger,
+        low_mm=inset_mm,
+        high_mm=dims.platform_depth,
+        half_width=half,
+        begin=dims.ramp[0] - _NECK_OVERLAP_MM,
+        end=dims.sensor_z,
+    )
+
+    return (intersection(SuperconicSolid(body), union(disc, neck)),)
+
+
+def flat_slab(
+    finger: Finger,
+    low_mm: float,
+    high_mm: float,
+    half_width: float,
+    begin: float,
+    end: float,
+) -> Solid:
+    """Build what lies between two distances from the bone's palmar
+    side, positive into the bone, from z to z [mm].
+    """
+    dims = finger.dimensions
+    return ramp_slab(
+        (low_mm, high_mm),
+        half_width=half_width,
+        z=(begin, end),
+        depths=(dims.flat_depth, dims.platform_depth),
+        ramp=dims.ramp,
+    )
+
+
+def collar(finger: Finger) -> Solid:
+    """Build the collar: the flange proximal to the skin, on which the skin ends."""
+    return (
+        _sloping_collar(finger)
+        if finger.dimensions.prints_without_supports
+        else SuperconicSolid(finger.dimensions.collar)
+    )
+
+
+def _sloping_collar(finger: Finger) -> Solid:
+    """Build a collar whose foot rises from the base at 45 degrees
+    or more, but for a short palmar ledge.
+    """
+    dims = finger.dimensions
+    base = finger.dimensions.bone_outline.section
+    section = finger.dimensions.collar.section
+    palm = (dims.base_flat_depth + LEDGE_MM) / section.palmar
+    share = (
+        min(base.half_width / section.half_width, base.dorsal / section.dorsal, palm) - _INTO_BASE
+    )
+    corner = farthest_corner(
+        section.half_width, section.dorsal, section.dorsal_weight, _OUTLINE_POINTS
+    )
+    low = dims.collar.stations[0][0]
+
+    return SuperconicSolid(
+        ConicBody(section, ((low - corner * (1.0 - share), share), (low, 1.0), (0.0, 1.0)))
+    )

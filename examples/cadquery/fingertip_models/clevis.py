@@ -1,0 +1,309 @@
+"""Solids of a clevis: the base with eyes and hard stops, the space that the hand needs, and the way
+of the tendon.
+
+The base is as wide and high as the collar: the wider the cheeks and the longer the stop, the less
+the pin pulls at its bore at a knock.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from .conic import ConicBody
+from .joint import Joint, TendonAnchor, joint_of
+from .outlines import (
+    LEDGE_MM,
+    TANGENT_STEP_MM,
+    eye_corners,
+    flat_foot,
+    foot_line,
+    horn_corners,
+)
+from .solids import (
+    Box,
+    Prism,
+    Shapes,
+    Solid,
+    SuperconicSolid,
+    cylinder,
+    difference,
+    intersection,
+    union,
+)
+
+if TYPE_CHECKING:
+    from .program_types import Finger
+
+_BACK_WAY_MM = 3.0
+"""Half the width of the way of wires and rubber band on the back [mm]."""
+
+
+def shapes(finger: Finger) -> Shapes:
+    """Build the base, and what is removed: the joint's space, the
+    bore of its pin and the way of the tendon.
+    """
+    joint = joint_of(finger)
+    anchor = finger.dimensions.anchor
+    top = finger.dimensions.stops_top_z
+    assert top is not None
+    added: list[Solid] = [joint_base(finger, joint, top)]
+    across = 2 * finger.dimensions.collar.section.half_width
+    removed = [space(finger, joint), pin_bore(joint, across)]
+
+    if anchor:
+        added.append(collar_slope(finger, anchor))
+        removed += tendon_way(finger, anchor, joint)
+
+    return tuple(added), tuple(removed)
+
+
+def joint_base(finger: Finger, joint: Joint, top: float) -> Solid:
+    """Build the base up to a height with its hard stops; palmar it is
+    as wide down to the end of the bent stop.
+    """
+    dims = finger.dimensions
+    collar = finger.dimensions.collar.section
+    low = joint.low_z - joint.radius
+    half = dims.joint_base_half_width
+    outline = SuperconicSolid(ConicBody(collar, ((low, 1.0), (top, 1.0))))
+    base = union(
+        outline, Box((-half, -dims.joint_depth, joint.low_z - 1.0), (half, joint.axis_y, top))
+    )
+    if not joint.travel_deg:
+        return base
+
+    reach = 2 * (collar.half_width + collar.dorsal + collar.palmar)
+    within = Box((-reach, stop_toe_y(finger, joint, top), -reach), (reach, reach, reach))
+    return intersection(base, eye_profile(joint, reach), within)
+
+
+def stop_toe_y(finger: Finger, joint: Joint, top: float) -> float:
+    """Palmar end of the stop of the bent finger, which is a wall thick there."""
+    angle = math.radians(joint.travel_deg)
+    toe_z = top - finger.bone.wall_mm - joint.axis_z
+    toe_at_wall = joint.axis_y - (joint.radius + toe_z * math.cos(angle)) / math.sin(angle)
+
+    return max(-finger.dimensions.joint_depth, toe_at_wall)
+
+
+def stop_top_y(finger: Finger, joint: Joint) -> float:
+    """Dorsal end of the stop of the straight finger.
+
+    Cheeks end beside the gap, or where they would be an edge.
+    """
+    collar = finger.dimensions.collar
+    if not joint.is_fork:
+        return collar.section.dorsal
+
+    blunt = finger.dimensions.blunt_up_to_y(
+        joint.half_width, -finger.bone.collar_length_mm / 2, collar
+    )
+    return collar.section.dorsal_height_at(joint.half_width) if blunt is None else blunt
+
+
+def stop_height_mm(finger: Finger) -> float:
+    """Height of the stop of the straight finger above the pin's axis; 0 without a joint."""
+    joint = finger.dimensions.joint
+    return stop_top_y(finger, joint) - joint.axis_y if joint else 0.0
+
+
+def space(finger: Finger, joint: Joint) -> Solid:
+    """Build the space that the hand needs: all but the eyes
+    proximal to the base, and the gap between them.
+    """
+    section = finger.dimensions.collar.section
+    reach = 2 * (section.half_width + section.dorsal + section.palmar)
+    low = joint.low_z - reach
+    high = joint.shoulder_z
+    beyond = Box((-reach, -reach, low), (reach, reach, high))
+    y = joint.axis_y
+    half = joint.half_width
+    line = foot_line(joint.foot, high, 1.0) if joint.foot else []
+    end = high + section.half_width
+    eyes = [eye_profile(joint, reach)]
+
+    if not joint.travel_deg:
+        eyes.append(
+            flat_foot(
+                "x",
+                low_side=y - joint.eye_radius,
+                high_side=y + joint.eye_radius,
+                foot=line,
+                end=end,
+                reach=reach,
+            )
+        )
+
+    beside_eyes = difference(beyond, *eyes)
+    if not joint.is_fork:
+        tongue = Box((-half, -2 * reach, low - reach), (half, 2 * reach, end))
+        return union(
+            beside_eyes,
+            difference(
+                beyond,
+                tongue,
+                flat_foot(
+                    "y",
+                    low_side=-half,
+                    high_side=half,
+                    foot=line,
+                    end=end,
+                    reach=2 * reach,
+                ),
+            ),
+        )
+
+    gap = Box((-half, -reach, low), (half, reach, high))
+    above_stop = Box((-reach, stop_top_y(finger, joint), low), (reach, reach, high))
+    return union(beside_eyes, gap, above_stop)
+
+
+def eye_profile(joint: Joint, reach: float) -> Solid:
+    """Build an eye of any width: round about the pin, and with
+    the hard stops or narrower than the base.
+    """
+    y = joint.axis_y
+    z = joint.axis_z
+    round_eye = cylinder(
+        "x",
+        centre=(y, z),
+        low=-reach,
+        high=reach,
+        radius=joint.eye_radius,
+    )
+
+    if joint.travel_deg:
+        stopped_profile = eye_corners(
+            (y, z),
+            radius=joint.radius,
+            eye_radius=joint.eye_radius,
+            travel_deg=joint.travel_deg,
+            reach=reach,
+        )
+        return union(Prism("x", stopped_profile, -reach, reach), round_eye)
+
+    half = joint.eye_radius - TANGENT_STEP_MM
+    return union(Box((-reach, y - half, z), (reach, y + half, z + reach)), round_eye)
+
+
+def pin_bore(joint: Joint, half_length: float) -> Solid:
+    return cylinder(
+        "x",
+        centre=(joint.axis_y, joint.axis_z),
+        low=-half_length,
+        high=half_length,
+        radius=joint.pin_radius,
+    )
+
+
+def collar_slope(finger: Finger, anchor: TendonAnchor) -> Solid:
+    """Build the slope of 45 degrees between the tendon's groove and
+    the collar, which prints without supports.
+    """
+    section = finger.dimensions.collar.section
+    foot = -finger.bone.collar_length_mm
+    share = min(1.0 - TANGENT_STEP_MM, (anchor.half_width + LEDGE_MM) / section.half_width)
+
+    return SuperconicSolid(
+        ConicBody(section, ((anchor.high_z, share), (foot, 1.0), (foot / 2, 1.0)))
+    )
+
+
+def tendon_way(finger: Finger, anchor: TendonAnchor, joint: Joint) -> tuple[Solid, ...]:
+    """Build what is removed for the tendon: sides of its groove, corners below its horns, and a way
+    on the back.
+
+    On the back wires and rubber band run to the joint at the height of the groove's floor.
+    """
+    section = finger.dimensions.collar.section
+    foot = -finger.bone.collar_length_mm
+    reach = 2 * (section.half_width + section.dorsal + section.palmar)
+    inner = anchor.half_width
+    low = joint.low_z - reach
+    up = anchor.low_z + anchor.line / 2
+    corners = horn_corners((anchor.horn_y, anchor.horn_low_z), anchor.horn_radius, (low, up), reach)
+    slope = collar_slope(finger, anchor)
+    sides = ((inner, reach), (-reach, -inner))
+    right_groove, left_groove = (
+        difference(Box((low_x, -reach, anchor.low_z), (high_x, reach, foot)), slope)
+        for low_x, high_x in sides
+    )
+    right_horn, left_horn = (Prism("x", corners, *side) for side in sides)
+
+    return _back_way(finger, anchor, joint), right_groove, right_horn, left_groove, left_horn
+
+
+def _back_way(finger: Finger, anchor: TendonAnchor, joint: Joint) -> Solid:
+    section = finger.dimensions.bone_outline.section
+    half = _BACK_WAY_MM
+    low = joint.shoulder_z
+    high = anchor.low_z + anchor.line / 2
+
+    if joint.is_fork:  # it opens into the gap
+        half = min(half, joint.half_width - TANGENT_STEP_MM)
+        low = low - TANGENT_STEP_MM
+
+    scale = 1.0 - TANGENT_STEP_MM / section.half_width
+    floor = SuperconicSolid(ConicBody(section, ((low - 1.0, scale), (high + 1.0, scale))))
+    return difference(Box((-half, 0.0, low), (half, 4 * section.dorsal, high)), floor)
+
+
+def strands(finger: Finger, anchor: TendonAnchor, low_z: float) -> tuple[Solid, ...]:
+    """Build both strands of the tendon beside the base, and straight
+    from their horns to `low_z`, for checks.
+    """
+    radius = anchor.line / 2
+    top = finger.dimensions.bone_outline.section.dorsal_height_at(anchor.half_width)
+    beside = (anchor.z, anchor.horn_y + anchor.horn_radius)
+    along = (anchor.horn_low_z, low_z)
+
+    return tuple(
+        solid
+        for x in (-anchor.strand_x, anchor.strand_x)
+        for solid in (
+            cylinder(
+                "y",
+                centre=(beside[0], x),
+                low=beside[1],
+                high=top,
+                radius=radius,
+            ),
+            cylinder(
+                "z",
+                centre=(x, anchor.y),
+                low=along[1],
+                high=along[0],
+                radius=radius,
+            ),
+        )
+    )
+
+
+def knuckle(finger: Finger, joint: Joint, *added: Solid) -> Solid:
+    """Build the hand's part of the joint as `[hand]` describes it:
+    shoulder and knuckle, with what is added to that.
+    """
+    hand = finger.hand
+    reach = 4 * joint.radius
+    y = joint.axis_y
+    z = joint.axis_z
+    half = hand.width_mm / 2
+    # The hand ends on its palmar side at the height from which its axis is measured.
+    palmar = y - hand.axis_height_mm
+    shoulder = Box((-reach, palmar, z - joint.radius - reach), (reach, y + reach, z - joint.radius))
+    flat = joint.radius - TANGENT_STEP_MM
+    neck = union(
+        Box((-reach, y - flat, z - joint.radius - TANGENT_STEP_MM), (reach, y + flat, z)),
+        cylinder(
+            "x",
+            centre=(y, z),
+            low=-reach,
+            high=reach,
+            radius=joint.radius,
+        ),
+        *added,
+    )
+    inner = Box((-half, y - reach, z - reach), (half, y + reach, z + reach))
+
+    return union(shoulder, intersection(neck, inner) if joint.is_fork else difference(neck, inner))

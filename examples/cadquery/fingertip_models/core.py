@@ -1,0 +1,88 @@
+"""Core on a plate that is lowered into the filled cup. It leaves the interior of the skin."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from .bone import cut_flat, platform
+from .conic import add_groove, inset_body
+from .engraving import engrave
+from .mold import LABEL, ROOT_MM, along_spokes, strap_seats
+from .mold_layout import (
+    PLATE_LEDGE_MM,
+    PLATE_MM,
+    RIDGE_END_MM,
+    RIDGE_HALF_CREST_MM,
+    RIDGE_HEIGHT_MM,
+    RIDGE_LENGTH_MM,
+)
+from .outlines import PAST_MM
+from .skin import bump_recess
+from .solids import Box, Prism, Solid, difference, scaled, union
+
+if TYPE_CHECKING:
+    from .program_types import Finger
+
+_INTO_COLLAR_MM = 0.2
+"""Depth to which the body of a core reaches into its plate [mm]:
+solids that only touch have coincident faces.
+"""
+
+
+def core(finger: Finger) -> Solid:
+    """Build the core on its plate, whose lips stand out at both sides to lift it by."""
+    m = finger.mold_layout
+    half = m.half_width + PLATE_LEDGE_MM
+    plate = Box((-half, -m.palmar_height, -PLATE_MM), (half, m.dorsal_height, 0.0))
+    whole = union(core_within_skin(finger), plate, *ridges(finger))
+
+    return difference(whole, *plate_letters(finger), *strap_seats(finger)[1:])
+
+
+def plate_letters(finger: Finger) -> tuple[Prism, ...]:
+    """Build the design's name in the top of the plate, and over the
+    label of the pad's half the same on its edge.
+    """
+    m = finger.mold_layout
+    depth = m.dorsal_height + m.palmar_height
+    length = 2 * (m.half_width + PLATE_LEDGE_MM)
+
+    return (
+        *engrave(
+            finger,
+            axis="z",
+            text=finger.name,
+            height=depth,
+            length=length,
+            centre=(m.dorsal_height - m.palmar_height) / 2,
+            face=-PLATE_MM,
+        ),
+        *engrave(
+            finger,
+            axis="y",
+            text=LABEL,
+            height=PLATE_MM,
+            length=length,
+            centre=-PLATE_MM / 2,
+            face=-m.palmar_height,
+        ),
+    )
+
+
+def ridges(finger: Finger) -> tuple[Solid, ...]:
+    profile = ((-PAST_MM, ROOT_MM), (0.0, ROOT_MM), (RIDGE_HEIGHT_MM, RIDGE_HALF_CREST_MM))
+    return along_spokes(finger, profile, RIDGE_END_MM, RIDGE_LENGTH_MM - RIDGE_END_MM)
+
+
+def core_within_skin(finger: Finger) -> Solid:
+    """Build what of a core lies inside the skin, enlarged by the
+    shrinkage; it reaches into the plate.
+    """
+    inset = finger.mold.core_inset_mm
+    body = inset_body(finger.dimensions.bone_outline, inset)
+    (_, scale), *stations = body.stations
+    body = add_groove(finger, replace(body, stations=((-_INTO_COLLAR_MM, scale), *stations)))
+    inside = union(cut_flat(finger, body, inset), *platform(finger, body, inset))
+
+    return scaled(difference(inside, *bump_recess(finger)), finger.dimensions.shrinkage)

@@ -1,0 +1,44 @@
+"""Formats of a part's files: their endings, and the modules that write and read meshes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from fingertip.cad.files import stl, threemf
+from fingertip.cad.kernel.mesh import Mesh
+
+
+class MeshFormat(Protocol):
+    """Module that writes a mesh as the bytes of a file, and reads them."""
+
+    def to_bytes(self, mesh: Mesh, name: str, note: str = "") -> bytes: ...
+
+    def from_bytes(self, data: bytes) -> Mesh: ...
+
+
+@dataclass(frozen=True)
+class PartFormat:
+    suffix: str
+    mesh: MeshFormat | None = None
+    """Module for a format of meshes; None for one of solids."""
+    is_default: bool = True
+    """False if it is written only where it is named."""
+
+
+PART_FORMATS = {
+    "stl": PartFormat(".stl", stl),
+    "3mf": PartFormat(".3mf", threemf),
+    "step": PartFormat(".step"),
+    "cq": PartFormat(".cq.py", is_default=False),
+}
+"""Formats of a part's files, by the name that `--formats` takes."""
+
+
+def part_file(part: str, file_format: str) -> str:
+    return f"{part}{PART_FORMATS[file_format].suffix}"
+
+
+def default_formats() -> tuple[str, ...]:
+    """List the formats that a build writes unless others are named."""
+    return tuple(name for name, part_format in PART_FORMATS.items() if part_format.is_default)

@@ -242,7 +242,7 @@ class ControllerBoard:
     adc_to_v: float
     """Range of the analog inputs [V]."""
     timer: Literal["yes", "no", "in the sketch", "too slow"]
-    """Where its timer is: in `slip_timer.h`, nowhere, or in the sketch for dividers alone.
+    """Place of its timer: in `slip_timer.h`, nowhere, or in the sketch for dividers alone.
     "too slow" marks a controller that cannot run the library.
     """
     note: str

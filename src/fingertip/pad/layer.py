@@ -192,7 +192,7 @@ def map_shares(form: PadForm) -> tuple[Array, Array, Array]:
         h=thickness,
         young=form.young_mpa,
         nu=form.poisson,
-        bonded=form.held_part,
+        bond_share=form.held_part,
     )
     shares = _apply(_cover(line, line, form.active_radius_mm), to_bone)
     inside = slice(count, 3 * count + 1)
@@ -234,7 +234,7 @@ class _Approach:
             h=self.thickness_mm,
             young=_FREE_SIDES * form.young_mpa,
             nu=form.poisson,
-            bonded=form.held_part,
+            bond_share=form.held_part,
             grid_mm=grid,
         )
         active = _cover(x, dz, form.active_radius_mm, grid)
@@ -300,7 +300,7 @@ def _kernels(
     h: float,
     young: float,
     nu: float,
-    bonded: float = 1.0,
+    bond_share: float = 1.0,
     grid_mm: float = GRID_MM,
 ) -> tuple[Array, Array, NDArray[np.complex128]]:
     """Evaluate C, T and S on the waves of a grid.
@@ -325,14 +325,14 @@ def _kernels(
     normal = (ka + 1.0) * ((ka + 1.0) * cosh + 2.0 * w * sinh) / d
     shear = (ka + 1.0) * ((ka - 1.0) * sinh + 2.0 * w * cosh) / d
 
-    if bonded < 1.0:
+    if bond_share < 1.0:
         d = np.where(k > 0.0, 0.5 * (1.0 - two * two) + 2.0 * w * two, 1.0)
         free = (1.0 - nu * nu) / (young * whole) * (1.0 - two) ** 2 / d
         free[0, 0] = (1.0 - nu * nu) / young * h
-        compliance = bonded * compliance + (1.0 - bonded) * free
+        compliance = bond_share * compliance + (1.0 - bond_share) * free
         passed = np.where(k > 0.0, 2.0 * (sinh + w * cosh) / d, 1.0)
-        normal = bonded * normal + (1.0 - bonded) * passed
-        shear = bonded * shear + (1.0 - bonded) * 2.0 * w * sinh / d
+        normal = bond_share * normal + (1.0 - bond_share) * passed
+        shear = bond_share * shear + (1.0 - bond_share) * 2.0 * w * sinh / d
 
     return compliance, normal, -1j * shear * kz / whole
 

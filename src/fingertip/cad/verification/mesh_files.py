@@ -63,7 +63,7 @@ class MeshFile:
     part: str = ""
     """Part of the design with which it was compared; empty if it was not."""
     size_ratios: tuple[float, ...] = ()
-    """Its size over that of the part, along x, y and z."""
+    """Size of the mesh over that of the part, along x, y and z."""
 
     @property
     def passed(self) -> bool:

@@ -35,7 +35,7 @@ from fingertip.models.parts import PARTS, Part, print_scale
 from fingertip.models.solids import Solid
 
 _STAND_GENUS = 2
-"""Through holes of a stand: those of the cross bolt, which open into its blind socket."""
+"""Number of through holes of a stand: those of the cross bolt open into its blind socket."""
 
 
 def check_mesh_file(design: Design, part: Part, mesh: Mesh, file_format: str) -> Iterator[Check]:

@@ -44,7 +44,7 @@ LOW_SCALES = (0.02, 0.05, 0.1, 0.2, 0.4)
 
 @dataclass(frozen=True)
 class TrialResult:
-    """What one detector found in the recording of one case."""
+    """Result of one detector in the recording of one case."""
 
     case: Case
     duration_s: float

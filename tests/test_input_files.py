@@ -131,7 +131,7 @@ def test_values_in_messages_are_short_and_on_one_line() -> None:
     assert Issue("", "a\nb\n  - c\n d").message == "a\\nb\n  - c\\n d", (
         "only indented lines stay lines"
     )
-    assert escape_control("a\tb\n\r", kept="\n\t") == "a\tb\n\\r"
+    assert escape_control("a\tb\n\r", spared="\n\t") == "a\tb\n\\r"
     assert Issue("", "12 µm, 3 °C ± 1").message == "12 µm, 3 °C ± 1"
 
 

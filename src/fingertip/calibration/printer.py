@@ -35,8 +35,8 @@ _SCALE = "printer.scale_percent"
 @dataclass(frozen=True)
 class Calibration:
     scale: float
-    """Printed length over that of the file; that which the design
-    corrects where the readings show no other.
+    """Printed length over that of the file.
+    Without readings that show another, it is the one that the design corrects.
     """
     scale_uncertainty: float
     offset_mm: float
@@ -47,8 +47,8 @@ class Calibration:
 
 
 def find_nominal_mm(design: Design) -> tuple[float, float]:
-    """Return the thickness of the cup's palmar half and the width of
-    the core's plate, as the files hold them.
+    """Return the thickness of the cup's palmar half and the width of the core's plate, as the files
+    hold them.
     """
     layout = design.mold_layout
     scale = design.printer.scale_percent / 100.0

@@ -37,8 +37,7 @@ LOADS = {"weight_g": NEWTON_PER_GRAM, "force_n": 1.0}
 """Columns of loads -> newtons per unit."""
 READINGS = ("voltage_v", "counts", "resistance_ohm")
 MIN_WEIGHINGS = 4
-"""Least number of weighings with a load: two figures are fitted, and two more show
-their scatter.
+"""Least number of weighings with a load: two figures are fitted, and two more show their scatter.
 """
 MIN_LOADS = 3
 """Least number of different loads among them."""
@@ -113,13 +112,13 @@ def parse_weighings(text: str, source: str) -> Weighings:
     places = []
 
     for names, noun in ((tuple(LOADS), "loads"), (READINGS, "readings")):
-        found = [name for name in names if name in header]
-        if len(found) != 1:
-            problem = f"names {' and '.join(found)}" if found else f"names no column of {noun}"
+        named = [name for name in names if name in header]
+        if len(named) != 1:
+            problem = f"names {' and '.join(named)}" if named else f"names no column of {noun}"
             remedy = f"give one of {', '.join(names)}, with values in that unit"
             raise TraceError(Issue(f"{source}, line {number}", f"{problem}; {remedy}."))
 
-        places.append(header.index(found[0]))
+        places.append(header.index(named[0]))
 
     load = header[places[0]]
     kind = header[places[1]]
@@ -193,14 +192,14 @@ def parse_weighings(text: str, source: str) -> Weighings:
 
 _FLAT_SHARE = 0.002
 _FLAT_LOADS = 1.2
-"""Largest difference between readings at a limit, as a share of the
-span of all, and least ratio of their loads.
+"""Largest difference between readings at a limit, as a share of the span of all, and least ratio of
+their loads.
 """
 
 
 def _find_saturated(kind: str, loaded: Sequence[Weighing]) -> tuple[Weighing, ...]:
-    """Find weighings at the end of a converter, or at the limit that
-    the readings of the largest loads do not leave.
+    """Find weighings at the end of a converter, or at the limit that the readings of the largest
+    loads do not leave.
     """
     if kind == "resistance_ohm" or not loaded:
         return ()
@@ -291,8 +290,8 @@ class PowerLaw:
 def fit_power_law(
     forces_n: Sequence[float], conductances_s: Sequence[float], turn_on_n: float
 ) -> PowerLaw:
-    """Fit a power law to three weighings or more, under at least
-    two forces, all above the turn-on force.
+    """Fit a power law to three weighings or more, under at least two forces, all above the turn-on
+    force.
     """
     x = [math.log(force - turn_on_n) for force in forces_n]
     y = [math.log(conductance) for conductance in conductances_s]
@@ -340,8 +339,8 @@ class SensorCalibration:
     points: tuple[CurvePoint, ...]
     """Curve under each weight of the file, in the order of the weights."""
     offset_v: float
-    """Voltage that the board showed without load, less the design's [V]; 0 without such
-    readings.
+    """Voltage that the board showed without load, less the design's [V].
+    It is 0 without such readings.
     """
     preload: str | None
     """Sentence about an offset that a skin makes; None without one."""
@@ -350,8 +349,8 @@ class SensorCalibration:
 
     @property
     def interval_factor(self) -> float:
-        """Factor within which a force read off the curve lies with
-        95 % probability, at its worst weight.
+        """Factor within which a force read off the curve lies with 95 % probability, at its worst
+        weight.
         """
         return max(
             max(point.high_n / point.force_n, point.force_n / point.low_n) for point in self.points
@@ -396,7 +395,7 @@ def calibrate_sensor(
     conductances = list[float]()
 
     for row in weighings.rows:
-        found = _find_conductance(
+        conductance = _find_conductance(
             row,
             kind=weighings.kind,
             response=response,
@@ -413,11 +412,11 @@ def calibrate_sensor(
                 Issue(field, f"{message}; delete the line, or set force_curve.turn_on_n.")
             )
 
-        if isinstance(found, str):
-            issues.append(Issue(field, found))
+        if isinstance(conductance, str):
+            issues.append(Issue(field, conductance))
         else:
             forces.append(row.force_n)
-            conductances.append(found)
+            conductances.append(conductance)
 
     raise_issues(TraceError, issues)
     law = fit_power_law(forces, conductances, turn_on)
@@ -517,9 +516,7 @@ def _find_conductance(
     scale: float,
     offset_v: float,
 ) -> float | str:
-    """Return the sensor's conductance [S], or a sentence on a reading that the board
-    cannot give.
-    """
+    """Return the sensor's conductance [S], or why the board cannot give such a reading."""
     if kind == "resistance_ohm":
         return 1.0 / row.reading
 

@@ -108,7 +108,7 @@ class Mount:
 
 @dataclass(frozen=True)
 class Connection:
-    """What the finger is connected to: the hand, and divider or board."""
+    """Connection of the finger to the hand, and to a divider or a board."""
 
     mount: Mount
     divider_kohm: float | None
@@ -150,16 +150,15 @@ def _describe_mount(design: Design) -> Mount:
 
 @dataclass(frozen=True)
 class CoreSeat:
-    """How calipers tell that the core is seated in the cup."""
+    """Readings of calipers that tell that the core is seated in the cup."""
 
     lowering_s: float
     height_mm: tuple[float, float]
-    """Least and largest height from the foot of the cup to the top of the seated core's
-    plate [mm].
+    """Least and largest height from the foot of the cup to the top of the seated core's plate [mm].
     """
     tilt_mm: float
-    """Largest difference of this height between edge and edge,
-    for a skin that is right to 10 % [mm].
+    """Largest difference of this height between edge and edge, for a skin that is right to 10 %
+    [mm].
     """
 
 

@@ -50,8 +50,8 @@ class Thing:
     reason: str
     """Reason why it is ordered; empty for what lies in an ordinary maker's drawer."""
     each: str
-    """Item of a set that takes this amount: every finger, or every mixture; empty if all
-    share it.
+    """Item of a set that takes this amount: every finger, or every mixture.
+    Empty if all share it.
     """
 
 

@@ -31,8 +31,8 @@ counts, and 45 to 54.
 """
 
 HYSTERESIS = 0.10
-"""Largest relative error by which a sensor's force reads high after a
-higher one (article, III.B: at most 10 %).
+"""Largest relative error by which a sensor's force reads high after a higher one (article, III.B:
+at most 10 %).
 """
 FILM_G_CM3 = 1.4
 """Density of a sensor, taken for that of its polyester films. (unverified)"""
@@ -139,16 +139,15 @@ class Amplifier:
     max_offset_v: float
     """Maximum input offset voltage at 25 degrees Celsius [V], for the grade in `order_name`."""
     drift_v_per_k: float
-    """Drift of the offset with the temperature [V/K]; the maximum where the data sheet
-    states one.
+    """Drift of the offset with the temperature [V/K].
+    The maximum where the data sheet states one.
     """
     output_from_rail_v: float
-    """Distance from the rails at which the output stops [V], typical, into a light load
-    (10 kohm).
+    """Distance from the rails at which the output stops [V], typical, into a light load (10 kohm).
     """
     output_current_a: float
-    """Peak output current that it may be asked for [A]; half of the
-    short-circuit current where only that is stated.
+    """Peak output current that it may be asked for [A].
+    Half of the short-circuit current where only that is stated.
     """
     min_supply_v: float
     max_supply_v: float
@@ -243,7 +242,7 @@ class ControllerBoard:
     adc_to_v: float
     """Range of the analog inputs [V]."""
     timer: Literal["yes", "no", "in the sketch", "too slow"]
-    """Where its timer is: in `slip_timer.h`, nowhere, or in the sketch for dividers alone.
+    """Place of its timer: in `slip_timer.h`, nowhere, or in the sketch for dividers alone.
     "too slow" marks a controller that cannot run the library.
     """
     note: str

@@ -46,19 +46,19 @@ SWEEP, SET, SURFACE, MANIPULATION, SCENE, DESIGN = KINDS
 
 
 def read_file(path: Path, kind: FileKind, below: Path | None = None) -> dict[str, Any]:
-    """Read a file, unless none of its names belongs to the expected
-    kind alone, but some name to another kind.
+    """Read a file, unless none of its names belongs to the expected kind alone, but some name to
+    another kind.
     """
     tables = read_toml(path, kind.describe(), below)
-    found = _find_kinds(tables)
+    kinds = _find_kinds(tables)
 
-    if found and kind not in found and not kind.names.issuperset(tables):
-        other = next(iter(found))
+    if kinds and kind not in kinds and not kind.names.issuperset(tables):
+        actual = next(iter(kinds))
         message = (
-            f"is {other.describe()}, not {kind.describe()}; give one such as {kind.example} "
-            f"({other.use})."
+            f"is {actual.describe()}, not {kind.describe()}; give one such as {kind.example} "
+            f"({actual.use})."
         )
-        if (other, kind) == (SET, DESIGN):
+        if (actual, kind) == (SET, DESIGN):
             remedy = "give that of one finger, or the set to `fingertip make` or `check`"
             message = f"{message.partition(';')[0]}; {remedy}."
 
@@ -77,13 +77,13 @@ def identify_kind(path: Path) -> FileKind | None:
     except TomlFileError:
         return None
 
-    found = _find_kinds(tables)
-    if len(found) > 1:
-        parts = " and ".join(f"{min(names)} of a {kind.name}" for kind, names in found.items())
-        remedy = "and give the design with --design" if DESIGN in found else "one for each"
+    kinds = _find_kinds(tables)
+    if len(kinds) > 1:
+        parts = " and ".join(f"{min(names)} of a {kind.name}" for kind, names in kinds.items())
+        remedy = "and give the design with --design" if DESIGN in kinds else "one for each"
         raise TomlFileError(Issue(str(path), f"holds {parts}; write them in two files {remedy}."))
 
-    return next(iter(found), None)
+    return next(iter(kinds), None)
 
 
 def split_changes(
@@ -97,7 +97,7 @@ def split_changes(
     similar known one, so that the error can suggest it.
     """
     own: list[str] = []
-    others: list[str] = []
+    of_design: list[str] = []
     foreign = frozenset().union(*(kind.names for kind in KINDS)) - DESIGN.names
     own_names = foreign.union(*(kind.names for kind in kinds))
     known = sorted(own_names | DESIGN.names)
@@ -107,9 +107,9 @@ def split_changes(
         similar = (
             [name] if name in known else difflib.get_close_matches(name, known, n=1, cutoff=0.65)
         )
-        (own if own_names.intersection(similar) else others).append(change)
+        (own if own_names.intersection(similar) else of_design).append(change)
 
-    return own, others
+    return own, of_design
 
 
 def _find_kinds(tables: Mapping[str, Any]) -> dict[FileKind, set[str]]:
@@ -122,23 +122,25 @@ def _find_kinds(tables: Mapping[str, Any]) -> dict[FileKind, set[str]]:
     if names == SURFACE.names:  # a scene may have such a table too, beside others
         return {SURFACE: names}
 
-    found: dict[FileKind, set[str]] = {}
+    own_names: dict[FileKind, set[str]] = {}
     for kind in KINDS:
-        shared = frozenset().union(*(other.names for other in KINDS if other is not kind))
+        shared = frozenset().union(
+            *(other_kind.names for other_kind in KINDS if other_kind is not kind)
+        )
         own = names & (kind.names - shared)
         if own:
-            found[kind] = own
+            own_names[kind] = own
 
-    if SWEEP in found:
-        return {SWEEP: found[SWEEP]}
+    if SWEEP in own_names:
+        return {SWEEP: own_names[SWEEP]}
 
     for kind in reversed(KINDS):
-        explained = frozenset().union(*(other.names for other in found))
+        explained = frozenset().union(*(other_kind.names for other_kind in own_names))
         left = (names & kind.names) - explained
         if left:
-            found[kind] = found.get(kind, set()) | left
+            own_names[kind] = own_names.get(kind, set()) | left
 
-    return {kind: found[kind] for kind in KINDS if kind in found}
+    return {kind: own_names[kind] for kind in KINDS if kind in own_names}
 
 
 # The wheel holds `params/` within the package. In a checkout it stands at the top level, beside
@@ -187,7 +189,7 @@ def find_file(source: str | Path, *kinds: FileKind, folder: Path | None = None) 
         return path
 
     bundled = list_bundled_files().get(name)
-    wanted = join_words((kind.describe() for kind in kinds), "or")
+    expected = join_words((kind.describe() for kind in kinds), "or")
     # False for a name that is too long to be one, where Path.exists raises.
     if os.path.exists(path) and not (bundled and path.is_dir()):
         return path
@@ -201,7 +203,7 @@ def find_file(source: str | Path, *kinds: FileKind, folder: Path | None = None) 
         raise TomlFileError(Issue(name, _describe_unknown(name, path, kinds, known)))
 
     remedy = f"known names: {', '.join(known)} ({kind.use})"
-    raise TomlFileError(Issue(name, f"is {kind.describe()}, not {wanted}; {remedy}."))
+    raise TomlFileError(Issue(name, f"is {kind.describe()}, not {expected}; {remedy}."))
 
 
 def _describe_unknown(
@@ -209,7 +211,7 @@ def _describe_unknown(
 ) -> str:
     """Describe a bare name that nothing has, with close names, or else with all of them."""
     close = difflib.get_close_matches(name, known, n=_MAX_SUGGESTIONS)
-    similar = [other for other in known if other in close]
+    similar = [name_of_file for name_of_file in known if name_of_file in close]
     if os.path.isfile(path.with_name(f"{name}.toml")):
         similar.insert(0, f"{name}.toml")
 
@@ -221,5 +223,5 @@ def _describe_unknown(
     if similar:
         remedy = f"did you mean {join_words(similar, 'or')}?"
 
-    wanted = join_words((kind.name for kind in kinds), "or")
-    return f"is neither a file nor the name of a bundled {wanted}; {remedy}"
+    expected = join_words((kind.name for kind in kinds), "or")
+    return f"is neither a file nor the name of a bundled {expected}; {remedy}"

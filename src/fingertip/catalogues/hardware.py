@@ -51,8 +51,8 @@ _BOLT_LENGTHS_MM = (
 
 
 def standard_length_mm(wanted_mm: float) -> float:
-    """Return the shortest standard length of a bolt that is at
-    least this long [mm], or the longest of all.
+    """Return the shortest standard length of a bolt that is at least this long [mm], or the longest
+    of all.
     """
     return float(
         next((length for length in _BOLT_LENGTHS_MM if length >= wanted_mm), _BOLT_LENGTHS_MM[-1])

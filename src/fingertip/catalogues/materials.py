@@ -168,7 +168,7 @@ class PrintMaterial:
     product: str
     """Name to buy it by."""
     remark: str
-    """How it is printed; empty for a material of one's own."""
+    """Note on how it is printed; empty for a material of one's own."""
     process: Process
     """Printer that it is for: resin, filament or powder bed."""
     strength_mpa: float

@@ -237,7 +237,7 @@ class Console:
         if not self.quiet:
             self.clear()
             width = shutil.get_terminal_size().columns if self._is_terminal else 0
-            text = escape_control(fit_width(table, width), kept="\n")
+            text = escape_control(fit_width(table, width), spared="\n")
             print(text, file=sys.stderr, flush=True)
 
     def warn(self, warnings: Iterable[str]) -> None:
@@ -272,7 +272,7 @@ class Console:
     def write(self, text: str) -> None:
         """Write text of the result to stdout. Raises OutputError or BrokenPipeError."""
         try:
-            print(escape_control(text, kept="\n\t"), flush=True)
+            print(escape_control(text, spared="\n\t"), flush=True)
         except BrokenPipeError:
             raise
         except OSError as error:

@@ -104,13 +104,18 @@ def make_schema(kind: str) -> dict[str, Any]:
 
 
 def _normalise(value: Any) -> Any:
-    """Return a schema that does not depend on pydantic: 1 for 1.0, no free properties."""
+    """Write 1 for 1.0, a paragraph in one line, and no further properties that are free.
+
+    Releases of pydantic differ in the first and the last.
+    """
     if isinstance(value, dict):
         free = ("additionalProperties", True)
         return {key: _normalise(item) for key, item in value.items() if (key, item) != free}
 
     if isinstance(value, list):
         return [_normalise(item) for item in value]
+    if isinstance(value, str):
+        return "\n\n".join(" ".join(paragraph.split()) for paragraph in value.split("\n\n"))
 
     if isinstance(value, str):  # a docstring is broken into lines where it stands
         return "\n\n".join(" ".join(text.split()) for text in value.split("\n\n"))

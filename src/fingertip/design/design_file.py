@@ -18,7 +18,11 @@ from pydantic.fields import FieldInfo
 from fingertip.catalogues.electronics import spell_sensor
 from fingertip.catalogues.file_kinds import DESIGN, FileKind, find_file, read_file
 from fingertip.design.parameters import PARAMETERS, ParameterTable, Tables, find_kind
-from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
+from fingertip.design.parameters.declaration import (
+    find_bounds,
+    find_unit,
+    list_choices,
+)
 from fingertip.design.proportions import fill_in
 from fingertip.foundation.errors import (
     MAX_VALUE_LENGTH,
@@ -47,8 +51,8 @@ class LoadedTables:
 
 
 Changes = Iterable[str] | Mapping[str, Any]
-"""Changes of parameters: texts such as "skin.width_mm=18", or
-{"skin.width_mm": 18}, or nested tables.
+"""Changes of parameters: texts such as "skin.width_mm=18", or {"skin.width_mm": 18}, or nested
+tables.
 """
 
 
@@ -326,7 +330,7 @@ def to_toml(design: Tables, heading: str = "") -> str:
             continue
 
         table = tomlkit.table()
-        table.add(tomlkit.comment(value.describe_table()))
+        table.add(tomlkit.comment(describe_table(type(value))))
         for key in type(value).model_fields:
             parameter = described[f"{name}.{key}"]
             bounds = f" [{parameter.bounds}]" if parameter.bounds else ""

@@ -7,13 +7,12 @@ line can be moved, or its # removed, without regard to tables.
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Collection, Iterable, Iterator
 
 from fingertip.design.design_file import Parameter, list_parameters, load_tables
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS, Tables
-from fingertip.design.parameters.declaration import OWN, parse_tables
+from fingertip.design.parameters.declaration import OWN, describe_table, parse_tables
 from fingertip.design.proportions import fill_in
 
 _WISHES = (
@@ -116,9 +115,8 @@ def _format_others(design: Tables, parameters: Iterable[Parameter]) -> Iterator[
 
     for table, info in Tables.model_fields.items():
         if table in by_table:
-            title = " ".join((inspect.getdoc(info.annotation) or "").split())
             yield ""
-            yield f"# {title}"
+            yield f"# {describe_table(info.annotation)}"
             yield from _format_block(design, by_table[table], "#")
 
 

@@ -33,8 +33,8 @@ from fingertip.design.search import (
 from fingertip.foundation.errors import Issue, join_words
 
 _MAX_CHANGED = 3
-"""If nobody names the changes of a design, the parameters that differ from the one before are taken
-for them, unless they are more than these: then it is a design of its own.
+"""Largest number of parameters that differ from the design before and are taken for its changes, if
+nobody names these. With more, it is a design of its own.
 """
 _FILE = "bone.adapter_file"
 """Parameter whose rules state their remedies: no other value repairs a file."""

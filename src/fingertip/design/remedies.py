@@ -59,8 +59,7 @@ class Refusal:
     changed: tuple[str, ...]
     search: Search
     settled: bool = False
-    """True if a fit follows the remedy. Alternatives are left out then: no fit was tried with
-    them.
+    """True if a fit follows the remedy. Alternatives are left out then: no fit was tried with them.
     """
 
     @cached_property

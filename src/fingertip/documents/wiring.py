@@ -49,7 +49,7 @@ class Signal:
     """Net at a connector, and the wire that leads to it."""
 
     print: str
-    """What the board prints beside it."""
+    """Text that the board prints beside it."""
     meaning: str
     colour: str
     pin: str = ""

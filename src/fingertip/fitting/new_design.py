@@ -1,6 +1,4 @@
-"""New design: a bundled one that is fitted to what is given, as a file of wishes and
-measurements.
-"""
+"""New design: a bundled one, fitted to what is given, as a file of wishes and measurements."""
 
 from __future__ import annotations
 

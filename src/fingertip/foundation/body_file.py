@@ -28,15 +28,12 @@ _TIME_S = 60.0
 _MEMORY_BYTES = 4 * 2**30
 _MIN_MM = 4.0
 _MAX_MM = 120.0
+"""Range of a body's length along an axis [mm]. A smaller one is drawn in inches or in metres."""
 _MAX_TRIANGLES = 200_000
-"""Least and largest length of a body along an axis [mm]; a
-smaller one is drawn in inches, or in metres.
-"""
 _DEFLECTION_MM = 0.005
+"""Largest distance of a facet from the surface of a STEP file."""
 _ANGLE_RAD = 0.3
-"""Largest distance of a facet from the surface of a STEP file,
-and angle between neighbouring facets.
-"""
+"""Largest angle between neighbouring facets of a STEP file."""
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _VERTEX = re.compile(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)")
 
@@ -59,16 +56,16 @@ def read_body(path: Path) -> Body:
     """Read the body of a file that is no link. Raises InputFileError or MissingLibraryError."""
     check_regular(path, BODY_LIMIT, below=path.parent)
     status = path.stat()
-    found = _read(path, (status.st_mtime_ns, status.st_size, status.st_ino))
-    if isinstance(found, str):
-        raise InputFileError(Issue(str(path), f"{found}."))
+    body = _read(path, (status.st_mtime_ns, status.st_size, status.st_ino))
+    if isinstance(body, str):
+        raise InputFileError(Issue(str(path), f"{body}."))
 
-    return found
+    return body
 
 
 @lru_cache(8)
 def _read(path: Path, _version: tuple[int, ...]) -> Body | str:
-    """Read a body, or say why it cannot be used and what to do about it."""
+    """Read a body; or return why it cannot be used, with a remedy."""
     read = {".stl": _read_stl, ".step": _read_step, ".stp": _read_step}.get(path.suffix.lower())
     if read is None:
         return "is neither .step, .stp nor .stl; export one of these"
@@ -125,8 +122,8 @@ def _read_stl(data: bytes) -> tuple[Array, NDArray[np.int64], bytes]:
             "is inside out, or has a hollow without a mouth; turn it, or open the hollow"
         )
 
-    found: Any = solid.to_mesh64()
-    return np.asarray(found.vert_properties), np.asarray(found.tri_verts, dtype=np.int64), b""
+    united: Any = solid.to_mesh64()
+    return np.asarray(united.vert_properties), np.asarray(united.tri_verts, dtype=np.int64), b""
 
 
 def _read_step(data: bytes) -> tuple[Array, NDArray[np.int64], bytes]:
@@ -153,14 +150,15 @@ def _read_step(data: bytes) -> tuple[Array, NDArray[np.int64], bytes]:
 
 
 def _read_solid(path: str) -> Any:
+    """Read the one solid of a STEP file. Raises ValueError."""
     from OCP import BRepCheck, IFSelect, STEPControl, TColStd, TopAbs, TopExp, TopTools  # noqa: PLC0415
 
     reader = STEPControl.STEPControl_Reader()
     if reader.ReadFile(path) != IFSelect.IFSelect_RetDone:
         raise ValueError("is no whole STEP file; export it again")
 
-    lengths, *others = (TColStd.TColStd_SequenceOfAsciiString() for _ in range(3))
-    reader.FileUnits(lengths, *others)
+    lengths, *other_units = (TColStd.TColStd_SequenceOfAsciiString() for _ in range(3))
+    reader.FileUnits(lengths, *other_units)
     units = {lengths.Value(i).ToCString().lower() for i in range(1, lengths.Length() + 1)}
 
     if units != {"millimetre"}:

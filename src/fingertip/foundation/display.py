@@ -59,13 +59,14 @@ class Picture:
 def html_table(caption: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """Write a table in HTML with its caption; every text is escaped."""
     head = "".join(f"<th>{html.escape(name)}</th>" for name in header)
-    body = "".join(
-        "<tr>" + "".join(f"<td>{html.escape(str(cell))}</td>" for cell in row) + "</tr>"
-        for row in rows
-    )
+    lines = []
+    for row in rows:
+        cells = "".join(f"<td>{html.escape(str(cell))}</td>" for cell in row)
+        lines.append(f"<tr>{cells}</tr>")
+
     return (
         f"<table><caption>{html.escape(caption)}</caption>"
-        f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+        f"<thead><tr>{head}</tr></thead><tbody>{''.join(lines)}</tbody></table>"
     )
 
 
@@ -84,7 +85,7 @@ RED = "#b03a2e"
 TEAL = "#1e8683"
 ORANGE = "#c9801f"
 """Colours of lines and symbols. Each is lighter than the one before, so that they differ in grey
-and for every kind of colour blindness, and stands out from white by 3:1.
+and for every kind of colour blindness. Their contrast with white is at least 3:1.
 """
 SERIES = (BLUE, RED, TEAL, PURPLE, ORANGE)
 """Colours of curves without a meaning of their own; the first ones differ most."""
@@ -104,10 +105,11 @@ PALE_BLUE = "#a9bfd4"
 PALE_GREY = "#e9ebed"
 """Colours of areas and points in the background."""
 REFERENCE = "#98a1aa"
-"""Colour of what others are compared with."""
+"""Colour of the reference of a comparison."""
 
 
 def new_figure(width_in: float, height_in: float, *, automatic_layout: bool = True) -> Figure:
+    """Begin a figure of this size [inch]. Raises MissingLibraryError without matplotlib."""
     extras.require("plot", "matplotlib")
     if "matplotlib" not in sys.modules:
         _import_matplotlib()
@@ -120,11 +122,11 @@ def new_figure(width_in: float, height_in: float, *, automatic_layout: bool = Tr
 
 
 def _import_matplotlib() -> None:
-    """Import matplotlib without settings: those of the current folder
-    may be a stranger's, others change the bytes.
+    """Import matplotlib without settings.
+
+    Those of the current folder may be a stranger's, and others would change the bytes.
     """
-    # While it is imported, it warns of a home that cannot be written, which is no concern of a
-    # picture.
+    # While it is imported, it warns of a home that cannot be written; a picture needs none.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     with contextlib.ExitStack() as left:
         with contextlib.suppress(FileNotFoundError):  # the current folder was removed
@@ -141,9 +143,7 @@ def style_axes(axes: Axes, grid: Literal["x", "y", "both"] = "y") -> None:
 
 
 def to_png(figure: Figure) -> bytes:
-    """Render a figure as PNG without date and version, so that the same data gives the
-    same bytes.
-    """
+    """Render a figure as PNG without date and version: the same data gives the same bytes."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
 
     out = io.BytesIO()
@@ -154,14 +154,17 @@ def to_png(figure: Figure) -> bytes:
 
 
 def _take_literally(figure: Figure) -> None:
-    """Let no $ in a text begin a formula, as in the name of a file;
-    the ticks of logarithmic axes are formulas.
+    """Take a $ in a text, such as the name of a file, literally, and not as a formula.
+
+    Only the labels of logarithmic axes are formulas.
     """
     from matplotlib.axis import Tick  # noqa: PLC0415
     from matplotlib.text import Text  # noqa: PLC0415
 
-    ticks = {label for tick in figure.findobj(Tick) for label in (tick.label1, tick.label2)}
+    labels = set()
+    for tick in figure.findobj(Tick):
+        labels |= {tick.label1, tick.label2}
 
     for text in figure.findobj(Text):
-        if text not in ticks:
+        if text not in labels:
             text.set_parse_math(False)

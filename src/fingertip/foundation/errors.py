@@ -26,29 +26,31 @@ _MAX_WORD_LENGTH = 400
 _MAX_MESSAGE_LENGTH = 4000
 """Maximum length of a message [characters]. The longest lists all names of a sweep's outputs."""
 _KEPT_END = 0.4
-"""Share of a shortened text that is kept of its end, where the remedy stands."""
+"""Share of a shortened text that its end takes, which holds the remedy."""
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
-"""Characters that move the cursor, change the colour or the
-direction of writing, or cannot be encoded.
-"""
+"""Characters that move the cursor, change colour or direction of writing, or cannot be encoded."""
 _LINE_BREAK = re.compile(r"\n(?!  )")
 """Line break before a line that is not indented."""
 _PASTED = re.compile(r"(=(?:'[^']*'|\S+)|\b(?:least|most|and|or) -?\d[\d.e+-]*)\.$")
-"""Value at the end of a message: it is pasted, and a full stop would be pasted with it."""
+"""Value at the end of a message. Users paste it, and would paste a full stop with it."""
 _LONG_WORD = re.compile(rf"\S{{{_MAX_WORD_LENGTH + 1},}}")
 
 
-def escape_control(text: str, kept: str = "") -> str:
-    """Escape control characters as Python writes them, but for those in `kept`."""
+def escape_control(text: str, spared: str = "") -> str:
+    """Escape control characters as Python writes them, except those in `spared`."""
     if text.isprintable():
         return text
 
-    return _CONTROL.sub(lambda found: found[0] if found[0] in kept else ascii(found[0])[1:-1], text)
+    def escape(match: re.Match[str]) -> str:
+        character = match[0]
+        return character if character in spared else ascii(character)[1:-1]
+
+    return _CONTROL.sub(escape, text)
 
 
 def escape_message(text: str) -> str:
-    """Escape control characters, but for line breaks before indented lines."""
-    return _LINE_BREAK.sub(r"\\n", escape_control(text, kept="\n"))
+    """Escape control characters, except line breaks before indented lines."""
+    return _LINE_BREAK.sub(r"\\n", escape_control(text, spared="\n"))
 
 
 def join_words(words: Iterable[str], last_word: str = "and") -> str:
@@ -58,9 +60,7 @@ def join_words(words: Iterable[str], last_word: str = "and") -> str:
 
 
 def shorten(text: str, length: int) -> str:
-    """Replace the middle of a text of more than `length`
-    characters by a note of how many there are.
-    """
+    """Replace the middle of a text of more than `length` characters by a note of their number."""
     if len(text) <= length:
         return text
 
@@ -77,8 +77,9 @@ def quote_value(value: Any) -> str:
 
 
 def _cut(text: str) -> str:
+    """Shorten long words, and then the whole text."""
     if len(text) > _MAX_WORD_LENGTH:
-        text = _LONG_WORD.sub(lambda found: shorten(found[0], _MAX_WORD_LENGTH), text)
+        text = _LONG_WORD.sub(lambda match: shorten(match[0], _MAX_WORD_LENGTH), text)
         text = shorten(text, _MAX_MESSAGE_LENGTH)
 
     return text
@@ -86,14 +87,10 @@ def _cut(text: str) -> str:
 
 @dataclass(frozen=True)
 class Issue:
-    """One problem with the input, in the words of the command
-    line; `str` gives it in those of Python.
-    """
+    """One problem with the input, as the command line names it; `str` names it as in Python."""
 
     field: str
-    """Location of the problem: a parameter such as
-    `skin.width_mm`, a file, an option or a CSV column.
-    """
+    """Location of the problem: a parameter such as `skin.width_mm`, a file, option or column."""
     message: str
     """The problem in one sentence: value, bound and remedy."""
 
@@ -126,15 +123,16 @@ class FingertipError(Exception):
 
 def raise_issues(kind: type[FingertipError], *issues: Iterable[Issue]) -> None:
     """Raise an error of all issues, if there are any."""
-    found = tuple(itertools.chain(*issues))
-    if found:
-        raise kind(found)
+    all_issues = tuple(itertools.chain(*issues))
+    if all_issues:
+        raise kind(all_issues)
 
 
 @contextlib.contextmanager
 def gather(issues: list[Issue], prefix: str = "") -> Iterator[None]:
-    """Add the issues of an error to others, each field after a
-    prefix, so that all are reported at once.
+    """Add the issues of an error to a list, so that all are reported at once.
+
+    `prefix` is put before their fields.
     """
     try:
         yield
@@ -208,8 +206,9 @@ _OPTION = re.compile(
 
 
 def as_arguments(text: str) -> str:
-    """Write options as arguments, such as `--rate-hz 2000` as
-    `rate_hz=2000`; commands in backquotes stay.
+    """Write options as arguments, such as `--rate-hz 2000` as `rate_hz=2000`.
+
+    Commands in backquotes stay as they are.
     """
     pieces = re.split(r"(`[^`]*`)", text) if "--" in text else [text]
     return "".join(
@@ -217,33 +216,34 @@ def as_arguments(text: str) -> str:
     )
 
 
-def _argue(found: re.Match[str]) -> str:
-    option = found["name"]
-    pairs = found["pairs"]
-    value = found["value"]
+def _argue(match: re.Match[str]) -> str:
+    """Write an option with its value as an argument."""
+    option = match["name"]
+    pairs = match["pairs"]
+    value = match["value"]
     name = _RENAMED.get(option, option.replace("-", "_"))
-    comma = "" if found["more"] is None else ","
+    comma = "" if match["more"] is None else ","
 
     if pairs:
-        entries = (pair.partition("=") for pair in pairs.split(f" --{option} "))
-        return (
-            f"{name}={{"
-            + ", ".join(f'"{key}": {_literal(word)}' for key, _, word in entries)
-            + f"}}{comma}"
-        )
+        entries = []
+        for pair in pairs.split(f" --{option} "):
+            key, _, word = pair.partition("=")
+            entries.append(f'"{key}": {_literal(word)}')
+
+        return f"{name}={{{', '.join(entries)}}}{comma}"
 
     if value is None:
-        return f"{name}=True" if found.string.endswith("add ", 0, found.start()) else name
+        return f"{name}=True" if match.string.endswith("add ", 0, match.start()) else name
 
     begin, colon, end = value.partition(":")
-    return (
-        f"{name}=({begin}, {end}){comma}"
-        if colon
-        else f"{name}={_UNITS.get(value) or _literal(value)}{comma}"
-    )
+    if colon:
+        return f"{name}=({begin}, {end}){comma}"
+
+    return f"{name}={_UNITS.get(value) or _literal(value)}{comma}"
 
 
 def _literal(word: str) -> str:
+    """Write a word of the command line as a literal of Python."""
     if re.fullmatch(r"-?[\d.]+(?:e[+-]?\d+)?|[A-Z]+|\[.*\]|'.*'", word):
         return word
     if "," in word:
@@ -296,10 +296,10 @@ def checked(function: F) -> F:
     @functools.wraps(function)
     def call(*values: Any, **named: Any) -> Any:
         bound = signature.bind(*values, **named)
-        given = bound.arguments
-        given |= {
-            name: _fit(name, given[name], hint) for name, hint in hints.items() if name in given
-        }
+        for name, hint in hints.items():
+            if name in bound.arguments:
+                bound.arguments[name] = _fit(name, bound.arguments[name], hint)
+
         return function(*bound.args, **bound.kwargs)
 
     return cast("F", call)
@@ -333,11 +333,12 @@ def _fit(field: str, value: Any, hint: Any) -> Any:
             if plain is Callable or type(value) not in (list, tuple) or not get_args(kind):
                 return value
 
+            item_kind = get_args(kind)[0]
             return type(value)(
-                _fit(f"{field}[{i}]", each, get_args(kind)[0]) for i, each in enumerate(value)
+                _fit(f"{field}[{i}]", item, item_kind) for i, item in enumerate(value)
             )
 
     names = [getattr(kind, "__name__", str(kind)) for kind in reversed(kinds)]
-    wanted = join_words([_KINDS.get(name, f"a {name}") for name in names], "or")
-    message = f"is {quote_value(value)}, of type {type(value).__name__}; give {wanted}."
+    remedy = join_words([_KINDS.get(name, f"a {name}") for name in names], "or")
+    message = f"is {quote_value(value)}, of type {type(value).__name__}; give {remedy}."
     raise ArgumentError(Issue(field, message))

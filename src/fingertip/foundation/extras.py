@@ -1,13 +1,11 @@
-"""Other packages: optional ones that an extra of the installation brings, and those that bring
-detectors and checks.
+"""Other packages: optional ones, and plug-ins that add detectors and checks.
 
 The core is installed without an extra. STEP files, trimesh meshes, plots, the samplers of sweeps,
 compiled loops and some file formats need one more package each. Modules import such a package where
 they use it, after `require`, or with `load`; both raise an error with the command that installs it.
 
-What other packages bring is found by the entry points in their metadata, without running anything
-of them. It is imported when it is asked for; one that cannot be imported or fails becomes a
-sentence that names it.
+Plug-ins are found by the entry points in their metadata, without running any of their code. They
+are imported when they are asked for. An error of a plug-in names its package.
 """
 
 from __future__ import annotations
@@ -64,16 +62,15 @@ def is_installed(module: str) -> bool:
 
 
 def install_command(*modules: str) -> str:
-    """Return the command that installs optional packages beside the
-    running program, typed in the working folder.
-    """
+    """Return the command that installs optional packages for the running program."""
     names = dict.fromkeys(EXTRAS[module] for module in modules)
     return f'{find_pip()} "{DISTRIBUTION}[{",".join(names)}]"'
 
 
 def find_pip() -> str:
-    """Return how this interpreter's packages are installed: a bare `pip` may belong to
-    another one.
+    """Return the command that installs packages for this interpreter, typed in the current folder.
+
+    A bare `pip` may belong to another interpreter.
     """
     folder = Path(sys.executable).parent
     python = sys.executable
@@ -96,17 +93,16 @@ def find_pip() -> str:
 
 
 def describe_missing(*modules: str) -> str:
-    """Describe missing packages, and the command that installs
-    them, for a sentence that ends with both.
-    """
-    listed = join_words(_PACKAGES.get(module, module) for module in modules)
-    words, verb = ("package", "is") if len(modules) == 1 else ("packages", "are")
-    return f"the {words} {listed}, which {verb} not installed; {install_command(*modules)}"
+    """Describe missing packages and the command that installs them, as the end of a sentence."""
+    names = join_words(_PACKAGES.get(module, module) for module in modules)
+    subject, verb = ("package", "is") if len(modules) == 1 else ("packages", "are")
+    return f"the {subject} {names}, which {verb} not installed; {install_command(*modules)}"
 
 
 def say_left_out(files: Mapping[str, str], progress: Callable[[str], None]) -> None:
-    """Say what is left out for want of optional packages, given
-    by module, and the command that adds it.
+    """Report which files are left out because of missing packages, and the command that adds them.
+
+    `files` names them by the module that they need.
     """
     missing = {module: name for module, name in files.items() if not is_installed(module)}
     if missing:
@@ -129,6 +125,7 @@ def require(field: str, *modules: str, subject: str = "", alternative: str = "")
 
 
 def load(module: str, field: str, *, alternative: str = "") -> Any:
+    """Import a module of an optional package. Raises MissingLibraryError."""
     package = module.partition(".")[0]
     require(field, package, alternative=alternative)
     try:
@@ -142,9 +139,7 @@ def load(module: str, field: str, *, alternative: str = "") -> Any:
 
 
 def describe_import_error(error: BaseException) -> MissingLibraryError | None:
-    """Describe that a package is missing which one of an extra's
-    packages needs; None for any other error.
-    """
+    """Describe a missing package that an optional one needs; None for any other error."""
     if not isinstance(error, ModuleNotFoundError) or not error.name:
         return None
 
@@ -168,8 +163,9 @@ def _make_issue(field: str, needs: str, subject: str, alternative: str) -> Issue
 
 @functools.cache
 def find_plugins(group: str) -> dict[str, tuple[EntryPoint, ...]]:
-    """Find the entry points of a group by name; what lies in the
-    current folder is not installed, and not asked.
+    """Find the entry points of a group by name.
+
+    Packages in the current folder are not installed, and are left out.
     """
     from importlib.metadata import distributions  # heavy to import  # noqa: PLC0415
 
@@ -177,22 +173,22 @@ def find_plugins(group: str) -> dict[str, tuple[EntryPoint, ...]]:
     with contextlib.suppress(FileNotFoundError):
         here = os.getcwd()
 
-    found: dict[str, dict[EntryPoint, None]] = {}
+    entries: dict[str, dict[EntryPoint, None]] = {}
     for package in distributions(path=[folder for folder in sys.path if folder not in ("", here)]):
-        with contextlib.suppress(
-            Exception
-        ):  # damaged metadata, of a package that may bring nothing
-            for entry in (each for each in package.entry_points if each.group == group):
-                found.setdefault(entry.name, {})[entry] = None
+        # A package with damaged metadata may have no entry point of this group at all.
+        with contextlib.suppress(Exception):
+            for entry in package.entry_points:
+                if entry.group == group:
+                    entries.setdefault(entry.name, {})[entry] = None
 
-    return {name: tuple(found[name]) for name in sorted(found)}
+    return {name: tuple(entries[name]) for name in sorted(entries)}
 
 
 def load_plugin(group: str, name: str, taken: Collection[str] = ()) -> Any:
-    """Import what a package brings under a name. Raises FingertipError."""
-    entry, *others = find_plugins(group)[name]
-    if others or name in taken:
-        owners = " and ".join(each.value for each in (entry, *others))
+    """Import the entry point of this name. Raises FingertipError."""
+    entries = find_plugins(group)[name]
+    if len(entries) > 1 or name in taken:
+        owners = " and ".join(entry.value for entry in entries)
         message = (
             f"{owners} bring a name that exists already; remove the package, or let it have "
             "another name."
@@ -200,7 +196,7 @@ def load_plugin(group: str, name: str, taken: Collection[str] = ()) -> Any:
         raise FingertipError(Issue(f"{group}, {name}", message))
 
     with blame_plugin(group, name):
-        return entry.load()
+        return entries[0].load()
 
 
 def call_plugins(group: str, *arguments: Any) -> Iterator[Any]:
@@ -211,14 +207,14 @@ def call_plugins(group: str, *arguments: Any) -> Iterator[Any]:
     for name in find_plugins(group):
         function = load_plugin(group, name)
         with blame_plugin(group, name):
-            found = [*function(*arguments)]
+            results = [*function(*arguments)]
 
-        yield from found
+        yield from results
 
 
 @contextlib.contextmanager
 def blame_plugin(group: str, name: str) -> Iterator[None]:
-    """Say of an unexpected exception from which package it comes. Raises FingertipError."""
+    """Turn an unexpected exception of a plug-in into a FingertipError that names its package."""
     try:
         yield
     except FingertipError:

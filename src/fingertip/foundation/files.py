@@ -4,10 +4,10 @@ locks of folders.
 A file is written under a temporary name and renamed at the end, so that it appears complete or not
 at all. What one command writes as several files is a set (`fingertip.foundation.output_set`).
 
-A temporary folder is removed when its `with` block ends, at an interruption too. What a process
-that was killed has left is removed by the next one that makes a folder. Each process holds a lock
-on its folders, which ends with it; a number of a process in the name would mislead where containers
-share the folder of temporary files.
+A temporary folder is removed when its `with` block ends, at an interruption too. The folders of a
+process that was killed are removed by the next one that makes a folder. Each process holds a lock
+on its folders, which ends with it. The number of a process in the name would mislead where
+containers share the folder of temporary files.
 """
 
 from __future__ import annotations
@@ -42,12 +42,13 @@ def encode_json(data: object) -> bytes:
 
 
 def write_file(path: Path, data: bytes, option: str = "--out") -> None:
+    """Write a file at once. Raises OutputError, whose remedy names the option."""
     with open_atomic(path, option) as file:
         file.write(data)
 
 
 class _RawFile(io.FileIO):
-    """File that is named by its errors of writing, which else name none."""
+    """File whose name stands in errors of writing; those of `io.FileIO` have no name."""
 
     def write(self, data: Any, /) -> int:
         try:
@@ -99,9 +100,8 @@ def open_atomic(path: Path, option: str = "--out") -> Iterator[BinaryIO]:
         _remove_leftovers(path.parent)
         try:
             temporary.unlink(missing_ok=True)
-            with io.BufferedWriter(
-                _RawFile(temporary, "x")
-            ) as file:  # never through a link of that name
+            # The mode "x" follows no link of that name.
+            with io.BufferedWriter(_RawFile(temporary, "x")) as file:
                 yield file
 
             os.replace(temporary, path)
@@ -112,12 +112,13 @@ def open_atomic(path: Path, option: str = "--out") -> Iterator[BinaryIO]:
             with contextlib.suppress(OSError):
                 folder.rmdir()
 
-        if (
-            not isinstance(error, OSError)
-            or error.filename is None
-            or Path(error.filename) not in own
-        ):
-            raise  # of the `with` block
+        is_of_this_file = (
+            isinstance(error, OSError)
+            and error.filename is not None
+            and Path(error.filename) in own
+        )
+        if not isinstance(error, OSError) or not is_of_this_file:
+            raise  # the error of the `with` block
 
         message = (
             f"cannot be written ({error.strerror or str(error)}); choose another file with "
@@ -156,6 +157,7 @@ def round_for_output(value: float) -> float:
 
 
 def format_csv(columns: Iterable[str], rows: Iterable[Iterable[object]]) -> bytes:
+    """Return a table as the content of a CSV file."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows((columns, *rows))
     return text.getvalue().encode()
@@ -205,6 +207,7 @@ def _make_locked() -> tuple[Path, int | None]:
 
 
 def remove_leftovers(place: Path) -> None:
+    """Remove the temporary folders that killed processes have left in a place."""
     with contextlib.suppress(OSError):
         for entry in list(os.scandir(place)):
             if entry.name.startswith(_FOLDER_PREFIX):
@@ -225,8 +228,9 @@ def _remove_leftover(path: Path) -> None:
 
 
 def lock_folder(folder: Path, *, shared: bool = False) -> int | None:
-    """Lock a folder until the handle is closed or the process ends; None where the system has no
-    such locks.
+    """Lock a folder until the handle is closed or the process ends.
+
+    None where the system has no such locks.
 
     Raises BlockingIOError if another process holds a lock, and OSError if the folder cannot be
     opened.
@@ -257,9 +261,7 @@ def _is_at(path: Path, handle: int) -> bool:
 
 
 def format_figure(value: float, digits: int = 4) -> str:
-    """Format a number with so many significant digits and no exponent;
-    zeros fill places before the decimal point.
-    """
+    """Format a number with so many significant digits and no exponent."""
     if not value or not math.isfinite(value):
         return f"{value + 0.0:g}"  # 0 has no sign
 

@@ -1,13 +1,13 @@
 """Replacement of files in a folder: all of them or none, even if the process is killed.
 
 The new files are put in place in a single step: a folder with them is made beside the old one, with
-hard links to all that stays, and both folders then swap their names. Whoever is killed in between
-leaves the old files or the new ones. Where folders cannot be swapped (another file system, Windows,
-the current folder of this process), the files are renamed one after the other, and the next command
-that writes to the folder completes what was begun.
+hard links to all that stays, and both folders then swap their names. A process that is killed in
+between leaves the old files or the new ones. Where folders cannot be swapped (another file system,
+Windows, the current folder of this process), the files are renamed one after the other, and the
+next command that writes to the folder completes the renames.
 
-What a killed command seems to have left are folders, no links. A plan of renames states of each
-file what it was: what was changed or put there since stays.
+Only folders are taken for leftovers of a killed command, no links. A plan of renames identifies the
+file that it replaces: a file that was changed or added since stays.
 """
 
 from __future__ import annotations
@@ -51,9 +51,7 @@ def write_content(content: Content, path: Path) -> None:
 _COMMIT = ".fingertip-commit"
 """Folder, within the output folder, of files that are renamed one after the other."""
 _TRIAL = ".fingertip-trial"
-"""Folder, within an output folder or one above it, of a file that is
-written to find out whether that is possible.
-"""
+"""Folder, within an output folder or one above it, of a file that is written as a trial."""
 _PLAN = "plan.json"
 _COMPLETE = "complete.json"
 """Name of the list of renames before and after all files were written."""
@@ -77,47 +75,45 @@ def find_unfinished(folder: Path) -> Iterator[Path]:
 
 
 def find_output_folder(path: Path) -> Path | None:
-    """Find the output folder of a folder that a killed command
-    may have left; None for any other folder.
-    """
+    """Find the output folder of a killed command's leftover; None for any other folder."""
     if path.name == _COMMIT:
         return path.parent
 
     name = path.name[1:].removesuffix(_STAGING_SUFFIX)
-    return (
-        path.with_name(name)
-        if path.name == f".{name}{_STAGING_SUFFIX}" and is_safe_name(name)
-        else None
-    )
+    is_staging = path.name == f".{name}{_STAGING_SUFFIX}" and is_safe_name(name)
+    return path.with_name(name) if is_staging else None
 
 
 def recover(folder: Path) -> None:
-    """Complete or undo what a command that was killed has left in or beside a folder.
+    """Complete or undo the work of a command that was killed while it wrote to a folder.
 
     Raises OutputError.
     """
     staging = staging_folder(folder)
-    commit = folder / _COMMIT
-
     if is_folder(staging):
         staging.chmod(0o700)  # it may have the mode of a folder that was made read-only
-        # After a swap the subfolders may still be in the old folder. Before one there are none in
-        # it.
-        for path in staging.iterdir() if folder.exists() else ():
-            if is_folder(path) and not path.name.startswith(_COMMIT):
-                target = folder / path.name
-                while os.path.lexists(target):
-                    target = target.with_name(target.name + ".recovered")
-
-                os.rename(path, target)
+        # After a swap the subfolders may still be in the old folder. Before one it has none.
+        if folder.exists():
+            _bring_back_subfolders(staging, folder)
 
         shutil.rmtree(staging)
 
-    if is_folder(commit):
+    if is_folder(folder / _COMMIT):
         _finish_renames(folder)
 
     for path in find_unfinished(folder):
         shutil.rmtree(path)
+
+
+def _bring_back_subfolders(staging: Path, folder: Path) -> None:
+    """Move the subfolders of an old folder to the new one, beside any of the same name."""
+    for path in staging.iterdir():
+        if is_folder(path) and not path.name.startswith(_COMMIT):
+            target = folder / path.name
+            while os.path.lexists(target):
+                target = target.with_name(target.name + ".recovered")
+
+            os.rename(path, target)
 
 
 def try_to_write(folder: Path, path: Path) -> None:
@@ -125,26 +121,25 @@ def try_to_write(folder: Path, path: Path) -> None:
 
     Raises OSError.
     """
-    made = folder / _TRIAL
-    if is_folder(made):  # a command was killed here
-        shutil.rmtree(made)
+    place = folder / _TRIAL
+    if is_folder(place):  # a command was killed here
+        shutil.rmtree(place)
 
     with contextlib.ExitStack() as undo:
         for name in (*path.parent.parts, ""):
-            made.mkdir()
-            undo.callback(made.rmdir)
-            made /= name
+            place.mkdir()
+            undo.callback(place.rmdir)
+            place /= name
 
-        undo.callback((made / path.name).unlink, missing_ok=True)
-        (made / path.name).write_bytes(b"?")
+        undo.callback((place / path.name).unlink, missing_ok=True)
+        (place / path.name).write_bytes(b"?")
 
 
 def read_plan(commit: Path) -> tuple[dict[str, str], dict[str, str]]:
-    """Read which files a complete plan of renames puts in place and removes; none without it.
+    """Read which files a complete plan of renames puts in place, and which it removes.
 
-    Raises OutputError.
-
-    Each name comes with what stood there when the plan was made, in the form of `_identify`.
+    Each name comes with the identity of the file that it had when the plan was made, as `_identify`
+    returns it. Without a plan there are none. Raises OutputError.
     """
     if not os.path.lexists(commit / _COMPLETE):
         return {}, {}
@@ -163,8 +158,8 @@ _OTHER = "no file"
 
 
 def _identify(path: Path) -> str:
-    """Return the hash of a regular file, that there is nothing, or what
-    tells anything else, such as a link, apart.
+    """Return the hash of a regular file; a mark if there is nothing; or else, as for a link, its
+    number and time of change.
     """
     if not os.path.lexists(path):
         return _ABSENT
@@ -180,16 +175,14 @@ def is_folder(path: Path) -> bool:
 
 
 def staging_folder(folder: Path) -> Path:
-    """Folder beside an output folder in which a new set is made.
-
-    A hidden name: it exists for a moment only.
-    """
+    """Return the hidden folder beside an output folder in which a new set is made."""
     return folder.parent / f".{folder.name}{_STAGING_SUFFIX}"
 
 
 def _swap_in(folder: Path, files: Mapping[str, Content], removed: Collection[str]) -> bool:
-    """Put files in place by swapping folders; False if that is not
-    possible here, and nothing has changed then.
+    """Put files in place by swapping folders.
+
+    Returns False if that is not possible here; nothing has changed then.
     """
     if _is_current(folder):
         return False
@@ -239,9 +232,7 @@ def _swap_in(folder: Path, files: Mapping[str, Content], removed: Collection[str
 
 
 def _is_current(folder: Path) -> bool:
-    """Return whether this process, and the shell that started it, stand
-    in a folder; they would stay in the old one.
-    """
+    """Return whether a folder is or contains the current one, which would not follow a swap."""
     try:
         current = Path.cwd()
     except OSError:
@@ -319,8 +310,9 @@ LOCK_S = 60.0
 
 @contextlib.contextmanager
 def lock(folder: Path, *, shared: bool = False) -> Iterator[None]:
-    """Hold a lock on a folder, shared while a set in it is only read;
-    it ends with the process, however that ends.
+    """Hold a lock on a folder until the block, or the process, ends.
+
+    Commands that only read a set share it. Raises OutputError after `LOCK_S`.
     """
     handle = None
     deadline = time.monotonic() + LOCK_S

@@ -16,9 +16,8 @@ def read_at_revision(revision: str, path: Path) -> bytes:
     Raises InputFileError.
     """
     folder = path.parent
-    commit = _run_git(
-        folder, "rev-parse", "--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}"
-    )
+    options = ("--verify", "--quiet", "--end-of-options")
+    commit = _run_git(folder, "rev-parse", *options, f"{revision}^{{commit}}")
 
     if commit is None:
         message = (

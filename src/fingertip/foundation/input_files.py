@@ -1,13 +1,12 @@
 """Gate for files that are read: regular files of a bounded size, and safe names.
 
-Every file that a user names, or that stands in a folder that a user names, is opened here or
-checked here before a library opens it. A device, a pipe or a socket is refused without being opened
-for reading: it may never end. The limits may be raised by environment variables, for files that are
-large on purpose.
+Every file that a user names, or that lies in a folder that a user names, is opened here or checked
+here before a library opens it. A device, a pipe or a socket is refused without being opened: it may
+never end. The limits may be raised by environment variables, for files that are large on purpose.
 
-A folder may come from a stranger. Whoever reads a file in it says so with `below`: no link is
-followed then, and every name on the way from that folder to the file is that of a file or folder
-within it.
+A folder may come from a stranger. A caller that reads a file in it gives the folder as `below`:
+then no link is followed, and every name on the way from that folder to the file is that of a file
+or folder within it.
 """
 
 from __future__ import annotations
@@ -69,17 +68,18 @@ It takes many times that in memory.
 BODY_LIMIT = Limit("FINGERTIP_MAX_BODY_MB", 32, _MEGABYTE, "MB")
 """Largest STEP or STL file of a body that another program has drawn [bytes]."""
 _SEPARATORS = frozenset('/\\:*?"<>|')
-"""Characters that separate the names of a path, on one system or another, or that Windows
-reserves.
-"""
-_DEVICES = frozenset({"CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"}) | {
-    f"{port}{number}" for port in ("COM", "LPT") for number in "123456789\xb9\xb2\xb3"
-}
+"""Characters that separate the names of a path on some system, or that Windows reserves."""
+_PORT_NUMBERS = "123456789\xb9\xb2\xb3"
+_DEVICES = frozenset(
+    {
+        *("CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"),
+        *(f"COM{number}" for number in _PORT_NUMBERS),
+        *(f"LPT{number}" for number in _PORT_NUMBERS),
+    }
+)
 """Names that are devices on Windows, whatever their ending."""
 _MAX_NAME_BYTES = 240
-"""Maximum length of a name; file systems take 255 bytes, and a name may get a prefix for
-a moment.
-"""
+"""Maximum length of a name. File systems take 255 bytes, and a temporary name has a prefix."""
 _KINDS = {
     stat.S_IFLNK: "a link",
     stat.S_IFDIR: "a folder",
@@ -91,8 +91,9 @@ _KINDS = {
 
 
 def is_safe_name(name: object) -> TypeGuard[str]:
-    """Return whether a value names one file in a folder on every
-    system, and nothing that stands there for a moment.
+    """Return whether a value names one file in a folder on every system.
+
+    Names of temporary files are not safe.
     """
     return (
         isinstance(name, str)
@@ -106,26 +107,24 @@ def is_safe_name(name: object) -> TypeGuard[str]:
 
 
 def find_unsafe_names(names: Iterable[object]) -> list[object]:
-    """Find the names that are not safe, and those that are one file
-    with an earlier one where case does not count.
-    """
+    """Find the names that are not safe, or differ from an earlier one by case alone."""
     seen = {""}
-    found = []
+    unsafe = []
 
     for name in names:
         folded = unicodedata.normalize("NFD", name).casefold() if is_safe_name(name) else ""
-        found += [name] if folded in seen else []
+        if folded in seen:
+            unsafe.append(name)
+
         seen.add(folded)
 
-    return found
+    return unsafe
 
 
 def find_link(folder: Path, path: Path) -> Path | None:
-    """Find the first link on the way from a folder, which may be one
-    itself, to a path below it; None without any.
-    """
-    ways = [path, *path.parents][: len(path.relative_to(folder).parts)]
-    return next((way for way in reversed(ways) if way.is_symlink()), None)
+    """Find the first link between a folder and a path below it, which may be the link; or None."""
+    steps = [path, *path.parents][: len(path.relative_to(folder).parts)]
+    return next((step for step in reversed(steps) if step.is_symlink()), None)
 
 
 def check_regular(
@@ -184,7 +183,7 @@ def read_input(
 
 
 def _read_status(path: Path, below: Path | None) -> os.stat_result:
-    """Read what a path names; below a folder that may be a stranger's, without leaving it."""
+    """Read the status of a file, without leaving the folder `below`, which may be a stranger's."""
     if below is None:
         return os.stat(path)
 
@@ -211,18 +210,16 @@ def _check_status(path: Path, status: os.stat_result, limit: Limit | None, remed
 
 
 def _unreadable(path: Path, error: OSError | ValueError, remedy: str) -> InputFileError:
-    reason = (
-        "its path holds a NUL character"
-        if isinstance(error, ValueError)
-        else error.strerror or str(error)
-    )
+    reason = "its path holds a NUL character"
+    if isinstance(error, OSError):
+        reason = error.strerror or str(error)
+
     return InputFileError(Issue(str(path), f"cannot be read ({reason}); {remedy}"))
 
 
 def _too_large(path: Path, size: int, limit: Limit) -> InputFileError:
-    had, most = (f"{value / _MEGABYTE:.4g}" for value in (size, limit.value))
     message = (
-        f"has {had} MB or more; at most {most} MB are read; make it smaller, or raise "
-        f"{limit.variable}."
+        f"has {size / _MEGABYTE:.4g} MB or more; at most {limit.value / _MEGABYTE:.4g} MB are "
+        f"read; make it smaller, or raise {limit.variable}."
     )
     return InputFileError(Issue(str(path), message))

@@ -1,9 +1,8 @@
-"""Signals that ask a command to end: Ctrl-C, the end of the terminal, and SIGTERM of whoever
-started it.
+"""Signals that ask a command to end: Ctrl-C, the end of the terminal, and SIGTERM.
 
-Each becomes an exception, so that temporary folders are removed and unfinished files undone on the
-way out. It is no `Exception`, and no `KeyboardInterrupt` either, which the command line's library
-would turn into the exit code of a failed check.
+Each becomes an exception, so that temporary folders are removed and unfinished files undone. It is
+no `Exception`. It is no `KeyboardInterrupt` either, which the command line's library would turn
+into the exit code of a failed check.
 """
 
 from __future__ import annotations
@@ -28,17 +27,13 @@ class Interruption(BaseException):
 
 
 INTERRUPTIONS = (KeyboardInterrupt, Interruption)
-"""Exceptions of an interruption: where Python's own handler is
-in place, and within the command line.
-"""
+"""Exceptions of an interruption: that of Python's own handler, and that of the command line."""
 _received: int | None = None
 _holding = False
 
 
 def raise_interruptions() -> None:
-    """Let the signals raise `Interruption` from now on; one that
-    the starting process ignores stays ignored.
-    """
+    """Let the signals raise `Interruption` from now on, except those that are ignored already."""
     for number in SIGNALS:
         if signal.getsignal(number) not in (signal.SIG_IGN, None):
             signal.signal(number, _raise)
@@ -52,14 +47,15 @@ def end_by_default() -> None:
 
 
 def forget_signal() -> None:
-    """Take the signal as handled: what fails from now on fails for another reason."""
+    """Forget a signal that was handled: later failures have another reason."""
     global _received
     _received = None
 
 
 def find_signal(error: BaseException) -> int | None:
-    """Return the signal that is the cause of an exception, or
-    None; imports turn it into other exceptions.
+    """Return the signal that caused an exception, or None.
+
+    During an import, an interruption may turn into another exception.
     """
     if isinstance(error, Interruption):
         return error.number
@@ -68,6 +64,7 @@ def find_signal(error: BaseException) -> int | None:
 
 
 def exit_code(error: BaseException) -> int:
+    """Return the exit code of a process that a signal has ended."""
     return 128 + (find_signal(error) or signal.SIGINT)
 
 
@@ -85,8 +82,9 @@ def report(error: BaseException) -> int:
 
 @contextlib.contextmanager
 def hold_interruptions() -> Iterator[None]:
-    """Hold back the exceptions until the block ends: a mask of
-    signals would not bind the threads of libraries.
+    """Hold back the exceptions until the block ends.
+
+    A mask of signals would not hold for the threads of libraries.
     """
     global _holding
     _holding = True

@@ -42,9 +42,7 @@ LOAD_S = 0.5
 """Time to import numba and load one cached loop [s]: 0.16 s and 0.32 s of CPU time, measured by
 ``benchmarks/slip_speed.py``. Every further loop loads in 0.01 s."""
 CALL_S = 5e-6
-"""Time that the conversion of lists to arrays and back adds to a
-compiled call [s], measured for the detectors.
-"""
+"""Time that converting lists to arrays and back adds to a compiled call of a detector [s]."""
 
 _FLOAT64 = np.dtype(np.float64)
 _always_compile = False
@@ -74,9 +72,7 @@ def compiled() -> Iterator[None]:
 
 
 def as_samples(voltage_v: Iterable[float]) -> list[float] | Array:
-    """Convert samples to a sequence that loops accept: an array
-    stays an array, anything else becomes a list.
-    """
+    """Convert samples to a sequence that loops accept: an array, or else a list."""
     return voltage_v if isinstance(voltage_v, np.ndarray) else list(voltage_v)
 
 
@@ -104,9 +100,7 @@ class CompiledLoop:
 
     @property
     def break_even(self) -> int:
-        """Number of samples in one process from which compiled
-        code is faster overall, loading included.
-        """
+        """Number of samples in one process from which compiled code is faster, loading included."""
         return round(LOAD_S / self._plain_s)
 
     def __call__(self, *arguments: Any) -> None:
@@ -137,15 +131,15 @@ class CompiledLoop:
                 argument[:] = values.tolist()
 
     def _run_first(self, arrays: list[Any]) -> None:
-        """Load the loop, and run it; if its cache is damaged or the
-        disk full, it is compiled for this process.
+        """Load the loop, and run it.
+
+        If its cache is damaged or the disk full, it is compiled for this process.
         """
         try:
             loop = _compile(self.plain, *self._helpers, cache=True)
-            # numba notices changes in the function's own file; a helper may stand in another one.
-            self._forget_cache(
-                loop, max((_find_change_s(helper) for helper in self._helpers), default=0.0)
-            )
+            # numba notices changes in the function's own file; a helper may be in another one.
+            last_change_s = max(map(_find_change_s, self._helpers), default=0.0)
+            self._forget_cache(loop, last_change_s)
         except RuntimeError:  # no folder can be written
             loop = _compile(self.plain)
 
@@ -167,9 +161,7 @@ class CompiledLoop:
 
 
 def _find_change_s(function: Function) -> float:
-    """Time at which a function's source file was last changed; 0 in a program without
-    source files.
-    """
+    """Return when a function's source file was last changed; 0 in a program without sources."""
     try:
         return os.stat(function.__code__.co_filename).st_mtime
     except OSError:
@@ -177,9 +169,7 @@ def _find_change_s(function: Function) -> float:
 
 
 def _as_compiled(argument: Any, copy: bool) -> Any:
-    """An argument as compiled code takes it: lists as arrays, and
-    inputs contiguous, so that one form is compiled.
-    """
+    """Return an argument as compiled code takes it: lists as arrays, and inputs contiguous."""
     if type(argument) is np.ndarray and argument.dtype is _FLOAT64 and argument.flags.c_contiguous:
         return argument  # nearly all of them; short chunks are fast by this
     if isinstance(argument, list):
@@ -193,25 +183,25 @@ def _as_compiled(argument: Any, copy: bool) -> Any:
 
 
 def _compile(function: Function, *helpers: Function, cache: bool = False) -> Function:
-    """Compile a function, and its helpers with it; a division by
-    0 gives infinity or NaN, as in arrays.
-    """
+    """Compile a function and its helpers; a division by 0 gives infinity or NaN, as in arrays."""
     for helper in helpers:
         importlib.import_module("numba.extending").register_jitable(helper)
 
-    result: Function = importlib.import_module("numba").njit(cache=cache, error_model="numpy")(
-        function
-    )
+    compile_loop = importlib.import_module("numba").njit(cache=cache, error_model="numpy")
+    result: Function = compile_loop(function)
     return result
 
 
 def compile_for_process(function: Function, *loops: CompiledLoop) -> Function:
-    """Return the function compiled for this process only, or the function itself where numba is not
-    installed.
+    """Return the function compiled for this process only, or itself where numba is not installed.
 
-    It may call the plain form of loops of other files, of whose changes a cache would not know.
+    It may call the plain form of `loops` of other files, whose changes a cache would not notice.
     """
     if not available():
         return function
 
-    return _compile(function, *(part for loop in loops for part in (loop.plain, *loop._helpers)))
+    helpers = list[Function]()
+    for loop in loops:
+        helpers += [loop.plain, *loop._helpers]
+
+    return _compile(function, *helpers)

@@ -31,15 +31,19 @@ _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 def bisect(
     is_below: Callable[[float], bool], low: float, high: float, *, halvings: int | None = None
 ) -> Pair:
-    """Narrow the bracket of a boundary by bisection, and return both
-    its ends: callers need the end on one side.
+    """Narrow the bracket of a boundary by bisection, and return both its ends.
+
+    Without `halvings`, the ends become neighbouring floats.
     """
     for _ in itertools.count() if halvings is None else range(halvings):
         middle = 0.5 * (low + high)
         if not low < middle < high:  # the ends are neighbouring floats
             break
 
-        low, high = (middle, high) if is_below(middle) else (low, middle)
+        if is_below(middle):
+            low = middle
+        else:
+            high = middle
 
     return low, high
 
@@ -47,8 +51,9 @@ def bisect(
 def bisect_arrays(
     is_below: Callable[[Array], NDArray[np.bool_]], low: Array, high: Array, halvings: int
 ) -> tuple[Array, Array]:
-    """Narrow the bracket of a boundary in every element by a fixed number of halvings; the
-    counterpart of `bisect`.
+    """Narrow the bracket of a boundary in every element by a fixed number of halvings.
+
+    It is the counterpart of `bisect`.
     """
     import numpy as np  # noqa: PLC0415
 
@@ -64,8 +69,9 @@ def bisect_arrays(
 def find_maximum_arrays(
     function: Callable[[Array], Array], low: Array, high: Array, steps: int
 ) -> tuple[Array, Array]:
-    """Find the maximum in every element by golden-section steps,
-    each of which narrows the brackets to 0.618.
+    """Find the maximum in every element by golden-section steps.
+
+    Each step narrows the brackets to 0.618. Returns the places and the values.
     """
     import numpy as np  # noqa: PLC0415
 
@@ -80,8 +86,12 @@ def find_maximum_arrays(
         high = np.where(rises, high, right)
         new = np.where(rises, low + _GOLDEN * (high - low), high - _GOLDEN * (high - low))
         at_new = function(new)
-        left, right = np.where(rises, right, new), np.where(rises, new, left)
-        at_left, at_right = np.where(rises, at_right, at_new), np.where(rises, at_new, at_left)
+        next_left = np.where(rises, right, new)
+        right = np.where(rises, new, left)
+        left = next_left
+        at_next_left = np.where(rises, at_right, at_new)
+        at_right = np.where(rises, at_new, at_left)
+        at_left = at_next_left
 
     return np.where(at_left >= at_right, left, right), np.maximum(at_left, at_right)
 
@@ -93,9 +103,7 @@ _LARGEST = 1e4
 
 
 def t_quantile(two_sided: float, degrees: int) -> float:
-    """Return the t that |t| exceeds with probability 1 - `two_sided`, for some degrees
-    of freedom.
-    """
+    """Return the t for which |T| <= t has the probability `two_sided`."""
     return bisect(lambda t: t_probability(t, degrees) < two_sided, 0.0, _LARGEST)[0]
 
 
@@ -125,17 +133,16 @@ def poisson_interval(count: int) -> tuple[float, float]:
     """
     tail = (1 - CONFIDENCE) / 2
     top = count + 10 * math.sqrt(count + 1) + 10
-    low = (
-        0.0
-        if count == 0
-        else bisect(lambda mean: 1 - _cumulative(count - 1, mean) < tail, 0.0, top, halvings=80)[0]
-    )
-    high = bisect(lambda mean: _cumulative(count, mean) > tail, 0.0, top, halvings=80)[0]
+    low = 0.0
+    if count:
+        low, _ = bisect(lambda mean: 1 - _cumulative(count - 1, mean) < tail, 0.0, top, halvings=80)
 
+    high, _ = bisect(lambda mean: _cumulative(count, mean) > tail, 0.0, top, halvings=80)
     return low, high
 
 
 def _cumulative(count: int, mean: float) -> float:
+    """Return the probability that a Poisson variable is at most a count."""
     if mean <= 0.0:
         return 1.0
 
@@ -169,10 +176,10 @@ def binomial_interval(count: int, total: int) -> tuple[float, float]:
 
 
 def quantile_ranks(total: int, fraction: float) -> tuple[int, int]:
-    """Compute the ranks, from 0, of the sorted values between which a quantile lies, whatever their
-    distribution.
+    """Compute the ranks, from 0, of the sorted values between which a quantile lies.
 
-    A rank of -1 or `total` says that there are too few values for a bound on that side.
+    They hold for any distribution. A rank of -1 or `total` means that there are too few values for
+    a bound on that side.
     """
     tail = (1 - CONFIDENCE) / 2
     below = list(itertools.accumulate(_probabilities(total, total, fraction)))

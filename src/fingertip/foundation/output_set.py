@@ -65,8 +65,9 @@ def _find_existing(folder: Path) -> Path:
 
 @dataclass(frozen=True)
 class Revision:
-    """Content of an edited file before and after; the manifest
-    keeps the hash of the file without edits.
+    """Content of an edited file before and after.
+
+    The manifest keeps the hash of the file without edits.
     """
 
     before: bytes
@@ -92,8 +93,8 @@ class SetWriter:
     top: Path | None = None
     """Folder that the user has named, if this one is below it: no link in between is followed."""
     program: str = ""
-    """Digest of the program that makes the files; empty to keep
-    the one that the manifest records, if any.
+    """Digest of the program that makes the files.
+    Empty to keep the one that the manifest records, if any.
     """
 
     def check(self, names: Collection[str], revisions: Revisions = _NONE) -> None:
@@ -250,10 +251,10 @@ class SetWriter:
         old = read_manifest(folder)
         known = dict(old.files) if old else {}
         same = old is not None and (old.kind, old.parameters) == (self.kind, self.parameters)
-        others = [name for name in known if name not in contents and (folder / name).is_file()]
-        unwanted = set(others) & set(obsolete) if same else set(others)
+        not_written = [name for name in known if name not in contents and (folder / name).is_file()]
+        unwanted = set(not_written) & set(obsolete) if same else set(not_written)
         removed = tuple(sorted(unwanted - self._foreign(unwanted)))
-        kept = {name: known[name] for name in others if name not in removed} if same else {}
+        staying = {name: known[name] for name in not_written if name not in removed} if same else {}
         hashes = {name: hash_content(data) for name, data in contents.items()}
         program = self.program or (old.program if old and same else "")
         manifest = Manifest(
@@ -261,7 +262,7 @@ class SetWriter:
             kind=self.kind,
             design=self.design,
             parameters=self.parameters,
-            files=kept | hashes,
+            files=staying | hashes,
             program=program,
         )
         files = {**contents, **{name: revision.after for name, revision in revisions.items()}}
@@ -294,8 +295,8 @@ class SetWriter:
 
 
 def check_set(path: Path) -> None:
-    """Refuse to write one file if `add_to_set` would refuse it for
-    the set in its folder, before work starts.
+    """Refuse to write one file if `add_to_set` would refuse it for the set in its folder, before
+    work starts.
     """
     manifest = read_manifest(path.parent)
     if manifest:
@@ -343,8 +344,8 @@ _DAMAGED_ZIP = (
     RuntimeError,
     ValueError,
 )
-"""Errors of reading an archive that is damaged, encrypted or
-packed in a way that Python does not know.
+"""Errors of reading an archive that is damaged, encrypted or packed in a way that Python does not
+know.
 """
 
 
@@ -413,8 +414,8 @@ def parse_manifest(text: bytes) -> Manifest | None:
 
 
 def is_packed_set(path: Path) -> bool:
-    """Tell whether a file is an archive of a set's folder as
-    `write_zip` makes it: one folder, and no dates.
+    """Tell whether a file is an archive of a set's folder as `write_zip` makes it: one folder, and
+    no dates.
     """
     if path.is_symlink():
         return False
@@ -448,8 +449,8 @@ def hash_file(path: Path) -> str:
 
 
 def has_hash(path: Path, *digests: str | None) -> bool:
-    """Return whether a file is a regular one with one of these hashes,
-    as it is or as git for Windows checks it out.
+    """Return whether a file is a regular one with one of these hashes, as it is or as git for
+    Windows checks it out.
     """
     try:
         if hash_file(path) in digests:
@@ -467,8 +468,9 @@ def fold_lines(data: bytes) -> bytes:
 
 
 def write_attributes(folder: Path) -> None:
-    """Tell git, in a folder that is meant for a repository, to leave
-    line endings as they are; keep what says so.
+    """Tell git, in a folder that is meant for a repository, to leave line endings as they are.
+
+    A file that says so already stays.
     """
     path = folder / ".gitattributes"
     if not os.path.lexists(path):

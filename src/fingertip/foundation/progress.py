@@ -1,7 +1,7 @@
-"""Progress of long work: the share that is done and the time left, as text that carries both.
+"""Progress of long work: a text with the share that is done and the time left.
 
-Whoever does long work takes a function of a text, `ReportProgress`. A `ShareText` is such a text,
-so that a caller who knows nothing of shares prints it, and a terminal can draw a bar from it.
+A function that does long work takes a function of a text, `ReportProgress`. A `ShareText` is a text
+with a number: a simple caller prints it, and a terminal draws a bar from it.
 """
 
 from __future__ import annotations
@@ -20,21 +20,19 @@ EVERY_S = 1.0
 class ShareText(str):
     """Message on progress: what is done now, and the share of the work that is done, from 0 to 1.
 
-    Any other text that work reports is a note, which stays to be read after the work.
+    Any other text that work reports is a note, which remains on the screen after the work.
     """
 
     label: str
     share: float
 
     def __new__(cls, label: str, share: float, elapsed_s: float = 0.0) -> ShareText:
-        """Make a message with the share that is done, and an estimate
-        of the time left if some time has passed.
-        """
-        made = super().__new__(cls, describe_share(label, share, elapsed_s))
-        made.label = label
-        made.share = min(1.0, max(0.0, share))
+        """Make a message with the share, and with the time left if it can be estimated."""
+        message = super().__new__(cls, describe_share(label, share, elapsed_s))
+        message.label = label
+        message.share = min(1.0, max(0.0, share))
 
-        return made
+        return message
 
 
 class Work:
@@ -60,9 +58,7 @@ class Work:
         self._report(0.0, "")
 
     def within(self, stage: str) -> ReportProgress:
-        """Begin a stage, and return what its work reports to, whose
-        labels and shares stand for those of the stage.
-        """
+        """Begin a stage, and return the function to which its work reports its own progress."""
         self.begin(stage)
 
         def report(message: str) -> None:
@@ -74,9 +70,7 @@ class Work:
         return report
 
     def advance(self, share: float, detail: str = "") -> None:
-        """Report the share of the current stage that is done, unless
-        the last report of the same was a moment ago.
-        """
+        """Report the share of the current stage that is done, at most once in `EVERY_S`."""
         if detail != self._detail or time.monotonic() - self._reported >= EVERY_S:
             self._report(share, detail)
 

@@ -1,6 +1,4 @@
-"""Checks of values: bounds that pass when they are typed back, and a value compared with
-its limit.
-"""
+"""Checks of values: bounds that pass when they are typed back, and comparison with a limit."""
 
 from __future__ import annotations
 
@@ -22,16 +20,16 @@ def find_not_positive(field: str, value: float, unit: str, example: str) -> list
 
 
 def round_down(value: float) -> float:
-    """Round a positive number down to three digits, so that the remedy
-    of an error passes when it is typed back in.
+    """Round a positive number down to three digits, so that the remedy of an error passes when it
+    is typed back in.
     """
     unit = 10.0 ** (math.floor(math.log10(value)) - 2)
     return float(f"{math.floor(value / unit * (1 + 1e-12)) * unit:.3g}")
 
 
 def round_up(value: float) -> float:
-    """Round a positive number up to three digits, so that the remedy
-    of an error passes when it is typed back in.
+    """Round a positive number up to three digits, so that the remedy of an error passes when it is
+    typed back in.
     """
     unit = 10.0 ** (math.floor(math.log10(value)) - 2)
     return float(f"{math.ceil(value / unit * (1 - 1e-12)) * unit:.3g}")
@@ -72,8 +70,9 @@ class Comparison:
 
     @property
     def margin_percent(self) -> float:
-        """Distance of the value from its limit, in percent of the
-        limit; infinite where that has no meaning.
+        """Distance of the value from its limit, in percent of the limit.
+
+        It is infinite where that has no meaning.
         """
         above = self.value - self.limit if self.relation == "at least" else self.limit - self.value
         return (

@@ -1,9 +1,9 @@
 """Work in other processes: one worker that answers calls, and several of them side by side.
 
 A worker is a new process, or a copy of this one. It answers pickled calls one after the other
-through two pipes, and may report its steps in between, so that a crash or a hang is attributed to
-what it was doing. No worker outlives the process that started it, and none takes anything from the
-current folder, which may be a stranger's.
+through two pipes. It may report its steps in between, so that a crash or a hang is attributed to a
+step. No worker outlives the process that started it, and none reads anything from the current
+folder, which may be a stranger's.
 
 Whole calls are divided, such as the trials of a campaign, and not their loops. Each runs the same
 code on the same numbers wherever it runs, so no bit depends on the number of workers, and calls of
@@ -41,7 +41,7 @@ _POLL_S = 0.5
 _SLOWEST = 4.0
 """Time on the clock that a busy machine may take for each second of computing."""
 _MESSAGES = "messages.txt"
-"""File in the folder of a worker with what libraries print there, and its last words."""
+"""File in the folder of a worker with the output of libraries; its last line names a crash."""
 _answers: IO[bytes] | None = None
 """Pipe to which this process reports its steps, if it is a worker."""
 _pool: Pool | None = None
@@ -63,18 +63,16 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
     """Process that answers calls one after the other, and ends with the block."""
 
     def __init__(self, folder: Path | None = None, *, is_fork: bool = False) -> None:
-        """Start a process in the current folder or, where libraries look for settings in the
-        current one, another.
+        """Start a process in a folder, or in the current one.
 
-        A fork of this process saves the time to import all modules once more. It is safe without
-        other threads of Python, and on Linux; those of numpy's BLAS stop for it.
+        Libraries may look for settings in the current folder. A fork of this process saves the time
+        to import all modules once more. It is safe on Linux, without other threads of Python; those
+        of numpy's BLAS stop for it.
         """
         self.steps: list[Any] = []
         """Steps of the present call that the worker reported."""
         self._since_s = 0.0
-        """Time of the last step by the worker, which a busy machine tells of late, or of
-        the call.
-        """
+        """Time of the last step as the worker states it, as it may arrive late; or of the call."""
         self._folder = folder
         self._process: subprocess.Popen[bytes] | None = None
 
@@ -133,10 +131,7 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
             self.pid = 0
 
     def send(self, function: Callable[..., Any], *arguments: Any) -> None:
-        """Send a call.
-
-        A worker that cannot take it is found out by whoever waits for the answer.
-        """
+        """Send a call. If the worker has ended, `receive` raises WorkerDiedError."""
         self.steps = []
         self._since_s = time.monotonic()
 
@@ -167,17 +162,19 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
                 return None
 
     def receive_within(self, limit_s: float, watch: Callable[[], None] = lambda: None) -> Any:
-        """Wait for the result, and call a function all the while.
+        """Wait for the result, and call `watch` all the while.
 
-        Kills the worker and raises TimeoutError.
+        After the limit, kills the worker and raises TimeoutError.
         """
         with ThreadPoolExecutor(1) as thread:
             answer = thread.submit(self.receive)
             end_s = time.monotonic() + limit_s
             try:
-                while not answer.done() and (left_s := end_s - time.monotonic()) > 0:
+                left_s = limit_s
+                while not answer.done() and left_s > 0:
                     wait([answer], min(_POLL_S, left_s))
                     watch()
+                    left_s = end_s - time.monotonic()
 
                 if not answer.done():
                     raise TimeoutError
@@ -268,11 +265,10 @@ def side_by_side(workers: int) -> Iterator[None]:
 
 
 def call_each(calls: Iterable[Callable[[], T]]) -> Iterator[T]:
-    """Call each with compiled loops, and yield the results in their order.
+    """Make calls with compiled loops, and yield the results in their order.
 
-    Calls are pickled: partials of functions.
-
-    Raises what a call raises, and FingertipError where a worker ends by itself.
+    Calls are pickled: they are partials of functions. Raises what a call raises, and FingertipError
+    if a worker ends by itself.
     """
     if _pool is None:
         yield from map(_call_compiled, calls)
@@ -284,9 +280,9 @@ def call_each(calls: Iterable[Callable[[], T]]) -> Iterator[T]:
 
     try:
         while futures:
-            result = futures.popleft().result()
+            answer = futures.popleft().result()
             futures.extend(itertools.islice(submitted, 1))
-            yield result
+            yield answer
     except WorkerDiedError:
         message = (
             "a worker process ended by itself, as it does where memory is full; choose --jobs 1."
@@ -304,11 +300,10 @@ def _call_compiled(call: Callable[[], T]) -> T:
 
 @contextlib.contextmanager
 def in_background(function: Callable[..., T], *arguments: Any) -> Iterator[Callable[[], T]]:
-    """Call a function in another process, which ends with this block; what is provided waits for
-    the result.
+    """Call a function in another process, which ends with this block.
 
-    With one processor, or where the process fails for any reason, the function is called when the
-    result is wanted.
+    The block gets a function that waits for the result. With one processor, or if the process fails
+    for any reason, that function computes the result here.
     """
     if count_processors() == 1:
         yield lambda: function(*arguments)
@@ -328,11 +323,11 @@ def in_background(function: Callable[..., T], *arguments: Any) -> Iterator[Calla
 def call_within_limits(
     limit_s: float, memory_bytes: int, function: Callable[..., T], *arguments: Any
 ) -> T:
-    """Call a function in a process of its own, for what a library makes of a stranger's file.
+    """Call a function in a process of its own, such as a library that reads a stranger's file.
 
-    Raises what the function raises, MemoryError where it reaches the limit of memory, and
-    ValueError where the process ends by itself or by the limit of time. Windows knows no limit of
-    memory, and counts time on the clock.
+    Raises what the function raises, MemoryError at the limit of memory, and ValueError if the
+    process ends by itself or at the limit of time. Windows has no limit of memory, and counts time
+    on the clock.
     """
     with Worker() as worker, contextlib.suppress(WorkerDiedError, TimeoutError):
         worker.send(_call_limited, limit_s, memory_bytes, function, arguments)
@@ -357,11 +352,13 @@ def _call_limited(
 
 
 def report_step(step: Any) -> None:
-    """Tell the process that waits for this worker what it does now; elsewhere nobody listens."""
+    """Report the present step of this worker to the process that waits for it.
+
+    In a process that is no worker, nothing happens.
+    """
     if _answers:
-        _answers.write(
-            pickle.dumps(("step", (step, time.monotonic())))
-        )  # a clock of the whole machine
+        # The clock is that of the whole machine.
+        _answers.write(pickle.dumps(("step", (step, time.monotonic()))))
         _answers.flush()
 
 
@@ -383,8 +380,9 @@ def find_workers(jobs: int | None) -> int:
 
 
 def end_with(parent: int) -> None:
-    """Let Linux kill this process when the one that started it
-    ends; elsewhere it ends when its job is done.
+    """Let Linux kill this process when the one that started it ends.
+
+    On other systems it ends when its job is done.
     """
     if sys.platform == "linux":
         with contextlib.suppress(OSError, AttributeError):
@@ -405,9 +403,9 @@ def serve_parent(parent: int) -> None:
 
 
 def _fork() -> tuple[int, IO[bytes], IO[bytes]]:
-    """Copy this process; returns its number, and where it is called and answers."""
-    (calls, calling) = os.pipe()
-    (answering, answers) = os.pipe()
+    """Copy this process; return the number of the copy, the pipe of calls, and that of answers."""
+    calls, calling = os.pipe()
+    answering, answers = os.pipe()
     parent = os.getpid()
 
     with warnings.catch_warnings():
@@ -425,8 +423,7 @@ def _fork() -> tuple[int, IO[bytes], IO[bytes]]:
         for stream in range(3):
             os.dup2(null, stream)
 
-        # Whatever else is open belongs to the other process, which closes pipes to say that it is
-        # done.
+        # All other open files belong to the other process, which closes pipes to end this one.
         bounds = (2, *sorted((calls, answers)), os.sysconf("SC_OPEN_MAX"))
         for low, high in itertools.pairwise(bounds):
             os.closerange(low + 1, high)

@@ -66,8 +66,7 @@ The article's board shows vibration of up to 29.6 mV.
 MIN_HELD = 11 / 12
 """Smallest share of manipulations in which the object is held (article, IV.A: 10 of 12)."""
 MAX_REACTION_S = 0.2
-"""Upper bound of the time from slip until a finger moves, in all manipulations [s]
-(article, IV.A).
+"""Upper bound of the time from slip until a finger moves, in all manipulations [s] (article, IV.A).
 """
 
 

@@ -32,19 +32,19 @@ from fingertip.pad.touch import PALM, Pose, Touch, X, Z
 
 MAX_DEPTH = 0.45
 MAX_STRAIN = 0.3
-"""Depth relative to the skin's thickness at first touch, and principal
-strain, to which small strains are trusted.
+"""Depth relative to the skin's thickness at first touch, and principal strain, to which small
+strains are trusted.
 """
 _BATCH = 64
 """Columns of the compliance that are solved for at a time."""
 _ALONG = 0.025
-"""Part of the normals along an axis, below which it is left out
-of the compliance: its square counts.
+"""Part of the normals along an axis, below which it is left out of the compliance: its square
+counts.
 """
 _SEED = 12
 _GROWTH = 1.4
-"""Nodes with which the search for a patch begins, and growth of the
-depth that it may reach, until it lies within.
+"""Nodes with which the search for a patch begins, and growth of the depth that it may reach, until
+it lies within.
 """
 _MAX_STEPS = 80
 """Largest number of steps of the search for a patch; five are usual.
@@ -65,8 +65,8 @@ class PadContact:
 
     share: float
     shear_share: float
-    """Load on the active area over a force along the surface, towards
-    the tip, which is spread as the pressure is.
+    """Load on the active area over a force along the surface, towards the tip, which is spread as
+    the pressure is.
     """
     force_n: float
     depth_mm: float
@@ -98,8 +98,8 @@ class PadModel:
         )
         self.area = np.asarray(self.top.trace.sum(axis=0)).ravel()
         self.at_rest: tuple[float, Array] | None = None
-        """Force on the sensor and displacements while nothing touches,
-        once a contact at large strain needs them.
+        """Force on the sensor and displacements while nothing touches, once a contact at large
+        strain needs them.
         """
         self._solved = np.full((3, len(self.area)), -1)
         self._columns = [np.zeros((3, len(self.area), 0)) for _ in range(3)]
@@ -124,8 +124,8 @@ class PadModel:
         return np.flatnonzero(np.isfinite(self.form.bone_mm(x, z)) & (not self.form.bonded))
 
     def find_bone_planes(self) -> tuple[Any, Array, Array]:
-        """Find trace, unit vectors into the bone, and mean gaps of
-        the nodes that lie on it without a bond.
+        """Find trace, unit vectors into the bone, and mean gaps of the nodes that lie on it without
+        a bond.
         """
         points = self.bond.points
         nodes = self._find_loose()
@@ -161,8 +161,8 @@ class PadModel:
         return self.body.move(np.zeros_like(step), step)[self._upper, :, 0]
 
     def compliance(self, nodes: NDArray[np.int64], into: Array) -> Array:
-        """Displacements at nodes of the surface under unit
-        pressures at them, both along the vectors `into`.
+        """Displacements at nodes of the surface under unit pressures at them, both along the
+        vectors `into`.
         """
         total = np.zeros((len(nodes), len(nodes)))
         along = np.abs(into).max(axis=0) > _ALONG
@@ -178,7 +178,7 @@ class PadModel:
                 loads = np.zeros((*self.mesh.nodes.shape, load.shape[1]))
                 loads[self._upper, axis] = load
                 moved = self.body.move(loads)[self._upper]
-                parts.append(np.stack([self.top.trace.T @ moved[:, other] for other in range(3)]))
+                parts.append(np.stack([self.top.trace.T @ moved[:, axis] for axis in range(3)]))
 
             self._columns[axis] = np.concatenate(parts, axis=2)
             block = self._columns[axis][:, nodes[:, None], self._solved[axis, nodes]]
@@ -199,8 +199,8 @@ class PadModel:
         return -self.copies * float((self.top.trace @ tractions * self._weights).sum())
 
     def map_shares(self, step_mm: float) -> tuple[Array, Array, Array]:
-        """Map the share of a force on a small place on a grid: x and
-        distance distal to the sensor, and the share.
+        """Map the share of a force on a small place on a grid: x and distance distal to the sensor,
+        and the share.
         """
         from scipy.interpolate import griddata  # noqa: PLC0415
 
@@ -214,8 +214,8 @@ class PadModel:
         return line, line, np.round(shares, 3)
 
     def strain(self, tractions: Array) -> tuple[float, float, float]:
-        """Return the largest strain, and shear and tension at the
-        bond [MPa], under tractions of the surface.
+        """Return the largest strain, and shear and tension at the bond [MPa], under tractions of
+        the surface.
         """
         load = np.zeros((*self.mesh.nodes.shape, 1))
         load[self._upper, :, 0] = self.top.trace @ tractions
@@ -224,12 +224,12 @@ class PadModel:
         if self.copies > 1.0:
             forces[self.bond.points[:, X] <= 0.0, X] = 0.0  # of the other half, not of the bone
 
-        held = self.bond.project(forces)
+        bond_forces = self.bond.project(forces)
         faces = self._triangles[self._is_bonded]
         a, b, c = self.bond.points[faces[:, :3]].transpose(1, 0, 2)
         normal = np.cross(c - a, b - a)
         normal *= (np.sign(normal[:, PALM]) / np.linalg.norm(normal, axis=1))[:, None]
-        mean = held[faces[:, 3:]].mean(axis=1)  # exact for quadratic functions
+        mean = bond_forces[faces[:, 3:]].mean(axis=1)  # exact for quadratic functions
         along = (mean * normal).sum(axis=1)
         shear = np.linalg.norm(mean - along[:, None] * normal, axis=1)
 

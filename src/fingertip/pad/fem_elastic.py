@@ -26,8 +26,8 @@ _POINTS = np.array(
     [[_A, _A], [1 - 2 * _A, _A], [_A, 1 - 2 * _A], [_B, _B], [1 - 2 * _B, _B], [_B, 1 - 2 * _B]]
 )
 _WEIGHTS = np.repeat([0.111690794839005, 0.054975871827661], 3)
-"""Quadrature of the triangle, of degree 4
-(D. A. Dunavant, Int. J. Numer. Meth. Eng. 21 (1985) 1129).
+"""Quadrature of the triangle, of degree 4 (D. A. Dunavant, Int. J. Numer. Meth. Eng. 21 (1985)
+1129).
 """
 _LINE, _LINE_WEIGHTS = np.polynomial.legendre.leggauss(3)
 _NODES = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]])
@@ -36,8 +36,8 @@ _QUARTERS = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
 
 
 def triangle_shapes(points: Array) -> tuple[Array, Array]:
-    """Shape functions of the quadratic triangle at local points,
-    and their derivatives by both local axes.
+    """Shape functions of the quadratic triangle at local points, and their derivatives by both
+    local axes.
     """
     r, s = points.T
     t = 1 - r - s
@@ -52,8 +52,8 @@ def triangle_shapes(points: Array) -> tuple[Array, Array]:
 
 
 def _wedge_derivatives(points: Array, heights: Array) -> Array:
-    """Local derivatives of a wedge's shape functions at all pairs of
-    points and heights, of shape (pairs, 18, 3).
+    """Local derivatives of a wedge's shape functions at all pairs of points and heights, of shape
+    (pairs, 18, 3).
     """
     (plan, by_plan) = triangle_shapes(points)
     t = heights
@@ -73,8 +73,8 @@ _PRESSURES = np.stack([np.ones(18), np.tile(_LINE, 6), *np.repeat(_POINTS - 1 / 
 
 
 def _gradients(nodes: Array, local: Array) -> tuple[Array, Array]:
-    """Gradients of the shape functions at points of elements with
-    these nodes, and the determinants of their maps.
+    """Gradients of the shape functions at points of elements with these nodes, and the determinants
+    of their maps.
     """
     jacobian = np.einsum("eai,qak->eqik", nodes, local, optimize=True)
     return local @ np.linalg.inv(jacobian), np.linalg.det(jacobian)
@@ -187,8 +187,8 @@ class Surface:
         return cls(points, mass, trace)
 
     def project(self, integrals: Array) -> Array:
-        """Return the values at the nodes of a quadratic function,
-        from its integrals with the shape functions.
+        """Return the values at the nodes of a quadratic function, from its integrals with the shape
+        functions.
         """
         from scipy.sparse.linalg import spsolve  # noqa: PLC0415
 
@@ -249,9 +249,7 @@ class Body:
         return out.reshape(loads.shape)
 
     def support(self, displacements: Array) -> Array:
-        """Forces of the support on the nodes [N] for displacements that are 0 where they
-        are fixed.
-        """
+        """Return the forces of the support on the nodes [N]; displacements are 0 at fixed ones."""
         out = np.zeros(displacements.size)
         out[self._fixed] = self._coupling @ displacements.ravel()[self._free]
         return out.reshape(-1, 3)

@@ -27,19 +27,19 @@ from fingertip.pad.touch import Pose, Touch
 _SPRINGS = 1000.0
 """Stiffness of the springs of the contact over that of a layer of silicone in tension."""
 _DRAG = 0.03
-"""Stiffness of the springs along the surface over that of those across
-it; a stiffer one makes Newton's method jump.
+"""Stiffness of the springs along the surface over that of those across it.
+A stiffer one makes Newton's method jump.
 """
 _MAX_STEPS = 60
 _CLOSE = 1e-7
-"""Largest number of Newton's steps for a force, and the error of the
-forces, relative to it, at which they end.
+"""Largest number of Newton's steps for a force, and the error of the forces, relative to it, at
+which they end.
 """
 _FULL_STEPS = 4
 """Steps for a force that are not shortened."""
 _PACES = (1.0, 0.5, 0.25, 0.125, 0.0625)
-"""Parts of a later step that are tried until it lessens the error:
-nodes that stick and slide in turn overshoot.
+"""Parts of a later step that are tried until it lessens the error: nodes that stick and slide in
+turn overshoot.
 """
 _BULGES = (0.1, 0.25, 0.5, 1.0)
 """Parts of a bump and its gap that are computed one after the other."""
@@ -47,8 +47,7 @@ _AWAY_MM = 10.0
 """Distance of the object while nothing touches."""
 _FIRST_N = 0.05
 _FIRST_NODES = 6
-"""Force that is computed first, and the nodes that the object overlaps at the start of
-the search.
+"""Force that is computed first, and the nodes that the object overlaps at the start of the search.
 """
 _GROWTH = 1.5
 """Growth of the force, from one that is computed to the next."""
@@ -83,13 +82,13 @@ def press_large_strain(
     for target in forces_n:
         while True:
             force = min(force, target)
-            moved, held = contact.balance(force, moved)
+            moved, forces = contact.balance(force, moved)
             if force == target:
                 break
 
             force *= _GROWTH
 
-        share = (model.copies * float((model.step * held).sum()) - rest_n) / target
+        share = (model.copies * float((model.step * forces).sum()) - rest_n) / target
         yield LargeStrainContact(target, share, float(moved[-1]) - first_mm)
         force *= _GROWTH
 
@@ -134,8 +133,8 @@ class LargeStrainSolver:
             self._faces.append(inner)
 
     def first_touch(self) -> tuple[float, float, Array]:
-        """Return the force on the sensor at rest, how much nearer a
-        bump brings the touch, and the unknowns there.
+        """Return the force on the sensor at rest, how much nearer a bump brings the touch, and the
+        unknowns there.
         """
         rest_n = 0.0
         face = self.face
@@ -144,8 +143,8 @@ class LargeStrainSolver:
         if self._model.form.bump_height_mm:
             rest_n, unknown = self._model.at_rest or self._rest(unknown)
             unknown = np.append(unknown[:-1], 0.0)
-            for each in self._faces:
-                each.anchors = each.place(unknown)
+            for contact_face in self._faces:
+                contact_face.anchors = contact_face.place(unknown)
 
         gap, _, closing = face.gaps(face.place(unknown))
         travel = np.partition(gap / closing, _FIRST_NODES)
@@ -155,32 +154,32 @@ class LargeStrainSolver:
     def _rest(self, unknown: Array) -> tuple[float, Array]:
         """Find the same while nothing touches, once for all poses."""
         unknown[-1] = -_AWAY_MM
-        for each in self._faces:
-            each.friction = 0.0  # what lies on slides to where it is at rest
+        for face in self._faces:
+            face.friction = 0.0  # the skin slides to where it is at rest
 
         for self._bulge in _BULGES:
-            unknown, held = self.balance(0.0, unknown)
+            unknown, forces = self.balance(0.0, unknown)
 
-        for each in self._faces:
-            each.friction = self._friction
+        for face in self._faces:
+            face.friction = self._friction
 
-        self._model.at_rest = self._model.copies * float((self._model.step * held).sum()), unknown
+        self._model.at_rest = self._model.copies * float((self._model.step * forces).sum()), unknown
         return self._model.at_rest
 
     def balance(self, force_n: float, unknown: Array) -> tuple[Array, Array]:
-        """Return the unknowns under a force, from those under
-        another, and the forces of the skin on its nodes.
+        """Return the unknowns under a force, from those under another, and the forces of the skin
+        on its nodes.
         """
         load = force_n / self._model.copies
         free = self._free if force_n else self._free[:-1]
-        residual, matrix, held = self._assemble(unknown, load)
+        residual, matrix, forces = self._assemble(unknown, load)
 
         for step in range(_MAX_STEPS):
             if float(np.abs(residual[free]).max()) < _CLOSE * (load or _FIRST_N):
                 for face in self._faces:
                     face.settle()
 
-                return unknown, held
+                return unknown, forces
 
             before = float(np.linalg.norm(residual[free]))
             start = unknown
@@ -189,7 +188,7 @@ class LargeStrainSolver:
             for pace in _PACES:
                 unknown = start.copy()
                 unknown[free] -= pace * way
-                residual, matrix, held = self._assemble(unknown, load)
+                residual, matrix, forces = self._assemble(unknown, load)
                 error = float(
                     np.linalg.norm(residual[free])
                 )  # NaN: an element is turned inside out
@@ -204,28 +203,24 @@ class LargeStrainSolver:
         )
 
     def _assemble(self, unknown: Array, load: float) -> tuple[Array, Any, Array]:
-        """Return the forces that lack a balance, their slopes,
-        and the forces of the skin on its nodes.
-        """
+        """Return the unbalanced forces, their slopes, and the forces of the skin on its nodes."""
         from scipy.sparse import block_array  # noqa: PLC0415
 
         with np.errstate(invalid="ignore"):
-            matrix, held = self._model.body.tangent(unknown[:-1].reshape(-1, 3))
+            matrix, skin_forces = self._model.body.tangent(unknown[:-1].reshape(-1, 3))
 
-        residual = np.append(held.ravel(), -load)
+        residual = np.append(skin_forces.ravel(), -load)
         whole = block_array([[matrix, None], [None, np.zeros((1, 1))]]).tocsr()
         for face in self._faces:
             forces, stiffness = face.meet(unknown)
             residual += forces
             whole += stiffness
 
-        return residual, whole, held
+        return residual, whole, skin_forces
 
 
 class Face:
-    """Nodes of a surface of the skin that may meet something rigid: the object, or the
-    bone inside.
-    """
+    """Nodes of a surface of the skin that may meet something rigid: the object, or the bone."""
 
     def __init__(
         self,
@@ -238,8 +233,9 @@ class Face:
         friction: float,
         springs: float,
     ) -> None:
-        """Join the nodes to the unknowns; `approach` is the way
-        of the object, and None for the bone.
+        """Join the nodes to the unknowns.
+
+        `approach` is the way of the object, and None for the bone.
         """
         from scipy.sparse import csr_array, eye_array, hstack, kron  # noqa: PLC0415
 
@@ -276,8 +272,8 @@ class Face:
         self.anchors = self._next
 
     def press(self, places: Array) -> tuple[Array, Array, Array]:
-        """Return tractions at places of the surface, their slopes by
-        the place, and the slip that springs hold.
+        """Return tractions at places of the surface, their slopes by the place, and the slip that
+        springs hold.
         """
         gap, into, _ = self.gaps(places)
         pressure = self._springs * np.maximum(-gap, 0.0)
@@ -292,12 +288,14 @@ class Face:
         part = (np.minimum(limit, length) / np.maximum(length, 1e-300))[:, None]
         normal = into[:, :, None] * into[:, None, :]
         ways = way[:, :, None] * way[:, None, :]
-        held = drag * np.where(slides, part[..., None], 1.0) * (np.eye(3) - normal - slides * ways)
-        held += slides * self.friction * self._springs * way[:, :, None] * into[:, None, :]
+        tangent = (
+            drag * np.where(slides, part[..., None], 1.0) * (np.eye(3) - normal - slides * ways)
+        )
+        tangent += slides * self.friction * self._springs * way[:, :, None] * into[:, None, :]
         slip = part * slip
 
         return (
             pressure[:, None] * into + drag * slip,
-            touches * (self._springs * normal + held),
+            touches * (self._springs * normal + tangent),
             slip,
         )

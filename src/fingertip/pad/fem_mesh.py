@@ -24,8 +24,8 @@ from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.touch import X
 
 RIM_MM = 0.6
-"""Height of the surface above the parting plane at which the mesh
-ends [mm]: a feather edge carries nothing.
+"""Height of the surface above the parting plane at which the mesh ends [mm]: a feather edge carries
+nothing.
 """
 _THINNEST_MM = 0.1
 """Thickness of the skin over the bone below which it is not meshed [mm]."""
@@ -35,15 +35,15 @@ _SMOOTHINGS = 10
 """Rounds in which free points move to the middle of their neighbours."""
 _BYTES_PER_ENTRY = 20.0
 _FIXED_GB = 0.2
-"""Memory for an entry of the factorised stiffness, with all that is
-built for it, and beside it [GB]: measured.
+"""Memory for an entry of the factorised stiffness, with all that is built for it, and beside it
+[GB]: measured.
 """
 
 
 @dataclass(frozen=True)
 class MeshSize:
-    """Length of the edges in plan, number of elements over the
-    thickness, and the memory that they may take.
+    """Length of the edges in plan, number of elements over the thickness, and the memory that they
+    may take.
     """
 
     edge_mm: float = 0.8
@@ -90,8 +90,8 @@ def quadratic_plan(
 
 
 def extrude(points: Array, triangles: NDArray[np.int64], faces: Array) -> WedgeMesh:
-    """Fill the space between heights of a plan's points, from the
-    bottom up, with a layer of wedges each.
+    """Fill the space between heights of a plan's points, from the bottom up, with a layer of wedges
+    each.
     """
     layers = len(faces) - 1
     height = np.empty((2 * layers + 1, len(points)))
@@ -105,8 +105,8 @@ def extrude(points: Array, triangles: NDArray[np.int64], faces: Array) -> WedgeM
 
 
 def mesh_skin(form: PadForm, size: MeshSize, is_half: bool) -> tuple[WedgeMesh, NDArray[np.bool_]]:
-    """Mesh the palmar skin, or its half x >= 0, and tell which
-    triangles of its lower surface lie on the bone.
+    """Mesh the palmar skin, or its half x >= 0, and tell which triangles of its lower surface lie
+    on the bone.
     """
     corners, triangles = _triangulate_half(form, size, 1.0 if is_half else 2.0)
     if not is_half:
@@ -148,14 +148,12 @@ def _circles(form: PadForm) -> list[float]:
 
 
 def _outline(form: PadForm) -> Array:
-    """Return a fine polyline along the half outline at which the
-    mesh ends, from the base to the tip.
+    """Return a fine polyline along the half outline at which the mesh ends, from the base to the
+    tip.
     """
 
     def reach(start: Array, x: float, z: float) -> Array:
-        """Distance from points on the axis, in a direction, at which the surface falls
-        to the rim.
-        """
+        """Find how far from points on the axis, in a direction, the surface falls to the rim."""
 
         def is_inside(distance: Array) -> NDArray[np.bool_]:
             return np.asarray(form.skin_mm(x * distance, start + z * distance) >= RIM_MM)
@@ -249,8 +247,8 @@ def _doubled_areas(points: Array, triangles: NDArray[np.int64]) -> Array:
 
 
 def _check_memory(size: MeshSize, area_mm2: float) -> None:
-    """Refuse a mesh whose factorised stiffness would not fit, by
-    the fill of nested dissection in the plane.
+    """Refuse a mesh whose factorised stiffness would not fit, by the fill of nested dissection in
+    the plane.
     """
     if not (0.0 < size.edge_mm < math.inf and size.layers >= 1):
         raise GeometryError(
@@ -260,12 +258,12 @@ def _check_memory(size: MeshSize, area_mm2: float) -> None:
     points = 4.6 * area_mm2 / size.edge_mm**2 + 10.0
     entries = 4.5 * points * (6.0 * size.layers) ** 2 * math.log2(points)
     needed = _FIXED_GB + entries * _BYTES_PER_ENTRY * 1e-9
-    given = size.memory_gb
+    limit_gb = size.memory_gb
 
-    if needed > given:
+    if needed > limit_gb:
         need = (
             f"edges of {size.edge_mm:g} mm in {size.layers} layers need about {needed:.1f} GB, "
-            f"above {given:g} GB"
+            f"above {limit_gb:g} GB"
         )
         raise GeometryError(
             Issue("mesh.edge_mm", f"{need}; use longer edges, or raise mesh.memory_gb.")

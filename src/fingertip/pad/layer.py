@@ -46,12 +46,11 @@ from fingertip.pad.touch import Pose, Touch
 GRID_MM = 0.25
 _FIRST_REACH_MM = 0.8
 _MAX_REACH_MM = 6.4
-"""Gap before the touch up to which the surface may come into contact: at first, and at
-most [mm].
+"""Gap before the touch up to which the surface may come into contact: at first, and at most [mm].
 """
 _MARGIN = 2.0
-"""Width around that surface on which nothing presses, in
-thicknesses: waves wrap around the grid's edge.
+"""Width around that surface on which nothing presses, in thicknesses: waves wrap around the grid's
+edge.
 """
 _SIZES = tuple(sorted(2**a * 3**b * 5**c for a in range(2, 9) for b in range(4) for c in range(2)))
 """Lengths of a grid for which the Fourier transform is fast."""
@@ -74,12 +73,12 @@ An assumption.
 class Contact:
     force_n: float
     share: float
-    """Fraction of the force that presses on the active area of the
-    sensor, beside what presses there at rest.
+    """Fraction of the force that presses on the active area of the sensor, beside what presses
+    there at rest.
     """
     shear_share: float
-    """Force on the active area over a force along the surface, towards
-    the tip, which is spread as the pressure is.
+    """Force on the active area over a force along the surface, towards the tip, which is spread as
+    the pressure is.
     """
     depth_mm: float
     area_mm2: float
@@ -97,9 +96,7 @@ class Contact:
 
 @dataclass(frozen=True, eq=False)
 class _Layout:
-    """Gap before the touch on a grid around it, and the kernels of the layer on the
-    grid's waves.
-    """
+    """Gap before the touch on a grid around it, and the layer's kernels for the grid's waves."""
 
     gap_mm: Array
     """Gap [mm], shape (x, z); infinite where nothing may press."""
@@ -130,7 +127,7 @@ def find_contacts(
     layout = near.lay_out(_FIRST_REACH_MM)
     pressure = None
     inside = _lay_rings(form)
-    found: list[Contact] = []
+    contacts: list[Contact] = []
 
     for force_n in forces_n:
         while True:
@@ -144,7 +141,9 @@ def find_contacts(
             pressure = None
 
         if contact.strain > max_strain:
-            most = found[-1].force_n if found else force_n * (max_strain / contact.strain) ** 2
+            most = (
+                contacts[-1].force_n if contacts else force_n * (max_strain / contact.strain) ** 2
+            )
             message = (
                 f"{force_n:g} N presses the pad by {contact.strain:.0%} of its thickness; "
                 f"at most {most:.2g} N."
@@ -159,14 +158,14 @@ def find_contacts(
             depth = contact.depth_mm + sunk / contact.force_n
             contact = replace(contact, share=max(0.0, share), depth_mm=depth)
 
-        found.append(contact)
+        contacts.append(contact)
 
-    return found
+    return contacts
 
 
 def find_rest_n(form: PadForm) -> float:
-    """Find the force on the active area when nothing touches the
-    finger, from a bump inside the skin [N].
+    """Find the force on the active area when nothing touches the finger, from a bump inside the
+    skin [N].
     """
     inside = _lay_rings(form)
     return inside.rest_n if inside else 0.0
@@ -193,7 +192,7 @@ def map_shares(form: PadForm) -> tuple[Array, Array, Array]:
         h=thickness,
         young=form.young_mpa,
         nu=form.poisson,
-        held=form.held_part,
+        bond_share=form.held_part,
     )
     shares = _apply(_cover(line, line, form.active_radius_mm), to_bone)
     inside = slice(count, 3 * count + 1)
@@ -235,7 +234,7 @@ class _Approach:
             h=self.thickness_mm,
             young=_FREE_SIDES * form.young_mpa,
             nu=form.poisson,
-            held=form.held_part,
+            bond_share=form.held_part,
             grid_mm=grid,
         )
         active = _cover(x, dz, form.active_radius_mm, grid)
@@ -280,8 +279,8 @@ def is_possible(form: PadForm, pose: Pose) -> bool:
 
 
 def _unwrap(start: float, size: int, used: int, grid_mm: float) -> Array:
-    """Return the positions of a grid that wraps around: the second
-    half of its margin lies before its start.
+    """Return the positions of a grid that wraps around: the second half of its margin lies before
+    its start.
     """
     index = np.arange(size)
     behind = (size - used) // 2
@@ -301,7 +300,7 @@ def _kernels(
     h: float,
     young: float,
     nu: float,
-    held: float = 1.0,
+    bond_share: float = 1.0,
     grid_mm: float = GRID_MM,
 ) -> tuple[Array, Array, NDArray[np.complex128]]:
     """Evaluate C, T and S on the waves of a grid.
@@ -313,10 +312,10 @@ def _kernels(
     k = np.hypot(kx, kz)
     w = k * h
     ka = 3.0 - 4.0 * nu
-    one = np.exp(-w)
+    decay = np.exp(-w)
     two = np.exp(-2.0 * w)
-    cosh = 0.5 * one * (1.0 + two)
-    sinh = 0.5 * one * (1.0 - two)
+    cosh = 0.5 * decay * (1.0 + two)
+    sinh = 0.5 * decay * (1.0 - two)
     whole = np.where(k > 0.0, k, 1.0)
     d = ka * (1.0 + two * two) + (1.0 + ka * ka + 4.0 * w * w) * two
     compliance = (
@@ -326,14 +325,14 @@ def _kernels(
     normal = (ka + 1.0) * ((ka + 1.0) * cosh + 2.0 * w * sinh) / d
     shear = (ka + 1.0) * ((ka - 1.0) * sinh + 2.0 * w * cosh) / d
 
-    if held < 1.0:
+    if bond_share < 1.0:
         d = np.where(k > 0.0, 0.5 * (1.0 - two * two) + 2.0 * w * two, 1.0)
         free = (1.0 - nu * nu) / (young * whole) * (1.0 - two) ** 2 / d
         free[0, 0] = (1.0 - nu * nu) / young * h
-        compliance = held * compliance + (1.0 - held) * free
+        compliance = bond_share * compliance + (1.0 - bond_share) * free
         passed = np.where(k > 0.0, 2.0 * (sinh + w * cosh) / d, 1.0)
-        normal = held * normal + (1.0 - held) * passed
-        shear = held * shear + (1.0 - held) * 2.0 * w * sinh / d
+        normal = bond_share * normal + (1.0 - bond_share) * passed
+        shear = bond_share * shear + (1.0 - bond_share) * 2.0 * w * sinh / d
 
     return compliance, normal, -1j * shear * kz / whole
 

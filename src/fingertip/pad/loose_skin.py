@@ -148,8 +148,9 @@ def _bessel_one(x: Array) -> Array:
 
 
 def find_pressures(compliance: Array, gap: Array) -> Array:
-    """Find pressures >= 0 that leave gaps >= 0, one of both 0
-    everywhere; a primal-dual active set as of elements.
+    """Find pressures >= 0 that leave gaps >= 0, one of both 0 everywhere.
+
+    The method is the primal-dual active set of `fem_contact`.
     """
     active = gap < 0.0
     for step in range(_MAX_STEPS):

@@ -55,8 +55,8 @@ class PadForm:
     bonded: bool = True
     """False: the skin was made apart and lies on the bone."""
     gap_mm: float = 0.0
-    """Distance of the inside of a skin that was made apart from
-    the bone, where no bump is; 0: it lies on.
+    """Distance of the inside of a skin that was made apart from the bone, where no bump is.
+    It is 0 for a skin that lies on the bone.
     """
     bump_radius_mm: float = 0.0
     bump_height_mm: float = 0.0
@@ -104,8 +104,8 @@ class PadForm:
 
     @property
     def held_part(self) -> float:
-        """Hold of the inside of the skin along the bone, from 0
-        without friction to 1 where it is bonded.
+        """Hold of the inside of the skin along the bone, from 0 without friction to 1 where it is
+        bonded.
         """
         return 1.0 if self.bonded else math.tanh(self.friction)
 
@@ -129,8 +129,9 @@ class PadForm:
         return _height(self.outer, x, z)
 
     def inner_gap_mm(self, x: Array, z: Array) -> Array:
-        """Return how far the inside of the skin stands off the bone;
-        negative where it overlaps, at the bump [mm].
+        """Return how far the inside of the skin stands off the bone.
+
+        The gap [mm] is negative where it overlaps the bone, at the bump.
         """
         on_bump = np.hypot(x, z - self.sensor_z_mm) <= self.bump_radius_mm * (1.0 + 1e-9)
         return np.asarray(np.where(on_bump, self.gap_mm - self.bump_height_mm, self.gap_mm))

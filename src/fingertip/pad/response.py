@@ -27,15 +27,15 @@ REFERENCE_POSE = Pose(tilt_deg=2.0)
 straight pad feels most. The article does not state it.
 """
 _MINDLIN = 2.0 / 3.0
-"""Stiffness along the surface over that across it, ``2 (1 - nu) /
-(2 - nu)``, of incompressible rubber.
+"""Stiffness along the surface over that across it, ``2 (1 - nu) / (2 - nu)``, of incompressible
+rubber.
 """
 FORCES_N = (0.05, 0.1, 0.25, 0.5, 0.9, 1.1, 2.0, 4.0, 8.0)
 """Forces of the contacts from which the share is fitted. The two about 1 N give the stiffness."""
 _DEGREE = 3
 _DIGITS = 6
-"""Significant digits of what is fitted, and decimals of its
-coefficients: processors differ in digits far beyond.
+"""Significant digits of what is fitted, and decimals of its coefficients: processors differ in
+digits far beyond.
 """
 _LEAST_REFERENCE = 0.02
 """Least share in the reference pose to which a share is related."""
@@ -43,8 +43,8 @@ _LEAST_REFERENCE = 0.02
 
 @dataclass(frozen=True)
 class Backing:
-    """Hand or arm that holds the finger: a mass that moves with it, on
-    a spring, and the damping of the pad between.
+    """Hand or arm that holds the finger: a mass that moves with it, on a spring, and the damping of
+    the pad between.
     """
 
     mass_kg: float = 0.035
@@ -69,8 +69,8 @@ class Backing:
 
 @dataclass(frozen=True)
 class Pad:
-    """Linear stiffness at a holding force, the quasi-static force
-    at any depth, and the sensor's part of it.
+    """Linear stiffness at a holding force, the quasi-static force at any depth, and the sensor's
+    part of it.
     """
 
     stiffness_1n_n_per_m: float
@@ -78,12 +78,11 @@ class Pad:
     area_1n_m2: float
     """Area of the contact at 1 N."""
     share: tuple[float, ...]
-    """Polynomial of the sensor's share over the fourth root of the force [N], lowest
-    power first.
+    """Polynomial of the sensor's share over the fourth root of the force [N], lowest power first.
     """
     shear_share: tuple[float, ...]
-    """The same of the part of a force along the surface, towards
-    the tip, that presses on the sensor.
+    """The same of the part of a force along the surface, towards the tip, that presses on the
+    sensor.
     """
     reference_share: float
     """Share of 1 N in the reference pose."""
@@ -106,24 +105,23 @@ class Pad:
         return _MINDLIN * self.normal_stiffness_n_per_m(force_n)
 
     def resonance_hz(self, force_n: float) -> float:
-        """Normal resonance at a holding force, of the mass between the pad and what
-        holds it [Hz].
-        """
+        """Normal resonance at a holding force [Hz]: that of the mass between pad and backing."""
         stiffness = self.normal_stiffness_n_per_m(force_n) + self.backing.stiffness_n_per_m
         return math.sqrt(stiffness / self.backing.mass_kg) / (2 * math.pi)
 
     @property
     def follow_share(self) -> float:
-        """Part of a slow height of a surface that moves the hand; the
-        rest presses the pad: two springs in series.
+        """Part of a slow height of a surface that moves the hand.
+
+        The rest presses the pad: two springs in series.
         """
         return self.stiffness_1n_n_per_m / (
             self.stiffness_1n_n_per_m + self.backing.stiffness_n_per_m
         )
 
     def depth_m(self, force_n: float) -> float:
-        """Travel of the hand beyond the touch for a force [m]:
-        deflection of the hand plus indentation.
+        """Travel of the hand beyond the touch for a force [m]: deflection of the hand plus
+        indentation.
         """
         return (
             force_n / self.backing.stiffness_n_per_m
@@ -155,8 +153,9 @@ class Pad:
         return np.repeat(force, np.diff(changes, append=len(depth_m)))
 
     def patch_radius_m(self, force_n: float) -> float:
-        """Radius of a disc as large as the contact patch [m]; it
-        grows with the cube root of the force.
+        """Radius of a disc as large as the contact patch [m].
+
+        It grows with the cube root of the force.
         """
         return math.sqrt(self.area_1n_m2 / math.pi) * math.cbrt(force_n)
 
@@ -185,9 +184,7 @@ class Pad:
 
 
 def _evaluate(coefficients: Sequence[float], x: Array) -> Array:
-    """Evaluate a polynomial by Horner's rule, whose products and sums every processor
-    rounds alike.
-    """
+    """Evaluate a polynomial by Horner's rule, which every processor rounds alike."""
     value = np.full_like(x, coefficients[-1])
     for coefficient in coefficients[-2::-1]:
         value = value * x + coefficient
@@ -201,8 +198,8 @@ def _respond(form: PadForm, pose: Pose) -> Pad:
     root = np.sqrt(np.sqrt(np.array(FORCES_N)))
 
     def fit(values: list[float]) -> tuple[float, ...]:
-        found = np.polynomial.polynomial.polyfit(root, np.array(values), _DEGREE)
-        return tuple(round(float(value), _DIGITS) for value in found)
+        coefficients = np.polynomial.polynomial.polyfit(root, np.array(values), _DEGREE)
+        return tuple(round(float(value), _DIGITS) for value in coefficients)
 
     low, high = (contact for contact in contacts if 0.8 < contact.force_n < 1.2)
     stiffness = 1e3 * (high.force_n - low.force_n) / (high.depth_mm - low.depth_mm)

@@ -1,5 +1,5 @@
-"""Survey of a pad: shares of a force in the poses in which a finger
-presses, turn-on, stiffness and strain.
+"""Survey of a pad: shares of a force in the poses in which a finger presses, turn-on, stiffness and
+strain.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ FORCE_N = 1.0
 FIRM_N = 5.0
 """Force of the shares, and of the strain [N]."""
 _TURN_ON_STEPS = 4
-"""Steps of the search for the turn-on, each of which takes the
-share at the force of the step before.
+"""Steps of the search for the turn-on, each of which takes the share at the force of the step
+before.
 """
 _LEAST_FORCE_N = 0.01
 """Force below which the share is taken not to change: the contact is one cell of the grid [N]."""
@@ -70,8 +70,9 @@ class PadSurvey:
         return max(self._between(self.turn_on_n, low_deg, high_deg))
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the section `pad` of a report; a force that does not turn the sensor
-        on is None.
+        """Return the section `pad` of a report.
+
+        A force that does not turn the sensor on is None.
         """
         rows = zip(TILTS_DEG, self.shares, self.turn_on_n, strict=True)
         return {
@@ -145,8 +146,9 @@ def _survey(form: PadForm) -> PadSurvey:
 def try_contacts(
     form: PadForm, pose: Pose, *forces_n: float, grid_mm: float = GRID_MM
 ) -> list[Contact]:
-    """Find the contacts whatever the strain, which is a figure of
-    its own; none in a pose that cannot be.
+    """Find the contacts whatever the strain, which is a figure of its own.
+
+    There are none in an impossible pose.
     """
     try:
         return find_contacts(
@@ -162,13 +164,14 @@ def try_contacts(
 
 @lru_cache(maxsize=256)
 def _share(form: PadForm, pose: Pose, force_n: float) -> float:
-    found = try_contacts(form, pose, force_n)
-    return found[0].share if found else 0.0
+    contacts = try_contacts(form, pose, force_n)
+    return contacts[0].share if contacts else 0.0
 
 
 def find_turn_on_n(form: PadForm, tilt_deg: float) -> float:
-    """Find the force [N] of which the sensor's share, with what is
-    there at rest, is its turn-on; maybe infinite.
+    """Find the force [N] of which the sensor's share, with what is there at rest, is its turn-on.
+
+    It may be infinite.
     """
     share = _share(form, Pose(tilt_deg), FORCE_N)
     force = math.inf

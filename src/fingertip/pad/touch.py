@@ -46,8 +46,7 @@ class Pose:
     radius_mm: float = 0.0
     """Radius of a cylinder or a sphere."""
     place_mm: float = 0.0
-    """Distance from the sensor's centre, distal, at which a cylinder, an edge or a
-    sphere stands.
+    """Distance from the sensor's centre, distal, at which a cylinder, an edge or a sphere stands.
     """
     across_mm: float = 0.0
     """Distance from the middle plane at which a sphere stands."""
@@ -126,8 +125,8 @@ class Touch:
         return np.asarray(self.height_mm + self._rise(points)[0] - points[:, PALM])
 
     def gaps(self, points: Array) -> tuple[Array, Array, Array]:
-        """Return gaps over points, unit vectors into the object,
-        and what 1 mm of travel closes of them.
+        """Return gaps over points, unit vectors into the object, and what 1 mm of travel closes of
+        them.
         """
         rise, slopes = self._rise(points)
         into = np.column_stack([-slopes, np.ones(len(points))])

@@ -51,8 +51,8 @@ class Inertia:
 
 @dataclass(frozen=True)
 class Strand:
-    """Strand of the tendon: from its guide in the stub around a
-    horn of the bone, and up its side [m].
+    """Strand of the tendon: from its guide in the stub around a horn of the bone, and up its side
+    [m].
     """
 
     guide_m: Point3
@@ -115,8 +115,8 @@ class FingerModel:
 
     @property
     def parts(self) -> dict[str, Mesh]:
-        """Meshes of the finger by the names of their files, without
-        suffix, then collision pieces from the hand on.
+        """Meshes of the finger by the names of their files, without suffix, then collision pieces
+        from the hand on.
         """
         parts = {body.name: body.mesh for body in self.bodies}
         pieces = enumerate(self.collision.pieces, 1)
@@ -234,8 +234,8 @@ def _lead_tendon(design: Design, origin_mm: Point3) -> Iterator[Strand]:
 
 
 def measure_inertia(bodies: tuple[Body, ...], offset_m: Point3) -> Inertia:
-    """Integrate mass, centre and inertia over the meshes, by a
-    tetrahedron from the origin to each triangle.
+    """Integrate mass, centre and inertia over the meshes, by a tetrahedron from the origin to each
+    triangle.
     """
     mass = 0.0
     first_moment = np.zeros(3)

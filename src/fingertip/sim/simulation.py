@@ -69,8 +69,8 @@ class Simulation:
     """Name of the scene's file without suffix; "trace" for a trial of the article."""
 
     def find_warnings(self) -> Iterator[str]:
-        """Yield what limits the recorded voltage: an ADC range that the
-        board exceeds, a profile of too few points.
+        """Yield what limits the recorded voltage: an ADC range that the board exceeds, a profile of
+        too few points.
         """
         if "voltage_v" in self.scene.outputs:
             if self.scene.converter.bits:
@@ -141,7 +141,7 @@ def load_simulation(
 
     Raises FingertipError.
     """
-    given = file
+    named_file = file
     (file, design_file) = _find_files(file, design_file)
     kind = identify_kind(file) if file else None
     is_scene = kind in (SCENE, MANIPULATION)
@@ -162,9 +162,8 @@ def load_simulation(
     options = {option: value for option, value in options.items() if value is not None}
     if not is_scene:
         if design_file:
-            message = (
-                f"stands beside {given or 'no file'}, which is not a scene; leave --design out."
-            )
+            beside = named_file or "no file"
+            message = f"stands beside {beside}, which is not a scene; leave --design out."
             issues.append(Issue("--design", message))
 
         if scene_changes:
@@ -192,7 +191,8 @@ def load_simulation(
             except TraceError as error:
                 typed = {field: f"--{option.replace('_', '-')}" for field, option in fields.items()}
                 issues += dict.fromkeys(
-                    replace(one, field=typed.get(one.field, one.field)) for one in error.issues
+                    replace(issue, field=typed.get(issue.field, issue.field))
+                    for issue in error.issues
                 )
 
     if own is not None and scene is not None:
@@ -217,14 +217,14 @@ def load_simulation(
 def _find_files(
     file: str | Path | None, design_file: str | Path | None
 ) -> tuple[Path | None, Path | None]:
-    found: list[Path | None] = []
+    paths: list[Path | None] = []
     issues: list[Issue] = []
-    for given, kinds in ((file, (DESIGN, SCENE, MANIPULATION)), (design_file, (DESIGN,))):
+    for source, kinds in ((file, (DESIGN, SCENE, MANIPULATION)), (design_file, (DESIGN,))):
         with gather(issues):
-            found.append(find_file(given, *kinds) if given else None)
+            paths.append(find_file(source, *kinds) if source else None)
 
     raise_issues(FingertipError, issues)
-    return found[0], found[1]
+    return paths[0], paths[1]
 
 
 FORCE_RANGE_N = (0.2, 2.0)
@@ -234,8 +234,8 @@ MAX_FORCE_N = 4.0
 At a larger one the hand travels so far that the lift of 5 cm does not end the contact.
 """
 SPEED_RANGE_M_S = (0.005, 0.2)
-"""Range of the sliding speed [m/s]: slower takes minutes to
-compute, faster is not reached within 4 cm.
+"""Range of the sliding speed [m/s]: slower takes minutes to compute, faster is not reached within 4
+cm.
 """
 SPEEDS_M_S = (0.04, 0.06, 0.08)
 REPEATS_PER_TRIAL = 5
@@ -324,8 +324,8 @@ def simulate(design: Design, trial: Trial | None = None) -> Trace:
 
 
 def article_trials() -> Iterator[tuple[SceneFile, int]]:
-    """Yield scene and own seed of the 120 trials: 6 surfaces and
-    2 grasped objects, 3 speeds, 5 repeats.
+    """Yield scene and own seed of the 120 trials: 6 surfaces and 2 grasped objects, 3 speeds, 5
+    repeats.
     """
     seed = 0
     # The thumb of a tri-digital grasp, which presses with the force of both fingers;
@@ -357,8 +357,8 @@ def article_trials() -> Iterator[tuple[SceneFile, int]]:
 
 
 def article_manipulations(first_seed: int = 0) -> Iterator[tuple[ManipulationFile, int]]:
-    """Yield scene, named after its object, and seed of each of the
-    12 manipulations: 4 objects, 3 repeats.
+    """Yield scene, named after its object, and seed of each of the 12 manipulations: 4 objects, 3
+    repeats.
     """
     seed = first_seed
     for name, (target, kind) in MANIPULATED_OBJECTS.items():

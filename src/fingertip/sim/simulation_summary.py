@@ -98,8 +98,9 @@ def find_warnings(result: SceneRecord | ManipulationResult) -> Iterator[str]:
 def as_text(
     result: SceneRecord | ManipulationResult, grips_s: Sequence[float] | None = None
 ) -> list[str]:
-    """Return the summary as lines of text; slips within `STICK_S`
-    are one line, as in `fingertip detect`.
+    """Return the summary as lines of text.
+
+    Slips within `STICK_S` are one line, as in `fingertip detect`.
     """
     size = f"seed {result.seed}: {result.samples} samples, {result.duration_s:.2f} s"
     slips = [

@@ -1,5 +1,5 @@
-"""Plan of a simulation: the stages that its outputs need, and what
-they will cost, from a trial of its first part.
+"""Plan of a simulation: the stages that its outputs need, and what they will cost, from a trial of
+its first part.
 """
 
 from __future__ import annotations
@@ -28,8 +28,7 @@ class SimulationPlan:
     simulation: Simulation
     duration_s: float
     stages: tuple[StageCost, ...]
-    """Stages that run, with the evaluations and the CPU time that the whole simulation
-    will take.
+    """Stages that run, with the evaluations and the CPU time that the whole simulation will take.
     """
 
     @property

@@ -1,5 +1,5 @@
-"""Trace files of a simulation: CSV and NPZ, written piece by piece,
-with the same bytes for the same numbers.
+"""Trace files of a simulation: CSV and NPZ, written piece by piece, with the same bytes for the
+same numbers.
 """
 
 from __future__ import annotations
@@ -34,8 +34,9 @@ DECIMALS = {
 
 
 def write_trace(design: Design, path: Path, trace: Path, force: bool = False) -> tuple[str, ...]:
-    """Move a trace into a design's signals, and remove plot and
-    detection of another one; return their names.
+    """Move a trace into a design's signals, and remove plot and detection of another one.
+
+    Return their names.
     """
     is_new = path.name == TRACE and not has_hash(path, hash_content(trace))
     return SIGNAL.writer(design, path.parent, force).write(
@@ -44,8 +45,8 @@ def write_trace(design: Design, path: Path, trace: Path, force: bool = False) ->
 
 
 class CsvTraceWriter:
-    """Writer of a CSV file: one line that names the columns, then
-    one sample per line, with fixed decimals.
+    """Writer of a CSV file: one line that names the columns, then one sample per line, with fixed
+    decimals.
     """
 
     def __init__(self, file: BinaryIO, names: Sequence[str]) -> None:

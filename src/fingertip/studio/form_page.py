@@ -13,7 +13,7 @@ from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design import Design
 from fingertip.design.design_file import Parameter
 from fingertip.design.parameters import PARAMETERS
-from fingertip.design.parameters.declaration import find_bounds, list_choices
+from fingertip.design.parameters.declaration import describe_table, find_bounds, list_choices
 from fingertip.design.search import describe_bands
 from fingertip.page.html import (
     Markup,
@@ -72,8 +72,10 @@ def _render_group(
         f": {count} parameter{'s' if count > 1 else ''}",
         element("span", "", class_="counts"),
     )
-    described = "" if name in (MAIN, "design") else getattr(design, name).describe_table()
-    hint = [element("p", described, class_="hint")] if described else []
+    hint = []
+    if name not in (MAIN, "design"):
+        hint.append(element("p", describe_table(type(getattr(design, name))), class_="hint"))
+
     rendered = (
         _render_field(field, design, moved.get(field.parameter.path, ()), is_main)
         for field in fields

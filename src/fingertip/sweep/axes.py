@@ -1,5 +1,5 @@
-"""Axes of a sweep: one swept parameter each, with listed values, a
-stepped range, or an interval to sample.
+"""Axes of a sweep: one swept parameter each, with listed values, a stepped range, or an interval to
+sample.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ RANGE_KEYS = ("low", "high", "steps", "spacing")
 MAX_STEPS = 100_000
 """Maximum number of values of one axis. They are held in memory."""
 _DIGITS = 9
-"""Significant digits of a computed value; the last bits of a logarithm differ between
-processors.
+"""Significant digits of a computed value.
+The last bits of a logarithm differ between processors.
 """
 _POWERS = np.array([float(f"1e{i}") for i in range(309)])
 """Powers of ten, each the float nearest to its decimal."""
@@ -49,8 +49,9 @@ class Axis:
 
     @property
     def count(self) -> int:
-        """Number of values of a list or of a stepped range, without making them; 0 for an
-        interval.
+        """Number of values of a list or of a stepped range, without making them.
+
+        0 for an interval.
         """
         return len(self.listed) or self.steps
 
@@ -72,8 +73,8 @@ class Axis:
         return value
 
     def sample(self, fractions: NDArray[np.float64]) -> NDArray[Any]:
-        """Map fractions in [0, 1) to values: equal parts for the
-        values of a list, else interpolation.
+        """Map fractions in [0, 1) to values: equal parts for the values of a list, else
+        interpolation.
         """
         if self.values:
             return self.array[
@@ -130,10 +131,10 @@ def flatten_axes(tables: Mapping[str, Any], path: str = "") -> Iterator[tuple[st
 
 
 def select_changes(parameters: Mapping[str, Value], finger: str = "") -> dict[str, Value]:
-    """Select what a point changes in a design, or in a finger of
-    a set, whose own parameters come last.
+    """Select what a point changes in a design, or in a finger of a set, whose own parameters come
+    last.
     """
-    found = [
+    candidates = [
         (*split_finger(name), value)
         for name, value in parameters.items()
         if not name.startswith("scene.")
@@ -141,7 +142,7 @@ def select_changes(parameters: Mapping[str, Value], finger: str = "") -> dict[st
     return {
         path: value
         for owner in dict.fromkeys(("", finger))
-        for of, path, value in found
+        for of, path, value in candidates
         if of == owner
     }
 
@@ -221,12 +222,12 @@ def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis, list[Issue]]:
         values = tuple(int(value) for value in values)
 
     # Many values break the same bound: each message is reported once.
-    found = {
+    issues_by_text = {
         issue.message: issue
         for value in values
         for issue in _check_value(model, path, field, value)
     }
-    return axis, list(found.values())
+    return axis, list(issues_by_text.values())
 
 
 def _parse_axis(
@@ -386,8 +387,9 @@ def _is_finite(value: Any) -> bool:
 
 
 def _load_scene_models() -> tuple[type[BaseModel], type[BaseModel]]:
-    """Models of a scene and of a manipulation; they import the whole
-    simulation, which most sweeps do not use.
+    """Models of a scene and of a manipulation.
+
+    They import the whole simulation, which most sweeps do not use.
     """
     from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile  # noqa: PLC0415
 

@@ -144,8 +144,8 @@ def compute_noise(context: PointContext) -> OutputValues:
 
 
 def compute_detection(context: PointContext) -> OutputValues:
-    """Compute delays and alarms of the detector on simulated
-    trials of the scene, each with its own seed.
+    """Compute delays and alarms of the detector on simulated trials of the scene, each with its own
+    seed.
     """
     from fingertip.foundation.jit import compiled
     from fingertip.lab.campaign import run
@@ -220,34 +220,36 @@ def compute_bone(context: PointContext) -> OutputValues:
 def compute_strength(context: PointContext) -> OutputValues:
     from fingertip.cad.verification.strength import assess_strength
 
-    found = assess_strength(context.design, context.evaluator())
+    strength = assess_strength(context.design, context.evaluator())
     same = ("grip_safety_factor", "knock_safety_factor", "tendon_force_n")
-    return {name: getattr(found, name) for name in same} | {"weakest_z_mm": found.weakest.z_mm}
+    return {name: getattr(strength, name) for name in same} | {
+        "weakest_z_mm": strength.weakest.z_mm
+    }
 
 
 def compute_pad(context: PointContext) -> OutputValues:
     from fingertip.pad.survey import GRASP_DEG, WIDE_DEG, find_own_mode_hz, survey_pad
 
-    found = survey_pad(context.design)
+    survey = survey_pad(context.design)
     loose = survey_pad(context.design, is_loose=True)
 
     def finite(force_n: float) -> float:
         return force_n if math.isfinite(force_n) else math.nan
 
     return {
-        "pad_share": found.least_share(*GRASP_DEG),
-        "pad_share_wide": found.least_share(*WIDE_DEG),
+        "pad_share": survey.least_share(*GRASP_DEG),
+        "pad_share_wide": survey.least_share(*WIDE_DEG),
         "pad_loose_share": loose.least_share(*GRASP_DEG),
         "pad_loose_share_wide": loose.least_share(*WIDE_DEG),
         "pad_dead_zone_n": finite(loose.dead_zone_n(*GRASP_DEG)),
         "pad_dead_zone_wide_n": finite(loose.dead_zone_n(*WIDE_DEG)),
-        "pad_share_rolled": found.rolled_share,
-        "pad_evenness": found.evenness,
-        "pad_strain": found.strain,
-        "pad_stiffness_n_per_mm": found.stiffness_n_per_mm,
+        "pad_share_rolled": survey.rolled_share,
+        "pad_evenness": survey.evenness,
+        "pad_strain": survey.strain,
+        "pad_stiffness_n_per_mm": survey.stiffness_n_per_mm,
         "pad_own_mode_hz": find_own_mode_hz(context.design),
-        "pad_turn_on_n": finite(found.worst_turn_on_n),
-        "pad_rest_n": found.rest_n,
+        "pad_turn_on_n": finite(survey.worst_turn_on_n),
+        "pad_rest_n": survey.rest_n,
     }
 
 
@@ -352,8 +354,8 @@ def compute_acceptance(context: PointContext) -> OutputValues:
 
 
 def compute_controller(context: PointContext) -> OutputValues:
-    """Compute what detectors of several fingers ask of the controller
-    that `fingertip firmware` proposes for them.
+    """Compute what detectors of several fingers ask of the controller that `fingertip firmware`
+    proposes for them.
     """
     from fingertip.catalogues.electronics import NAMES
     from fingertip.firmware.fingers import count_fingers, find_controller, find_load
@@ -405,8 +407,8 @@ def compute_set(context: PointContext) -> OutputValues:
 
 
 def compute_checks(context: PointContext) -> OutputValues:
-    """Run every check of `fingertip check` on the design, or
-    all of a set, at the sweep's tolerance.
+    """Run every check of `fingertip check` on the design, or all of a set, at the sweep's
+    tolerance.
     """
     from fingertip.cad.verification.verify import verify
     from fingertip.models.parts import parts_by_name
@@ -418,7 +420,7 @@ def compute_checks(context: PointContext) -> OutputValues:
     verified = (
         verify(design, parts_by_name(design), ("stl",), context.evaluator()) for design in designs
     )
-    checks = [check for each in verified for check in each.checks]
+    checks = [check for verification in verified for check in verification.checks]
     failed = [check for check in checks if not check.passed]
     values: OutputValues = {
         f"{prefix}checks_failed": len(failed),
@@ -427,10 +429,10 @@ def compute_checks(context: PointContext) -> OutputValues:
     values[f"{prefix}margin_percent"] = min(check.margin_percent for check in checks)
 
     if failed:
-        first, *others = failed
+        first, *further = failed
         more = (
-            f" (and {len(others)} more: {', '.join(check.name for check in others)})"
-            if others
+            f" (and {len(further)} more: {', '.join(check.name for check in further)})"
+            if further
             else ""
         )
         unit = f" {first.unit}" if first.unit else ""
@@ -480,6 +482,6 @@ GROUP_FUNCTIONS: dict[str, Callable[[PointContext], OutputValues]] = {
     "set": compute_set,
     "set_checks": compute_checks,
 }
-"""Group of outputs -> function that computes them; `outputs.GROUPS` says what each reads
-and costs.
+"""Group of outputs -> function that computes them.
+`outputs.GROUPS` says what each reads and costs.
 """

@@ -88,8 +88,8 @@ class SweepTable:
     point: NDArray[np.int64]
     """(n,) number of the point in the plan. Points without a row are left out."""
     axes: dict[str, NDArray[Any]]
-    """Swept parameter, dotted (`skin.width_mm`,
-    `scene.slide.speed_m_s`) -> (n,) values: float, int, bool or str.
+    """Swept parameter, dotted (`skin.width_mm`, `scene.slide.speed_m_s`) -> (n,) values: float,
+    int, bool or str.
     """
     outputs: dict[str, NDArray[np.float64]]
     """Output, with the unit in its name -> (n,) values. NaN where it was not computed, infinite
@@ -98,8 +98,8 @@ class SweepTable:
     status: NDArray[np.str_]
     """(n,) one of `STATUSES`."""
     field: NDArray[np.str_]
-    """(n,) first parameter of a refused point's broken rule, or first failed check; ""
-    otherwise.
+    """(n,) first parameter of a refused point's broken rule, or first failed check.
+    "" otherwise.
     """
     reason: NDArray[np.object_]
     """(n,) of str: why a row is not ok, or which checks failed; "" otherwise."""
@@ -263,8 +263,8 @@ class SweepDatabase:
         return {status: int(counts.get(status, 0)) for status in STATUSES}
 
     def find_outputs(self) -> tuple[str, ...]:
-        """Find the outputs to show: those of the plan, and the
-        values that a fit has moved in any point.
+        """Find the outputs to show: those of the plan, and the values that a fit has moved in any
+        point.
         """
         fitted = self.plan.fitted
         moved = list[int | None]()

@@ -36,8 +36,9 @@ def connect(path: Path, mode: str) -> sqlite3.Connection:
 
 
 def lock_sweep(folder: Path) -> int | None:
-    """Lock the folder until this process ends; without such locks,
-    the primary key still keeps rows unique.
+    """Lock the folder until this process ends.
+
+    Without such locks, the primary key still keeps rows unique.
     """
     try:
         return lock_folder(folder)

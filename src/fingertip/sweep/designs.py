@@ -42,9 +42,9 @@ class DesignBuilder:
         """Build the design of a point. Raises DesignError."""
         own_changes: dict[str, Any] = {**select_changes(changes, self._finger)}
         if self._fits:
-            given = {name: value for name, value in own_changes.items() if is_of_parts(name)}
-            key = tuple(given.values())
-            own_changes |= self._fitted.get(key, lambda: self._fit(given))
+            part_values = {name: value for name, value in own_changes.items() if is_of_parts(name)}
+            key = tuple(part_values.values())
+            own_changes |= self._fitted.get(key, lambda: self._fit(part_values))
 
         if not self._only_electronics_vary:
             return Design.without_remedies(**apply_changes(self._tables, own_changes))
@@ -53,17 +53,18 @@ class DesignBuilder:
         raise_issues(DesignError, describe_violations(design, ELECTRONIC_RULES))
         return design
 
-    def _fit(self, given: Mapping[str, Value]) -> dict[str, Any]:
+    def _fit(self, part_values: Mapping[str, Value]) -> dict[str, Any]:
         """Find what moves with given values. Raises DesignError."""
         return {
             move.name: move.after
-            for move in fit_finger(self._base.with_values(given), tuple(given)).moves
+            for move in fit_finger(self._base.with_values(part_values), tuple(part_values)).moves
         }
 
 
 def apply_changes(tables: dict[str, Any], changes: Mapping[str, Value]) -> dict[str, Any]:
-    """Copy nested tables with dotted parameters changed;
-    unchanged tables are shared with the original.
+    """Copy nested tables with dotted parameters changed.
+
+    Unchanged tables are shared with the original.
     """
     changed = dict(tables)
     for name, value in changes.items():
@@ -78,8 +79,8 @@ V = TypeVar("V")
 
 
 class LruCache(Generic[K, V]):
-    """Mapping of bounded weight: it evicts the least recently
-    used entries, except for the newest one.
+    """Mapping of bounded weight: it evicts the least recently used entries, except for the newest
+    one.
     """
 
     def __init__(self, max_weight: float) -> None:
@@ -111,8 +112,9 @@ MAX_FITS = 4096
 
 
 def restrict_kernel_to_one_thread() -> None:
-    """Make the mesh kernel compute on one thread in this process; the sweep has a process on each
-    processor already.
+    """Make the mesh kernel compute on one thread in this process.
+
+    The sweep has a process on each processor already.
 
     On two threads a design takes 1.5 times the processor time. The kernel counts the processors at
     its first computation and offers no setting. This function has no effect after that computation,

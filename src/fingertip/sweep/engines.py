@@ -1,5 +1,5 @@
-"""Engines that evaluate the chunks of a sweep: worker processes on
-this machine, or those of a Dask cluster.
+"""Engines that evaluate the chunks of a sweep: worker processes on this machine, or those of a Dask
+cluster.
 """
 
 from __future__ import annotations
@@ -136,8 +136,8 @@ class DaskEngine:
         return sorted(self._client.scheduler_info(n_workers=-1).get("workers", ()))
 
     def _check_workers(self, address: str) -> None:
-        """Wait for a worker, then require the same versions on
-        every worker: others give other rows.
+        """Wait for a worker, then require the same versions on every worker: others give other
+        rows.
         """
         try:
             self._client.wait_for_workers(1, timeout=_CONNECT_TIMEOUT_S)
@@ -175,7 +175,7 @@ class DaskEngine:
                 compare_version(worker, name, error)
 
 
-def compare_version(worker: str, name: str, found: str | ImportError) -> None:
+def compare_version(worker: str, name: str, there: str | ImportError) -> None:
     """Refuse a worker whose Python or library could give other rows.
 
     The last number of Python's version does not.
@@ -183,11 +183,11 @@ def compare_version(worker: str, name: str, found: str | ImportError) -> None:
     here = {"Python": platform.python_version(), "numpy": np.__version__, "fingertip": __version__}[
         name
     ]
-    if name == "Python" and isinstance(found, str):
-        found, here = (version.rpartition(".")[0] for version in (found, here))
+    if name == "Python" and isinstance(there, str):
+        there, here = (version.rpartition(".")[0] for version in (there, here))
 
-    if found != here:
-        has = f"no {name} ({found})" if isinstance(found, ImportError) else f"{name} {found}"
+    if there != here:
+        has = f"no {name} ({there})" if isinstance(there, ImportError) else f"{name} {there}"
         raise _make_error(
             f"worker {worker} has {has}, but this is {here}; install the same version everywhere"
         )

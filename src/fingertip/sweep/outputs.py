@@ -20,16 +20,16 @@ from fingertip.foundation.tables import load_table, read_rows
 FINGER = frozenset({"sensor", "custom_sensor", "bone", "hand", "skin"})
 CLOSED_MOLD = FINGER | {"mold"}
 MOLD = CLOSED_MOLD | {"printer"}
-"""Tables that define the mold around the cavity, whose walls are as
-thick as the printer needs, and the play in it.
+"""Tables that define the mold around the cavity, whose walls are as thick as the printer needs, and
+the play in it.
 """
 PARTS = MOLD | {"name", "strength", "silicone"}
 """Tables that the checks of the printed parts read: the mold halves carry the design's name, and
 the printer's scale and limits, the loads and the silicone decide on the checks.
 """
 PAD = MOLD | {"silicone", "force_curve"}
-"""Tables that the pad depends on; how a skin that is made apart fits depends on mold
-and printer.
+"""Tables that the pad depends on.
+How a skin that is made apart fits depends on mold and printer.
 """
 SIMULATION = PAD | {"board", "detector"}
 
@@ -114,8 +114,8 @@ def find_groups(outputs: Iterable[str]) -> tuple[OutputGroup, ...]:
 
 
 def check_outputs(names: Sequence[str], is_set: bool) -> list[Issue]:
-    """Find outputs that are unknown or listed twice, and else those
-    that cannot be computed for a set, or a finger.
+    """Find outputs that are unknown or listed twice, and else those that cannot be computed for a
+    set, or a finger.
     """
     retired = [name for name in dict.fromkeys(names) if name in load_retired()]
     issues = [Issue("outputs", issue.typed) for issue in describe_retired(retired)]
@@ -142,14 +142,14 @@ def check_outputs(names: Sequence[str], is_set: bool) -> list[Issue]:
 
     misplaced = [name for name in names if (load_outputs()[name].group in SET_GROUPS) != is_set]
     subject = "one finger"
-    given = "a set"
+    subject_given = "a set"
     remedy = 'a design, such as design = "adult_finger"'
 
     if not is_set:
         subject = "a set"
-        given = "one finger"
+        subject_given = "one finger"
         remedy = 'a set, such as design = "adult_hand"'
 
-    text = f"{', '.join(misplaced)} can be computed for {subject}, but design is {given}"
+    text = f"{', '.join(misplaced)} can be computed for {subject}, but design is {subject_given}"
     issue = Issue("outputs", f"{text}; leave out what cannot be computed, or name {remedy}.")
     return [issue] if misplaced else []

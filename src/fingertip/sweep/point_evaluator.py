@@ -98,9 +98,9 @@ class PointEvaluator:
         try:
             built, fingers, scene = self._build_inputs(changes)
         except FingertipError as error:
-            first, *others = error.issues
-            fields = ", ".join(dict.fromkeys(issue.field for issue in others))
-            more = f" (and {len(others)} more: {fields})" if others else ""
+            first, *further = error.issues
+            fields = ", ".join(dict.fromkeys(issue.field for issue in further))
+            more = f" (and {len(further)} more: {fields})" if further else ""
             return point, "refused", first.field, first.message + more, self._no_outputs
 
         load_trial = partial(self._load_trial, changes)
@@ -143,9 +143,7 @@ class PointEvaluator:
     def _build_inputs(
         self, changes: Mapping[str, Value]
     ) -> tuple[dict[str, Design], FingerSet | None, SceneFile | None]:
-        """Build design, set and scene of a point: "" -> design, or each finger -> design
-        of a set.
-        """
+        """Build design, set and scene of a point; the designs by finger, or "" for a single one."""
         issues: list[Issue] = []
         built = dict[str, Design]()
         fingers = None
@@ -192,8 +190,9 @@ def load_evaluator(text: str) -> PointEvaluator:
 
 
 def _find_cache_axes(group: OutputGroup, plan: SweepPlan) -> tuple[str, ...] | None:
-    """Find the axes that a group reads, which are its cache key; None
-    if it reads all axes, so no points share it.
+    """Find the axes that a group reads, which are its cache key.
+
+    None if it reads all axes, so no points share it.
     """
     # What a fit moves depends on every axis of the parts.
     axes = tuple(
@@ -227,8 +226,9 @@ def evaluate_points(
     points_per_limit: int,
     evaluate: Callable[[int, dict[str, Any]], PointResult],
 ) -> list[PointResult]:
-    """Evaluate the points of a chunk one after the other; this process exits if one exceeds its
-    time limit.
+    """Evaluate the points of a chunk one after the other.
+
+    This process exits if one exceeds its time limit.
 
     An exception raised in the running code would leave half-imported modules and half-filled caches
     behind, and later points would suffer from them. faulthandler ends the process from its own

@@ -42,14 +42,14 @@ MAX_PENDING_ROWS = 50_000
 RATE_WINDOW_S = 30.0
 """Time over which the rate of points is averaged [s]."""
 HANG_LIMITS = 3.0
-"""Number of a point's time limits without any result after which
-the progress says that a worker may hang.
+"""Number of a point's time limits without any result after which the progress says that a worker
+may hang.
 """
 CHUNKS_PER_WORKER = 2
 """Chunks in flight per worker: one is computed, one waits."""
 MAX_CONSECUTIVE_FAILURES = 5
-"""Number of breakdowns in a row, none of which can be attributed
-to a point, before the run gives up.
+"""Number of breakdowns in a row, none of which can be attributed to a point, before the run gives
+up.
 """
 _POLL_INTERVAL_S = 0.5
 _BLOCK = 65_536
@@ -182,8 +182,8 @@ def compute_rows(
 
 
 def _split_into_chunks(plan: SweepPlan, missing: NDArray[np.bool_], run: _Run) -> Iterator[Chunk]:
-    """Split the missing points, in computing order, into chunks of
-    the size that the run asks for at that time.
+    """Split the missing points, in computing order, into chunks of the size that the run asks for
+    at that time.
     """
     text = plan.to_toml()
     for start in range(0, plan.size, _BLOCK):
@@ -198,8 +198,8 @@ def _split_into_chunks(plan: SweepPlan, missing: NDArray[np.bool_], run: _Run) -
 
 @dataclass
 class _Run:
-    """State of the run loop: chunks in flight, chunks to send
-    again, points to retry, rows not yet written.
+    """State of the run loop: chunks in flight, chunks to send again, points to retry, rows not yet
+    written.
     """
 
     plan: SweepPlan
@@ -231,9 +231,7 @@ class _Run:
         self._compute_each(iter(self._retry_queue), lambda: 1)
 
     def write_rows(self, at_once: bool = False) -> None:
-        """Commit the pending rows if the interval has passed, there are many, or
-        `at_once` is set.
-        """
+        """Commit the pending rows if the interval has passed, if there are many, or `at_once`."""
         now = time.perf_counter()
         due = (
             at_once
@@ -315,9 +313,9 @@ class _Run:
 
         indices = range(len(chunk.points))
         points = frozenset(points or ())
-        others = [i for i in indices if chunk.points[i] not in points]
-        if others:
-            self._resend_queue.append(chunk.select(others))
+        other_points = [i for i in indices if chunk.points[i] not in points]
+        if other_points:
+            self._resend_queue.append(chunk.select(other_points))
 
         blamed = [chunk.select([i]) for i in indices if chunk.points[i] in points]
         if not self._is_retrying:

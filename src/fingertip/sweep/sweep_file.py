@@ -148,8 +148,9 @@ def parse_sweep_file(tables: Mapping[str, Any]) -> tuple[SweepFile | None, list[
 
 
 def parse_base_designs(tables: Mapping[str, Any]) -> tuple[dict[str, DesignTables], list[Issue]]:
-    """Validate the base design, as "" -> design, or each finger ->
-    design of a set; points check the rules.
+    """Validate the base design, as "" -> design, or each finger -> design of a set.
+
+    Points check the rules.
     """
     designs = dict[str, DesignTables]()
     issues = list[Issue]()
@@ -184,8 +185,8 @@ def check_objectives(file: SweepFile) -> Iterator[Issue]:
 
 
 def to_canonical_text(tables: Mapping[str, Any]) -> str:
-    """Write tables as TOML with one line per value in a fixed
-    order: the text that is stored and compared.
+    """Write tables as TOML with one line per value in a fixed order: the text that is stored and
+    compared.
     """
     import tomlkit  # noqa: PLC0415
 
@@ -271,8 +272,8 @@ def _load_base(
 def _find_changed_axes(
     axes: Any, design_changes: list[str], scene_changes: list[str]
 ) -> Iterator[Issue]:
-    """Find changes of parameters that the sweep varies: the
-    axis would override them at every point.
+    """Find changes of parameters that the sweep varies: the axis would override them at every
+    point.
     """
     for change in (*design_changes, *(f"scene.{change}" for change in scene_changes)):
         name, _, value = (text.strip() for text in change.partition("="))
@@ -307,8 +308,8 @@ def _sort_changes(changes: Iterable[str]) -> tuple[list[str], list[str], list[st
 
 
 def _explain(issue: Issue) -> Issue:
-    """Return the issue with a remedy where a field is missing, or
-    where it became a parameter of the design.
+    """Return the issue with a remedy where a field is missing, or where it became a parameter of
+    the design.
     """
     if issue.field == "silicone":
         remedy = "write silicone.product under [design], or add --set silicone.product=NAME."
@@ -326,8 +327,9 @@ def _explain(issue: Issue) -> Issue:
 
 
 def _list_lines(table: Mapping[str, Any]) -> Iterator[tuple[list[str], Any]]:
-    """Return the values of a table with their keys; a table within
-    it becomes dotted keys, one line per value.
+    """Return the values of a table with their keys.
+
+    A table within it becomes dotted keys, one line per value.
     """
     for key, value in table.items():
         if isinstance(value, Mapping) and "." not in key:

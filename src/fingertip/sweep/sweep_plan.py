@@ -118,8 +118,8 @@ class SweepPlan:
         raise SweepError(issues)
 
     def to_toml(self) -> str:
-        """Write the whole sweep, base design and scene included, as
-        canonical text: equal sweeps give equal text.
+        """Write the whole sweep, base design and scene included, as canonical text: equal sweeps
+        give equal text.
         """
         tables: dict[str, Any] = self.file.model_dump(exclude={"axes", "design", "scene"})
         tables["axes"] = {axis.name: _to_entry(axis) for axis in self.axes}
@@ -143,15 +143,15 @@ class SweepPlan:
         """Column of each number that a fit may move -> its value in the base, such as
         "fitted.skin.tip_length_mm".
         """
-        found = dict[str, float]()
+        values = dict[str, float]()
         axes = dict.fromkeys((axis.name for axis in self.axes), 0)
 
         for finger, design in self.designs.items() if self.file.fit else ():
             for name in sorted({*MOVABLE} - select_changes(axes, finger).keys()):
                 owner = f"fingers.{finger}." if finger else ""
-                found[f"{FITTED}{owner}{name}"] = round_for_output(design.value(name))
+                values[f"{FITTED}{owner}{name}"] = round_for_output(design.value(name))
 
-        return found
+        return values
 
     @property
     def recorded(self) -> tuple[str, ...]:
@@ -233,9 +233,7 @@ class SweepPlan:
 
     @cached_property
     def _samples(self) -> NDArray[np.float64]:
-        """(points, axes) in [0, 1): Latin hypercube or scrambled Sobol sequence
-        (scipy.stats.qmc).
-        """
+        """Samples in [0, 1), shape (points, axes): Latin hypercube or scrambled Sobol sequence."""
         self._require_samplers()
         from scipy.stats import qmc  # noqa: PLC0415
 
@@ -346,11 +344,13 @@ def _check_consistency(plan: SweepPlan) -> list[Issue]:
     for finger, design in plan.designs.items() if not plan.file.fit else ():  # a fit may repair it
         swept = select_changes(dict.fromkeys((axis.name for axis in plan.axes), 0), finger).keys()
         broken = list(find_violations(RULES, design))
-        lasting = [one for one in broken if not one.reads & swept]
+        lasting = [broken_rule for broken_rule in broken if not broken_rule.reads & swept]
         if not lasting:
             continue
 
-        repairable = {one.rule for one in broken} - {one.rule for one in lasting}
+        repairable = {broken_rule.rule for broken_rule in broken} - {
+            broken_rule.rule for broken_rule in lasting
+        }
         rules = [rule for rule in RULES if rule not in repairable]
         issues += [
             Issue(

@@ -1,6 +1,4 @@
-"""Orientation of each printed part on the build plate, and the places where its supports
-may stand.
-"""
+"""Orientation of each printed part on the build plate, and the places for its supports."""
 
 from __future__ import annotations
 
@@ -53,8 +51,9 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
 
 
 def build_volume_excess(design: Design, mesh: Mesh, rotate_x_deg: float = 0.0) -> float:
-    """Measure how far a part, turned on the bed or not, exceeds the
-    build volume [mm]; negative if it fits.
+    """Measure how far a part, turned on the bed or not, exceeds the build volume [mm].
+
+    It is negative if the part fits.
     """
     printer = design.printer
     (x, y, height) = bed_pose(mesh, rotate_x_deg).size(mesh)
@@ -67,8 +66,8 @@ def build_volume_excess(design: Design, mesh: Mesh, rotate_x_deg: float = 0.0) -
 @dataclass(frozen=True)
 class Supports:
     places: tuple[Solid, ...]
-    """Regions of air in which they may stand, in the part's own
-    coordinates; none for a part without supports.
+    """Regions of air in which they may stand, in the part's own coordinates.
+    None for a part without supports.
     """
     may_stand: str
     """Places in words."""

@@ -27,8 +27,8 @@ class Pose:
     """Rigid motion of a part from its file to the bed: v -> rotation v + shift."""
 
     rotation: Array
-    """Rotation, shape (3, 3); its entries are 0, 1 and -1, so
-    that vertices keep their exact values.
+    """Rotation, shape (3, 3).
+    Its entries are 0, 1 and -1, so that vertices keep their exact values.
     """
     shift: tuple[float, float, float]
     """Translation after the rotation [mm]."""
@@ -42,8 +42,9 @@ class Pose:
         return x, y, z
 
     def turned(self) -> Pose:
-        """Turn the pose by a quarter turn about the vertical; it lies
-        at the corner again once `on_bed` places it.
+        """Turn the pose by a quarter turn about the vertical.
+
+        It lies at the corner again once `on_bed` places it.
         """
         return Pose(
             np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]) @ self.rotation,
@@ -82,12 +83,12 @@ Design guides of print services state 5 to 15 mm. An assumption.
 MAX_LEDGE_MM = 1.0
 """Longest ledge that prints over air [mm], as design guides for resin state. An assumption."""
 MAX_UNSUPPORTED_MM2 = MAX_LEDGE_MM**2
-"""Largest unsupported part of a ceiling [mm2]: a corner of the longest
-ledge, as where a bore ends in a round side.
+"""Largest unsupported part of a ceiling [mm2]: a corner of the longest ledge, as where a bore ends
+in a round side.
 """
 _STEEP = math.sin(math.radians(OVERHANG_DEG)) + 1e-4
-"""Component of the normal downwards above which a facet
-overhangs; facets at the angle itself do not.
+"""Component of the normal downwards above which a facet overhangs.
+Facets at the angle itself do not.
 """
 _ON_BED_MM = 0.005
 """Height up to which a facet lies on the bed [mm]."""
@@ -106,8 +107,8 @@ class Ceiling:
     """True for edges beside which the surface goes down, shape (n,)."""
 
     def unsupported_mm2(self) -> float:
-        """Area seen from above that no short bridge and no short
-        ledge covers [mm2], in the best direction.
+        """Area seen from above that no short bridge and no short ledge covers [mm2], in the best
+        direction.
         """
         return min(
             _unsupported_along(self.edges, self.is_held, math.pi * i / _DIRECTIONS)
@@ -129,18 +130,18 @@ def find_ceilings(mesh: Mesh) -> list[Ceiling]:
     group = _connected(numbers, beside)
     row, side = np.nonzero(~steep[beside])
     facet = numbers[row]
-    other = beside[row, side]
+    third = beside[row, side]
     edges = np.stack([corners[facet, side], corners[facet, (side + 1) % 3]], axis=1)
     # Of the facet beside, only the corner off the common edge leaves the plane of the ceiling's
     # facet.
-    away = (corners[other] - edges[:, :1]) @ normal[facet, :, None]
+    away = (corners[third] - edges[:, :1]) @ normal[facet, :, None]
     is_held = away[:, :, 0].sum(axis=1) > 0.0
     members = _split(group)
     sides = _split(group[row])
 
     return [
-        Ceiling(numbers[facets], edges[found][:, :, :2], is_held[found])
-        for facets, found in zip(members, sides, strict=True)
+        Ceiling(numbers[facets], edges[selected][:, :, :2], is_held[selected])
+        for facets, selected in zip(members, sides, strict=True)
     ]
 
 
@@ -151,24 +152,27 @@ def _split(group: NDArray[np.int64]) -> list[NDArray[np.int64]]:
 
 
 def _neighbours(triangles: Triangles, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Find the three facets beside each of some facets of a closed
-    mesh, in the order of their sides, shape (n, 3).
+    """Find the three facets beside each of some facets of a closed mesh, in the order of their
+    sides, shape (n, 3).
     """
     size = int(triangles.max()) + 1
     keys = (triangles * size + np.roll(triangles, -1, axis=1)).ravel()
     order = np.argsort(keys)
-    wanted = triangles[numbers]
-    opposite = np.roll(wanted, -1, axis=1) * size + wanted
+    edge_triangles = triangles[numbers]
+    opposite = np.roll(edge_triangles, -1, axis=1) * size + edge_triangles
 
     return np.asarray(order[np.searchsorted(keys[order], opposite)] // 3)
 
 
 def _connected(numbers: NDArray[np.int64], beside: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Find the group of each facet: those that overhang and share an
-    edge have the place of the first of them.
+    """Find the group of each facet: those that overhang and share an edge have the place of the
+    first of them.
     """
     row_of = {number: row for row, number in enumerate(numbers.tolist())}
-    links = [[row_of[other] for other in others if other in row_of] for others in beside.tolist()]
+    links = [
+        [row_of[neighbour] for neighbour in neighbours if neighbour in row_of]
+        for neighbours in beside.tolist()
+    ]
     group = [-1] * len(links)
 
     for first in range(len(links)):
@@ -178,10 +182,10 @@ def _connected(numbers: NDArray[np.int64], beside: NDArray[np.int64]) -> NDArray
         waiting = [first]
         group[first] = first
         while waiting:
-            for other in links[waiting.pop()]:
-                if group[other] < 0:
-                    group[other] = first
-                    waiting.append(other)
+            for neighbour in links[waiting.pop()]:
+                if group[neighbour] < 0:
+                    group[neighbour] = first
+                    waiting.append(neighbour)
 
     return np.array(group)
 
@@ -202,10 +206,10 @@ def _unsupported_along(edges: Array, is_held: NDArray[np.bool_], angle: float) -
     at = along[edge, 0] + share * (along[edge, 1] - along[edge, 0])
     order = np.lexsort((at, thread))
     at = at[order]
-    held = is_held[edge[order]]
+    is_supported = is_held[edge[order]]
     # Each thread crosses the boundary an even number of times: it enters and leaves in turn.
     length = at[1::2] - at[::2]
-    ends = held[1::2].astype(int) + held[::2]
+    ends = is_supported[1::2].astype(int) + is_supported[::2]
     longest = np.array([0.0, MAX_LEDGE_MM, MAX_BRIDGE_MM])[ends]
 
     return float(length[length > longest + 1e-6].sum() * spacing)

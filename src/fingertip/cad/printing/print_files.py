@@ -1,5 +1,5 @@
-"""Files of the printed parts as they lie on the bed: an STL file
-each, and plates as 3MF with slicer settings.
+"""Files of the printed parts as they lie on the bed: an STL file each, and plates as 3MF with
+slicer settings.
 """
 
 from __future__ import annotations
@@ -36,12 +36,13 @@ class Placed:
     width: float
     depth: float
 
-    def distance(self, other: Placed) -> float:
-        """Measure the gap to another part along x or y, the
-        larger of both; negative if they overlap.
+    def distance(self, neighbour: Placed) -> float:
+        """Measure the gap to another part along x or y, the larger of both.
+
+        It is negative if they overlap.
         """
-        along_x = max(other.x - self.x - self.width, self.x - other.x - other.width)
-        along_y = max(other.y - self.y - self.depth, self.y - other.y - other.depth)
+        along_x = max(neighbour.x - self.x - self.width, self.x - neighbour.x - neighbour.width)
+        along_y = max(neighbour.y - self.y - self.depth, self.y - neighbour.y - neighbour.depth)
         return max(along_x, along_y)
 
 
@@ -51,8 +52,9 @@ Plate = tuple[Placed, ...]
 def arrange(
     footprints: Mapping[str, tuple[float, float]], bed: tuple[float, float], gap: float
 ) -> tuple[Plate, ...]:
-    """Place parts [mm] on as few plates as a simple search finds,
-    mid-bed; those that are too large stand alone.
+    """Place parts [mm] on as few plates as a simple search finds, mid-bed.
+
+    Those that are too large stand alone.
     """
     # Large parts come first. Turns are tried from none to all, until everything lies on one plate.
     names = sorted(footprints, key=lambda name: (-footprints[name][0] * footprints[name][1], name))
@@ -87,8 +89,9 @@ def arrange(
 def _place_part(
     plates: list[list[Placed]], part: Placed, bed: tuple[float, float], gap: float
 ) -> None:
-    """Place a part on the first plate with room, as near to its front
-    left corner as possible; else on a new one.
+    """Place a part on the first plate with room, as near to its front left corner as possible.
+
+    Without room on any, it begins a new plate.
     """
     for plate in plates:
         # At the left or the front edge of the bed, or right of or behind another part.
@@ -101,15 +104,15 @@ def _place_part(
                 width=part.width,
                 depth=part.depth,
             )
-            for x in (0.0, *(other.x + other.width + gap for other in plate))
-            for y in (0.0, *(other.y + other.depth + gap for other in plate))
+            for x in (0.0, *(placed.x + placed.width + gap for placed in plate))
+            for y in (0.0, *(placed.y + placed.depth + gap for placed in plate))
         )
         free = [
             spot
             for spot in spots
             if spot.x + spot.width <= bed[0] + _ROUNDING_MM
             and spot.y + spot.depth <= bed[1] + _ROUNDING_MM
-            and all(spot.distance(other) >= gap - _ROUNDING_MM for other in plate)
+            and all(spot.distance(placed) >= gap - _ROUNDING_MM for placed in plate)
         ]
         if free:
             plate.append(min(free, key=lambda spot: (spot.y + spot.depth, spot.x)))
@@ -147,8 +150,9 @@ def parts_on_plates(design: Design) -> tuple[str, ...]:
 def make_print_files(
     design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], with_stl: bool
 ) -> PrintFiles:
-    """Make the files of the printed parts; plates only if all parts
-    are there, so that none leaves out a part.
+    """Make the files of the printed parts.
+
+    Plates are made only if all parts are there: none leaves out a part.
     """
     orientations = print_orientations(design)
     poses = {

@@ -51,8 +51,8 @@ class Profile:
     """Infill of what is not printed solid."""
     solid: tuple[str, ...] = ("bone", "pin")
     brim_mm: float = 4.0
-    """Width of the brim of bone and pin, which stand on narrow feet:
-    brims of neighbours on a plate do not meet.
+    """Width of the brim of bone and pin, which stand on narrow feet: brims of neighbours on a plate
+    do not meet.
     """
 
 
@@ -62,14 +62,14 @@ RESIN_LAYER_MM = 0.05
 """Usual layers of resin printers [mm]."""
 _SOLID_PERCENT = 100
 PROFILE = Profile()
-"""Settings of every design: a cup is poured full and holds no
-pressure, so that few walls and little infill do.
+"""Settings of every design: a cup is poured full and holds no pressure, so that few walls and
+little infill do.
 """
 
 
 def choose_plate_kind(design: Design) -> PlateKind:
-    """Choose the printer of the plate: that of the bone's material,
-    or filament where a service prints the bone.
+    """Choose the printer of the plate: that of the bone's material, or filament where a service
+    prints the bone.
     """
     return SLA if design.strength.material.process == SLA.name else FDM
 
@@ -129,8 +129,8 @@ def describe_part(
     supports: Supports,
     material: PrintMaterial,
 ) -> str:
-    """Describe in sentences how a part of a plate is printed, for
-    programs and people that ignore the settings.
+    """Describe in sentences how a part of a plate is printed, for programs and people that ignore
+    the settings.
     """
     if kind is FDM:
         text = (
@@ -156,8 +156,7 @@ _CLOSED_LAYERS = 3
 _BESIDE_SURFACE = 12.0
 _WITHIN = 4.0
 _FITTED_LAYER_MM = 0.15
-"""Minutes per cm3 of lines beside surfaces and of what lies between them, in layers of
-this height.
+"""Minutes per cm3 of lines beside surfaces and of what lies between them, in layers of this height.
 """
 
 

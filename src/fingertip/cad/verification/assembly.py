@@ -30,8 +30,7 @@ _PULL_DISTANCES_MM = (0.02, 0.2, 1.0, 4.0, 12.0)
 LIFT_MM = RIDGE_HEIGHT_MM + 0.5
 """Height by which a core is lifted out of its grooves before the dorsal half comes off [mm]."""
 _BREP_VOLUME_ERROR = 2e-6
-"""Relative error allowed in volumes of the B-rep kernel, whose quadrature has a
-tolerance of 1e-6.
+"""Relative error allowed in volumes of the B-rep kernel, whose quadrature has a tolerance of 1e-6.
 """
 
 
@@ -131,16 +130,19 @@ def _check_overlaps(
     def volume(solid: Solid) -> float:
         return float(evaluator.manifold(solid).volume())
 
-    for (first, one), (second, other) in combinations(inside.items(), 2):
+    for (first, solid_of_first), (second, solid_of_second) in combinations(inside.items(), 2):
         yield Check.zero_volume(
-            f"overlap.{first}.{second}", volume(one) + volume(other) - volume(one.union(other))
+            f"overlap.{first}.{second}",
+            volume(solid_of_first)
+            + volume(solid_of_second)
+            - volume(solid_of_first.union(solid_of_second)),
         )
 
     cast = union(*inside.values()) if inside else None
     for half, solid in halves.items():
         together = volume(cast) + volume(solid) - volume(cast.union(solid)) if cast else 0.0
-        for name, one in inside.items():
-            alone = together if together <= VOLUME_TOLERANCE_MM3 else volume(one.intersect(solid))
+        for name, inner in inside.items():
+            alone = together if together <= VOLUME_TOLERANCE_MM3 else volume(inner.intersect(solid))
             yield Check.zero_volume(f"overlap.{name}.{half}", alone)
 
     if len(halves) == 2:
@@ -150,8 +152,9 @@ def _check_overlaps(
 
 
 def _mold_imbalance(design: Design, evaluator: MeshEvaluator, halves: Iterable[Solid]) -> float:
-    """Compute |block - halves - hollow - cut-outs| [mm3]; hollow and
-    cut-outs are evaluated apart from the halves.
+    """Compute |block - halves - hollow - cut-outs| [mm3].
+
+    Hollow and cut-outs are evaluated apart from the halves.
     """
     cuts = union(*mold.belts(design), *mold.label(design))
     block = mold.block(design)

@@ -37,8 +37,8 @@ CHECKS = Checks()
 STRENGTH_CHECKS = Checks()
 
 _AREA_TOLERANCE_MM2 = 0.01
-"""Largest area that counts as zero [mm2]: a strip along the sensor as
-narrow as the rounding to the vertex grid.
+"""Largest area that counts as zero [mm2]: a strip along the sensor as narrow as the rounding to the
+vertex grid.
 """
 _LEAST_OPEN_PERCENT = 50.0
 _GAP_MM = 0.1
@@ -96,8 +96,8 @@ def check_bone(design: Design, solids: Solids) -> Iterator[Check]:
 def _check_channel_walls(
     design: Design, evaluator: MeshEvaluator, outside: Manifold, wall: float
 ) -> Iterator[Check]:
-    """Check the part of the channel that has bone on all sides: from
-    the trough's floor to short of its dorsal end.
+    """Check the part of the channel that has bone on all sides: from the trough's floor to short of
+    its dorsal end.
     """
     dims = design.dimensions
     channel = evaluator.manifold(bone_model.cable_channel(design))
@@ -114,15 +114,16 @@ def _check_channel_walls(
 
 @CHECKS.register("bone", change={"bone.wall.adapter": ("bone.adapter_file", "printer.min_wall_mm")})
 def check_adapter(design: Design, solids: Solids) -> Iterator[Check]:
-    """Check the walls of an adapter, by rays; a few narrow
-    places, such as a sharp edge, are left out.
+    """Check the walls of an adapter, by rays.
+
+    A few narrow places, such as a sharp edge, are left out.
     """
     if design.bone.interface != "file":
         return
 
     limit = design.printer.min_wall_mm - 2 * solids.evaluator.tolerance_mm
-    found = measure_walls(solids["bone"], limit)
-    thin = found.thickness_mm[found.points[:, 2] < -design.bone.base_length_mm]
+    walls = measure_walls(solids["bone"], limit)
+    thin = walls.thickness_mm[walls.points[:, 2] < -design.bone.base_length_mm]
     matters = len(thin) * SPACING_MM**2 > NEGLIGIBLE_MM2
     yield Check(
         name="bone.wall.adapter",
@@ -135,8 +136,8 @@ def check_adapter(design: Design, solids: Solids) -> Iterator[Check]:
 
 
 def _check_sensor_seat(design: Design, solids: Solids) -> Iterator[Check]:
-    """Check clearance and flat seat of the sensor: one that bends
-    over an unsupported area reads a false force.
+    """Check clearance and flat seat of the sensor: one that bends over an unsupported area reads a
+    false force.
     """
     dims = design.dimensions
     solid = solids["bone"]
@@ -250,8 +251,8 @@ def _find_open_share(design: Design, solids: Solids) -> float:
     },
 )
 def check_stand(design: Design, solids: Solids) -> Iterator[Check]:
-    """Check that the print's errors leave half the mating play
-    beside the post, and that the bolt passes both.
+    """Check that the print's errors leave half the mating play beside the post, and that the bolt
+    passes both.
     """
     error = design.printer.surface_error_mm + max(0.0, design.printer.offset_mm)
     gap = MATING_PLAY_MM / 2 + error - solids.evaluator.tolerance_mm

@@ -34,8 +34,7 @@ _REACH_GROWTH = 1.25
 The time of a search grows with about the cube of its reach.
 """
 _MIN_REACH_MM = 0.1
-"""Reach of a search for a distance of nothing or less, which a coarse mesh leaves of a
-limit [mm].
+"""Reach of a search for a distance of nothing or less, which a coarse mesh leaves of a limit [mm].
 """
 _MAX_REACH_MM = 500.0
 """Reach of a search that exceeds the size of every design [mm]."""
@@ -66,8 +65,8 @@ class Check(Comparison):
         second: Manifold,
         min_mm: float,
     ) -> Check:
-        """Check that two solids are at least `min_mm` apart: on both
-        sides of a wall, they give its thickness.
+        """Check that two solids are at least `min_mm` apart: on both sides of a wall, they give its
+        thickness.
         """
         return cls(
             name=name,
@@ -124,8 +123,8 @@ class RegisteredCheck:
     parts: frozenset[str]
     """Parts without which there is nothing to check."""
     change: Mapping[str, tuple[str, ...]]
-    """Pattern of names -> parameters to change if one fails; the first pattern that
-    matches counts.
+    """Pattern of names -> parameters to change if one fails.
+    The first pattern that matches counts.
     """
 
     def find_change(self, name: str) -> tuple[str, ...]:
@@ -140,8 +139,8 @@ class Checks(list[RegisteredCheck]):
     def register(
         self, *parts: str, change: Mapping[str, tuple[str, ...]] = MappingProxyType({})
     ) -> Callable[[CheckFunction], CheckFunction]:
-        """Register the decorated function, for builds with these
-        parts, and what to change if a check of it fails.
+        """Register the decorated function, for builds with these parts, and what to change if a
+        check of it fails.
         """
 
         def add(run: CheckFunction) -> CheckFunction:
@@ -176,8 +175,8 @@ def search_distance(measure: Callable[[float], float], first_reach_mm: float) ->
 
 
 def complement(evaluator: MeshEvaluator, solid: Solid) -> Manifold:
-    """Evaluate the complement of a solid within a box that extends
-    past it on all sides by the solid's width.
+    """Evaluate the complement of a solid within a box that extends past it on all sides by the
+    solid's width.
     """
     inner = evaluator.manifold(solid)
     low_x, low_y, low_z, high_x, high_y, high_z = inner.bounding_box()

@@ -44,8 +44,9 @@ def max_facet_deviation(body: ConicBody, vertices: Array, triangles: NDArray[np.
 
 
 def _nearby_distance(patches: Iterable[Patch], points: Array) -> Array:
-    """Measure the distance [mm] of points near the surface,
-    without its end; an upper bound for others.
+    """Measure the distance [mm] of points near the surface, without its end.
+
+    For other points it is an upper bound.
     """
     folded = points.copy()
     folded[:, 0] = np.abs(folded[:, 0])
@@ -59,8 +60,8 @@ def _nearby_distance(patches: Iterable[Patch], points: Array) -> Array:
 
 
 class Patch:
-    """Patch of one quadrant of a taper or of the tip: tensor product
-    of a section arc (t) and a profile [mm] (v).
+    """Patch of one quadrant of a taper or of the tip: tensor product of a section arc (t) and a
+    profile [mm] (v).
     """
 
     def __init__(
@@ -94,8 +95,8 @@ class Patch:
         )
 
     def in_range(self, points: Array, reach_mm: float) -> NDArray[np.bool_]:
-        """Select points by a mask: those within the height and
-        side of the patch, extended by `reach_mm`.
+        """Select points by a mask: those within the height and side of the patch, extended by
+        `reach_mm`.
         """
         low, high = self._z
         y = points[:, 1] * np.sign(self.b)
@@ -133,8 +134,8 @@ class Patch:
         return best
 
     def _start(self, points: Array) -> tuple[Array, Array]:
-        """Estimate the parameters of the nearest point: same height,
-        and about the same direction from the axis.
+        """Estimate the parameters of the nearest point: same height, and about the same direction
+        from the axis.
         """
         heights, scales, angles = self._samples
         v = np.interp(points[:, 2], heights, _PARAMETERS)
@@ -147,8 +148,8 @@ class Patch:
 
     @cached_property
     def _samples(self) -> tuple[Array, tuple[Array, Array], Array]:
-        """Height [mm] and both scales along the profile, and angle
-        [rad] along the section arc, at `_PARAMETERS`.
+        """Height [mm] and both scales along the profile, and angle [rad] along the section arc, at
+        `_PARAMETERS`.
         """
         (x, _), (y, _) = _rational(_PARAMETERS, *self._section)
         (z, _), (s, _), (c, _) = _rational(_PARAMETERS, *self._profile)

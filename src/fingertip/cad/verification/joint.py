@@ -1,5 +1,5 @@
-"""Checks of a joint: the finger is rotated about the pin, on the hand
-as `[hand]` describes it and on its stub.
+"""Checks of a joint: the finger is rotated about the pin, on the hand as `[hand]` describes it and
+on its stub.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ _BEYOND_STOP_DEG = 4.0
     },
 )
 def check_joint(design: Design, solids: Solids) -> Iterator[Check]:
-    """Check walls and tendon, that the finger turns freely on the
-    hand, and that stops block it beyond both ends.
+    """Check walls and tendon, that the finger turns freely on the hand, and that stops block it
+    beyond both ends.
     """
     joint = design.dimensions.joint
     anchor = design.dimensions.anchor
@@ -125,8 +125,8 @@ def _check_travel(
     hand: Manifold,
     angles: int,
 ) -> Iterator[Check]:
-    """Check that the finger turns freely on a solid, from
-    straight to bent, and its clearance halfway.
+    """Check that the finger turns freely on a solid, from straight to bent, and its clearance
+    halfway.
     """
     travel = design.hand.travel_deg
     finger = [solids["bone"], solids["skin"]]
@@ -156,16 +156,16 @@ def _check_travel(
 
 
 def turn_about_pin(part: Manifold, joint: Joint, angle_deg: float) -> Manifold:
-    """Turn a part of the finger about the pin: its tip (+z) to the
-    palmar side (-y), a positive rotation about x.
+    """Turn a part of the finger about the pin: its tip (+z) to the palmar side (-y), a positive
+    rotation about x.
     """
     at_origin = part.translate((0.0, -joint.axis_y, -joint.axis_z))
     return at_origin.rotate((angle_deg, 0.0, 0.0)).translate((0.0, joint.axis_y, joint.axis_z))
 
 
 def _wedge(design: Design, joint: Joint) -> float:
-    """Half the volume of a stop as long as the pin's radius, pressed
-    past the shoulder by the angle beyond it [mm3].
+    """Half the volume of a stop as long as the pin's radius, pressed past the shoulder by the angle
+    beyond it [mm3].
     """
     dims = design.dimensions
     # Beside the strands of a tendon the stop ends at their horns.

@@ -1,5 +1,5 @@
-"""Checks of mesh files that any program wrote: alone, as one of two
-mold halves, and as the part of a design.
+"""Checks of mesh files that any program wrote: alone, as one of two mold halves, and as the part of
+a design.
 """
 
 from __future__ import annotations
@@ -33,8 +33,7 @@ _SEAM_MM = 0.02
 Halves that are farther apart do not meet.
 """
 _KEY_GAP_MM = 0.5
-"""Half the width of the widest gap around a key that is closed before two cuts are
-compared [mm].
+"""Half the width of the widest gap around a key that is closed before two cuts are compared [mm].
 """
 _MAX_SEAM_MM2 = 1.0
 """Largest area that the cuts on both sides of the seam may differ by [mm2].
@@ -45,8 +44,8 @@ _SIZE_ROUNDING_MM = 0.005
 _UNITS_MM = {"inches": 25.4, "centimetres": 10.0, "metres": 1000.0}
 """Units in which other programs export [mm]."""
 _SHELL_SHARE = 1.5
-"""Thickness of a piece between two meshes of one surface, over
-their tolerance, that counts as none.
+"""Thickness of a piece between two meshes of one surface, over their tolerance, that counts as
+none.
 """
 _SAME_SHARE = 1e-3
 """Largest difference of two shares that counts as none."""
@@ -63,7 +62,7 @@ class MeshFile:
     part: str = ""
     """Part of the design with which it was compared; empty if it was not."""
     size_ratios: tuple[float, ...] = ()
-    """Its size over that of the part, along x, y and z."""
+    """Size of the mesh over that of the part, along x, y and z."""
 
     @property
     def passed(self) -> bool:
@@ -122,9 +121,9 @@ def _read_stl(path: Path, data: bytes) -> Mesh | None:
 
 def _check_halves(path: Path, mesh: Mesh) -> Iterator[Check]:
     """Check that a mold half meets the other at the seam, does not overlap it, and comes off it."""
-    other, way = _PARTNERS.get(path.stem, ("", 0.0))
-    partner = path.with_name(f"{other}{path.suffix}")
-    if not other or not partner.is_file():
+    partner_name, way = _PARTNERS.get(path.stem, ("", 0.0))
+    partner = path.with_name(f"{partner_name}{path.suffix}")
+    if not partner_name or not partner.is_file():
         return
 
     read = read_mesh(str(partner), read_input(partner, BODY_LIMIT, "a mesh"))
@@ -135,9 +134,9 @@ def _check_halves(path: Path, mesh: Mesh) -> Iterator[Check]:
         float((half.translate((0.0, way * distance, 0.0)) ^ other_half).volume())
         for distance in (0.0, *_PULL_MM)
     ]
-    yield Check.zero_volume(f"{other}.overlap", overlaps[0])
-    yield Check.zero_volume(f"{other}.pull_overlap", max(overlaps[1:]))
-    yield Check(f"{other}.seam", measure_seam_mm2(half, other_half), _MAX_SEAM_MM2, "mm2")
+    yield Check.zero_volume(f"{partner_name}.overlap", overlaps[0])
+    yield Check.zero_volume(f"{partner_name}.pull_overlap", max(overlaps[1:]))
+    yield Check(f"{partner_name}.seam", measure_seam_mm2(half, other_half), _MAX_SEAM_MM2, "mm2")
 
 
 def measure_seam_mm2(half: Manifold, other_half: Manifold) -> float:
@@ -175,8 +174,8 @@ def _close_gaps(section: Any) -> Any:
 
 
 def _part_like(design: Design, name: str, mesh: Mesh, tolerance_mm: float) -> Mesh:
-    """Make the part of a design as it fits the others, or as it lies
-    on the bed, whichever the mesh is nearer to.
+    """Make the part of a design as it fits the others, or as it lies on the bed, whichever the mesh
+    is nearer to.
     """
     part = parts_by_name(design)[name]
     fitted = MeshEvaluator(tolerance_mm).mesh(part.solid(design).scaled(print_scale(design, part)))
@@ -184,7 +183,11 @@ def _part_like(design: Design, name: str, mesh: Mesh, tolerance_mm: float) -> Me
         return fitted
 
     lying = bed_pose(fitted, print_orientations(design)[name].rotate_x_deg).apply(fitted)
-    return min(fitted, lying, key=lambda made: float(np.linalg.norm(_bounds(made) - _bounds(mesh))))
+    return min(
+        fitted,
+        lying,
+        key=lambda candidate: float(np.linalg.norm(_bounds(candidate) - _bounds(mesh))),
+    )
 
 
 def _bounds(mesh: Mesh) -> Array:
@@ -197,18 +200,17 @@ def _size(mesh: Mesh) -> Array:
 
 
 def _compare_with_part(mesh: Mesh, part: Mesh, tolerance_mm: float) -> Iterator[Check]:
-    """Compare size and surface with those of the part of a design; each has facets within the
-    tolerance.
+    """Compare size and surface with those of a design's part, each with facets within a tolerance.
 
-    What only one of both fills falls into pieces. Between two meshes of one surface they are thin
-    shells; a piece that is thicker shows another bore, groove or letter, however small.
+    The differences of both bodies fall into pieces. Between two meshes of one surface they are thin
+    shells; a thicker piece shows another bore, groove or letter, however small.
     """
     difference = float(abs(_size(mesh) - _size(part)).max())
     yield Check("design.size_difference", difference, 2.0 * tolerance_mm + _SIZE_ROUNDING_MM, "mm")
 
     solid = to_manifold(mesh.vertices, mesh.triangles)
-    wanted = to_manifold(part.vertices, part.triangles)
-    pieces = [piece for one in (solid - wanted, wanted - solid) for piece in one.decompose()]
+    exact = to_manifold(part.vertices, part.triangles)
+    pieces = [*(solid - exact).decompose(), *(exact - solid).decompose()]
     thickness = [
         2.0 * float(piece.volume()) / float(piece.surface_area())
         for piece in pieces

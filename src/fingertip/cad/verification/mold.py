@@ -42,14 +42,13 @@ CHECKS = Checks()
 _THINNER = ("silicone.product", "silicone.viscosity_pa_s")
 
 _RISE_MM = 0.5
-"""Rise of the core by a print that is too large by 0.3 mm at each seat, which costs no
-skin [mm].
+"""Rise of the core by a print that is too large by 0.3 mm at each seat, which costs no skin [mm].
 """
 _GRAVITY_M_S2 = 9.81
 _SHARE_PER_MM = 1.0
 _ERRORS_MM = (0.05, 0.1)
-"""Share of the palmar skin that may be missing over the error of a
-flank: 5 % at 0.05 mm, 10 % at 0.1 mm.
+"""Share of the palmar skin that may be missing over the error of a flank: 5 % at 0.05 mm, 10 % at
+0.1 mm.
 """
 _MAX_FILM_MM = 0.02
 _MAX_AIR_MM3 = 0.05
@@ -111,8 +110,8 @@ def check_mold(design: Design, solids: Solids) -> Iterator[Check]:
 
 
 def _check_motions(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check that the core goes straight down into the closed cup, and
-    comes out of the dorsal half with its skin.
+    """Check that the core goes straight down into the closed cup, and comes out of the dorsal half
+    with its skin.
     """
     palmar, dorsal = (
         evaluator.manifold(half(design)) for half in (mold.mold_palmar, mold.mold_dorsal)
@@ -145,8 +144,8 @@ def palmar_error_share(design: Design) -> float:
 
 
 def palmar_error_mm(design: Design) -> float:
-    """Compute by how much less silicone lies over the sensor [mm]
-    where each flank is off by the printer's error.
+    """Compute by how much less silicone lies over the sensor [mm] where each flank is off by the
+    printer's error.
     """
     dims = design.dimensions
     return design.printer.surface_error_mm * worst_motion(
@@ -169,15 +168,15 @@ def worst_motion(design: Design, point_mm: tuple[float, float, float]) -> float:
 
 
 class SeatLimits(NamedTuple):
-    """Readings of a caliper from the foot to the top of the plate, on
-    the core that lies in the closed cup [mm].
+    """Readings of a caliper from the foot to the top of the plate, on the core that lies in the
+    closed cup [mm].
     """
 
     low: float
     high: float
     tilt: float
-    """Largest difference between its palmar and its dorsal edge, at
-    which 10 % of the palmar skin may be lost.
+    """Largest difference between its palmar and its dorsal edge, at which 10 % of the palmar skin
+    may be lost.
     """
 
 
@@ -202,8 +201,8 @@ def palmar_limits(design: Design) -> SeatLimits:
 
 
 def plunge_pressure_kpa(design: Design, evaluator: MeshEvaluator) -> float:
-    """Compute the pressure at the tip as
-    `plunge.estimate_pressure_kpa`, from sections of both solids.
+    """Compute the pressure at the tip as `plunge.estimate_pressure_kpa`, from sections of both
+    solids.
     """
     room = evaluator.manifold(cavity(design))
     core = evaluator.manifold(core_within_skin(design))
@@ -220,8 +219,8 @@ def plunge_pressure_kpa(design: Design, evaluator: MeshEvaluator) -> float:
 
 
 def _measure_gap_around(room: Manifold, core: Manifold, z: float) -> tuple[Array, Array, float]:
-    """Measure the gap from each edge of the core's section to the
-    cup [mm], the edges' lengths, and the area.
+    """Measure the gap from each edge of the core's section to the cup [mm], the edges' lengths, and
+    the area.
     """
     inner = core.slice(z)
     outer = room.slice(z)

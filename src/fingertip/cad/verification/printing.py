@@ -35,12 +35,12 @@ from fingertip.models.parts import PARTS, Part, print_scale
 from fingertip.models.solids import Solid
 
 _STAND_GENUS = 2
-"""Through holes of a stand: those of the cross bolt, which open into its blind socket."""
+"""Number of through holes of a stand: those of the cross bolt open into its blind socket."""
 
 
 def check_mesh_file(design: Design, part: Part, mesh: Mesh, file_format: str) -> Iterator[Check]:
-    """Check that a file's mesh is closed, not degenerate, oriented
-    outwards, one body, and of the expected genus.
+    """Check that a file's mesh is closed, not degenerate, oriented outwards, one body, and of the
+    expected genus.
     """
     prefix = f"{part.name}.{file_format}."
     solid = to_manifold(mesh.vertices, mesh.triangles)
@@ -95,8 +95,8 @@ def check_brep_solid(
     scale: float,
     tolerance_mm: float,
 ) -> Iterator[Check]:
-    """Check a valid B-rep solid's genus, and its volume against the
-    mesh to the tolerance times the surface area.
+    """Check a valid B-rep solid's genus, and its volume against the mesh to the tolerance times the
+    surface area.
     """
     yield Check(
         name=f"{part.name}.step.genus",
@@ -160,8 +160,8 @@ def check_on_bed(design: Design, solids: Solids) -> Iterator[Check]:
 
 
 def check_overhang(design: Design, solids: Solids, name: str) -> Check:
-    """Check the largest unsupported overhang of a part that lies on
-    the bed, away from the places of supports.
+    """Check the largest unsupported overhang of a part that lies on the bed, away from the places
+    of supports.
     """
     places = supports_by_part(design)[name].places
     mesh = solids.mesh(name)
@@ -204,15 +204,17 @@ def _may_be_supported(
     for place in places:
         region = evaluator.manifold(place)
         low, high = np.split(np.array(region.bounding_box()), 2)
-        found = ((points >= low) & (points <= high)).all(axis=1)
+        is_inside = ((points >= low) & (points <= high)).all(axis=1)
         far = float(np.linalg.norm(high - low)) * _RAY
 
-        for i in found.nonzero()[
+        for i in is_inside.nonzero()[
             0
         ]:  # a ray from a point inside leaves the region once more than it enters
-            found[i] = len(region.ray_cast(points[i].tolist(), (points[i] + far).tolist())) % 2 == 1
+            is_inside[i] = (
+                len(region.ray_cast(points[i].tolist(), (points[i] + far).tolist())) % 2 == 1
+            )
 
-        points = points[~found]
+        points = points[~is_inside]
 
     return not len(points)
 
@@ -252,8 +254,8 @@ def check_print_files(
 def _check_plates(
     design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], prints: PrintFiles
 ) -> Iterator[Check]:
-    """Check that the plates hold each of their parts once,
-    apart from the others and within the bed.
+    """Check that the plates hold each of their parts once, apart from the others and within the
+    bed.
     """
     bed = (design.printer.bed_x_mm, design.printer.bed_y_mm, design.printer.bed_z_mm)
     kind = choose_plate_kind(design)
@@ -282,7 +284,7 @@ def _check_plates(
             Placed("", False, *box[0, :2].tolist(), *(box[1] - box[0])[:2].tolist())
             for box in boxes
         ]
-        gaps += [one.distance(other) for one, other in combinations(rectangles, 2)]
+        gaps += [first.distance(second) for first, second in combinations(rectangles, 2)]
 
     yield Check("plate.bed_distance", max(map(abs, low)), _ROUNDING_MM, "mm")
     yield Check("plate.bed_excess", max(excess), _ROUNDING_MM, "mm", change=_BED)

@@ -65,9 +65,7 @@ def read_mesh(name: str, data: bytes) -> Any:
 
 
 def compare_readings(name: str, read: Any, mesh: Mesh) -> Iterator[Check]:
-    """Check a mesh as trimesh has read it, and compare it with the mesh that its file
-    should hold.
-    """
+    """Check a mesh that trimesh has read, and compare it with the mesh that was written."""
     yield Check(
         name=f"{name}.trimesh.open",
         value=float(not read.is_watertight),

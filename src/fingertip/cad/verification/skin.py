@@ -1,4 +1,4 @@
-"""Checks of the skin: thickness, deviation of its mesh, stretch as it is put on, its pad; and what
+"""Checks of the skin: thickness, deviation of its mesh, stretch as it is put on, its pad, and what
 holds a loose one.
 
 Thickness is measured above the plane z = 0, where the skin is cut square: the least gap between
@@ -33,8 +33,7 @@ from fingertip.pad.survey import FORCE_N, MAX_TURN_ON_N, survey_pad
 CHECKS = Checks()
 
 MAX_STRETCH_SHARE = 0.2
-"""Share of its elongation at break by which a skin may be stretched: tight ones split
-after weeks.
+"""Share of its elongation at break by which a skin may be stretched: tight ones split after weeks.
 """
 _SECTIONS = 24
 """Sections along the straight part of a skin whose perimeters are measured."""
@@ -75,8 +74,9 @@ def check_skin(design: Design, solids: Solids) -> Iterator[Check]:
 
 
 def min_thickness(design: Design, evaluator: MeshEvaluator) -> float:
-    """Measure the smallest thickness [mm] between a skin's
-    interior and its outside; 0 where they meet.
+    """Measure the smallest thickness [mm] between a skin's interior and its outside.
+
+    It is 0 where they meet.
     """
     interior = above_z(evaluator.manifold(skin_interior(design)), PLANE_OFFSET_MM)
     # Everything around the skin, but not beyond its flat end, where the skin is open.
@@ -85,8 +85,8 @@ def min_thickness(design: Design, evaluator: MeshEvaluator) -> float:
 
 
 def check_fitting_stretch(design: Design, evaluator: MeshEvaluator) -> Check:
-    """Check the stretch [%] of a skin's narrowest section when it is
-    pulled over the widest section of the bone.
+    """Check the stretch [%] of a skin's narrowest section when it is pulled over the widest section
+    of the bone.
     """
     interior, whole = (evaluator.manifold(s) for s in (skin_interior(design), filled_bone(design)))
     straight_length = design.skin.length_mm - design.skin.tip_length_mm
@@ -127,8 +127,8 @@ MAX_REST_N = 0.1
 """Force on the sensor that nothing touches: half of what turns a typical one on."""
 BEAD_MM = 2.0
 _BEAD_MPA = 0.25
-"""Width of the bead of neutral silicone adhesive between skin and
-collar, and the shear that it holds. Assumptions.
+"""Width of the bead of neutral silicone adhesive between skin and collar, and the shear that it
+holds. Assumptions.
 """
 _SLIDE = 0.23
 _SLIDE_FLAT = 0.33
@@ -186,9 +186,7 @@ def pull_off_n(design: Design, *, is_glued: bool = False) -> float:
 
 
 def slide_mm(design: Design) -> float:
-    """Estimate how far 1 N along the finger moves the skin over the sensor, without
-    friction [mm].
-    """
+    """Estimate how far 1 N along the finger moves the skin over the sensor [mm], if it slides."""
     modulus = design.silicone.material.modulus_mpa
     factor = _SLIDE if design.bone.platform_mm else _SLIDE_FLAT
     return factor * FORCE_N / math.sqrt(modulus.low * modulus.high)

@@ -50,8 +50,8 @@ from fingertip.pad.response import REFERENCE_POSE
 
 STATIONS = 160
 AT_CHANNEL_MOUTH = 2.7
-"""Stress concentration at the channel's mouth; own finite elements
-(tests/cad/test_bone_elements.py): 2.5 to 2.7.
+"""Stress concentration at the channel's mouth.
+Own finite elements (tests/cad/test_bone_elements.py): 2.5 to 2.7.
 """
 
 
@@ -122,8 +122,8 @@ def measure_section(polygons: Sequence[Array]) -> Section | None:
 
 @dataclass(frozen=True)
 class Weakness(LocalStress):
-    """Largest tensile stress of a load in the worst direction, in a
-    cross-section or at a place of the interface.
+    """Largest tensile stress of a load in the worst direction, in a cross-section or at a place of
+    the interface.
     """
 
     load: str = ""
@@ -132,8 +132,8 @@ class Weakness(LocalStress):
 
 @dataclass(frozen=True)
 class Knock:
-    """Knock at one place: what gives way to it, and the forces
-    that break the bone and the joint's pin.
+    """Knock at one place: what gives way to it, and the forces that break the bone and the joint's
+    pin.
     """
 
     weakest: Weakness
@@ -143,16 +143,17 @@ class Knock:
     """Infinite without a pin."""
 
     def safety_factor(self, stated: Strength) -> float:
-        """Return the force that breaks the bone over that of
-        the stated knock, which the pin limits.
+        """Return the force that breaks the bone over that of the stated knock, which the pin
+        limits.
         """
         return self.bone_n / min(
             self.springs.force_n(stated.hand_mass_kg, stated.knock_speed_m_s), self.pin_n
         )
 
     def held_speed_m_s(self, stated: Strength) -> float:
-        """Return the speed up to which the bone has the safety factor
-        that is wanted; infinite if the pin saves it.
+        """Return the speed up to which the bone has the safety factor that is wanted.
+
+        It is infinite if the pin saves the bone.
         """
         if not stated.min_knock_factor or self.bone_n >= stated.min_knock_factor * self.pin_n:
             return math.inf
@@ -189,8 +190,8 @@ class BoneStrength:
 
     @property
     def lighter_loads(self) -> dict[str, float]:
-        """Loads that the bone holds, rounded down to two digits, in
-        place of those that are stated and too heavy.
+        """Loads that the bone holds, rounded down to two digits, in place of those that are stated
+        and too heavy.
         """
         stated = self.stated
         loads = dict[str, float]()
@@ -238,11 +239,11 @@ def assess_strength(
 
     for load, at in list_load_points(design).items():
         proximal = [cut for cut in cuts if cut[0] < at[2]]
-        found = (
+        weaknesses = (
             *_find_weakest_section(design, at, proximal),
             *interface.local_stresses(design, at[2]),
         )
-        here = [Weakness(**vars(place), load=load) for place in found]
+        here = [Weakness(**vars(place), load=load) for place in weaknesses]
         worst = max((place for place in here if place.at_knock), key=stress)
         springs = Springs(pressed.depth_mm, _bending_stiffness(design, at[2], proximal))
         held_n = {place.place: stated.material.strength_mpa / place.stress_per_n for place in here}
@@ -257,7 +258,8 @@ def assess_strength(
         held_speed_m_s=min(knock.held_speed_m_s(stated) for knock in knocks),
         breaks_n=stated.material.strength_mpa / weakest.stress_per_n,
         knock_m_s=min(
-            one.springs.speed_m_s(stated.hand_mass_kg, min(one.bone_n, one.pin_n)) for one in knocks
+            knock.springs.speed_m_s(stated.hand_mass_kg, min(knock.bone_n, knock.pin_n))
+            for knock in knocks
         ),
         tendon_force_n=stated.grip_force_n * tendon_force_per_n(design, design.skin.length_mm),
     )
@@ -278,8 +280,8 @@ def _bending_stiffness(design: Design, load_z: float, cuts: Sequence[_CutPlane])
 def _cut(
     design: Design, evaluator: MeshEvaluator, stations: int
 ) -> Iterator[tuple[float, Section]]:
-    """Cut the bone from its proximal end to the rounded tip,
-    which the skin around it loads as a whole.
+    """Cut the bone from its proximal end to the rounded tip, which the skin around it loads as a
+    whole.
     """
     solid = evaluator.manifold(PARTS["bone"].solid(design))
     low = solid.bounding_box()[2]
@@ -296,8 +298,8 @@ def _cut(
 def _find_weakest_section(
     design: Design, point: Point3, cuts: Sequence[_CutPlane]
 ) -> Iterator[LocalStress]:
-    """Find the largest stress that a load at a point gives in a
-    section, over all directions of the load.
+    """Find the largest stress that a load at a point gives in a section, over all directions of the
+    load.
     """
 
     def largest(cut: _CutPlane) -> float:
@@ -324,8 +326,8 @@ def _raise_gradients(
     section: Section,
     factors: StressFactors,
 ) -> tuple[Array, Array]:
-    """Stress at each corner of a section per newton in x, y and z,
-    without and with stress concentration [MPa/N].
+    """Stress at each corner of a section per newton in x, y and z, without and with stress
+    concentration [MPa/N].
     """
     plain = stress_gradients(
         section, np.array(point), z, interface_of(design).moment_share(design, z)
@@ -337,8 +339,8 @@ def _raise_gradients(
 def stress_gradients(
     section: Section, point_mm: Array, z_mm: float, moment_share: float = 1.0
 ) -> Array:
-    """Stress at each corner of a section per newton in x, y and z of
-    a load at a point, (corners, 3) [MPa/N].
+    """Stress at each corner of a section per newton in x, y and z of a load at a point, (corners,
+    3) [MPa/N].
     """
     x, y, z = (float(value) for value in point_mm - np.array([*section.centroid_mm, z_mm]))
     # Columns: the moment r x F of a unit force along each axis, turned into the bending of the
@@ -355,8 +357,8 @@ _CutPlane: TypeAlias = tuple[float, Section, StressFactors]
 
 
 def _find_concentration(design: Design, z: float) -> StressFactors:
-    """Find the stress concentration at a height: beside collar and
-    notches, at the cable channel, of the joint.
+    """Find the stress concentration at a height: beside collar and notches, at the cable channel,
+    of the joint.
     """
     dims = design.dimensions
     foot = -design.bone.collar_length_mm

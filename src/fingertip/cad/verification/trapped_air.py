@@ -92,11 +92,11 @@ def _fill(outlines: list[Array], x: Array, y: Array) -> Mask:
 def _spread(seeds: Mask, free: Mask) -> Mask:
     """Find the places of a layer that are connected with a seed."""
     while True:
-        found = _along_rows(_along_rows(seeds, free).T, free.T).T
-        if np.array_equal(found, seeds):
-            return found
+        reached = _along_rows(_along_rows(seeds, free).T, free.T).T
+        if np.array_equal(reached, seeds):
+            return reached
 
-        seeds = found
+        seeds = reached
 
 
 def _along_rows(seeds: Mask, free: Mask) -> Mask:

@@ -95,10 +95,14 @@ def verify(
         work.begin(f"mesh of {name}")
         meshes[name] = solids.mesh(name)
 
-    files = [(part_file(name, each), name, each) for name in meshes for each in mesh_formats]
+    files = [
+        (part_file(name, file_format), name, file_format)
+        for name in meshes
+        for file_format in mesh_formats
+    ]
     contents = {
-        file: mesh_formats[each].to_bytes(meshes[name], name, PARTS[name].note)
-        for file, name, each in files
+        file: mesh_formats[file_format].to_bytes(meshes[name], name, PARTS[name].note)
+        for file, name, file_format in files
     }
     encoded = (
         {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()}
@@ -108,9 +112,9 @@ def verify(
     prints = make_print_files(design, meshes, encoded, "stl" in mesh_formats)
     work.begin("checks")
     checks: list[Check] = []
-    for file, name, each in files:
+    for file, name, file_format in files:
         checks += check_mesh_file(
-            design, PARTS[name], mesh_formats[each].from_bytes(contents[file]), each
+            design, PARTS[name], mesh_formats[file_format].from_bytes(contents[file]), file_format
         )
 
     checks += check_print_files(design, meshes, encoded, prints)
@@ -149,8 +153,9 @@ def run_checks(design: Design, solids: Solids) -> Iterator[Check]:
 
 
 def list_causes(check: str) -> tuple[str, ...]:
-    """List the parameters behind a check, by its name; none if
-    its failure were a fault of the program.
+    """List the parameters behind a check, by its name.
+
+    There are none if its failure would be a fault of the program.
     """
     return next(filter(None, (registered.find_change(check) for registered in CHECKS)), ())
 
@@ -158,8 +163,8 @@ def list_causes(check: str) -> tuple[str, ...]:
 # Margins of a design: how near its checks and its rules are to their limits.
 
 _TRIED: tuple[tuple[float, Relation], ...] = ((0.7, "at least"), (1.3, "at most"))
-"""Shares of a value at which its rules are asked for their
-limits: what passes there too is not near.
+"""Shares of a value at which its rules are asked for their limits: what passes there too is not
+near.
 """
 
 _CHOSEN = 1e-4
@@ -167,17 +172,23 @@ _CHOSEN = 1e-4
 
 
 def list_margins(design: Design, checks: Iterable[Check]) -> list[Comparison]:
-    """List the checks and the rules of a design that compare a
-    number with a limit, the nearest to it first.
+    """List the checks and the rules of a design that compare a number with a limit, the nearest to
+    it first.
     """
-    limits = (one for one in _list_limits(design) if abs(one.margin_percent) > _CHOSEN)
-    compared = (one for one in (*checks, *limits) if one.margin_percent < math.inf)
-    return sorted(compared, key=lambda one: one.margin_percent)
+    limits = (
+        comparison
+        for comparison in _list_limits(design)
+        if abs(comparison.margin_percent) > _CHOSEN
+    )
+    compared = (
+        comparison for comparison in (*checks, *limits) if comparison.margin_percent < math.inf
+    )
+    return sorted(compared, key=lambda comparison: comparison.margin_percent)
 
 
 def _list_limits(design: Design) -> Iterator[Comparison]:
-    """List the limits that rules set to a length or the like while
-    all others stay, as far as they are near it.
+    """List the limits that rules set to a length or the like while all others stay, as far as they
+    are near it.
     """
     for name in dict.fromkeys(
         rule.field for rule in RULES if isinstance(design.value(rule.field), float)

@@ -65,23 +65,25 @@ def find_thin_walls(design: Design, evaluator: MeshEvaluator, part: str) -> Thin
     """
     minimum = design.skin.min_thickness_mm if part == "skin" else design.printer.min_wall_mm
     slack = 2 * evaluator.tolerance_mm  # both faces are off by the tolerance
-    found = measure_walls(evaluator.manifold(PARTS[part].solid(design)), minimum - slack)
+    walls = measure_walls(evaluator.manifold(PARTS[part].solid(design)), minimum - slack)
     if part != "bone":
-        return found
+        return walls
 
     dims = design.dimensions
-    (_, y, z) = found.points.T
+    (_, y, z) = walls.points.T
     beside_sensor = (z > 0.0) & (y < dims.pocket_depth - dims.flat_depth)
-    is_rim = beside_sensor & (found.thickness_mm > 0.95 * design.bone.rim_mm - slack)
-    kept = ~is_rim
-    area = found.area_mm2 * float(kept.sum()) / max(1, len(kept))
+    is_rim = beside_sensor & (walls.thickness_mm > 0.95 * design.bone.rim_mm - slack)
+    is_shown = ~is_rim
+    area = walls.area_mm2 * float(is_shown.sum()) / max(1, len(is_shown))
 
-    return ThinWalls(found.points[kept], found.normals[kept], found.thickness_mm[kept], area)
+    return ThinWalls(
+        walls.points[is_shown], walls.normals[is_shown], walls.thickness_mm[is_shown], area
+    )
 
 
 def measure_walls(solid: Manifold, limit_mm: float) -> ThinWalls:
-    """Cast rays into a solid from points spread over its surface,
-    and keep those with a wall below a limit.
+    """Cast rays into a solid from points spread over its surface, and keep those with a wall below
+    a limit.
     """
     mesh = to_canonical_mesh(solid)  # in the same order, however the solid was made
     corners = mesh.vertices[mesh.triangles]

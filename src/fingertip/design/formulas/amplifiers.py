@@ -1,5 +1,4 @@
-"""Choice of the board's dual amplifier, and what the filter demands of it: stability, currents,
-swing.
+"""Choice of the board's dual amplifier, and the stability, currents and swing that it must have.
 
 The rules refuse by these formulas, which are closed forms for ideal component values.
 `fingertip.board.analysis.gate` computes the same conditions from the circuit with its preferred
@@ -20,6 +19,7 @@ from fingertip.foundation.numerics import bisect
 
 
 def total_supply_v(board: Board) -> float:
+    """Voltage between both supply pins [V]."""
     return board.supply_v if board.is_for_controller else 2.0 * board.supply_v
 
 
@@ -35,22 +35,22 @@ def choose_amplifier(board: Board) -> Amplifier:
     millivolts in hardware, and five offsets add up in its envelope, so it has an amplifier of low
     offset. A board of several fingers has twenty amplifiers, so it has those of low supply current.
     """
-    return electronics.AMPLIFIER_CATALOGUE[
-        choose_automatically(board) if board.amplifier == electronics.AUTO else board.amplifier
-    ]
+    is_named = board.amplifier != electronics.AUTO
+    name = board.amplifier if is_named else choose_automatically(board)
+    return electronics.AMPLIFIER_CATALOGUE[name]
 
 
 def choose_automatically(board: Board) -> str:
+    """Return the amplifier of the variant, as `choose_amplifier` explains."""
     if board.variant == "article":
         return electronics.ARTICLE_AMPLIFIER
     if board.variant == "comparator":
         return electronics.LOW_OFFSET_AMPLIFIER
 
-    return (
-        electronics.LOW_POWER_AMPLIFIER
-        if board.channels > 1
-        else electronics.RAIL_TO_RAIL_AMPLIFIER
-    )
+    if board.channels > 1:
+        return electronics.LOW_POWER_AMPLIFIER
+
+    return electronics.RAIL_TO_RAIL_AMPLIFIER
 
 
 def find_gain_bandwidth_hz(board: Board) -> float:
@@ -62,13 +62,9 @@ BAND_CUTOFFS = 3.0
 bare sensor reaches about 3.
 """
 RAIL_DISTANCE_V = 0.5
-"""Distance from the rails at which data sheets state the output
-current of rail-to-rail amplifiers [V].
-"""
+"""Distance from the rails at which data sheets state the output current [V]."""
 MID_RAIL_RATIO = 2.0
-"""Ratio of the current that an output gives at mid-supply to that near
-a rail, which data sheets state (assumed).
-"""
+"""Ratio of an output's current at mid-supply to the stated one near a rail (assumed)."""
 DIODE_V = 0.6
 """Forward voltage of a rectifier's diode for a large signal [V]."""
 _LOW_HZ = 1e3
@@ -86,16 +82,14 @@ Feedback = Callable[[float], complex]
 
 
 def first_stage_feedback(board: Board, amplifier: Amplifier, r5_ohm: float) -> Feedback:
-    """Feedback of the first stage: R5, with C20 where the variant has
-    it, against R4 and the input's capacitance.
+    """Feedback of the first stage: R5 and C20 against R4 and the input's capacitance.
+
+    Variant article has no C20.
     """
     r4_ohm = filter_components.r4_ohm(board.passband_gain, r5_ohm)
-    has_c20 = board.variant != "article"
-    c20_f = (
-        filter_components.compute_limiting_capacitor_f(r5_ohm, board.band_limit_hz)
-        if has_c20
-        else 0.0
-    )
+    c20_f = 0.0
+    if board.variant != "article":
+        c20_f = filter_components.compute_limiting_capacitor_f(r5_ohm, board.band_limit_hz)
 
     return divider(r5_ohm, c20_f, r4_ohm, amplifier.input_f)
 
@@ -113,18 +107,15 @@ def divider(upper_ohm: float, upper_f: float, lower_ohm: float, lower_f: float) 
 
 
 def compute_phase_margin_deg(amplifier: Amplifier, feedback: Feedback) -> float:
-    """Compute the phase margin of a loop [degree]: its phase above
-    -180 degrees where its gain falls to 1.
-    """
+    """Compute the phase above -180 degrees at which a loop's gain falls to 1 [degree]."""
 
     def loop_gain(log_hz: float) -> complex:
         return amplifier.open_loop_gain(math.exp(log_hz)) * feedback(math.exp(log_hz))
 
     low = math.log(_LOW_HZ)
     high = math.log(_HIGH_HZ)
-    loop = loop_gain(
-        bisect(lambda log_hz: abs(loop_gain(log_hz)) > 1.0, low, high, halvings=_HALVINGS)[0]
-    )
+    crossing, _ = bisect(lambda log_hz: abs(loop_gain(log_hz)) > 1.0, low, high, halvings=_HALVINGS)
+    loop = loop_gain(crossing)
     # All poles of the loop together lag by less than 270 degrees, so that the phase wraps once at
     # most.
     phase = math.degrees(math.atan2(loop.imag, loop.real))
@@ -139,23 +130,20 @@ GOOD_PHASE_MARGIN_DEG = 45.0
 
 
 def select_rectifier_ohm(amplifier: Amplifier) -> float:
-    """Select both resistors of the precision rectifier [ohm]: small
-    ones where the input's capacitance is large.
+    """Select both resistors of the precision rectifier [ohm].
+
+    A large capacitance of the input needs small ones.
     """
+    for ohm in RECTIFIER_OHMS:
+        feedback = divider(ohm, 0.0, ohm, amplifier.input_f)
+        if compute_phase_margin_deg(amplifier, feedback) >= GOOD_PHASE_MARGIN_DEG:
+            return ohm
 
-    def margin_deg(ohm: float) -> float:
-        return compute_phase_margin_deg(amplifier, divider(ohm, 0.0, ohm, amplifier.input_f))
-
-    return next(
-        (ohm for ohm in RECTIFIER_OHMS if margin_deg(ohm) >= GOOD_PHASE_MARGIN_DEG),
-        RECTIFIER_OHMS[-1],
-    )
+    return RECTIFIER_OHMS[-1]
 
 
 def compute_peaking_db(amplifier: Amplifier, feedback: Feedback, passband_gain: float) -> float:
-    """Compute the ratio of the largest gain of both filter stages
-    beyond the band to the passband's [dB].
-    """
+    """Compute the largest gain of both filter stages beyond the band, over the passband's [dB]."""
     largest = 0.0
     for f_hz in _PEAK_HZ:
         gain = amplifier.open_loop_gain(f_hz)
@@ -165,31 +153,27 @@ def compute_peaking_db(amplifier: Amplifier, feedback: Feedback, passband_gain: 
 
 
 def input_swing_v(board: Board, amplifier: Amplifier) -> float:
-    """Smaller swing of a follower around the signal ground [V],
-    typical: of its output or its input.
-    """
+    """Typical swing of a follower around the signal ground [V], limited by output or input."""
     headroom_v = filter_components.smaller_headroom_v(board)
     return headroom_v - max(amplifier.output_from_rail_v, amplifier.input_from_lower_v[0])
 
 
 def loaded_swing_v(board: Board, amplifier: Amplifier) -> float:
-    """Amplitude for which output currents are compared [V]: no
-    nearer to a rail than data sheets state them.
+    """Amplitude for which output currents are compared [V].
+
+    It is no nearer to a rail than data sheets state them.
     """
-    return min(
-        input_swing_v(board, amplifier),
-        filter_components.smaller_headroom_v(board) - RAIL_DISTANCE_V,
-    )
+    to_rail_v = filter_components.smaller_headroom_v(board) - RAIL_DISTANCE_V
+    return min(input_swing_v(board, amplifier), to_rail_v)
 
 
 @functools.cache
 def section_currents() -> tuple[float, float, float]:
-    """Currents of the Sallen-Key section over (2 pi f_c C V), at most in the band of the
-    vibrations.
+    """Largest currents of the Sallen-Key section in the band, over (2 pi f_c C V).
 
-    Those of the first stage's output, of the second's, and of R3, for a first stage that swings by
-    V in its passband. With s = j f / f_c the section is s^2 / (1 + s + s^2), and the node between
-    C2 and C3 stands (1 + 2 s) / (2 s) above the amplifier's input.
+    Returns those of the first stage's output, of the second's, and of R3, for a first stage that
+    swings by V in its passband. With s = j f / f_c the section is s^2 / (1 + s + s^2), and the
+    voltage between C2 and C3 is (1 + 2 s) / (2 s) times that at the amplifier's input.
     """
     largest = [0.0, 0.0, 0.0]
     for point in range(_POINTS_PER_DECADE):
@@ -204,25 +188,23 @@ def section_currents() -> tuple[float, float, float]:
 
 
 def compute_filter_current_a(board: Board) -> float:
-    """Compute the larger output current of both filter amplifiers [A]
-    for the largest signal, without the rectifier.
+    """Compute the larger output current of both filter amplifiers for the largest signal [A].
+
+    The current of the rectifier is left out.
     """
     amplitude_v = loaded_swing_v(board, choose_amplifier(board))
     first, second, _ = section_currents()
-    scale = (
-        math.tau * board.cutoff_hz * filter_components.to_farads(board.capacitor_uf) * amplitude_v
-    )
-
+    c_f = filter_components.to_farads(board.capacitor_uf)
+    scale = math.tau * board.cutoff_hz * c_f * amplitude_v
     return max(first * scale + amplitude_v / board.r5_ohm, second * scale)
 
 
 def compute_charging_current_a(peak_v: float, f_hz: float, ohm: float, farad: float) -> float:
-    """Compute the peak current of a peak detector in its steady state [A], for a sine behind a
-    diode with a fixed drop.
+    """Compute the peak current of a peak detector in its steady state [A], for a sine.
 
-    The capacitor keeps the peak less the drop, V, decays through the resistor, and is charged again
-    from the angle at which the sine less the drop meets it. The current, C dv/dt + v / R, is
-    largest there or a little later.
+    Behind a diode with a fixed drop, the capacitor is charged to the peak less the drop, V. It
+    decays through the resistor, and is charged again from the angle at which the sine less the drop
+    meets it. The current, C dv/dt + v / R, is largest there or a little later.
     """
     top_v = peak_v - DIODE_V
     if top_v <= 0.0:
@@ -230,21 +212,24 @@ def compute_charging_current_a(peak_v: float, f_hz: float, ohm: float, farad: fl
 
     omega = math.tau * f_hz
 
-    def is_kept(angle: float) -> bool:
+    def is_below_capacitor(angle: float) -> bool:
         elapsed_s = (1.5 * math.pi + angle) / omega
         return peak_v * math.sin(angle) - DIODE_V < top_v * math.exp(-elapsed_s / (ohm * farad))
 
-    low, _ = bisect(is_kept, math.asin(DIODE_V / peak_v), math.pi / 2.0, halvings=_HALVINGS)
-    angles = (low + i / 8.0 * (math.pi / 2.0 - low) for i in range(9))
+    low, _ = bisect(
+        is_below_capacitor, math.asin(DIODE_V / peak_v), math.pi / 2.0, halvings=_HALVINGS
+    )
+    angles = [low + i / 8.0 * (math.pi / 2.0 - low) for i in range(9)]
     return max(
-        farad * omega * peak_v * math.cos(a) + (peak_v * math.sin(a) - DIODE_V) / ohm
-        for a in angles
+        farad * omega * peak_v * math.cos(angle) + (peak_v * math.sin(angle) - DIODE_V) / ohm
+        for angle in angles
     )
 
 
 def compute_envelope_current_a(board: Board, c_lp_f: float) -> float:
-    """Compute the peak current into variant article's envelope
-    capacitor [A] for the largest and fastest vibration.
+    """Compute the peak current into the envelope capacitor of variant article [A].
+
+    It is that of the largest and fastest vibration.
     """
     amplitude_v = loaded_swing_v(board, choose_amplifier(board))
     r_lp_ohm = filter_components.r_lp_ohm(board.envelope_cutoff_hz, c_lp_f)

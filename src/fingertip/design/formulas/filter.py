@@ -47,9 +47,7 @@ class FilterComponents:
 
 
 def r1_ohm(cutoff_hz: float, c_f: float) -> float:
-    """R1 = 1 / (a1 C omega_c) [ohm], eq. (5), for f_c [Hz] and C
-    [F]; infinite where the product underflows.
-    """
+    """R1 = 1 / (a1 C omega_c) [ohm], eq. (5); infinite where the product underflows."""
     return _ratio(1.0, A1 * c_f * math.tau * cutoff_hz)
 
 
@@ -93,18 +91,14 @@ def ideal_components(board: Board) -> FilterComponents:
 
 
 MAX_1206_F = 10e-6
-"""Largest capacitor of the filter and the envelope [F]: the largest
-X7R for 16 V that is available in size 1206.
-"""
+"""Largest capacitor of filter and envelope [F]: the largest X7R for 16 V in size 1206."""
 MIN_SELECTABLE_F = 100e-12
 MAX_SELECTABLE_F = MAX_1206_F
 """Range of the capacitors that the board selects itself [F].
 The tracks' capacitance is not negligible below it.
 """
 SELECTABLE_R1_OHM = (2e3, 20e3)
-"""Range of R1 for a capacitor that the board selects: low for bias and
-noise, high enough for an amplifier to drive.
-"""
+"""Range of R1 for a selected capacitor: low for bias and noise, high enough for an amplifier."""
 SELECTABLE_R_LP_OHM = (1e3, 10e3)
 """Range of R_LP for a capacitor that the board selects. The diode or the rectifier drives it."""
 
@@ -126,16 +120,15 @@ and above it there is no capacitor of its size.
 
 
 def compute_limiting_capacitor_f(r5_ohm: float, band_limit_hz: float) -> float:
-    """C = 1 / (omega R5) [F] across R5: above the band limit [Hz]
-    the first stage's gain falls towards 1.
+    """C = 1 / (omega R5) [F] across R5.
+
+    Above the band limit [Hz] the first stage's gain falls towards 1.
     """
     return 1.0 / (math.tau * r5_ohm * band_limit_hz)
 
 
 SERIES_CAPACITORS_UF = (1.0, 2.2, 4.7, 10.0, 22.0, 47.0, 100.0)
-"""Ceramic capacitors available in size 1206 [uF]; those above 10 uF
-for 6.3 V, with no direct voltage across them.
-"""
+"""Ceramic capacitors in size 1206 [uF]; those above 10 uF are for 6.3 V, without direct voltage."""
 MIN_CUTOFF_RATIO = 10.0
 """Minimum ratio of the cutoff to the corner frequency of R4 and its series capacitor. The gain at
 the cutoff is then reduced by at most 0.5 %.
@@ -147,9 +140,7 @@ VMID_BOTTOM_OHM = 51e3
 
 
 def signal_ground_ratio(board: Board) -> float:
-    """Voltage of the signal ground above ground as a ratio of
-    the supply voltage: 0 on a split supply.
-    """
+    """Voltage of the signal ground above ground over the supply voltage; 0 on a split supply."""
     return VMID_BOTTOM_OHM / (VMID_TOP_OHM + VMID_BOTTOM_OHM) if board.is_for_controller else 0.0
 
 
@@ -200,26 +191,22 @@ MAX_AVERAGING_F = 1e-6
 
 
 def max_window_s(threshold_v: float) -> float:
-    """Longest window [s] that R18 and C17 can average at a
-    threshold [V]: twice their largest time constant.
-    """
+    """Longest window [s] that R18 and C17 can average: twice their largest time constant."""
     max_ohm = MAX_BIAS_RATIO * threshold_v / MAX_BIAS_A
     return 2.0 * max_ohm * MAX_AVERAGING_F
 
 
 HOT_BIAS_A = 400e-9
+"""Maximum input bias current of the comparator over temperature [A]."""
 COMPARATOR_DRIFT_V_PER_K = 5e-6
-"""Maximum input bias current over temperature [A], and drift of
-the comparator's offset [V/K], average.
-"""
+"""Average drift of the comparator's offset [V/K]."""
 TRIMMER_TOLERANCE = 0.2
 """Tolerance of the trimmer's resistance (a usual figure; unverified)."""
 MIN_TEMPERATURE_C = 0.0
 MAX_TEMPERATURE_C = 50.0
+"""Range of temperatures for which worst cases are stated [C]."""
 DATA_SHEET_C = 25.0
-"""Range of temperatures for which worst cases are stated, and the
-temperature of data-sheet figures [C].
-"""
+"""Temperature of data-sheet figures [C]."""
 
 # E96 is 10^(i/96) to three digits; E12 and E24 follow no formula throughout.
 _E24 = (
@@ -241,21 +228,19 @@ _TOLERANCE = 1e-9
 
 
 def find_preferred_neighbours(value: float, series: str = CAPACITOR_SERIES) -> tuple[float, float]:
-    """Find the largest preferred value up to a positive one
-    (any unit), and the smallest from it on.
-    """
+    """Find the preferred values below and above a positive one (any unit), itself included."""
     decade = MANTISSAS[series]
     exponent = math.floor(math.log10(value)) - len(str(decade[0])) + 1
-    values = [
-        _scale(mantissa, e) for e in (exponent - 1, exponent, exponent + 1) for mantissa in decade
-    ]
+    preferred = [_scale(mantissa, exponent - 1) for mantissa in decade]
+    preferred += [_scale(mantissa, exponent) for mantissa in decade]
+    preferred += [_scale(mantissa, exponent + 1) for mantissa in decade]
 
     return (
-        max(v for v in values if v <= value * (1.0 + _TOLERANCE)),
-        min(v for v in values if v >= value * (1.0 - _TOLERANCE)),
+        max(number for number in preferred if number <= value * (1.0 + _TOLERANCE)),
+        min(number for number in preferred if number >= value * (1.0 - _TOLERANCE)),
     )
 
 
 def _scale(mantissa: int, exponent: int) -> float:
-    """mantissa * 10^exponent, correctly rounded."""
+    """Return mantissa * 10^exponent, correctly rounded."""
     return float(mantissa * 10**exponent) if exponent >= 0 else mantissa / 10**-exponent

@@ -22,10 +22,7 @@ VON_MISES_SHEAR = math.sqrt(3.0)
 
 
 def shoulder_in_bending(large_mm: float, small_mm: float, fillet_mm: float) -> float:
-    """Factor at a shoulder between two round shafts.
-
-    It multiplies the stress of the thinner one.
-    """
+    """Factor at a shoulder between two round shafts, on the stress of the thinner one."""
     h = (large_mm - small_mm) / 2
     if h <= 0.0:
         return 1.0
@@ -48,22 +45,26 @@ def shoulder_in_bending(large_mm: float, small_mm: float, fillet_mm: float) -> f
 
 
 def hole_in_tension(hole_mm: float, width_mm: float) -> float:
-    """Factor at a hole in the middle of a flat bar, on the stress of
-    the section beside it; smaller in bending.
+    """Factor at a hole in the middle of a flat bar, on the stress of the section beside it.
+
+    In bending it is smaller.
     """
     s = min(hole_mm / width_mm, 1.0)
     return 3.0 - 3.13 * s + 3.66 * s * s - 1.53 * s**3
 
 
 PIN = "pin of the joint"
+"""Name of the place."""
+# The next two are factors at the bore of an eye on which a pin pulls. They multiply the stress of
+# the section beside it at the end where the pin presses most. Own finite elements with contact
+# (tests/cad/test_bone_elements.py) found 2.7 at bores of 0.29 to 0.31 times the height, and with
+# steel 2.7 to 3.6 at those of 0.27 to 0.31.
 PIN_IN_EYE = 2.8
+"""Factor of a pin of the eye's own material."""
 STEEL_IN_EYE = 3.65
+"""Factor of a pin of steel."""
 STEEL_MPA = 200e3
-"""Name of the place, the factors at the bore of an eye on which a pin of its own material pulls,
-and one of steel, on the stress of the section beside it at the end where the pin presses most, and
-the modulus of steel [MPa]. Own finite elements with contact (tests/cad/test_bone_elements.py) found
-2.7 at bores of 0.29 to 0.31 times the height, and with steel 2.7 to 3.6 at those of 0.27 to 0.31.
-"""
+"""Modulus of steel [MPa]."""
 
 
 def pin_peak(thickness_mm: float, pin_mm: float, stiffness: float = 1.0) -> float:
@@ -84,21 +85,23 @@ class StressFactors:
     width: float = 1.0
     height: float = 1.0
 
-    def combined_with(self, other: StressFactors) -> StressFactors:
-        return StressFactors(max(self.width, other.width), max(self.height, other.height))
+    def combined_with(self, factors: StressFactors) -> StressFactors:
+        return StressFactors(max(self.width, factors.width), max(self.height, factors.height))
 
 
 AT_CORNER = StressFactors(1.6, 1.6)
-CORNER_REACH_MM = 1.0
-"""Stress concentration beside a corner that is not rounded, and how far it acts [mm].
+"""Stress concentration beside a corner that is not rounded.
 
 Own finite elements (tests/cad/test_bone_elements.py) found 1.4 to 1.6 at collars of 2 and 6 mm.
 Formulas of shoulders would give 2 to 2.5: they hold for shafts that stay thick.
 """
+CORNER_REACH_MM = 1.0
+"""Distance from such a corner up to which it acts [mm]."""
 FOOT_REACH = 2.0
+"""Length along which a fillet raises the stress, in radii from the root."""
 OF_CHORDS = 1.15
-"""Length along which a fillet raises the stress, in radii from the root, and how much more its
-chords raise it than the arc would. Finite elements of posts found 1.07 to 1.12.
+"""Factor by which the chords of a fillet raise the stress more than the arc would.
+Finite elements of posts found 1.07 to 1.12.
 """
 
 
@@ -115,17 +118,16 @@ def at_foot(
     if not 0.0 <= from_root_mm <= FOOT_REACH * fillet_mm:
         return StressFactors()
 
-    found = (
-        shoulder_in_bending(*sizes, fillet_mm) for sizes in zip(large_mm, small_mm, strict=True)
+    factors = (
+        shoulder_in_bending(large, small, fillet_mm)
+        for large, small in zip(large_mm, small_mm, strict=True)
     )
-    return StressFactors(*(OF_CHORDS * factor if factor > 1.0 else 1.0 for factor in found))
+    return StressFactors(*(OF_CHORDS * factor if factor > 1.0 else 1.0 for factor in factors))
 
 
 @dataclass(frozen=True)
 class LocalStress:
-    """Stress at one place per newton of load on the fingertip,
-    apart from that of cross-sections in bending.
-    """
+    """Stress at one place per newton of load on the fingertip, other than bending of a section."""
 
     place: str
     z_mm: float
@@ -156,8 +158,9 @@ class Springs:
         return 1e-3 * (force_n * indentation_mm / 3 + force_n**2 / (2 * self.bone_n_per_mm))
 
     def force_n(self, mass_kg: float, speed_m_s: float) -> float:
-        """Find the largest force of a knock by Newton's method,
-        from that without a pad, which is larger.
+        """Find the largest force of a knock by Newton's method.
+
+        It begins with the force without a pad, which is larger.
         """
         energy_j = mass_kg * speed_m_s**2 / 2
         force = speed_m_s * math.sqrt(1e3 * self.bone_n_per_mm * mass_kg)

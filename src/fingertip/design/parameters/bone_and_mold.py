@@ -1,6 +1,4 @@
-"""Parameters of what is printed: bone, hand that it fits and
-loads that it carries, mold and printer.
-"""
+"""Parameters of the bone, the hand that it fits, the loads that it carries, mold and printer."""
 
 from __future__ import annotations
 

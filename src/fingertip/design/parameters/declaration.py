@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import functools
+import inspect
 import itertools
 import json
 import re
@@ -53,11 +54,6 @@ class ParameterTable(Frozen):
         strict=True,
         allow_inf_nan=False,
     )
-
-    @classmethod
-    def describe_table(cls) -> str:
-        """Return the table's docstring in one line, for files and pages."""
-        return " ".join((cls.__doc__ or "").split())
 
 
 @dataclass(frozen=True)
@@ -182,6 +178,11 @@ def find_bounds(field: FieldInfo) -> Bounds:
 def find_follows(field: FieldInfo) -> Follows | None:
     """Return the range in which a fit may move a derived parameter; None for any other."""
     return next((note for note in field.metadata if isinstance(note, Follows)), None)
+
+
+def describe_table(model: Any) -> str:
+    """Return the docstring of a table in one line, as files and schemas state it."""
+    return " ".join((inspect.getdoc(model) or "").split())
 
 
 def list_choices(field: FieldInfo) -> tuple[str, ...]:

@@ -254,8 +254,8 @@ class ChosenSilicone(ParameterTable):
 
 
 TURN_ON_N = 0.2
-"""Force [N] below which a typical sensor is open: 20 gram force
-(Interlink; light contact in the article).
+"""Force [N] below which a typical sensor is open: 20 gram force (Interlink), a light contact in the
+article.
 """
 
 

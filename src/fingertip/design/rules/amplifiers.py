@@ -21,9 +21,7 @@ RULES = Ruleset(when=lambda design: design.board.has_filter)
 MIN_R5_OHM = find_bounds(Board.model_fields["r5_ohm"]).minimum or 0.0
 
 BANDWIDTH_MARGIN = 10.0
-"""Minimum closed-loop bandwidth GBW / G, in cutoffs: the amplifier
-then costs 0.5 % of the gain at the cutoff.
-"""
+"""Minimum closed-loop bandwidth GBW / G, in cutoffs: the gain at the cutoff then falls by 0.5 %."""
 MAX_OFFSET_RATIO = 0.5
 """Maximum ratio of the first stage's offset to its swing: the signal keeps half of it."""
 MIN_PHASE_MARGIN_DEG = 30.0
@@ -37,17 +35,15 @@ CURRENT_MARGIN = 0.8
 Preferred values add some percent.
 """
 ENVELOPE_CURRENT_MARGIN = 0.95
-"""Maximum ratio of the current that charges variant article's
-envelope, at its peak, to what the data sheet gives.
-"""
+"""Maximum ratio of the peak current that charges variant article's envelope to the data sheet's."""
 SPLIT_RANGE_V = (5.0, 5.5)
+"""Range of each half of variant article's supply [V]; its bridge is sized for 4.3 V."""
 CONTROLLER_RANGE_V = (3.1, 3.6)
-DIVIDER_RANGE_V = (3.1, 5.5)
-"""Range of the supply's voltage [V]: of each half of variant article's, of a board for a
-controller, and of a divider, which has its controller's. The article's bridge is sized for its 4.3
-V. Half a board for a controller must leave the amplifiers room to swing, and the inputs of the
-controller bear 3.6 V.
+"""Range of the supply of a board for a controller [V]: half of it must leave the amplifiers room to
+swing, and the inputs of the controller bear 3.6 V.
 """
+DIVIDER_RANGE_V = (3.1, 5.5)
+"""Range of the supply of a divider [V], which is its controller's."""
 
 
 @SUPPLY_RULES.rule("board.supply_v")
@@ -58,13 +54,15 @@ def voltage_fits_the_supply(design: DesignTables) -> Violation | None:
     if low <= board.supply_v <= high:
         return None
 
-    is_controllers = (
+    hint = ""
+    if (
         board.variant == "article"
         and CONTROLLER_RANGE_V[0] <= board.supply_v <= CONTROLLER_RANGE_V[1]
-    )
-    others = ", in that of precision and comparator" if is_controllers else ""
+    ):
+        hint = ", in that of precision and comparator"
+
     return Violation(
-        f"{board.supply_v:g} V lies outside the range of variant {board.variant}{others}",
+        f"{board.supply_v:g} V lies outside the range of variant {board.variant}{hint}",
         ((low, high),),
     )
 
@@ -98,7 +96,7 @@ def amplifier_fast_enough(design: DesignTables) -> Violation | None:
         f"{BANDWIDTH_MARGIN:g} cutoffs of {f_c:g} Hz",
         at_most(GBW / BANDWIDTH_MARGIN / f_c),
         alternatives=_other_amplifier(
-            design, lambda other: other.bandwidth_hz >= BANDWIDTH_MARGIN * G * f_c
+            design, lambda faster: faster.bandwidth_hz >= BANDWIDTH_MARGIN * G * f_c
         ),
     )
 
@@ -130,10 +128,9 @@ def offset_leaves_room(design: DesignTables) -> Violation | None:
 
 @RULES.rule("board.r5_ohm", amplifier_withstands_the_supply)
 def first_stage_is_stable(design: DesignTables) -> Violation | None:
-    """The input's capacitance with R4 and R5 leaves the first stage
-    stable, and the filter without a resonance.
-    """
-    board, amplifier = design.board, formulas.choose_amplifier(design.board)
+    """The input's capacitance leaves the first stage stable, and the filter without resonance."""
+    board = design.board
+    amplifier = formulas.choose_amplifier(board)
     gain = board.passband_gain
     min_margin_deg = MIN_PHASE_MARGIN_DEG * (1.0 + PREFERRED_SHARE)
     max_peaking_db = MAX_PEAKING_DB * (1.0 - PREFERRED_SHARE)
@@ -153,8 +150,8 @@ def first_stage_is_stable(design: DesignTables) -> Violation | None:
 
         return ""
 
-    found = problem(board.r5_ohm)
-    if not found:
+    present_problem = problem(board.r5_ohm)
+    if not present_problem:
         return None
 
     passing: tuple[Interval, ...] = ()
@@ -166,7 +163,7 @@ def first_stage_is_stable(design: DesignTables) -> Violation | None:
 
     return Violation(
         f"{board.r5_ohm:g} ohm with the {1e12 * amplifier.input_f:g} pF of a {amplifier.name}'s "
-        f"input {found}",
+        f"input {present_problem}",
         passing,
         "at this gain",
     )
@@ -191,7 +188,7 @@ def amplifier_drives_the_filter(design: DesignTables) -> Violation | None:
         at_most_preferred(board.capacitor_uf * limit_a / current_a),
         "at this cutoff",
         alternatives=_other_amplifier(
-            design, lambda other: CURRENT_MARGIN * other.output_current_a >= current_a
+            design, lambda stronger: CURRENT_MARGIN * stronger.output_current_a >= current_a
         ),
     )
 
@@ -260,13 +257,9 @@ def mean_tolerates_the_bias_current(design: DesignTables) -> Limit | None:
 
 
 def _other_amplifier(design: DesignTables, passes: Callable[[Amplifier], bool]) -> dict[str, str]:
-    """Return the first amplifier of the catalogue that passes a
-    condition and the supply, as an alternative.
-    """
-    names = (
-        a.name
-        for a in list_dual_amplifiers()
-        if formulas.works_on_supply(a, design.board) and passes(a)
-    )
-    name = next(names, None)
-    return {"board.amplifier": name} if name else {}
+    """Return the first amplifier that works on the supply and passes, as an alternative."""
+    for amplifier in list_dual_amplifiers():
+        if formulas.works_on_supply(amplifier, design.board) and passes(amplifier):
+            return {"board.amplifier": amplifier.name}
+
+    return {}

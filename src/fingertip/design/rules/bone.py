@@ -1,6 +1,4 @@
-"""Rules of the bone: hole of the wires, trough of the tail,
-collar and groove; and of mold and core.
-"""
+"""Rules of the bone, its wire hole, trough, collar and groove, and of mold and core."""
 
 from __future__ import annotations
 
@@ -41,9 +39,7 @@ def walls_print(design: DesignTables) -> Limit | None:
 
 @RULES.at_least("bone.channel_diameter_mm")
 def hole_takes_both_wires(design: DesignTables) -> Limit:
-    """Two wires side by side leave half of the hole's area free,
-    through which the sensor's vent breathes.
-    """
+    """Two wires side by side leave half of the hole free for the air of the sensor's vent."""
     wires = 2 * design.sensor.wire_diameter_mm
     return Limit(
         wires + 2 * _BESIDE_WIRE_MM,
@@ -66,13 +62,10 @@ def channel_within_base(design: DesignTables) -> Limit | None:
     height = flat + section.dorsal
     wall = design.bone.wall_mm
     width = 2 * min(section.half_width_at(-flat), section.half_width_at(section.dorsal / 2))
-    # The flat of a bone that another rule refuses can lie outside the bone, which leaves no size to
-    # state.
-    size = (
-        f", which is {width:.2f} mm wide and {height:.2f} mm high"
-        if min(width, height) > 0.0
-        else ""
-    )
+    size = ""
+    # The flat of a bone that another rule refuses can lie outside the bone, which has no size then.
+    if min(width, height) > 0.0:
+        size = f", which is {width:.2f} mm wide and {height:.2f} mm high"
 
     return Limit(min(width, height) - 2 * wall, f"leaves no walls of {wall:g} mm in the base{size}")
 
@@ -159,18 +152,18 @@ def groove_clear_of_sensor(design: DesignTables) -> Violation | None:
     slot = dims.tail_half_width + design.bone.wall_mm
 
     def keeps_wall(depth: float) -> bool:
-        scale = dims.bone_outline.scale_at(min(low + depth + width, head)) * (
-            1 - depth / section.half_width
-        )
+        scale = dims.bone_outline.scale_at(min(low + depth + width, head))
+        scale *= 1 - depth / section.half_width
         return section.half_width_at(-dims.flat_depth, scale) >= slot - SLACK
 
     if keeps_wall(depth):
         return None
 
     # The flat narrows faster than the groove deepens, so the bound has no closed form.
-    maximum = (
-        bisect(keeps_wall, 0.0, depth, halvings=_DEPTH_HALVINGS)[0] if keeps_wall(0.0) else 0.0
-    )
+    maximum = 0.0
+    if keeps_wall(0.0):
+        maximum, _ = bisect(keeps_wall, 0.0, depth, halvings=_DEPTH_HALVINGS)
+
     return Violation(f"{depth:g} mm cuts into the wall beside the tail's slot", at_most(maximum))
 
 

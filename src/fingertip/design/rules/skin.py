@@ -1,6 +1,4 @@
-"""Rules of skin and sensor: the sensor fits the bone, the bone fits
-the skin, and the force curve is in order.
-"""
+"""Rules of skin and sensor: the sensor fits the bone, and the bone the skin; the force curve."""
 
 from __future__ import annotations
 
@@ -14,10 +12,10 @@ RULES = Ruleset()
 
 @RULES.at_most("custom_sensor.active_diameter_mm")
 def active_area_within_head(design: DesignTables) -> Limit | None:
-    head = design.custom_sensor.head_diameter_mm
-    return (
-        Limit(head, "is wider than the sensor's head") if design.sensor.model == "custom" else None
-    )
+    if design.sensor.model != "custom":
+        return None
+
+    return Limit(design.custom_sensor.head_diameter_mm, "is wider than the sensor's head")
 
 
 @RULES.at_least("custom_sensor.tail_width_mm", when=lambda design: design.sensor.model == "custom")
@@ -30,14 +28,12 @@ def tail_holds_its_tabs(design: DesignTables) -> Limit:
 
 
 _EDGE_THICKNESS = 0.5
-"""Minimum silicone beside the edges of the bone's flat, along x
-[mm]: the edges cut through thinner skin.
-"""
+"""Minimum silicone beside the edges of the bone's flat, along x [mm]: they cut through less."""
 _EDGE_SECTIONS = 64
 """Intervals along the bone at which the silicone beside the edges is sampled."""
 _THICKNESS_SLACK = 2e-3
-"""Slack of the minimum skin thickness [mm], which is computed to 1e-3
-mm: the nominal thickness itself must pass.
+"""Slack of the minimum skin thickness [mm], which is computed to 1e-3 mm.
+The nominal thickness itself must pass.
 """
 _MIN_BONE = 1.0
 """Half width and half height of bone [mm] below which no other rule makes sense."""
@@ -79,10 +75,8 @@ def bone_reaches_tip(design: DesignTables) -> Limit | None:
 
 @RULES.rule("skin.taper_ratio", tip_within_skin, bone_left_at_sides, bone_reaches_tip)
 def taper_reaches_tip(design: DesignTables) -> Violation | None:
-    if (
-        min(design.dimensions.outer.tip_control(), design.dimensions.bone_outline.tip_control())
-        > _MIN_TIP_CONTROL
-    ):
+    dims = design.dimensions
+    if min(dims.outer.tip_control(), dims.bone_outline.tip_control()) > _MIN_TIP_CONTROL:
         return None
 
     return Violation(f"{design.skin.taper_ratio:g} closes the finger before its tip")

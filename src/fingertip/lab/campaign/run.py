@@ -44,14 +44,15 @@ LOW_SCALES = (0.02, 0.05, 0.1, 0.2, 0.4)
 
 @dataclass(frozen=True)
 class TrialResult:
-    """What one detector found in the recording of one case."""
+    """Result of one detector in the recording of one case."""
 
     case: Case
     duration_s: float
     slips: int
     delays_s: tuple[float, ...]
-    """Delays of the slips that were found [s]; 0 in incipient slip. A detector that was ON before a
-    slip did not find it: that is a false alarm.
+    """Delays of the slips that were found [s].
+    0 in incipient slip. A detector that was ON before a slip did not find it: that is a false
+    alarm.
     """
     on_share: float
     """Share of the time from the first detection to the slip's end that is ON; 0 without one."""
@@ -399,8 +400,9 @@ class DetectorResult:
 
 
 def surface(trial: TrialResult) -> str:
-    """Surface of a trial, or of the object that is pulled through the grasp; a key for
-    `DetectorResult.group_delays`.
+    """Surface of a trial, or of the object that is pulled through the grasp.
+
+    It is a key for `DetectorResult.group_delays`.
     """
     scene = trial.case.scene
     name = scene.contact.surface

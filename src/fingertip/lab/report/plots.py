@@ -1,4 +1,4 @@
-"""Plots of a campaign as in the article: delays (figure 14), surfaces and velocities (figure 15);
+"""Plots of a campaign as in the article, delays (figure 14), surfaces and velocities (figure 15),
 and a comparison of detectors.
 """
 
@@ -85,8 +85,9 @@ def plot_delays(result: CampaignResult) -> bytes:
 
 
 def plot_surfaces(result: CampaignResult, detector: str) -> bytes:
-    """Plot the mean delay by surface and velocity, and by surface with its standard deviation;
-    returns a PNG.
+    """Plot the mean delay by surface and velocity, and by surface with its standard deviation.
+
+    Returns a PNG.
     """
     nominal = result.at_nominal_threshold(detector)
     figure = style.new_figure(10, 7)

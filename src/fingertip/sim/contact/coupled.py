@@ -53,8 +53,8 @@ class NormalContact:
     """Undamped resonance while touching [Hz]."""
     damping_ratio: float
     hand_ratio: float = 0.02
-    """Ratio of the hand's stiffness behind the pad to the
-    contact's; some 0.008 in trials (`pad.response`).
+    """Ratio of the hand's stiffness behind the pad to the contact's.
+    Some 0.008 in trials (`pad.response`).
     """
 
 

@@ -56,12 +56,12 @@ MIN_STEP_RATIO = 1e-12
 Such a step is accepted whatever its error.
 """
 POSITION, VELOCITY, BRISTLE, COMPRESSION, RATE, STEP = range(6)
-"""Indices of what a chunk carries to the next one: the states x, v, s,
-y and w, and the length of the next step [s].
+"""Indices of what a chunk carries to the next one: the states x, v, s, y and w, and the length of
+the next step [s].
 """
 ACCEPTED, REJECTED, FAILED_SAMPLE = range(3)
-"""Indices of the statistics: accepted steps, rejected steps, and
-the sample at which the loop gave up, or 0.
+"""Indices of the statistics: accepted steps, rejected steps, and the sample at which the loop gave
+up, or 0.
 """
 
 Curve = tuple[float, float, float, float]
@@ -77,8 +77,9 @@ def bristle_rate(
     v: float,
     s: float,
 ) -> float:
-    """Return ds/dt, with relaxation of bristles that hardly touch or
-    are bent beyond breakaway; `scale` is c.
+    """Return ds/dt, with relaxation of bristles that hardly touch or are bent beyond breakaway.
+
+    `scale` is c.
     """
     mu_c, mu_s, per_vs, elastic = curve
     s0, _, _, relax_per_s, n0 = sigma
@@ -369,11 +370,11 @@ def _coupled_loop(
             se = s + A31 * us1 + A32 * us2
             ds = bristle_rate(curve, sigma, load, scale, ve, se)
             bent = (row_s - weight * scale * s1) * pivot_v * ds
-            given = P0 + ts * (P1 + ts * (P2 + ts * P3))
-            given -= k_m * xe + (c_m + weight * s2) * ve + weight * scale * s0 * se
+            stage_pull = P0 + ts * (P1 + ts * (P2 + ts * P3))
+            stage_pull -= k_m * xe + (c_m + weight * s2) * ve + weight * scale * s0 * se
             rx = ve + (c1 * ux1 + c2 * ux2)
             r_s = J_sy * uy3 + c1 * us1 + c2 * us2
-            r = given + D3 * tv + J_vy * uy3 + c1 * uv1 + c2 * uv2 + row_x * rx + row_s * r_s
+            r = stage_pull + D3 * tv + J_vy * uy3 + c1 * uv1 + c2 * uv2 + row_x * rx + row_s * r_s
             uv3 = r * pivot_v + bent
             ux3 = (rx + uv3) * per_e
             us3 = (ds + r_s) * pivot_s + back_s * uv3
@@ -388,7 +389,7 @@ def _coupled_loop(
             rx = ve + (c1 * ux1 + c2 * ux2 + c3 * ux3)
             r_s = J_sy * uy4 + c1 * us1 + c2 * us2 + c3 * us3
             r = (
-                given
+                stage_pull
                 + D4 * tv
                 + J_vy * uy4
                 + c1 * uv1

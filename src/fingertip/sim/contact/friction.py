@@ -40,8 +40,8 @@ Assumption.
 """
 
 ROS2_GAMMA = 1 - 1 / math.sqrt(2)
-"""Parameter of ROS2 that makes it L-stable (Verwer et al. 1999),
-the method of both loops with fixed steps.
+"""Parameter of ROS2 that makes it L-stable (Verwer et al. 1999), the method of both loops with
+fixed steps.
 """
 LOAD_SCALE_N = 1e-3
 """N0, a load far below all that matter [N].
@@ -56,12 +56,12 @@ file.
 RELAX_PER_S = 1 / RELAXATION_S
 """Rate R of this relaxation [1/s]."""
 STICK_SLIP_STRIBECK_M_S = 0.06
-"""Stribeck velocity of `Friction.with_stick_slip` [m/s]: friction
-still falls at the article's speeds. Assumption.
+"""Stribeck velocity of `Friction.with_stick_slip` [m/s]: friction still falls at the article's
+speeds. Assumption.
 """
 MAX_MU = 100.0
-"""Largest static friction: no surface holds a hundred times its load,
-and steps for stuck pads are too long beyond.
+"""Largest static friction: no surface holds a hundred times its load, and steps for stuck pads are
+too long beyond.
 """
 GROSS_SLIP_M_S = 1e-3
 """Sliding speed above which slip is gross [m/s].
@@ -86,8 +86,8 @@ def stribeck(curve: Curve, v: Velocity) -> tuple[Velocity, Velocity]:
 
 
 def stribeck_fraction(mu_c: float, mu_s: float, ratio: float) -> tuple[float, float]:
-    """Compute numerator and denominator of g from v / vs, for the loop
-    with error control: it needs fewer divisions.
+    """Compute numerator and denominator of g from v / vs, for the loop with error control: it needs
+    fewer divisions.
     """
     square = ratio * ratio
     return mu_s + mu_c * square, 1 + square
@@ -112,8 +112,8 @@ class Friction:
     sigma2: float = 0.6
     """Viscous friction [s/m]. Assumption: at 8 cm/s it adds 0.05 to the coefficient."""
     elastic: float = 0.0
-    """Fraction of ``mu_c / sigma0`` up to which bristles bend
-    elastically; 0 is plain LuGre friction.
+    """Fraction of ``mu_c / sigma0`` up to which bristles bend elastically.
+    0 is plain LuGre friction.
     """
 
     def __post_init__(self) -> None:
@@ -181,8 +181,9 @@ class Friction:
     def is_gross_slip(
         self, velocity_m_s: Array, bristle_m: Array, load_n: Array
     ) -> NDArray[np.bool_]:
-        """Return where the contact slides faster than
-        `GROSS_SLIP_M_S`; without load nothing slides.
+        """Return where the contact slides faster than `GROSS_SLIP_M_S`.
+
+        Without load nothing slides.
         """
         return (self.sliding_speed_m_s(velocity_m_s, bristle_m) > GROSS_SLIP_M_S) & (load_n > 0.0)
 

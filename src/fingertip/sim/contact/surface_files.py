@@ -234,8 +234,8 @@ def find_pitch_issues(
 
 
 def find_profile_warnings(step_um: float, speed_m_s: float, cutoff_hz: float) -> Iterator[str]:
-    """Yield a warning if a profile carries no vibration that a
-    high-pass lets through: two points a wave are needed.
+    """Yield a warning if a profile carries no vibration that a high-pass lets through: two points a
+    wave are needed.
     """
     longest_um = 1e6 * speed_m_s / (2 * cutoff_hz)
     if step_um > longest_um:

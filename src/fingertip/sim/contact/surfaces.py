@@ -21,12 +21,12 @@ from fingertip.foundation.numerics import Array
 from fingertip.sim.contact.surface_files import SurfaceTable
 
 _ROUGH_OCTAVES = 5
-"""Octaves of roughness below the cutoff wavelength: to at least 0.5
-kHz at 4 cm/s, far above the resonance.
+"""Octaves of roughness below the cutoff wavelength: to at least 0.5 kHz at 4 cm/s, far above the
+resonance.
 """
 _WAVY_OCTAVES = 2
-"""Octaves of waviness above the cutoff wavelength, where the
-self-affine spectrum is assumed to continue.
+"""Octaves of waviness above the cutoff wavelength, where the self-affine spectrum is assumed to
+continue.
 """
 _PER_OCTAVE = 6
 _SPACING_M = 5e-6
@@ -44,9 +44,7 @@ class SurfaceProfile:
     spacing_m: float = _SPACING_M
 
     def height_m(self, position_m: Array) -> Array:
-        """Height under a pad [m]: the cubic through heights and slopes, constant beyond
-        the ends.
-        """
+        """Height under a pad [m]: a cubic through heights and slopes, constant beyond the ends."""
         out = np.zeros(len(position_m))
         _interpolate(self.spacing_m, self.start_m, self.heights_m, self.slopes, position_m, out)
         return out
@@ -59,8 +57,8 @@ def generate_profile(
     length_m: float,
     patch_radius_m: float = 0.0,
 ) -> SurfaceProfile:
-    """Generate the heights of a surface, whose table is complete,
-    or cut them out of a measured profile.
+    """Generate the heights of a surface, whose table is complete, or cut them out of a measured
+    profile.
     """
     if surface.profile_um:
         return _cut_profile(rng, surface, start_m, length_m, patch_radius_m)
@@ -96,8 +94,9 @@ def generate_profile(
 def sum_waves(
     waves: Sequence[tuple[float, float, float]], spacing: float, count: int
 ) -> tuple[Array, Array]:
-    """Sum waves of amplitude, wave number and phase at equal distances; return their sum and its
-    slope.
+    """Sum waves of amplitude, wave number and phase at equal distances.
+
+    Return their sum and its slope.
 
     Each wave is a phasor that turns by a fixed angle per point. This needs no cosine per point, and
     no vectorised cosine, whose last bit varies between processors.

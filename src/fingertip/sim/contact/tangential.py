@@ -71,8 +71,8 @@ class PadMotion:
 
 
 def admissible_step_s(friction: Friction, mount: Mount, max_load_n: float) -> float:
-    """Longest step for a stuck pad, which turns by ``sqrt((k + N
-    sigma0) / m)`` radians per second, and free [s].
+    """Longest step for a stuck pad, which turns by ``sqrt((k + N sigma0) / m)`` radians per second,
+    and free [s].
     """
     stiffness = mount.stiffness_n_per_m + max_load_n * friction.sigma0
     damping = max_load_n * (friction.sigma1 + friction.sigma2)
@@ -297,6 +297,6 @@ def _drag_loop(
 
 
 _drag = CompiledLoop(_drag_loop, stribeck, samples="X", plain_us=4.0)
-"""Carries the state (x, v, s) and fills position, velocity and
-bristle deflection at each point of the grid.
+"""Carries the state (x, v, s) and fills position, velocity and bristle deflection at each point of
+the grid.
 """

@@ -1,5 +1,5 @@
-"""Normal vibration of a soft pad: the surface profile that passes
-under it, the resonance of the finger on it.
+"""Normal vibration of a soft pad: the surface profile that passes under it, the resonance of the
+finger on it.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from fingertip.sim.contact.surfaces import SurfaceProfile
 
 
 def cube_root(values: Array) -> Array:
-    """Cube root of values from 1e-12 to 1e4, or of 0, by Newton's
-    method, which every processor rounds alike.
+    """Cube root of values from 1e-12 to 1e4, or of 0, by Newton's method, which every processor
+    rounds alike.
     """
     x = np.where(values > 1e-12, values, 1.0)
     y = np.sqrt(np.sqrt(x))
@@ -45,8 +45,8 @@ def smoothstep(x: Array) -> Array:
 # drives as cubic.
 
 _HAND, _HEIGHT = range(2)
-"""Indices of the state of the hand that follows a surface: its height,
-and the previous height of the surface [m].
+"""Indices of the state of the hand that follows a surface: its height, and the previous height of
+the surface [m].
 """
 _FORCE, _RATE, _DRIVE, _ONE, _TWO, _THREE = range(6)
 """Indices of the state of the resonance: force [N], its rate [N/s], the previous drive of its ramp,
@@ -171,8 +171,8 @@ def _high_pass_loop(
     state: MutableFloats,
     out: MutableFloats,
 ) -> None:
-    """Subtract a share of the hand's height, a first-order low-pass of
-    the heights that is exact for straight lines.
+    """Subtract a share of the hand's height, a first-order low-pass of the heights that is exact
+    for straight lines.
     """
     hand = state[_HAND]
     before = state[_HEIGHT]

@@ -49,8 +49,8 @@ the bristles, as a pin that is attached hardly damps, and goes on ringing.
 """
 _A, _B, _PIVOT_S, _J_SW, _PIVOT_V, _J_VS, _RS1, _DRIFT_S, _DRIFT_V, _C1 = range(10)
 _KX1, _KV1, _KS1, _S, _E, _RX, _RS2, _SLIDING, _MOST = range(10, 19)
-"""Indices of the values kept for each finger between the parts of a
-step, named like the variables of the loop.
+"""Indices of the values kept for each finger between the parts of a step, named like the variables
+of the loop.
 """
 SCRATCH_SIZE = 19
 
@@ -64,8 +64,8 @@ def pin_n(
     Xp: float,
     Vp: float,
 ) -> float:
-    """Force of the pin on the object [N], which pulls only if it
-    is attached (Hunt and Crossley 1975).
+    """Force of the pin on the object [N], which pulls only if it is attached (Hunt and Crossley
+    1975).
     """
     depth = Xp - X
     if attached > 0.0:
@@ -78,8 +78,8 @@ def pin_n(
 
 
 def relax_rate(full: float, load_ratio: float, stretch: float) -> tuple[float, float]:
-    """Rate at which bristles relax from R, N / N0 and sigma0 z /
-    mu_s, and its derivative by s, times s.
+    """Rate at which bristles relax from R, N / N0 and sigma0 z / mu_s, and its derivative by s,
+    times s.
     """
     r = full * (1 - load_ratio) if load_ratio < 1.0 else 0.0
     stretch = stretch if stretch >= 0.0 else -stretch
@@ -408,8 +408,8 @@ class GraspMotion:
 
 
 class Grasp:
-    """Held object and its pads in motion, at rest before the first
-    chunk, with steps that are divided into parts.
+    """Held object and its pads in motion, at rest before the first chunk, with steps that are
+    divided into parts.
     """
 
     def __init__(self, held: HeldObject, step_s: float, parts: int) -> None:

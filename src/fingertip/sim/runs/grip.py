@@ -33,8 +33,8 @@ from fingertip.slip.detectors.registry import find_detector_type, make_detector,
 LONGEST_STEP_S = 0.02
 """Time of a step that counts at most for the speed of a command [s]: a late step makes no jump."""
 MIN_PRESENT_N = 0.1
-"""Smallest present force that the force ratio is applied to [N]: with
-a smaller one a finger would hardly close.
+"""Smallest present force that the force ratio is applied to [N]: with a smaller one a finger would
+hardly close.
 """
 HISTORY = 16
 """Moments that are kept over the window of growth, at least a fifteenth of it apart."""
@@ -55,39 +55,38 @@ class GripSettings:
     threshold_scale: float = 1.0
     """Factor of the detector's threshold."""
     max_growth_n_s: float = 8.0
-    """Growth of a finger's force above which detections are suppressed
-    [N/s]: more than vibration appears to cause.
+    """Growth of a finger's force above which detections are suppressed [N/s]: more than vibration
+    appears to cause.
     """
     growth_window_s: float = 0.1
     max_closing_m_s: float = 0.005
-    """Closing speed above which detections are suppressed [m/s]: the
-    force grows with it, the motor vibrates.
+    """Closing speed above which detections are suppressed [m/s]: the force grows with it, the motor
+    vibrates.
     """
     suppression_s: float = 0.1
-    """Time for which detections remain suppressed after growth or
-    closing [s]: detectors have a memory.
+    """Time for which detections remain suppressed after growth or closing [s]: detectors have a
+    memory.
     """
     force_ratio: float = 1.6
     """Factor by which every finger's force is increased at a detection."""
     refractory_s: float = 0.06
-    """Time after an increase in which no other one follows [s]:
-    until then the motors have begun to move.
+    """Time after an increase in which no other one follows [s]: until then the motors have begun to
+    move.
     """
     max_force_n: float = 10.0
-    """Force up to which detections tighten, as the pad's law predicts it and as it is
-    measured [N].
+    """Force up to which detections tighten, as the pad's law predicts it and as it is measured [N].
     """
     max_command_m_s: float = 1.0
     """Speed at which a command grows [m/s]: a limit for motors that would jump.
     A soft hand's increase takes 7 mm.
     """
     max_added_m: float = 0.05
-    """Closing that is added at most [m]: a finger that touches
-    nothing, or whose motor stands still, would go on.
+    """Closing that is added at most [m]: a finger that touches nothing, or whose motor stands
+    still, would go on.
     """
     watchdog_s: float = 0.25
-    """Time without a step after which nothing is known [s]:
-    detections are suppressed as after growth.
+    """Time without a step after which nothing is known [s]: detections are suppressed as after
+    growth.
     """
 
 
@@ -104,8 +103,8 @@ class GripDecision:
 
 @dataclass(frozen=True, eq=False)
 class ForceCurve:
-    """Knowledge of a hand about a finger: the force that a tactile
-    voltage means, and the travel that a force needs.
+    """Knowledge of a hand about a finger: the force that a tactile voltage means, and the travel
+    that a force needs.
     """
 
     volts: Array
@@ -163,8 +162,9 @@ class GripLaw:
         closing_m: Sequence[float],
         usable: Sequence[bool] | None = None,
     ) -> tuple[bool, bool]:
-        """Advance to a time [us]; return whether detections are suppressed, and whether the fingers
-        tighten.
+        """Advance to a time [us].
+
+        Return whether detections are suppressed, and whether the fingers tighten.
 
         A finger that is not usable, as with a broken wire, neither grows nor tightens. Units:
         `volts` [V], the mean tactile voltage of each finger since the last step; `closing_m` [m].
@@ -238,8 +238,8 @@ class GripController:
         self.law = GripLaw(settings, [ForceCurve.from_design(design)] * fingers)
 
     def step(self, observation: Observation) -> Array:
-        """Return the commanded closing [m]: the planned closing,
-        and what detections have added to it.
+        """Return the commanded closing [m]: the planned closing, and what detections have added to
+        it.
         """
         kind = self.settings.detector
         now = observation.time_s

@@ -1,5 +1,5 @@
-"""Motion of a hand: plan of a manipulation with the values that
-the seed draws, controller, and motors.
+"""Motion of a hand: plan of a manipulation with the values that the seed draws, controller, and
+motors.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ GRAVITY_M_S2 = 9.80665
 CLEARANCE_M = 2e-3
 """Distance ahead of the object at which the pin has reached its velocity [m]. Assumption."""
 REACH_SPREAD_M = 2e-3
-"""Half width of the range around grasp.reach_m from which the seed
-draws where each finger touches [m]. Assumption.
+"""Half width of the range around grasp.reach_m from which the seed draws where each finger touches
+[m]. Assumption.
 """
 
 
@@ -158,9 +158,7 @@ def plan_motion(design: Design, scene: ManipulationFile, pad: Pad, seed: int) ->
 
 
 def _find_trigger_s(design: Design, plan: MotionPlan, pad: Pad) -> float:
-    """Moment at which the planned closing has lowered the thumb's voltage by the stated
-    drop [s].
-    """
+    """Find when the planned closing has lowered the thumb's voltage by the stated drop [s]."""
     scene, hand, count = plan.scene, plan.scene.hand, round(plan.released_s * BASE_HZ)
     motors = Motors(
         hand=hand,
@@ -199,8 +197,8 @@ class Observation:
     time_s: float
     """Present time [s]. The first observation is at time 0 and holds one sample."""
     voltage_v: Array
-    """Voltages sampled by the ADC since the previous
-    observation, up to now [V], (fingers, samples).
+    """Voltages sampled by the ADC since the previous observation, up to now [V], (fingers,
+    samples).
     """
     closing_m: Array
     """Present closing of each finger [m], (fingers,), as the encoder of its motor shows it."""
@@ -215,7 +213,8 @@ class Observation:
     """
     filtered_v: Array | None = None
     """Sampled filtered signals [V], shaped like `voltage_v`. None unless ``sampled_filtered_v`` is
-    among the outputs of the scene."""
+    among the outputs of the scene.
+    """
 
 
 def delay_commands(
@@ -237,8 +236,8 @@ class Controller(Protocol):
     """Object that closes the loop."""
 
     def step(self, observation: Observation) -> Array:
-        """Return the commanded closing of each finger [m],
-        (fingers,), valid until the next command.
+        """Return the commanded closing of each finger [m], (fingers,), valid until the next
+        command.
         """
         ...
 
@@ -271,14 +270,14 @@ class MotorMotion:
     vibration_n: Array
     """Force with which the motor shakes its finger [N]."""
     jump_n: Array
-    """Jump of this force right after the previous point, where a
-    new command changes the velocity [N].
+    """Jump of this force right after the previous point, where a new command changes the velocity
+    [N].
     """
 
 
 class Motors:
-    """Closing of the fingers, which touch at `reach_m` [m], and the
-    forces they press with, chunk by chunk.
+    """Closing of the fingers, which touch at `reach_m` [m], and the forces they press with, chunk
+    by chunk.
     """
 
     def __init__(
@@ -337,8 +336,8 @@ class Motors:
 
 
 def solve_force_root(depth: float, k: float, c: float, start: float) -> float:
-    """Solve ``n^3 / k + c n^2 = depth`` for n >= 0 with
-    Newton's method, which converges from above.
+    """Solve ``n^3 / k + c n^2 = depth`` for n >= 0 with Newton's method, which converges from
+    above.
     """
     if depth <= 0.0:
         return 0.0
@@ -476,6 +475,6 @@ def _motor_loop(
 _follow = CompiledLoop(
     _motor_loop, solve_force_root, approach, speed_share, samples="force", plain_us=5.0
 )
-"""Advances closing, phase, vibration and root of each finger,
-and fills the fields of `MotorMotion`.
+"""Advances closing, phase, vibration and root of each finger, and fills the fields of
+`MotorMotion`.
 """

@@ -100,8 +100,9 @@ class ManipulationResult:
 
     @property
     def out_of_contact_share(self) -> float:
-        """Share of the fingers' true slip in which their pads
-        do not touch; 0 if it is not recorded.
+        """Share of the fingers' true slip in which their pads do not touch.
+
+        0 if it is not recorded.
         """
         slip = self.signals.find("slip")
         force_n = self.signals.find("force_n")
@@ -113,8 +114,9 @@ class ManipulationResult:
 
     @property
     def clip_share(self) -> float | None:
-        """Share of the fingers' true slip in which their boards clip; None if it is not
-        recorded.
+        """Share of the fingers' true slip in which their boards clip.
+
+        None if it is not recorded.
         """
         slip = self.signals.find("slip")
         clips = self.signals.find("clips")
@@ -135,18 +137,18 @@ class ManipulationResult:
         Those of thumb and object have the plain names, others are called like index_force_n.
         """
         outputs = {name: self.output(name) for name in self.scene.outputs}
-        found = {
+        columns_by_name = {
             name: signal if signal.ndim == 1 else signal[0] for name, signal in outputs.items()
         }
 
         for i, finger in list(enumerate(self.fingers))[1:]:
-            found |= {
+            columns_by_name |= {
                 f"{finger}_{name}": signal[i]
                 for name, signal in outputs.items()
                 if signal.ndim == 2
             }
 
-        return found
+        return columns_by_name
 
     def trace(self, finger: str = "thumb") -> Trace:
         """Return the trace of one finger for a detector: voltage, and the true force and slip.
@@ -318,14 +320,14 @@ def _advance_in_loop(stepper: ManipulationStepper, controller: Controller) -> It
 def _observe(
     stepper: ManipulationStepper, point: int, period: int, planned_m: Array
 ) -> Observation:
-    """Collect what a controller sees at a point of the last
-    chunk: the samples since its last command.
+    """Collect what a controller sees at a point of the last chunk: the samples since its last
+    command.
     """
     window, closing_m = stepper.select_window(point, period)
 
     def find(name: str) -> Array | None:
-        found = stepper.chunks[-1].find(name)
-        return None if found is None else found[:, window]
+        values = stepper.chunks[-1].find(name)
+        return None if values is None else values[:, window]
 
     voltage_v = find("voltage_v")
     assert voltage_v is not None
@@ -358,8 +360,8 @@ def _validate_command(command: Array, time_s: float, count: int) -> Array:
 
     if (np.abs(command) > MAX_CLOSING_M).any():
         bad = int(np.abs(command).argmax())
-        found = f"returned {command[bad]:g} m for finger {bad} at {time_s:g} s"
-        message = f"{found}; return closings in metres, at most {MAX_CLOSING_M:g} m."
+        problem = f"returned {command[bad]:g} m for finger {bad} at {time_s:g} s"
+        message = f"{problem}; return closings in metres, at most {MAX_CLOSING_M:g} m."
         raise TraceError(Issue("controller", message))
 
     return command
@@ -400,6 +402,6 @@ def _find_issues(design: Design, scene: ManipulationFile, seed: int) -> list[Iss
         message = f"{available:g} N is less {what}; at least {round_up(needed):g} N."
         issues.append(Issue("hand.max_force_n", message))
 
-    found = list(scene.find_design_issues(design, seed))
+    design_issues = list(scene.find_design_issues(design, seed))
     after_seed = int(seed < 0)
-    return [*found[:after_seed], *issues, *found[after_seed:]]
+    return [*design_issues[:after_seed], *issues, *design_issues[after_seed:]]

@@ -90,8 +90,9 @@ class ScenePose(ParameterTable):
         return next((pose for pose in poses if is_possible(form, pose)), self._turned(0.0, 0.0))
 
     def _turned(self, tilt_deg: float, roll_deg: float) -> Pose:
-        """Return the pose at angles from the middle; drawn angles are
-        whole, so that a campaign meets few poses.
+        """Return the pose at angles from the middle.
+
+        Drawn angles are whole, so that a campaign meets few poses.
         """
         tilt = self.tilt_deg + tilt_deg
         roll = self.roll_deg + roll_deg
@@ -145,8 +146,8 @@ class MountTable(ParameterTable):
         return replace(MOUNTS[self.kind], **changed)
 
     def find_issues(self) -> Iterator[tuple[Issue, set[str]]]:
-        """Yield each figure too small to be computed in seconds and
-        exactly, with the name of its parameter.
+        """Yield each figure too small to be computed in seconds and exactly, with the name of its
+        parameter.
         """
         for name, least, unit in (("mass_kg", 1e-4, "kg"), ("stiffness_n_per_m", 10.0, "N/m")):
             value = getattr(self, name)

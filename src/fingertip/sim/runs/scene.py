@@ -86,12 +86,12 @@ class SceneRecord:
     motion_s: float | None = None
     """Moment at which the robot begins to slide [s]; None if it does not."""
     out_of_contact_share: float = 0.0
-    """Share of the true slip in which the pad does not touch; 0 if
-    the scene does not record slip and force.
+    """Share of the true slip in which the pad does not touch.
+    0 if the scene does not record slip and force.
     """
     clip_share: float | None = None
-    """Share of the true slip in which the board clips; None if the
-    scene records no slip, or nothing of the board.
+    """Share of the true slip in which the board clips.
+    None if the scene records no slip, or nothing of the board.
     """
 
     @property
@@ -122,17 +122,17 @@ class SceneResult(SceneRecord):
 
         Raises TraceError.
         """
-        found = self.signals
-        if found.voltage_v is None:
+        signals = self.signals
+        if signals.voltage_v is None:
             raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
 
         return Trace(
-            time_s=found.time_s,
-            voltage_v=found.voltage_v,
-            force_n=found.force_n,
-            slip=found.slip,
-            envelope_v=found.sampled_envelope_v,
-            filtered_v=found.sampled_filtered_v,
+            time_s=signals.time_s,
+            voltage_v=signals.voltage_v,
+            force_n=signals.force_n,
+            slip=signals.slip,
+            envelope_v=signals.sampled_envelope_v,
+            filtered_v=signals.sampled_filtered_v,
             origin=Origin(True, self.motion_s, self.clip_share),
         )
 
@@ -323,8 +323,8 @@ class SceneRun:
         )
 
     def _open_random(self, purpose: str) -> random.Random:
-        """Random numbers for one purpose, so that setting the force
-        changes neither the surface nor the motors.
+        """Random numbers for one purpose, so that setting the force changes neither the surface nor
+        the motors.
         """
         return random.Random(f"{self.seed}:{purpose}")
 

@@ -221,8 +221,8 @@ class SceneFile(PathTables, _SceneTables):
             yield Issue("motor.frequency_hz", f"{what}; below {half:g} Hz.")
 
     def complete(self) -> Self:
-        """Copy with the values of the named surface and of the kind
-        of mount in place of those that keep them.
+        """Copy with the values of the named surface and of the kind of mount in place of those that
+        keep them.
         """
         mount = self.mount.model_copy(update=vars(self.mount.backing))
         return self.model_copy(

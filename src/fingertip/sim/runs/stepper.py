@@ -23,15 +23,15 @@ from fingertip.sim.signal.grid import BASE_HZ, CostMeter, Grid, SampleClock, Sam
 from fingertip.sim.signal.simulated_finger import Finger, FingerDrive, FingerSetup, FingerSignals
 
 PROFILE_MARGIN_M = 2e-3
-"""Length of the surface profile before the point of first touch [m],
-because objects are also pushed back a little.
+"""Length of the surface profile before the point of first touch [m], because objects are also
+pushed back a little.
 """
 
 
 @dataclass(frozen=True, eq=False)
 class HandSignals:
-    """Signals of a manipulation at the instants of the ADC: (fingers,
-    samples), those of the object (samples,).
+    """Signals of a manipulation at the instants of the ADC: (fingers, samples), those of the object
+    (samples,).
     """
 
     time_s: Array
@@ -59,8 +59,8 @@ class HandSignals:
         if hasattr(self, name):
             return np.asarray(getattr(self, name))
 
-        found = [getattr(finger, name) for finger in self.fingers]
-        return None if found[0] is None else np.stack(found)
+        values = [getattr(finger, name) for finger in self.fingers]
+        return None if values[0] is None else np.stack(values)
 
 
 @dataclass
@@ -91,7 +91,7 @@ class ManipulationStepper:
         target = scene.object
         pin = Pin(knock.stiffness_n_per_m, knock.damping_s_per_m, knock.attached, knock.speed_m_s)
         mounts = tuple(mount_pad(self.pad, force) for force in plan.force_n.tolist())
-        held = HeldObject(
+        held_object = HeldObject(
             friction=plan.friction,
             mounts=mounts,
             mass_kg=target.mass_kg,
@@ -99,8 +99,8 @@ class ManipulationStepper:
             pin=pin,
         )
         # A refined grid keeps the number of parts, so that all errors fall with its step.
-        parts = held.count_parts(scene.hand.max_force_n, 1 / BASE_HZ)
-        self._grasp = Grasp(held, self.grid.step_s, parts)
+        parts = held_object.count_parts(scene.hand.max_force_n, 1 / BASE_HZ)
+        self._grasp = Grasp(held_object, self.grid.step_s, parts)
         self._last_load_n = np.zeros(count)
         self._points = 1
         self._clock = SampleClock(self.grid, self.design.detector.sample_rate_hz)
@@ -153,8 +153,8 @@ class ManipulationStepper:
         self._record(motors.closing_m, command_m, drives, moved)
 
     def select_window(self, point: int, period: int) -> tuple[slice, Array]:
-        """Select the samples of the last chunk in the period before
-        one of its points, and the closing there [m].
+        """Select the samples of the last chunk in the period before one of its points, and the
+        closing there [m].
         """
         before = self._clock.count_until(self._points - 1) - len(self.chunks[-1].time_s)
         first, end = (self._clock.count_until(at) - before for at in (point - period, point))

@@ -35,8 +35,8 @@ APPROACH_M = 0.01
 Assumption: half of the article's 2 cm. The other half presses the finger on.
 """
 _TRIGGER_POINTS = 4001
-"""Number of moments of the closing between which the trigger is
-sought: some 0.2 ms apart, on straight lines.
+"""Number of moments of the closing between which the trigger is sought: some 0.2 ms apart, on
+straight lines.
 """
 OPEN_S = 0.3
 """Time for which an open grasp is recorded before it closes [s]. Assumption."""
@@ -69,8 +69,9 @@ class TrapezoidalMove:
 
     @classmethod
     def with_duration(cls, start_s: float, distance_m: float, duration_s: float) -> TrapezoidalMove:
-        """Build the move that takes `duration_s` [s]; one that is
-        shorter than a triangle accelerates more.
+        """Build the move that takes `duration_s` [s].
+
+        One that is shorter than a triangle accelerates more.
         """
         T = duration_s
         a = max(ACCELERATION_M_S2, 4 * distance_m / (T * T))
@@ -199,8 +200,9 @@ def find_trigger_s(
     time_s: Array,
     force_n: Array,
 ) -> float:
-    """Moment at which a growing force has moved the tactile voltage
-    by so much [s]; the last one if it does not.
+    """Moment at which a growing force has moved the tactile voltage by so much [s].
+
+    It is the last one if the force never does.
     """
     sensed_n = pad.sensed_n(force_n, None, reads_whole_finger(design, sensing.bridge))
     volts = Bridge.select(design, sensing.bridge).voltage_v(sensed_n)
@@ -216,24 +218,24 @@ def build_timeline(design: Design, scene: SceneFile, pad: Pad, force_n: float) -
     hold = scene.hold
     slide = scene.slide
     approach = None
-    held = OPEN_S + hold.close_s
+    closed_s = OPEN_S + hold.close_s
 
     if hold.mode == "press":
         # Approach and lift have the same speed (assumption: the article gives the duration of the
         # lift only).
         speed = TrapezoidalMove.with_duration(0.0, LIFT_M, LIFT_S).peak_m_s
         approach = TrapezoidalMove.with_speed(0.0, APPROACH_M + pad.depth_m(force_n), speed)
-        held = approach.end_s
+        closed_s = approach.end_s
 
-    starts = held
+    starts = closed_s
     if hold.trigger_v:
-        time_s = np.linspace(0.0, held, _TRIGGER_POINTS)
+        time_s = np.linspace(0.0, closed_s, _TRIGGER_POINTS)
         load_n = Timeline(
             scene=scene,
             force_n=force_n,
-            held_s=held,
-            release_s=held,
-            duration_s=held,
+            held_s=closed_s,
+            release_s=closed_s,
+            duration_s=closed_s,
             slide=None,
             approach=approach,
             lift=None,
@@ -241,7 +243,11 @@ def build_timeline(design: Design, scene: SceneFile, pad: Pad, force_n: float) -
         starts = find_trigger_s(design, pad, scene.sensing, hold.trigger_v, time_s, load_n)
 
     sliding = _plan_slide(slide, starts + hold.wait_s) if slide.distance_m else None
-    busy = max(held + hold.min_s, sliding.end_s if sliding else held, held + _events_end_s(scene))
+    busy = max(
+        closed_s + hold.min_s,
+        sliding.end_s if sliding else closed_s,
+        closed_s + _events_end_s(scene),
+    )
     release = busy + hold.wait_s
     lift = (
         TrapezoidalMove.with_duration(release, LIFT_M, LIFT_S)
@@ -253,7 +259,7 @@ def build_timeline(design: Design, scene: SceneFile, pad: Pad, force_n: float) -
     return Timeline(
         scene=scene,
         force_n=force_n,
-        held_s=held,
+        held_s=closed_s,
         release_s=release,
         duration_s=end + hold.after_s,
         slide=sliding,
@@ -344,8 +350,8 @@ class UncoupledPad:
         load_n: Array,
         push_n: Array | None,
     ) -> FingerDrive:
-        """Follow the pad over the next points: position [m] and
-        velocity [m/s] of the carriage, and forces [N].
+        """Follow the pad over the next points: position [m] and velocity [m/s] of the carriage, and
+        forces [N].
         """
         with self._meter.stage("friction", self._states):
             motion = self._integrator.process(carriage_m, carriage_m_s, load_n)
@@ -355,8 +361,9 @@ class UncoupledPad:
 
 
 class CoupledPad:
-    """Pad whose vibration acts back on friction; the profile is read
-    along the path that results without that.
+    """Pad whose vibration acts back on friction.
+
+    The profile is read along the path that results without that.
     """
 
     def __init__(
@@ -470,9 +477,7 @@ def _shake_loop(
     envelope: Floats,
     out: MutableFloats,
 ) -> None:
-    """Sum both tones point by point: the last bit of a vectorised sine varies between
-    processors.
-    """
+    """Sum both tones point by point: processors differ in the last bit of a vectorised sine."""
     first, second = phases
     for i in range(len(time)):
         if envelope[i] != 0.0:

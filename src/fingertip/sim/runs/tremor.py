@@ -27,8 +27,8 @@ _SINES = 8
 _PEAK = math.sqrt(2 * _SINES)
 """Largest value of such a sum of RMS value 1."""
 _SPACING_S = 2e-3
-"""Distance of the points between which tremor is a cubic: it
-errs by 1e-6 of its amplitude at 12 Hz.
+"""Distance of the points between which tremor is a cubic: it errs by 1e-6 of its amplitude at 12
+Hz.
 """
 _TREMOR_WIDTH = 0.2
 _VOLUNTARY_WIDTH = 0.6

@@ -55,21 +55,21 @@ def augment(A: Array, b: Array, K: Array | None = None, is_curved: bool = False)
     A: (..., n, n), b: (..., n), K: (..., n, constants).
     """
     n = A.shape[-1]
-    given = 0 if K is None else K.shape[-1]
-    M = np.zeros((*A.shape[:-2], n + 2 + given + is_curved, n + 2 + given + is_curved))
+    jump_count = 0 if K is None else K.shape[-1]
+    M = np.zeros((*A.shape[:-2], n + 2 + jump_count + is_curved, n + 2 + jump_count + is_curved))
     M[..., n + 1, -1] = float(is_curved)
     M[..., :n, :n] = A
     M[..., :n, n] = b
     M[..., n, n + 1] = 1.0
     if K is not None:
-        M[..., :n, n + 2 : n + 2 + given] = K
+        M[..., :n, n + 2 : n + 2 + jump_count] = K
 
     return M
 
 
 def exponentials(M: Array, step_s: float, levels: int) -> Array:
-    """Matrix exponentials exp(M step / 2^l) for l = 0 .. levels -
-    1, in a new axis before the last two.
+    """Matrix exponentials exp(M step / 2^l) for l = 0 .. levels - 1, in a new axis before the last
+    two.
     """
     shortest = M * (step_s * 2.0 ** (1 - levels))
     norm = float(np.abs(shortest).sum(axis=-1).max())
@@ -86,12 +86,12 @@ def exponentials(M: Array, step_s: float, levels: int) -> Array:
     for _ in range(squarings):
         D = 2 * D + D @ D
 
-    found = [D]
+    powers = [D]
     for _ in range(levels - 1):
         D = 2 * D + D @ D
-        found.append(D)
+        powers.append(D)
 
-    return np.stack(found[::-1], axis=-3) + np.eye(M.shape[-1])
+    return np.stack(powers[::-1], axis=-3) + np.eye(M.shape[-1])
 
 
 COMPONENTS = (
@@ -118,8 +118,9 @@ those up to C4, precision none of the envelope's.
 
 @dataclass(frozen=True)
 class Diode:
-    """Shockley diode ``i = Is (exp((v - i Rs) / (n Vt)) - 1)``; by
-    default the 1N4148 of SPICE at 27 degrees.
+    """Shockley diode ``i = Is (exp((v - i Rs) / (n Vt)) - 1)``.
+
+    By default the 1N4148 of SPICE at 27 degrees.
     """
 
     saturation_a: Value = SATURATION_A
@@ -192,8 +193,8 @@ class AnalogBoard:
         amplifiers: Amplifiers | Literal["real", "ideal"] = "real",
         diode: str = "1N4148",
     ) -> AnalogBoard:
-        """Board of a design, with the values of the components that
-        are fitted and the amplifiers of the design.
+        """Board of a design, with the values of the components that are fitted and the amplifiers
+        of the design.
         """
         if isinstance(amplifiers, str):
             fitted = Amplifiers.from_design(design) if amplifiers == "real" else None
@@ -231,8 +232,9 @@ class AnalogBoard:
 
     @property
     def load(self) -> tuple[Value, Value]:
-        """Resistance and capacitance that the diode charges [ohm, F];
-        of a precision rectifier their product counts.
+        """Resistance and capacitance that the diode charges [ohm, F].
+
+        Of a precision rectifier their product counts.
         """
         decay_s = self.envelope_decay_s
         ohm = self.envelope.gain(self.network.values) if self.rectifier == "diode" else 1e3
@@ -240,8 +242,8 @@ class AnalogBoard:
 
     @property
     def is_curved(self) -> bool:
-        """True if the input is a parabola between two points:
-        where an output jumps, its moment counts.
+        """True if the input is a parabola between two points: where an output jumps, its moment
+        counts.
         """
         return self.amplifiers is not None and self.amplifiers.reversal_v is not None
 
@@ -251,8 +253,9 @@ class AnalogBoard:
 
     @property
     def envelope_gain(self) -> Value:
-        """Gain from the positive half waves of the filtered
-        voltage to the envelope; 1 for a bare diode.
+        """Gain from the positive half waves of the filtered voltage to the envelope.
+
+        1 for a bare diode.
         """
         return 1.0 if self.rectifier == "diode" else self.envelope.gain(self.network.values)
 
@@ -293,7 +296,7 @@ def compute_step_matrices(
     """
     system = compute_state_space(board)
     count, n = system.A.shape[:2]
-    held = (
+    jump_places = (
         [()] if not system.outputs else [(), system.outputs[1:], system.outputs[:1], system.outputs]
     )
     width = n + 2 + len(system.outputs) + board.is_curved
@@ -310,7 +313,7 @@ def compute_step_matrices(
     output = widen(system.rows[FILTERED])
     step_columns = []
 
-    for places in held:
+    for places in jump_places:
         A = system.A.copy()
         b = system.b.copy()
         rates = np.zeros((count, n, len(system.outputs)))

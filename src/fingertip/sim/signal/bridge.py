@@ -24,8 +24,8 @@ sharp turn-on.
 
 @dataclass(frozen=True)
 class ConductanceCurve:
-    """Conductance over force: ``scale (F - turn_on)^exponent``
-    [S], with the turn-on of `turn_on_power`.
+    """Conductance over force: ``scale (F - turn_on)^exponent`` [S], with the turn-on of
+    `turn_on_power`.
     """
 
     turn_on_n: float
@@ -37,8 +37,9 @@ class ConductanceCurve:
         return self.scale * turn_on_power(force_n - self.turn_on_n, self.exponent, TURN_ON_WIDTH_N)
 
     def force_n(self, conductance_s: float) -> float:
-        """Force [N] at a conductance [S]; where the turn-on rounds
-        the curve, that of its unrounded power.
+        """Force [N] at a conductance [S].
+
+        Where the turn-on rounds the curve, it is the force of the unrounded power.
         """
         return self.turn_on_n + math.pow(max(conductance_s, 0.0) / self.scale, 1.0 / self.exponent)
 
@@ -54,8 +55,8 @@ class ConductanceCurve:
 
 @dataclass(frozen=True)
 class Bridge:
-    """Tactile voltage over force: the sensor's curve, and the response
-    of bridge and amplifier to its conductance.
+    """Tactile voltage over force: the sensor's curve, and the response of bridge and amplifier to
+    its conductance.
     """
 
     curve: ConductanceCurve
@@ -118,8 +119,8 @@ class Bridge:
 
 
 def reads_whole_finger(design: Design, bridge: str) -> bool:
-    """Return whether the force of a curve is that on the finger: the
-    article's, and one found with weights on it.
+    """Return whether the force of a curve is that on the finger: the article's, and one found with
+    weights on it.
     """
     return bridge == "article" or design.force_curve.curve == "calibrated"
 
@@ -141,8 +142,8 @@ def turn_on_power(excess_n: float, exponent: float, width_n: float) -> float:
 
 
 def fit_conductance_curve() -> ConductanceCurve:
-    """Fit Interlink's curve at the article's two forces, with the
-    turn-on at which the board's own curve begins.
+    """Fit Interlink's curve at the article's two forces, with the turn-on at which the board's own
+    curve begins.
     """
     (f0, _), (f1, _), (f2, _) = ARTICLE_POINTS
     g1 = sensor_conductance_s(f1)
@@ -199,8 +200,8 @@ Assumption.
 LIGHT_N = 1e-3
 """Force at which time under load counts by half [N]."""
 _PLAY, _LOADED, _ONE, _TWO, _THREE = range(5)
-"""Indices of the sensor's state: play [N], number of steps since it
-was loaded, and the last three forces [N].
+"""Indices of the sensor's state: play [N], number of steps since it was loaded, and the last three
+forces [N].
 """
 NEW = (0.0, 0.0, math.nan, math.nan, math.nan)
 """State of a sensor before its first force."""

@@ -52,8 +52,8 @@ from fingertip.slip.detectors.detector import Detector, DetectorOutput
 from fingertip.slip.detectors.input_noise import NoiseLevel, input_noise_v
 
 _FIRST, _SECOND, _INPUT = range(3)
-"""Indices of the filter's state: voltages of the first and the
-second capacitor, and the previous input [V].
+"""Indices of the filter's state: voltages of the first and the second capacitor, and the previous
+input [V].
 """
 
 PINS = {ADC_TACTILE: TACTILE, ADC_ENVELOPE: ENVELOPE, ADC_FILTERED: FILTERED}
@@ -66,8 +66,8 @@ _NO_POLES = (0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0)
 
 
 class AntiAliasFilter:
-    """One or two poles that start in the steady state of their first
-    sample and keep their state between chunks.
+    """One or two poles that start in the steady state of their first sample and keep their state
+    between chunks.
     """
 
     def __init__(self, matrix: tuple[float, ...]) -> None:
@@ -76,8 +76,9 @@ class AntiAliasFilter:
 
     @classmethod
     def ahead_of(cls, pin: str, design: Design, step_s: float | None = None) -> AntiAliasFilter:
-        """Filter of a board's pin, one of `PINS`; without a step [s], for voltages at
-        the samples.
+        """Filter of a board's pin, one of `PINS`.
+
+        Without a step [s], it takes voltages at the samples.
         """
         return cls(
             _compute_poles(
@@ -86,8 +87,9 @@ class AntiAliasFilter:
         )
 
     def process(self, voltage_v: Array, after_v: Array | None = None) -> Array:
-        """Return the voltage at the pin [V]; where the input
-        jumps, `after_v` is the voltage right after.
+        """Return the voltage at the pin [V].
+
+        Where the input jumps, `after_v` is the voltage right after.
         """
         out = np.zeros(len(voltage_v))
         if len(voltage_v):
@@ -167,8 +169,8 @@ class AdcRange:
         return cls(d.adc_bits, d.adc_low_v, d.adc_range_v)
 
     def above_signal_ground(self, design: Design) -> AdcRange:
-        """The same range above the signal ground, which the controller
-        subtracts from filtered signal and envelope.
+        """The same range above the signal ground, which the controller subtracts from filtered
+        signal and envelope.
         """
         ground_v = SUPPLIES[design.board.variant].signal_ground_v(design.board.supply_v)
         return replace(self, low_v=self.low_v - ground_v, high_v=self.high_v - ground_v)
@@ -187,8 +189,8 @@ class AdcRange:
 
 
 class Converter:
-    """One channel of the ADC: anti-aliasing poles on the grid, then
-    samples with jitter [s], noise and quantisation.
+    """One channel of the ADC: anti-aliasing poles on the grid, then samples with jitter [s], noise
+    and quantisation.
     """
 
     def __init__(
@@ -211,8 +213,8 @@ class Converter:
         self._last = np.zeros(0)
 
     def process(self, voltage_v: Array, at: Instants, after_v: Array | None = None) -> Array:
-        """Return the samples [V] of a chunk of voltages on the
-        grid [V], with those right after each jump.
+        """Return the samples [V] of a chunk of voltages on the grid [V], with those right after
+        each jump.
         """
         pin_v = self._anti_alias.process(voltage_v, after_v)
         sampled = self._sampler.process(pin_v, at)
@@ -296,8 +298,8 @@ _SMALL_V = 1e-6
 
 @functools.lru_cache(maxsize=256)
 def compute_input_noise_v(design: Design) -> float:
-    """Compute the white RMS noise at the board's input, on the base
-    grid, that stands for its amplifiers' noise [V].
+    """Compute the white RMS noise at the board's input, on the base grid, that stands for its
+    amplifiers' noise [V].
     """
     if not design.board.has_filter:
         return 0.0
@@ -309,8 +311,8 @@ def compute_input_noise_v(design: Design) -> float:
 
 
 def compute_noise_gain(design: Design) -> float:
-    """Compute the standard deviation at the filter's output for
-    white noise of deviation 1 on the base grid.
+    """Compute the standard deviation at the filter's output for white noise of deviation 1 on the
+    base grid.
     """
     impulse = np.zeros(2 + round(_MEMORY_S * BASE_HZ * 67.0 / design.board.cutoff_hz))
     impulse[1] = _SMALL_V
@@ -356,8 +358,8 @@ class SimulatedBoardDetector(Detector):
         return self._detector.step(float(self.simulate_envelope_v(np.array([voltage_v]))[0]))
 
     def simulate_envelope_v(self, voltage_v: Array) -> Array:
-        """Return the sampled envelope [V] of the next samples
-        [V], between which the input is linear.
+        """Return the sampled envelope [V] of the next samples [V], between which the input is
+        linear.
         """
         output_v = self._source.select(*self._board.process(voltage_v))
         return self._source.finish(self._adc.quantise_v(self._poles.process(output_v)))
@@ -369,8 +371,8 @@ def compute_bridge_v(design: Design, force_n: Array) -> Array:
 
 
 def simulate_quiescent_level(design: Design, diode: str = "1N4148") -> NoiseLevel:
-    """Simulate the noise level of `analog` behind the board while
-    nothing happens: amplifiers, filter, then ADC.
+    """Simulate the noise level of `analog` behind the board while nothing happens: amplifiers,
+    filter, then ADC.
     """
     grid = Grid()
     rate = design.detector.sample_rate_hz
@@ -395,8 +397,8 @@ def simulate_quiescent_level(design: Design, diode: str = "1N4148") -> NoiseLeve
 
 
 def simulate_replay_level(design: Design) -> NoiseLevel:
-    """Simulate the noise level of `analog` behind a board that is fed
-    a recording, which holds the ADC's noise.
+    """Simulate the noise level of `analog` behind a board that is fed a recording, which holds the
+    ADC's noise.
     """
     count = count_samples(_noise_s(design), design.detector.sample_rate_hz)
     noise_v = draw_noise(open_stream(0, "replayed noise"), input_noise_v(design), count)
@@ -408,8 +410,9 @@ def _noise_s(design: Design) -> float:
 
 
 def _measure_level(design: Design, sampled_v: Array) -> NoiseLevel:
-    """Measure the noise of a sampled envelope; the threshold is at
-    least a step, where the ADC shows none.
+    """Measure the noise of a sampled envelope.
+
+    The threshold is at least a step, where the ADC shows none.
     """
     settled = sampled_v[round(_SETTLING_S * design.detector.sample_rate_hz) :]
     return measure_noise_level(settled, design, "simulated noise")

@@ -1,8 +1,8 @@
 """Loop of `fingertip.sim.signal.filter_board`: exact linear steps, and a diode that charges R
 parallel to C.
 
-    C dv/dt = i - v / R,   i = Is (exp((u - v - i Rs) / nVt) - 1)     variant article C dv/dt =
-    (max(u, 0) - v) / R                                      variants precision, comparator
+    C dv/dt = i - v / R,   i = Is (exp((u - v - i Rs) / nVt) - 1)     variant article
+    C dv/dt = (max(u, 0) - v) / R                                     variants precision, comparator
 
 u is the filter's output and v the envelope. Where the diode hardly conducts, the decay of v is
 exact and the diode's current is a correction by Simpson's rule. Elsewhere v follows SDIRK4 (E.
@@ -27,22 +27,22 @@ import math
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 
 LEVELS = 25
-"""Number of step sizes, from the sampling interval down to the interval over 2^24: 30 ps
-at 2 kHz.
+"""Number of step sizes, from the sampling interval down to the interval over 2^24: 30 ps at 2 kHz.
 """
 ABSCISSAE = (0.25, 0.75, 0.55, 0.5, 1.0)
 """Positions within a step at which SDIRK4 needs the filter's output (the method's c)."""
 BLOCK = 8
 """Rows of the step matrices that one pass computes: the length of a column is a multiple of it."""
 ENVELOPE, LEVEL, OUTPUT, RATES = range(4)
-"""Indices of what a chunk carries beside the states: envelope [V], level of the step, output [V];
-then the rates that both amplifiers would have [V/s], the input of the second one [V], and 1 where
-its output has jumped up.
+"""Indices of the values that a chunk carries beside the states.
+
+They are envelope [V], level of the step, and output [V]; then the rates that both amplifiers would
+have [V/s], the input of the second one [V], and 1 where its output has jumped up.
 """
 CARRIED = 7
 FREE, RISING, FALLING, HIGH, LOW = range(5)
-"""States of an amplifier: it follows, rises or falls at its
-largest rate, or its output stands at a rail.
+"""States of an amplifier: it follows, rises or falls at its largest rate, or its output stands at a
+rail.
 """
 RECOVERY_V = 0.1
 """Voltage by which the input comes back before an output that jumped up returns [V]. Assumption:
@@ -54,8 +54,7 @@ EVENT_S = 1e-9
 LOG_OFF = math.log(1e-3)
 """Logarithm of the fraction of the tolerance below which the diode's charge is neglected."""
 STEPS, REJECTED, IMPLICIT = range(3)
-"""Indices of the statistics: accepted steps, rejected steps, and steps that were solved
-implicitly.
+"""Indices of the statistics: accepted steps, rejected steps, and steps that were solved implicitly.
 """
 
 # SDIRK4 in the variables z_i = gamma h k_i with gamma = 1/4: the table's a_ij times 4, and its
@@ -205,11 +204,11 @@ def _envelope_loop(
     tables: MutableFloats,
     filtered: MutableFloats,
     envelope: MutableFloats,
-    held: MutableFloats,
+    is_held: MutableFloats,
     statistics: MutableFloats,
 ) -> None:
-    """Follow the envelope over a chunk: exact steps of the circuit, and
-    an implicit method where the diode conducts.
+    """Follow the envelope over a chunk: exact steps of the circuit, and an implicit method where
+    the diode conducts.
     """
     # The input is given right before and right after each sample. Between two samples it is one
     # straight line, or two that meet in the middle of the step, higher than the one by `bend` of
@@ -257,7 +256,7 @@ def _envelope_loop(
     steps = rejected = implicit = 0
     filtered[0] = 0.0
     envelope[0] = v
-    held[0] = 0.0
+    is_held[0] = 0.0
 
     for i in range(len(before) - 1):
         # z holds the circuit's states, the input, its slope, given rates, and the slope's rate.
@@ -267,7 +266,7 @@ def _envelope_loop(
         z[states + 1] = slope + (3 if is_curved else 2) * bow / H
         tick = 0
         corner = 0
-        held[i + 1] = 0.0
+        is_held[i + 1] = 0.0
 
         if is_curved:
             z[states + 4] = -6 * bow / (H * H)
@@ -299,7 +298,7 @@ def _envelope_loop(
                 state2 = find_state(z[at2], math.inf if is_up > 0.0 else rate2, low, high, slew)
                 mode = (2 if state1 else 0) + (1 if state2 else 0)
                 if state2 != FREE:
-                    held[i + 1] = 1.0
+                    is_held[i + 1] = 1.0
 
                 if state1 == RISING:
                     z[states + 2] = slew

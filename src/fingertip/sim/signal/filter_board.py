@@ -41,8 +41,8 @@ _FIXED = 6
 
 @dataclass(frozen=True)
 class BoardSignals:
-    """Voltages at the samples [V], with a first axis of boards if
-    there are many, and the number of steps taken.
+    """Voltages at the samples [V], with a first axis of boards if there are many, and the number of
+    steps taken.
     """
 
     filtered_v: Array
@@ -97,8 +97,8 @@ class AnalogStream:
         self.steps = 0
         """Steps taken so far, accepted and rejected."""
         self.clips = np.zeros(0)
-        """1 where the filter's output was at its limits since the
-        sample before, at the samples processed last.
+        """1 where the filter's output was at its limits since the sample before, at the samples
+        processed last.
         """
 
     def process(
@@ -110,10 +110,10 @@ class AnalogStream:
         line; None: it is on it.
         """
         after = voltage_v if after_v is None else after_v
-        given = {"voltage_v": voltage_v} | ({} if after_v is None else {"after_v": after_v})
+        inputs = {"voltage_v": voltage_v} | ({} if after_v is None else {"after_v": after_v})
         raise_issues(
             TraceError,
-            (issue for name, volts in given.items() for issue in find_voltage_issues(name, volts)),
+            (issue for name, volts in inputs.items() for issue in find_voltage_issues(name, volts)),
         )
         # The interval before a chunk's first sample begins at the last sample of the chunk before.
         bends = np.zeros(len(voltage_v)) if bend_v is None else bend_v
@@ -180,8 +180,8 @@ class Integrator:
         self._width = self.state_count + (4 if board.amplifiers else 2) + board.is_curved
 
     def steady_state(self, i: int, voltage_v: float) -> tuple[Array, Array]:
-        """State for a constant input, which no filter passes:
-        that of the envelope, and the circuit's.
+        """State for a constant input, which no filter passes: that of the envelope, and the
+        circuit's.
         """
         z = np.zeros(self._width)
         z[: self.state_count] = self._steady_state[i] * voltage_v
@@ -247,8 +247,8 @@ class Integrator:
 
 
 def _values(board: AnalogBoard) -> list[Any]:
-    """Values of the diode and the envelope, which the loop takes,
-    then those that determine the matrices.
+    """Values of the diode and the envelope, which the loop takes, then those that determine the
+    matrices.
     """
     d = board.diode
     fixed = [
@@ -269,8 +269,7 @@ def _values(board: AnalogBoard) -> list[Any]:
 # open collector: low while the board indicates slip.
 
 PIN_LOW_V = 0.0
-"""Voltage of the pin while it indicates slip [V]: an open collector's 0.05 V at 1 mA are
-neglected.
+"""Voltage of the pin while it indicates slip [V]: an open collector's 0.05 V at 1 mA are neglected.
 """
 _PARTS = 4
 """Number of parts of a sampling interval at whose ends the mean is compared with a threshold."""

@@ -21,8 +21,8 @@ from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress, Work
 
 BASE_HZ = 10_000.0
-"""Points per second: forces within 0.05 mN, envelopes within 0.8 mV of
-vanishing steps, mostly (docs/accuracy.md).
+"""Points per second: forces within 0.05 mN, envelopes within 0.8 mV of vanishing steps, mostly
+(docs/accuracy.md).
 """
 _SNAP = 1e-6
 """Distance from a point, in steps, at which an instant counts as that point."""
@@ -66,9 +66,7 @@ def count_samples(duration_s: float, sample_rate_hz: float) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Instants:
-    """Samples in a chunk of points, by positions from the last point before it, or the
-    very first.
-    """
+    """Samples in a chunk of points, by their positions from the last point before the chunk."""
 
     first: int
     """Number of samples before the chunk."""
@@ -104,11 +102,11 @@ class SampleClock:
         whole = np.floor(at + _SNAP)
         fraction = at - whole
         fraction[np.abs(fraction) <= _SNAP] = 0.0
-        found = Instants(self._samples, whole.astype(np.int64) - origin, fraction, self._rate)
+        instants = Instants(self._samples, whole.astype(np.int64) - origin, fraction, self._rate)
         self._points = last + 1
         self._samples = end
 
-        return found
+        return instants
 
     def count_until(self, point: int) -> int:
         """Number of samples up to a point of the grid."""
@@ -145,8 +143,8 @@ OpenStream = Callable[[str], Stream]
 
 
 def open_stream(seed: int, *purpose: str) -> Stream:
-    """Open the stream of a seed and a purpose, so that one
-    purpose never changes the numbers of another.
+    """Open the stream of a seed and a purpose, so that one purpose never changes the numbers of
+    another.
     """
     name = ":".join((str(seed), *purpose))
     return np.random.RandomState(np.frombuffer(hashlib.sha256(name.encode()).digest(), dtype="<u4"))
@@ -258,8 +256,8 @@ LONG_S = 15.0
 def report_share(
     name: str, duration_s: float, progress: ReportProgress | None
 ) -> Callable[[float], None]:
-    """Return what takes the time that has been simulated [s] and
-    reports the share that is done, if it takes long.
+    """Return what takes the time that has been simulated [s] and reports the share that is done, if
+    it takes long.
     """
     label = f"simulating {duration_s:.1f} s of {name}"
     work = Work("", {label: 1.0}, progress if duration_s > LONG_S else None)

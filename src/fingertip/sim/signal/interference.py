@@ -1,5 +1,5 @@
-"""Voltages that are added to the tactile voltage: drift, a touched
-cable, hum, pink noise, vibration of a hand.
+"""Voltages that are added to the tactile voltage: drift, a touched cable, hum, pink noise,
+vibration of a hand.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ HAND_BAND_HZ = (30.0, 90.0)
 HAND_LOAD_N = 0.02
 """Force at which half of a hand's vibration reaches the sensor [N]. Assumption."""
 _PINK_OCTAVES = 16
-"""Number of first-order processes that add up to pink noise, one per
-octave down from half the base grid's rate.
+"""Number of first-order processes that add up to pink noise, one per octave down from half the base
+grid's rate.
 """
 _BAND_STATES = 8
-"""Number of states of the filters behind a hand's vibration: two
-sections of order 2 in each of two filters.
+"""Number of states of the filters behind a hand's vibration: two sections of order 2 in each of two
+filters.
 """
 _GONE = 40.0
 """Number of decay times after which a jump of the cable has decayed to nothing."""
@@ -74,8 +74,8 @@ class InterferenceSource:
         )
 
     def process(self, contact_n: Array) -> tuple[Array, Array | None]:
-        """Return the voltage right after each of the next points [V]
-        for a contact's force [N], and its jump there.
+        """Return the voltage right after each of the next points [V] for a contact's force [N], and
+        its jump there.
         """
         count = len(contact_n)
         time_s = self._grid.time_s(self._points, count)
@@ -106,8 +106,9 @@ class InterferenceSource:
 def compute_cable_v(
     cable: Cable, held_s: float, time_s: Array, step_s: float
 ) -> tuple[Array, Array]:
-    """Voltage of a touched cable [V], and its jumps, each at the
-    point that follows it; with hum in between.
+    """Voltage of a touched cable [V], and its jumps, each at the point that follows it.
+
+    Hum is added in between.
     """
     volts = np.zeros(len(time_s))
     jumps = np.zeros(len(time_s))
@@ -136,9 +137,7 @@ def compute_hum_v(noise: Noise, time_s: Array) -> Array:
 
 
 class RefinedNoise:
-    """Noise that is drawn on the base grid, with straight lines between its points on a
-    finer grid.
-    """
+    """Noise that is drawn on the base grid; on a finer grid it is linear between these points."""
 
     def __init__(self, grid: Grid, draw: Callable[[int], Array]) -> None:
         self._parts = grid.refinement
@@ -216,7 +215,7 @@ def design_pink() -> tuple[list[float], list[float], list[list[float]]]:
     gains = [
         gain
         * math.prod(1 - b / a for b in zeros)
-        / math.prod(1 - other / a for other in decays if other != a)
+        / math.prod(1 - other_pole / a for other_pole in decays if other_pole != a)
         for a in decays
     ]
     # In the steady state, processes i and k have the covariance gain_i gain_k / (1 - a_i a_k). It
@@ -236,8 +235,8 @@ def design_pink() -> tuple[list[float], list[float], list[list[float]]]:
 
 
 class HandVibration(RefinedNoise):
-    """Noise in the band of a hand's vibration, by its RMS [V]: white
-    noise behind Butterworth filters of order 4.
+    """Noise in the band of a hand's vibration, by its RMS [V]: white noise behind Butterworth
+    filters of order 4.
     """
 
     def __init__(self, grid: Grid, deviation_v: float, stream: Stream) -> None:
@@ -262,20 +261,20 @@ class HandVibration(RefinedNoise):
 
 
 def _design_butterworth(corner_hz: float, is_high_pass: bool) -> tuple[float, ...]:
-    """Coefficients b0, b1, b2, a1, a2 of both sections of a
-    Butterworth filter of order 4 (bilinear transform).
+    """Coefficients b0, b1, b2, a1, a2 of both sections of a Butterworth filter of order 4 (bilinear
+    transform).
     """
     k = math.tan(math.pi * corner_hz / BASE_HZ)
-    found: list[float] = []
+    coefficients: list[float] = []
 
     for pole in (1, 3):
         damping = 2 * math.sin(pole * math.pi / 8)  # 1 / Q of the section
         scale = 1 / (1 + damping * k + k * k)
         b0 = scale if is_high_pass else k * k * scale
         b1 = -2 * b0 if is_high_pass else 2 * b0
-        found += [b0, b1, b0, 2 * (k * k - 1) * scale, (1 - damping * k + k * k) * scale]
+        coefficients += [b0, b1, b0, 2 * (k * k - 1) * scale, (1 - damping * k + k * k) * scale]
 
-    return tuple(found)
+    return tuple(coefficients)
 
 
 def _touch_loop(

@@ -199,8 +199,8 @@ class SimulationFile(BaseModel):
 
     @classmethod
     def _rule_issues_beside(cls, tables: Mapping[str, Any], issues: Iterable[Issue]) -> list[Issue]:
-        """Broken rules among the parameters that are in bounds, so
-        that one run reports everything that is wrong.
+        """Broken rules among the parameters that are in bounds, so that one run reports everything
+        that is wrong.
         """
         faulty = {issue.field for issue in issues}
         fields: dict[str, Any] = {}

@@ -45,7 +45,7 @@ _INDICATE, _CONVERT, _PASS, _FILTER = (loop.plain for loop in _LOOPS)
 
 
 class ReadoutSample(NamedTuple):
-    """Signals at one sample, one value for each finger; of the board's output above the signal
+    """Signals at one sample, one value for each finger; those of the board are above the signal
     ground.
 
     Of a divider, those of the board are NaN.
@@ -115,8 +115,8 @@ class Readout:
         curve = sensor.curve
         response = sensor.response
         ranges = [
-            (one.low_v, one.step_v, 2.0**one.bits - 1)
-            for one in (adc, adc.above_signal_ground(boarded))
+            (converter.low_v, converter.step_v, 2.0**converter.bits - 1)
+            for converter in (adc, adc.above_signal_ground(boarded))
         ]
         tolerance_v = BOARD_TOLERANCE_V / grid.refinement**2
         board = AnalogStream(
@@ -182,8 +182,8 @@ class Readout:
         self._loop = _compile()
 
     def step(self, force_n: Array, shear_n: Array | None = None) -> ReadoutSample:
-        """Return the signals at the next sample from the forces there:
-        normal, and along the surface to the tip [N].
+        """Return the signals at the next sample from the forces there: normal, and along the
+        surface to the tip [N].
         """
         forces = self._forces
         points = 1 if self._is_new else self._points
@@ -216,13 +216,13 @@ class Readout:
         )
 
     def _draw_noise(self) -> list[Array]:
-        """Draw noise for a block of steps: of the board at the points
-        of the grid, of both inputs at the samples.
+        """Draw noise for a block of steps: of the board at the points of the grid, of both inputs
+        at the samples.
         """
         counts = (_BLOCK - self._is_new) * self._points + self._is_new, _BLOCK, _BLOCK
         return [
-            np.stack([draw(size) for draw in each], axis=1)
-            for each, size in zip(self._draws, counts, strict=True)
+            np.stack([draw(size) for draw in functions], axis=1)
+            for functions, size in zip(self._draws, counts, strict=True)
         ]
 
 
@@ -233,9 +233,7 @@ def _open_noise(
     name: str,
     purpose: str,
 ) -> Callable[[int], Array]:
-    """Open one noise of one finger, from the stream from which the simulation of a scene
-    draws it.
-    """
+    """Open one noise of one finger, from the same stream as in the simulation of a scene."""
     if seed is None:
         return np.zeros
 
@@ -269,8 +267,9 @@ def _readout_loop(
     output_noise: Array,
     out: Array,
 ) -> None:
-    """Follow each finger from the sample before to the next one; a
-    new one is in the steady state of its first.
+    """Follow each finger from the sample before to the next one.
+
+    A new one is in the steady state of its first.
     """
     play_ratio, step_s, min_n, max_n, gain = numbers
     step_columns, output_rows, watched_rows = matrices

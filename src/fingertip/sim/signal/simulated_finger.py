@@ -51,8 +51,8 @@ BOARD_TOLERANCE_V = 1e-4
 """Largest error of one step of the envelope on the base grid [V]."""
 OF_BRIDGE = FILTER_OUTPUTS | {"voltage_v", "tactile_v"}
 OF_CONTACT = OF_BRIDGE | {"force_n"}
-"""Outputs that need the filter board, the bridge, and the
-contact force with all that shakes the pad.
+"""Outputs that need the filter board, the bridge, and the contact force with all that shakes the
+pad.
 """
 
 
@@ -81,8 +81,9 @@ class FingerDrive:
 
 @dataclass(frozen=True, eq=False)
 class FingerSignals:
-    """Signals of one finger at its converter's instants, named as
-    the outputs; None where no output needs it.
+    """Signals of one finger at its converter's instants, named as the outputs.
+
+    None where no output needs it.
     """
 
     time_s: Array
@@ -98,8 +99,8 @@ class FingerSignals:
     sampled_filtered_v: Array | None = None
     slip_pin_v: Array | None = None
     clips: NDArray[np.bool_] | None = None
-    """True where the filter's output is at its limits; no output of
-    a scene, and there wherever a board is.
+    """True where the filter's output is at its limits.
+    It is no output of a scene, and is there wherever a board is.
     """
 
     @classmethod
@@ -183,12 +184,12 @@ class Finger:
             self._board = _BoardSignals(setup, grid, outputs, meter)
 
     def process(self, drive: FingerDrive) -> FingerSignals:
-        """Follow the finger over the next points of the grid, and
-        return its signals at the instants within them.
+        """Follow the finger over the next points of the grid, and return its signals at the
+        instants within them.
         """
         at = self._clock.advance(len(drive.load_n))
-        found: dict[str, Any] = {"time_s": at.time_s}
-        found |= self._motion.process(drive, at, self._meter)
+        signals: dict[str, Any] = {"time_s": at.time_s}
+        signals |= self._motion.process(drive, at, self._meter)
         contact_n = drive.contact_n
         if self._contact and contact_n is None:
             contact_n = self._contact.process(drive)
@@ -196,7 +197,7 @@ class Finger:
         if self._force:
             assert contact_n is not None
             with self._meter.stage("force"):
-                found["force_n"] = self._force.process(contact_n, at)
+                signals["force_n"] = self._force.process(contact_n, at)
 
         if self._bridge:
             assert contact_n is not None
@@ -204,12 +205,12 @@ class Finger:
             if self._converter:
                 with self._meter.stage("ADC"):
                     before_v = bridge_v if jumps is None else bridge_v - jumps
-                    found["voltage_v"] = self._converter.process(before_v, at, bridge_v)
+                    signals["voltage_v"] = self._converter.process(before_v, at, bridge_v)
 
             if self._board:
-                found |= self._board.process(bridge_v, jumps, bend_v, at)
+                signals |= self._board.process(bridge_v, jumps, bend_v, at)
 
-        return FingerSignals(**found)
+        return FingerSignals(**signals)
 
 
 class _MotionSampler:
@@ -224,29 +225,29 @@ class _MotionSampler:
         self, drive: FingerDrive, at: Instants, meter: CostMeter
     ) -> dict[str, Array | NDArray[np.bool_]]:
         load, velocity, bristle, shear = self._samplers
-        wanted = self._outputs & {"slip", "velocity_m_s", "shear_m"}
-        found: dict[str, Array | NDArray[np.bool_]] = {}
-        if not wanted:
+        outputs = self._outputs & {"slip", "velocity_m_s", "shear_m"}
+        signals: dict[str, Array | NDArray[np.bool_]] = {}
+        if not outputs:
             return {}
 
         if drive.velocity_m_s is None or drive.bristle_m is None or drive.shear_m is None:
             with meter.stage("no motion"):
                 zeros = np.zeros(len(at.index))
-                return {name: zeros > 0.0 if name == "slip" else zeros for name in sorted(wanted)}
+                return {name: zeros > 0.0 if name == "slip" else zeros for name in sorted(outputs)}
 
-        if wanted & {"slip", "velocity_m_s"}:
+        if outputs & {"slip", "velocity_m_s"}:
             with meter.stage("slip"):
-                speed_m_s = found["velocity_m_s"] = velocity.process(drive.velocity_m_s, at)
-                if "slip" in wanted:
+                speed_m_s = signals["velocity_m_s"] = velocity.process(drive.velocity_m_s, at)
+                if "slip" in outputs:
                     bent = bristle.process(drive.bristle_m, at)
                     pressed = load.process(drive.load_n, at)
-                    found["slip"] = self._friction.is_gross_slip(speed_m_s, bent, pressed)
+                    signals["slip"] = self._friction.is_gross_slip(speed_m_s, bent, pressed)
 
-        if "shear_m" in wanted:
+        if "shear_m" in outputs:
             with meter.stage("shear"):
-                found["shear_m"] = shear.process(drive.shear_m, at)
+                signals["shear_m"] = shear.process(drive.shear_m, at)
 
-        return {name: found[name] for name in wanted}
+        return {name: signals[name] for name in outputs}
 
 
 class _Contact:
@@ -308,8 +309,8 @@ class _BridgeVoltage:
         )
 
     def process(self, drive: FingerDrive, contact_n: Array) -> tuple[Array, Array | None, Array]:
-        """Return the voltage [V], how it jumps at each point, and how
-        it bends in the middle of the step before.
+        """Return the voltage [V], how it jumps at each point, and how it bends in the middle of the
+        step before.
         """
         with self._meter.stage("sensor", 1, len(contact_n)):
             shear_n = None if drive.shear_m is None else self._shear_n_per_m * drive.shear_m

@@ -151,9 +151,7 @@ def _find_front_of_many(rows: Costs) -> NDArray[np.bool_]:
 
 
 def name_best_design(plan: SweepPlan) -> str:
-    """Name the best design or set after the sweep: its files are not to replace those of
-    the base.
-    """
+    """Name the best design or set after the sweep, so that its files do not replace the base's."""
     base = plan.file.design["name"] if plan.is_set else plan.designs[""].name
     stem = plan.file.name[:_STEM_LENGTH]
     name = f"{stem}_best"
@@ -162,8 +160,9 @@ def name_best_design(plan: SweepPlan) -> str:
 
 
 def format_best_design(plan: SweepPlan, table: SweepTable, selection: Selection) -> str:
-    """Write the best design or set as a file; its heading names
-    the sweep, the point and the outputs.
+    """Write the best design or set as a file.
+
+    Its heading names the sweep, the point and the outputs.
     """
     row = selection.best
     assert row is not None

@@ -40,8 +40,8 @@ class PlotScale:
     """Edges of the cells, ascending, shape (bins + 1,)."""
     log: bool
     categories: tuple[str, ...]
-    """Words of a categorical or boolean column, which are drawn at
-    0, 1, 2 ...; empty for a numeric column.
+    """Words of a categorical or boolean column, which are drawn at 0, 1, 2 ....
+    Empty for a numeric column.
     """
 
     def locate(self, column: Column) -> NDArray[np.float64]:
@@ -88,9 +88,7 @@ class PlotScale:
 
 
 def make_scale(name: str, column: Column, max_cells: int) -> PlotScale:
-    """Make the scale of a column, with at most `max_cells` cells unless the column is
-    categorical.
-    """
+    """Make the scale of a column, with at most `max_cells` cells unless it is categorical."""
     bins = statistics.bin_by_value(column, max_cells)
     if statistics.is_categorical(column) or column.dtype.kind == "b":
         categories = tuple(str(value) for value in bins.low)
@@ -167,8 +165,9 @@ def choose_points(count: int, max_points: int) -> NDArray[np.intp]:
 
 
 def _compute_edges(bins: statistics.Bins, log: bool) -> NDArray[np.float64]:
-    """Compute the edges of the cells, halfway between neighbours;
-    outer ones are as far from single values.
+    """Compute the edges of the cells, halfway between neighbours.
+
+    Outer ones are as far from single values.
     """
     low = bins.low.astype(float)
     high = bins.high.astype(float)
@@ -240,8 +239,9 @@ def draw_feasibility(
 def _choose_colours(
     classes: statistics.PointClasses,
 ) -> tuple[list[str], NDArray[np.intp], list[Patch]]:
-    """Choose colours, the colour index of each point, and the legend;
-    the rarest of many classes share a colour.
+    """Choose colours, the colour index of each point, and the legend.
+
+    The rarest of many classes share a colour.
     """
     from matplotlib.patches import Patch  # noqa: PLC0415
 
@@ -259,10 +259,10 @@ def _choose_colours(
         for i, name in enumerate(names[: len(colours)])
     ]
     if len(names) > len(colours):
-        others = len(names) - len(colours)
+        other_count = len(names) - len(colours)
         codes = np.minimum(codes, len(colours))
         labels.append(
-            f"others ({others})  {format_percent(counts[len(colours) :].sum() / total, 1)}"
+            f"others ({other_count})  {format_percent(counts[len(colours) :].sum() / total, 1)}"
         )
         colours.append(style.REFERENCE)
 

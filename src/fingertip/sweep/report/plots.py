@@ -139,8 +139,9 @@ def _write_heading(shown: int, count: int, left_out: Sequence[str], width_in: fl
 
 
 def _locate_with_jitter(scale: feasibility_plot.PlotScale, column: Column) -> NDArray[np.float64]:
-    """Compute the positions of points; those of a category are
-    spread out, or they would cover each other.
+    """Compute the positions of points.
+
+    Those of a category are spread out, or they would cover each other.
     """
     positions = scale.locate(column)
     if not scale.categories:
@@ -157,8 +158,9 @@ def _select_finite(column: Column) -> Column:
 def _draw_histogram(
     plot: Axes, x: feasibility_plot.PlotScale, column: Column, feasible: NDArray[np.bool_]
 ) -> None:
-    """Draw how many points there are at each value; bars of unequal
-    width show their number per mean width.
+    """Draw how many points there are at each value.
+
+    Bars of unequal width show their number per mean width.
     """
     positions = x.locate(column)
     edges = (
@@ -204,8 +206,9 @@ _MAX_HEAT_MAPS = 3
 
 
 def select_plots(summary: SweepSummary) -> Iterator[tuple[str, Callable[[], bytes]]]:
-    """Select the plots that have something to show; give the file name
-    of each and the function that draws its PNG.
+    """Select the plots that have something to show.
+
+    Give the file name of each and the function that draws its PNG.
     """
     table, feasible = summary.table, statistics.find_feasible(summary.table)
     axes = {name: column for name, column in table.axes.items() if _varies(column)}
@@ -326,9 +329,11 @@ def draw_heat_map(
         feasible=feasible,
         minimise=minimise is not False,
     )
-    others = [name for name, count in counts.items() if name not in (x_name, y_name) and count > 1]
+    other_axes = [
+        name for name, count in counts.items() if name not in (x_name, y_name) and count > 1
+    ]
 
-    if finite.max(initial=0) <= 1 and not others:
+    if finite.max(initial=0) <= 1 and not other_axes:
         figure = style.new_figure(8.5, 6.5)
         _draw_cells(
             figure,
@@ -368,8 +373,8 @@ def draw_heat_map(
     caption = f"{finite.sum()} feasible designs{condition}; grey: no such design"
     if not points.all():
         caption += "; white: no point"
-    if others:
-        caption += f"; over all values of {', '.join(others)}"
+    if other_axes:
+        caption += f"; over all values of {', '.join(other_axes)}"
 
     figure.suptitle(caption, x=0.01, ha="left", fontsize=9)
     return style.to_png(figure)
@@ -378,8 +383,8 @@ def draw_heat_map(
 def draw_sensitivities(
     sensitivities: Sequence[statistics.OutputSensitivity], axes: Sequence[str]
 ) -> bytes:
-    """Draw first-order indices as a table: a row per output, a column
-    per axis, and one for the unexplained share.
+    """Draw first-order indices as a table: a row per output, a column per axis, and one for the
+    unexplained share.
     """
     columns = [*axes, "no single axis"]
     shares = np.zeros((len(sensitivities), len(columns)))
@@ -426,7 +431,7 @@ def draw_sensitivities(
     plot.set_xticks(
         range(len(columns)), [feasibility_plot.wrap_name(name, 16) for name in columns], fontsize=8
     )
-    rows = [feasibility_plot.wrap_name(each.output, 30) for each in sensitivities]
+    rows = [feasibility_plot.wrap_name(sensitivity.output, 30) for sensitivity in sensitivities]
     plot.set_yticks(range(len(rows)), rows, fontsize=9)
     plot.tick_params(
         length=0,

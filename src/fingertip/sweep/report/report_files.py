@@ -37,16 +37,18 @@ def write_report(
     if plan is not None:
         database.check_same_sweep(plan)
 
-    found = summary.summarise(plan or database.plan, database.table())
+    sweep_summary = summary.summarise(plan or database.plan, database.table())
     files: dict[str, bytes] = {}
-    if found.selection.best is not None:
+    if sweep_summary.selection.best is not None:
         files["best.toml"] = best_design_file.format_best_design(
-            found.plan, found.table, found.selection
+            sweep_summary.plan, sweep_summary.table, sweep_summary.selection
         ).encode()
-        files["pareto_front.csv"] = best_design_file.format_front(found.table, found.selection)
+        files["pareto_front.csv"] = best_design_file.format_front(
+            sweep_summary.table, sweep_summary.selection
+        )
 
-    if len(found.table.point):
-        plots = dict(select_plots(found))
+    if len(sweep_summary.table.point):
+        plots = dict(select_plots(sweep_summary))
         if extras.is_installed("matplotlib"):
             work.begin("drawing")
             files |= {name: draw() for name, draw in plots.items()}
@@ -56,18 +58,20 @@ def write_report(
             )
 
     names = sorted([*files, "summary.json"])
-    data = summary.to_json_data(found) | {
-        "best_summary": summary.describe_best(found),
+    data = summary.to_json_data(sweep_summary) | {
+        "best_summary": summary.describe_best(sweep_summary),
         "files": names,
     }
     files["summary.json"] = encode_json(data)
     # The database in the folder is open, so the folder must stay where it is.
-    parameters = hash_parameters(found.plan.to_toml())
+    parameters = hash_parameters(sweep_summary.plan.to_toml())
     SetWriter(
-        folder, "sweep report", found.plan.file.name, parameters, force=True, in_place=True
+        folder, "sweep report", sweep_summary.plan.file.name, parameters, force=True, in_place=True
     ).write(files)
 
-    return data | {"text": f"{summary.format_text(found)}\n\nwrote {', '.join(names)} to {folder}"}
+    return data | {
+        "text": f"{summary.format_text(sweep_summary)}\n\nwrote {', '.join(names)} to {folder}"
+    }
 
 
 def write_csv(source: SweepDatabase, path: Path) -> None:

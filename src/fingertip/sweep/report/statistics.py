@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from fingertip.sweep.database import SweepTable
 
 Column = NDArray[Any]
-"""Values of one axis or output over all points, shape (points,):
-numbers, or words of a categorical parameter.
+"""Values of one axis or output over all points, shape (points,): numbers, or words of a categorical
+parameter.
 """
 
 MIN_POINTS = 20
@@ -22,8 +22,7 @@ MIN_POINTS = 20
 
 
 TIED = 0.3
-"""Rank correlation beyond which two axes vary with each other: the one explains 9 % of
-the other.
+"""Rank correlation beyond which two axes vary with each other: the one explains 9 % of the other.
 """
 
 
@@ -59,8 +58,8 @@ def to_sortable(column: Column) -> Column:
 
 
 def bin_by_count(column: Column, max_bins: int) -> Bins:
-    """Divide a column into bins with about equally many points,
-    or one for each of few distinct values.
+    """Divide a column into bins with about equally many points, or one for each of few distinct
+    values.
     """
     return _divide(
         column,
@@ -132,8 +131,8 @@ def estimate_explained_variance(y: NDArray[np.float64], bins: Bins) -> float:
 
 
 def compute_null_deviation(bins: int, points: int) -> float:
-    """Compute the standard deviation of that share by chance:
-    chi-squared with bins - 1 degrees of freedom.
+    """Compute the standard deviation of that share by chance: chi-squared with bins - 1 degrees of
+    freedom.
     """
     return math.sqrt(2.0 * (bins - 1)) / (points - bins)
 
@@ -170,8 +169,9 @@ def compute_cell_statistics(
 def _divide(
     column: Column, max_bins: int, locate: Callable[[Column, NDArray[np.intp]], NDArray[np.float64]]
 ) -> Bins:
-    """Divide a column by its distinct values; `locate` maps
-    these and their counts to [0, max_bins].
+    """Divide a column by its distinct values.
+
+    `locate` maps these and their counts to [0, max_bins].
     """
     values, index, counts = np.unique(to_sortable(column), return_inverse=True, return_counts=True)
     if len(values) <= max_bins or is_categorical(column):
@@ -194,8 +194,8 @@ _BINS = 12
 
 @dataclass(frozen=True)
 class PointClasses:
-    """Class of every point: feasible, the parameter that a broken
-    rule names, the failed check, or the status.
+    """Class of every point: feasible, the parameter that a broken rule names, the failed check, or
+    the status.
     """
 
     names: tuple[str, ...]
@@ -219,8 +219,8 @@ class AxisInfluence:
 
     axis: str
     explained_variance: float
-    """Share of the variance of "the rule is broken" that the axis
-    explains alone; 0 if it is not significant.
+    """Share of the variance of "the rule is broken" that the axis explains alone.
+    0 if it is not significant.
     """
     limiting_ranges: tuple[tuple[Any, Any], ...]
     """Ranges of the axis, minimum and maximum, in which no other rule refuses more points."""
@@ -240,8 +240,8 @@ class LimitingRule:
 
 
 def find_feasible(table: SweepTable) -> NDArray[np.bool_]:
-    """Find the feasible points: those that were computed and failed
-    no check (if any were run), shape (points,).
+    """Find the feasible points: those that were computed and failed no check (if any were run),
+    shape (points,).
     """
     feasible = np.asarray(table.status == "ok")
     for column in list_failed(table):
@@ -324,8 +324,9 @@ def _estimate_significant_share(broken: NDArray[np.bool_], bins: Bins) -> float:
 def _find_limiting_ranges(
     bins: Bins, counts: NDArray[np.intp], rule: int
 ) -> tuple[tuple[Any, Any], ...]:
-    """Find the bins in which this rule refuses points and no other
-    rule refuses more; neighbours are joined.
+    """Find the bins in which this rule refuses points and no other rule refuses more.
+
+    Neighbours are joined.
     """
     own = counts[:, rule]
     limiting = np.flatnonzero((own > 0) & (own == counts[:, 1:].max(axis=1)))
@@ -342,8 +343,8 @@ class AxisSensitivity:
     first_order_index: float
     """Share of the output's variance that the axis explains alone; 0 if it is not significant."""
     rank_correlation: float
-    """Spearman's rank correlation, from -1 (falling) to 1 (rising); NaN if the axis is
-    categorical.
+    """Spearman's rank correlation, from -1 (falling) to 1 (rising).
+    NaN if the axis is categorical.
     """
     tied_to: tuple[str, ...] = ()
     """Axes that vary with this one over the points that count: what it explains alone cannot be
@@ -374,8 +375,8 @@ class OutputSensitivity:
 
 
 def compute_sensitivities(table: SweepTable) -> Iterator[OutputSensitivity]:
-    """Compute the sensitivity of feasibility, then of every
-    output that varies over the feasible points.
+    """Compute the sensitivity of feasibility, then of every output that varies over the feasible
+    points.
     """
     feasible = find_feasible(table)
     columns = {name: np.where(feasible, column, np.nan) for name, column in table.outputs.items()}
@@ -421,23 +422,24 @@ def compute_sensitivity(
             (index, AxisSensitivity(name, 0.0 if ties else index, rank_correlation, ties))
         )
 
-    sensitivities.sort(key=lambda one: -one[0])
+    sensitivities.sort(key=lambda entry: -entry[0])
     return OutputSensitivity(
         output, len(y), max_deviation, tuple(axis for _, axis in sensitivities)
     )
 
 
 def find_tied(axes: Mapping[str, Column]) -> dict[str, tuple[str, ...]]:
-    """Find the axes that vary with each one by more than chance;
-    words have their alphabetical ranks.
+    """Find the axes that vary with each one by more than chance.
+
+    Words have their alphabetical ranks.
     """
     ranks = {name: compute_ranks(to_sortable(column)) for name, column in axes.items()}
     least = max([TIED, *(3.0 / math.sqrt(len(own)) for own in ranks.values())])
     return {
         name: tuple(
-            other
-            for other in ranks
-            if other != name and abs(compute_correlation(own, ranks[other])) > least
+            axis
+            for axis in ranks
+            if axis != name and abs(compute_correlation(own, ranks[axis])) > least
         )
         for name, own in ranks.items()
     }

@@ -201,8 +201,8 @@ def describe_best(summary: SweepSummary) -> str:
 
 
 def _explain_first_point(summary: SweepSummary, rule: statistics.LimitingRule) -> str:
-    """Explain why the first point of a rule is refused, with a
-    remedy, which the rows of a sweep leave out.
+    """Explain why the first point of a rule is refused, with a remedy, which the rows of a sweep
+    leave out.
     """
     row = int(np.argmax(summary.classes.indices == summary.classes.names.index(rule.rule)))
     point = summary.plan.point(int(summary.table.point[row]))
@@ -238,8 +238,9 @@ def _describe_best_point(summary: SweepSummary, row: int) -> dict[str, Any]:
 
 
 def _find_range(column: statistics.Column) -> dict[str, float | None]:
-    """Find the range of an output over some points; values that are
-    not finite are counted, and have no minimum.
+    """Find the range of an output over some points.
+
+    Values that are not finite are counted, and have no minimum.
     """
     finite = column[np.isfinite(column)]
     kinds = (np.min, np.median, np.max)
@@ -252,8 +253,9 @@ def _find_range(column: statistics.Column) -> dict[str, float | None]:
 
 
 def _to_json_number(value: float) -> float | None:
-    """Round to nine digits, because the last bits differ between
-    processors; None if the value is not finite.
+    """Round to nine digits, because the last bits differ between processors.
+
+    None if the value is not finite.
     """
     return float(f"{value:.9g}") if math.isfinite(value) else None
 
@@ -307,13 +309,12 @@ def _format_outputs(summary: SweepSummary) -> list[str]:
 
     lines = ["", "output (feasible points)              minimum     median    maximum"]
     for name, column in summary.table.outputs.items():
-        found = _find_range(column[feasible])
+        ends = _find_range(column[feasible])
         numbers = " ".join(
-            f"{_format_value(found[end]):>10}" for end in ("minimum", "median", "maximum")
+            f"{_format_value(ends[end]):>10}" for end in ("minimum", "median", "maximum")
         )
         lines.append(
-            f"{name:34} {numbers}"
-            + (f"   {found['infinite']} infinite" if found["infinite"] else "")
+            f"{name:34} {numbers}" + (f"   {ends['infinite']} infinite" if ends["infinite"] else "")
         )
 
     return lines

@@ -19,6 +19,7 @@ from fingertip.catalogues.electronics import spell_sensor
 from fingertip.catalogues.file_kinds import DESIGN, FileKind, find_file, read_file
 from fingertip.design.parameters import PARAMETERS, ParameterTable, Tables, find_kind
 from fingertip.design.parameters.declaration import (
+    describe_table,
     find_bounds,
     find_unit,
     list_choices,

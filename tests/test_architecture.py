@@ -105,7 +105,7 @@ def list_texts(tree: ast.Module) -> Iterator[str]:
 
 
 def find_named(texts: Iterable[str], modules: Container[str]) -> set[str]:
-    """Find the modules of the package that texts name, such as `slip.report` or
+    """Find the modules of the package that texts name, such as `slip.detection_results` or
     `fingertip.slip.detection_results:draw`.
     """
     words = {word.strip(".") for text in texts for word in re.findall(r"[\w.]+", text)}
@@ -116,8 +116,9 @@ def find_named(texts: Iterable[str], modules: Container[str]) -> set[str]:
 def test_a_module_named_in_a_string_is_found() -> None:
     """The next two tests could not fail without it."""
     modules = {"fingertip.slip.detection_results", "fingertip.slip"}
-    for text in ("fingertip.slip.detection_results:draw", "slip.report", "see slip.report."):
-        assert find_named([text], modules) == {"fingertip.slip.detection_results"}
+    for text in ("{}", "fingertip.{}", "fingertip.{}:draw", "see {}."):
+        texts = [text.format("slip.detection_results")]
+        assert find_named(texts, modules) == {"fingertip.slip.detection_results"}
     assert find_named(["slip", "fingertip.slips", "report.py"], modules) == set()
 
 

@@ -19,9 +19,9 @@ from fingertip.foundation.files import ZIP_DATE, write_zip
 from fingertip.foundation.output_set import SetWriter, is_packed_set
 from fingertip.pictures.drawing.draw import file_names
 from fingertip.tasks import make as make_files
-from fingertip.tasks.board import write_board
+from fingertip.tasks.board_files import write_board
 from fingertip.tasks.build import BuildOptions, BuildPlan, build, plan_build
-from fingertip.tasks.verification import verify_sets
+from fingertip.tasks.manifest_comparison import verify_sets
 from tests.conftest import run_fingertip
 
 

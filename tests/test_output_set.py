@@ -25,7 +25,7 @@ from fingertip.foundation.errors import OutputError
 from fingertip.foundation.files import open_atomic, write_file
 from fingertip.foundation.folder_swap import recover
 from fingertip.foundation.output_set import MANIFEST, Revision, SetWriter, add_to_set, read_manifest
-from fingertip.tasks.verification import verify_sets
+from fingertip.tasks.manifest_comparison import verify_sets
 
 pytestmark = pytest.mark.skipif(
     not hasattr(os, "fork"), reason="processes are killed with signals, NOT TESTED HERE"

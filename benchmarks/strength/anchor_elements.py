@@ -20,7 +20,7 @@ from fingertip.design import Design
 from fingertip.design.interfaces.clevis import tendon_force_per_n
 from fingertip.models.bone import bone
 from fingertip.models.joint import HORN_RADIUS_MM
-from fingertip.models.solids import Box, intersection
+from fingertip.models.solids import Box
 
 INSIDE_MM = 0.2
 ABOUT_MM = 0.05
@@ -49,7 +49,7 @@ def solve_anchor(design: Design, folder: Path, fine_mm: float) -> float:
 
     anchor = design.dimensions.anchor
     assert anchor
-    half = intersection(bone(design), Box((0.0, -FAR_MM, -FAR_MM), (FAR_MM, FAR_MM, FAR_MM)))
+    half = bone(design).intersect(Box((0.0, -FAR_MM, -FAR_MM), (FAR_MM, FAR_MM, FAR_MM)))
     cq.exporters.export(
         cq.Workplane(obj=cq.Solid(BrepEvaluator().solid(half))), str(folder / "bone.step")
     )

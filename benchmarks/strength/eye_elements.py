@@ -25,7 +25,7 @@ from benchmarks.strength.bone_elements import (
 from fingertip.design import Design
 from fingertip.models.bone import bone
 from fingertip.models.joint import Joint
-from fingertip.models.solids import Box, intersection
+from fingertip.models.solids import Box
 
 PLAY_MM = 0.01
 BASE_MM = 0.8
@@ -85,7 +85,7 @@ def solve_eye(
 
     joint = design.dimensions.joint
     assert joint
-    half = intersection(bone(design), Box((0.0, -FAR_MM, -FAR_MM), (FAR_MM, FAR_MM, FAR_MM)))
+    half = bone(design).intersect(Box((0.0, -FAR_MM, -FAR_MM), (FAR_MM, FAR_MM, FAR_MM)))
     cq.exporters.export(
         cq.Workplane(obj=cq.Solid(BrepEvaluator().solid(half))), str(folder / "bone.step")
     )

@@ -5,8 +5,8 @@ lifted from it, with the things to buy.
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh, to_canonical_mesh
+from fingertip.pictures.picture_scene import Label, PaintedMesh, Scene, draw_scene
 from fingertip.pictures.raster import Camera
-from fingertip.pictures.scene import Label, Scene, Shown, draw_scene
 
 COLOURS = {
     "base": (0.62, 0.72, 0.80),
@@ -67,7 +67,7 @@ def draw(rig, apart):
     """Draw the rig as it stands, or with `apart` = 1 each part
     lifted from its place and named, as PNG.
     """
-    shown = []
+    meshes = []
     labels = {}
 
     for name, body in (rig.assemble() | rig.bought()).items():
@@ -75,7 +75,7 @@ def draw(rig, apart):
             body.translate((0, 0, apart * LIFT_MM.get(name.split(":")[0], 0.0)))
         )
         mesh = Mesh(mesh.vertices[:, [1, 2, 0]], mesh.triangles)  # y up, where the lamp is
-        shown.append(Shown(mesh, COLOURS.get(name, STEEL if "|" in name else BAR)))
+        meshes.append(PaintedMesh(mesh, COLOURS.get(name, STEEL if "|" in name else BAR)))
         nearest = mesh.vertices[
             np.argmax(mesh.vertices @ np.array(MARKED.get(name, (-1.0, 0.0, 0.1))))
         ]
@@ -85,5 +85,5 @@ def draw(rig, apart):
     labels |= {text: (y, z + LIFT_MM.get(part, 0.0), x) for text, part, (x, y, z) in points(rig)}
     marks = [Label(text, at) for text, at in labels.items() if text and apart]
     return draw_scene(
-        Scene(shown, Camera.looking_from((-1.0, 0.75, 0.45), (0.0, 1.0, 0.0)), *marks)
+        Scene(meshes, Camera.looking_from((-1.0, 0.75, 0.45), (0.0, 1.0, 0.0)), *marks)
     )

@@ -61,11 +61,11 @@ if TYPE_CHECKING:
     from fingertip.slip.traces.read import read_trace
     from fingertip.slip.traces.trace import Trace
     from fingertip.sweep.run import run_sweep
-    from fingertip.tasks.board import write_board
+    from fingertip.tasks.board_files import write_board
     from fingertip.tasks.build import build
-    from fingertip.tasks.firmware import write_firmware
+    from fingertip.tasks.firmware_files import write_firmware
     from fingertip.tasks.make import Made, make
-    from fingertip.tasks.robot import write_robot
+    from fingertip.tasks.robot_files import write_robot
     from fingertip.tasks.views import write_drawing
 
 _NAMES = {
@@ -93,12 +93,12 @@ _NAMES = {
     "slip.traces.read": "read_trace",
     "slip.traces.trace": "Trace",
     "sweep.run": "run_sweep",
-    "tasks.board": "write_board",
+    "tasks.board_files": "write_board",
     "tasks.build": "build",
     "tasks.views": "write_drawing",
-    "tasks.firmware": "write_firmware",
+    "tasks.firmware_files": "write_firmware",
     "tasks.make": "Made make",
-    "tasks.robot": "write_robot",
+    "tasks.robot_files": "write_robot",
 }
 """Module of the package -> its public names."""
 _MODULES = {

@@ -20,11 +20,10 @@ def main() -> None:
 
 
 def _open_missing_streams() -> None:
-    """Open the null device in the place of closed standard streams,
-    for which the next file would be taken.
-    """
-    while (handle := os.open(os.devnull, os.O_RDWR)) <= 2:
-        pass
+    """Open the null device for closed standard streams, whose numbers the next files would get."""
+    handle = os.open(os.devnull, os.O_RDWR)
+    while handle <= 2:
+        handle = os.open(os.devnull, os.O_RDWR)
 
     os.close(handle)
     # Standard input stays None: `detect -` says that it is closed.

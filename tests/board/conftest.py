@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from fingertip.board.components.values import VARIANT_CHANGES
-from fingertip.tasks.board import write_board
+from fingertip.tasks.board_files import write_board
 from tests.designs import load_article
 
 BOARDS = VARIANT_CHANGES | {

@@ -31,7 +31,7 @@ from fingertip.board.parts.circuit import Circuit, parse_component_value
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, FILTERED, GND, STAGE1_OUT, TACTILE
 from fingertip.design import Design
 from fingertip.documents.board.bringup import list_unseen
-from fingertip.tasks.board import bring_up_files
+from fingertip.tasks.board_files import bring_up_files
 from tests.board.ngspice import run_ngspice
 from tests.conftest import run_fingertip
 from tests.designs import load_article

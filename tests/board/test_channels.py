@@ -32,7 +32,7 @@ from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.firmware.fingers import plan_fingers
 from fingertip.foundation.errors import FingertipError
-from fingertip.tasks.board import board_files, write_board
+from fingertip.tasks.board_files import board_files, write_board
 from tests.board.ngspice import run_ngspice
 from tests.conftest import run_fingertip
 

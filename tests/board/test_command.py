@@ -22,7 +22,7 @@ from fingertip.board.fabrication.fabrication_files import (
 from fingertip.board.kicad.project import MODEL_FOLDER, load_project
 from fingertip.catalogues.output_files import LAYOUT, PROVENANCE
 from fingertip.foundation.output_set import MANIFEST
-from fingertip.tasks.board import board_files, write_board
+from fingertip.tasks.board_files import board_files, write_board
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.conftest import run_fingertip
 from tests.designs import ARTICLE, ARTICLE_OPTIONS

@@ -32,7 +32,7 @@ from fingertip.sim.signal import readout
 from fingertip.sim.signal.bridge import Bridge
 from fingertip.slip.detectors.registry import DETECTORS, make_detector
 from fingertip.sweep.compute import GROUP_FUNCTIONS, PointContext
-from fingertip.tasks.board import board_differences, write_board
+from fingertip.tasks.board_files import board_differences, write_board
 from tests.board.kicad import read_netlist
 from tests.board.ngspice import HOW_TO_INSTALL_NGSPICE
 from tests.conftest import run_fingertip

@@ -28,7 +28,7 @@ from fingertip.board.parts.symbols import CAPACITOR, R_0603, RESISTOR
 from fingertip.catalogues.output_files import BOARD, LAYOUT, NETLIST, PROJECT, SCHEMATIC
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.output_set import Revision
-from fingertip.tasks.board import write_board
+from fingertip.tasks.board_files import write_board
 from fingertip.tasks.edited_board import (
     enter_texts,
     find_edited,

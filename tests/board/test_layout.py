@@ -30,7 +30,7 @@ from fingertip.board.kicad.sexpr import turn
 from fingertip.board.parts.circuit import Circuit
 from fingertip.catalogues.output_files import LAYOUT
 from fingertip.foundation.errors import BoardError
-from fingertip.tasks.board import board_files, write_board
+from fingertip.tasks.board_files import board_files, write_board
 from tests.board.conftest import BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.designs import ARTICLE, load_article

@@ -25,7 +25,7 @@ from fingertip.board.kicad.sexpr import read_expression
 from fingertip.cli.board_tables import analysis_text
 from fingertip.design import Design
 from fingertip.documents.wiring import wiring_diagram
-from fingertip.tasks.board import board_files, bring_up_files, write_board
+from fingertip.tasks.board_files import board_files, bring_up_files, write_board
 from tests.approved import check_text
 from tests.conftest import ROOT
 from tests.designs import load_article

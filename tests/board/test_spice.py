@@ -20,7 +20,7 @@ from fingertip.board.components.front_end import sensor_conductance_s
 from fingertip.board.components.values import SUPPLIES, VARIANT_CHANGES
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier, find_gain_bandwidth_hz
-from fingertip.tasks.board import write_board
+from fingertip.tasks.board_files import write_board
 from tests.board.ngspice import read_noise_total, run_ngspice
 from tests.designs import ARTICLE, load_article
 from tests.oracles.filter_formulas import filter_transfer

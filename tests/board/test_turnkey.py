@@ -17,7 +17,7 @@ from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.fabrication.bom import assembly_bom_file, placement_file
 from fingertip.board.fabrication.fabrication_files import export_gerbers, kicad_session
 from fingertip.board.kicad.project import load_project
-from fingertip.tasks.board import board_files
+from fingertip.tasks.board_files import board_files
 from tests.board.kicad import HOW_TO_INSTALL_KICAD
 from tests.designs import load_article
 from tests.tools import require_tool

@@ -21,7 +21,6 @@ from fingertip.design.interfaces import adapter
 from fingertip.foundation.errors import DesignError
 from fingertip.models import bone as finger
 from fingertip.models.adapter import place_adapter
-from fingertip.models.solids import difference
 from fingertip.tasks.build import build
 
 cq = pytest.importorskip("cadquery")
@@ -61,8 +60,8 @@ def test_the_bone_has_the_volume_of_base_and_adapter(
     tmp_path: Path, suffix: str, sunk_mm: float
 ) -> None:
     design = load(save(draw(), tmp_path / f"bar{suffix}"), adapter_y_mm=POINT[1] + sunk_mm)
-    base = difference(
-        finger.filled_bone(design), finger.sensor_recess(design), finger.cable_channel(design)
+    base = finger.filled_bone(design).cut(
+        finger.sensor_recess(design), finger.cable_channel(design)
     )
     shared = sunk_mm * SIZE[0] * SIZE[1]
     mesh = MeshEvaluator(0.01)
@@ -188,8 +187,9 @@ def test_an_adapter_off_its_place_is_refused_with_the_one_that_passes(tmp_path: 
     flat = centred.dimensions.base_flat_depth
     heights = np.linspace(-flat, section.dorsal, 4001)
     end_mm2 = 2 * np.mean([section.half_width_at(y) for y in heights]) * (flat + section.dorsal)
-    reach_mm, *_, share = adapter._measure(centred)
-    assert (reach_mm, share) == pytest.approx((0.0, SIZE[0] * SIZE[1] / end_mm2), abs=2e-3)
+    measured = adapter._measure(centred)
+    expected = (0.0, SIZE[0] * SIZE[1] / end_mm2)
+    assert (measured.reach_mm, measured.share) == pytest.approx(expected, abs=2e-3)
     (tmp_path / "d.toml").write_text('bone.interface = "file"\nbone.adapter_file = "../bar.stl"')
     with pytest.raises(DesignError, match="is no name of a file beside the design file"):
         Design.load(tmp_path / "d.toml")

@@ -34,10 +34,6 @@ from fingertip.models.solids import (
     Solid,
     SuperconicSolid,
     cylinder,
-    difference,
-    intersection,
-    scaled,
-    union,
 )
 from tests.oracles.conic_area import section_area
 
@@ -111,18 +107,17 @@ def test_ledge_in_the_cavity_prevents_demolding(evaluator: MeshEvaluator) -> Non
     a matching notch in the skin as it is cast.
     """
     ledge = Box((7.4, 2.0, 8.0), (12.0, 2.6, 12.0))
-    lower = union(
-        PARTS["mold_palmar"].solid(FINGER),
-        difference(ledge, Box((7.4, 2.0, 0.0), (7.4001, 2.6, 1.0))),
+    lower = (
+        PARTS["mold_palmar"]
+        .solid(FINGER)
+        .union(ledge.cut(Box((7.4, 2.0, 0.0), (7.4001, 2.6, 1.0))))
     )
-    notched = difference(
-        PARTS["skin"].solid(FINGER), scaled(ledge, 1.0 / FINGER.dimensions.shrinkage)
-    )
-    upper = difference(PARTS["mold_dorsal"].solid(FINGER), ledge)
+    notched = PARTS["skin"].solid(FINGER).cut(ledge.scaled(1.0 / FINGER.dimensions.shrinkage))
+    upper = PARTS["mold_dorsal"].solid(FINGER).cut(ledge)
     found = assembly_failures(FINGER, evaluator, mold_palmar=lower, skin=notched, mold_dorsal=upper)
     assert "demolding_overlap.mold_palmar" in found
     assert not any(name.startswith("overlap") for name in found)
-    into_core = union(PARTS["mold_palmar"].solid(FINGER), Box((-1.0, -1.0, -3.0), (1.0, 1.0, -2.0)))
+    into_core = PARTS["mold_palmar"].solid(FINGER).union(Box((-1.0, -1.0, -3.0), (1.0, 1.0, -2.0)))
     found = assembly_failures(FINGER, evaluator, mold_palmar=into_core)
     assert {name for name in found if name.startswith("overlap")} == {"overlap.core.mold_palmar"}
 
@@ -145,9 +140,9 @@ def test_brep_solid_with_an_extra_hole_fails(evaluator: MeshEvaluator) -> None:
     """
     from fingertip.cad.kernel import brep
 
-    pierced = brep.BrepEvaluator().solid(difference(bone(FINGER), HOLE))
+    pierced = brep.BrepEvaluator().solid(bone(FINGER).cut(HOLE))
     exact = BrepMeasurements(brep.volume(pierced), brep.genus(pierced))
-    mesh = evaluator.mesh(difference(bone(FINGER), HOLE))
+    mesh = evaluator.mesh(bone(FINGER).cut(HOLE))
     assert exact.genus == part_genus(FINGER, "bone") + 1
     assert brep_failures(FINGER, PARTS["bone"], mesh, exact, TOLERANCE) == {"genus"}
 
@@ -207,10 +202,10 @@ def test_part_of_another_topology_fails(evaluator: MeshEvaluator) -> None:
     whole = bone(FINGER)
     added, removed = shapes_of(FINGER)
     hollows = (sensor_recess(FINGER), *removed)
-    without_channel = difference(union(filled_bone(FINGER), *added), *hollows)
-    second_body = union(whole, Box((30.0, 30.0, 30.0), (31.0, 31.0, 31.0)))
+    without_channel = filled_bone(FINGER).union(*added).cut(*hollows)
+    second_body = whole.union(Box((30.0, 30.0, 30.0), (31.0, 31.0, 31.0)))
     assert "bodies" in mesh_failures(PARTS["bone"], evaluator.mesh(second_body))
-    for solid in (difference(whole, HOLE), without_channel):
+    for solid in (whole.cut(HOLE), without_channel):
         assert mesh_failures(PARTS["bone"], evaluator.mesh(solid)) == {"genus"}
 
 
@@ -219,19 +214,19 @@ def test_part_of_another_topology_fails(evaluator: MeshEvaluator) -> None:
     [
         (
             "skin",
-            lambda skin: difference(skin, cylinder("y", (20.0, 0.0), 0.0, 20.0, 1.0)),
+            lambda skin: skin.cut(cylinder("y", (20.0, 0.0), 0.0, 20.0, 1.0)),
             "volume_balance.cavity",
         ),
         (
             "core",
-            lambda core: union(
-                core, Box((-1.0, 3.0, 15.0), (1.0, FINGER.skin.semi_axis_dorsal_mm - 0.8, 17.0))
+            lambda core: core.union(
+                Box((-1.0, 3.0, 15.0), (1.0, FINGER.skin.semi_axis_dorsal_mm - 0.8, 17.0))
             ),
             "overlap.skin.core",
         ),
         (
             "mold_dorsal",
-            lambda half: difference(half, Box((15.0, 9.0, 0.0), (30.0, 30.0, 5.0))),
+            lambda half: half.cut(Box((15.0, 9.0, 0.0), (30.0, 30.0, 5.0))),
             "volume_balance.mold",
         ),
     ],
@@ -320,17 +315,17 @@ def test_volume_balances_hold_on_brep_solids_that_do_not_overlap(volume: BrepVol
         ("core", "mold_dorsal"),
         ("mold_palmar", "mold_dorsal"),
     ):
-        assert abs(volume(intersection(volume.part[one], volume.part[other]))) < 1e-3
+        assert abs(volume(volume.part[one].intersect(volume.part[other]))) < 1e-3
 
 
 @pytest.mark.full
 def test_dented_skin_breaks_the_cavity_balance(volume: BrepVolumes) -> None:
     dent = cylinder("y", (8.0, 0.0), 6.3, 20.0, 0.4)
-    assert failed_balances(volume, skin=difference(volume.part["skin"], dent)) == {
+    assert failed_balances(volume, skin=volume.part["skin"].cut(dent)) == {
         "step.volume_balance.cavity"
     }
     chip = Box((10.0, 9.0, 0.0), (30.0, 30.0, 5.0))
-    chipped = difference(volume.part["mold_dorsal"], chip)
+    chipped = volume.part["mold_dorsal"].cut(chip)
     assert failed_balances(volume, mold_dorsal=chipped) == {"step.volume_balance.mold"}
 
 

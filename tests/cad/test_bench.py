@@ -20,7 +20,7 @@ from fingertip.models.hand_stub import hand_stub, stub_bore_radius
 from fingertip.models.joint import joint_of
 from fingertip.models.parts import PARTS
 from fingertip.models.pin import pin as build_pin
-from fingertip.models.solids import cylinder, union
+from fingertip.models.solids import cylinder
 from fingertip.models.stand import socket_ceiling_mm, stand, stand_outline
 
 DESIGN = Design.load("first_finger")
@@ -79,11 +79,11 @@ def test_its_volume_is_that_of_its_outline_without_socket_and_hole() -> None:
     ("change", "failed"),
     [
         (
-            lambda solid: union(solid, cylinder("y", (-20.0, 0.0), -4.0, -2.9, 1.0)),
+            lambda solid: solid.union(cylinder("y", (-20.0, 0.0), -4.0, -2.9, 1.0)),
             {"stand.post_gap"},
         ),
         (
-            lambda solid: union(solid, cylinder("x", (2.1, -22.9), 6.0, 7.0, 2.0)),
+            lambda solid: solid.union(cylinder("x", (2.1, -22.9), 6.0, 7.0, 2.0)),
             {"stand.bolt_overlap"},
         ),
     ],
@@ -142,13 +142,13 @@ def test_the_stub_has_the_sizes_of_the_hand() -> None:
     ("change", "failed"),
     [
         (
-            lambda stub, joint: union(
-                stub, pin_bore(replace(joint, pin_radius=joint.radius + 0.2), 3.0)
+            lambda stub, joint: stub.union(
+                pin_bore(replace(joint, pin_radius=joint.radius + 0.2), 3.0)
             ),
             "clearance",
         ),
         (
-            lambda stub, joint: union(stub, cylinder("x", (3.0, joint.low_z), 5.0, 7.0, 1.0)),
+            lambda stub, joint: stub.union(cylinder("x", (3.0, joint.low_z), 5.0, 7.0, 1.0)),
             "travel_overlap",
         ),
     ],

@@ -132,7 +132,7 @@ def write_all(files: Mapping[str, bytes], folder: Path) -> None:
 def no_ranges(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Leave out the search for ranges, which takes seconds."""
     write_parameters.cache_clear()
-    monkeypatch.setattr(cadquery_scripts, "_find_range", lambda *_: "")
+    monkeypatch.setattr(cadquery_scripts, "_describe_range", lambda *_: "")
     yield
     write_parameters.cache_clear()
 

@@ -18,7 +18,7 @@ from fingertip.models.bone import bone, filled_bone, sensor_recess
 from fingertip.models.conic import ConicBody
 from fingertip.models.outlines import RAMP_SLOPE
 from fingertip.models.sensor import sensor_body
-from fingertip.models.solids import Box, SuperconicSolid, difference
+from fingertip.models.solids import Box, SuperconicSolid
 from tests.conftest import DESIGNS, design_file
 from tests.oracles.conic_area import section_area
 
@@ -152,9 +152,8 @@ def test_the_rule_finds_the_thinnest_place_of_the_straight_part(
     reach = 99.0
     interior = evaluator.manifold(filled_bone(design)).trim_by_plane((0.0, 0.0, 1.0), 0.02)
     beside = evaluator.manifold(
-        difference(
-            Box((-reach, -reach, 0.02), (reach, reach, dims.taper_end_z)),
-            SuperconicSolid(dims.outer),
+        Box((-reach, -reach, 0.02), (reach, reach, dims.taper_end_z)).cut(
+            SuperconicSolid(dims.outer)
         )
     )
     found = interior.min_gap(beside, 5.0)

@@ -20,7 +20,7 @@ from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.models import bone as finger
 from fingertip.models import clevis as clevis_models
 from fingertip.models import interfaces, parts
-from fingertip.models.solids import Box, cylinder, difference, union
+from fingertip.models.solids import Box, cylinder
 from fingertip.pad.survey import GRASP_DEG, WIDE_DEG, survey_pad
 from tests.cad.part_checks import SOCKET, TOLERANCE, failed_checks, run_checks
 
@@ -44,11 +44,11 @@ class Defect:
 
 
 def add(added: Any) -> Callable[..., object]:
-    return lambda solid, *_: union(solid, added)
+    return lambda solid, *_: solid.union(added)
 
 
 def cut(removed: Any) -> Callable[..., object]:
-    return lambda solid, *_: difference(solid, removed)
+    return lambda solid, *_: solid.cut(removed)
 
 
 def change_socket(**sizes: float) -> Callable[..., object]:
@@ -115,8 +115,7 @@ DEFECTS = {
     "eyes so large that they block the travel": Defect(
         clevis_models,
         "eye_profile",
-        lambda eye, joint, reach: clevis_models.union(
-            eye,
+        lambda eye, joint, reach: eye.union(
             clevis_models.cylinder(
                 "x", (joint.axis_y, joint.axis_z), -reach, reach, joint.radius + 0.5
             ),
@@ -168,7 +167,7 @@ def test_closed_air_vent_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     part = parts.PARTS["bone"]
     plug = Box((-4.0, -5.0, -3.0), (4.0, 1.0, 1.0))
     monkeypatch.setitem(
-        parts.PARTS, "bone", replace(part, solid=lambda d: union(part.solid(d), plug))
+        parts.PARTS, "bone", replace(part, solid=lambda d: part.solid(d).union(plug))
     )
     assert failed_checks() == {
         "sensor.air_volumes",

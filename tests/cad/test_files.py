@@ -24,7 +24,7 @@ from fingertip.cli.check_reports import to_junit
 from fingertip.design import Design
 from fingertip.foundation.errors import GeometryError
 from fingertip.models.parts import PARTS, hardware
-from fingertip.models.solids import Box, Solid, difference
+from fingertip.models.solids import Box, Solid
 from tests.conftest import design_file, run_fingertip
 
 if TYPE_CHECKING:
@@ -144,7 +144,7 @@ def test_two_builds_in_two_processes_are_byte_identical(built: Build, tmp_path) 
 
 GREY = (0.5, 0.5, 0.5)
 BOX = Box((0.0, 0.0, 0.0), (1.0, 2.0, 3.0))
-EMPTY = difference(BOX, Box((-1.0, -1.0, -1.0), (4.0, 4.0, 4.0)))
+EMPTY = BOX.cut(Box((-1.0, -1.0, -1.0), (4.0, 4.0, 4.0)))
 
 
 class CrashingSolid:

@@ -23,7 +23,7 @@ from fingertip.models import mold
 from fingertip.models.core import core_within_skin
 from fingertip.models.parts import parts_by_name
 from fingertip.models.skin import skin
-from fingertip.models.solids import Box, cylinder, difference, union
+from fingertip.models.solids import Box, cylinder
 from tests.cad.part_checks import TOLERANCE
 
 EVALUATOR = MeshEvaluator(TOLERANCE)
@@ -103,7 +103,7 @@ def test_core_and_halves_that_catch_are_found(monkeypatch: pytest.MonkeyPatch) -
     core = checks.build_core
     barb = Box((-9.3, 0.0, 14.0), (9.3, 1.0, 15.0))
     with monkeypatch.context() as patch:
-        patch.setattr(checks, "build_core", lambda design: union(core(design), barb))
+        patch.setattr(checks, "build_core", lambda design: core(design).union(barb))
         found = {
             check.name for check in checks._check_motions(FINGER, EVALUATOR) if not check.passed
         }
@@ -127,16 +127,16 @@ def test_air_in_a_pocket_is_found_whole_and_none_in_the_design(
     """
     assert checks.worst_air_mm3(FINGER, EVALUATOR) == 0.0
     whole = core_within_skin(FINGER)
-    free = EVALUATOR.manifold(difference(mold.cavity(FINGER), whole))
+    free = EVALUATOR.manifold(mold.cavity(FINGER).cut(whole))
     for lean in trapped_air.LEANS_DEG:
         assert trapped_air._flood_mm3(free, lean) == 0.0, "the flood agrees that there is no summit"
     bore = cylinder("z", (3.0, 1.0), 15.0, 40.0, 1.0)
     held = float((EVALUATOR.manifold(bore) ^ EVALUATOR.manifold(whole)).volume())
-    monkeypatch.setattr(checks, "core_within_skin", lambda design: difference(whole, bore))
+    monkeypatch.setattr(checks, "core_within_skin", lambda design: whole.cut(bore))
     assert checks.worst_air_mm3(FINGER, EVALUATOR) == pytest.approx(held, rel=0.12)
     dims = FINGER.dimensions
     steep = cylinder("y", (dims.sensor_z, 0.0), -20.0, 0.4 - dims.platform_depth, 3.4)
-    monkeypatch.setattr(checks, "core_within_skin", lambda design: difference(whole, steep))
+    monkeypatch.setattr(checks, "core_within_skin", lambda design: whole.cut(steep))
     assert checks.worst_air_mm3(FINGER, EVALUATOR) > 0.0
 
 

@@ -17,7 +17,7 @@ from fingertip.cad.verification.check import Solids
 from fingertip.cad.verification.printing import check_overhang
 from fingertip.design import Design
 from fingertip.models.parts import PARTS
-from fingertip.models.solids import Box, Cone, Prism, Solid, cylinder, difference, union
+from fingertip.models.solids import Box, Cone, Prism, Solid, cylinder
 
 TOLERANCE = 0.02
 WIDTH = 6.0
@@ -31,18 +31,16 @@ def unsupported_mm2(solid: Solid) -> float:
 
 def shelf(reach: float) -> Solid:
     """A wall with a shelf that stands out by `reach`."""
-    return union(
-        Box((-2.0, 0.0, 0.0), (0.0, WIDTH, 8.0)), Box((-1.0, 0.0, 5.0), (reach, WIDTH, 8.0))
+    return Box((-2.0, 0.0, 0.0), (0.0, WIDTH, 8.0)).union(
+        Box((-1.0, 0.0, 5.0), (reach, WIDTH, 8.0))
     )
 
 
 def gate(span: float) -> Solid:
     """Two pillars with a beam across."""
     beam = Box((-1.0, 0.0, 5.0), (span + 1.0, WIDTH, 8.0))
-    return union(
-        Box((-2.0, 0.0, 0.0), (0.0, WIDTH, 8.0)),
-        Box((span, 0.0, 0.0), (span + 2.0, WIDTH, 8.0)),
-        beam,
+    return Box((-2.0, 0.0, 0.0), (0.0, WIDTH, 8.0)).union(
+        Box((span, 0.0, 0.0), (span + 2.0, WIDTH, 8.0)), beam
     )
 
 
@@ -69,7 +67,7 @@ def test_bridge_is_found_in_every_direction(angle: float) -> None:
         return Prism("z", tuple((c * u - s * v, s * u + c * v) for u, v in ring), bottom, 8.0)
 
     assert (
-        unsupported_mm2(union(block(-2.0, 0.0, 0.0), block(9.0, 11.0, 0.0), block(-1.0, 10.0, 5.0)))
+        unsupported_mm2(block(-2.0, 0.0, 0.0).union(block(9.0, 11.0, 0.0), block(-1.0, 10.0, 5.0)))
         < 0.01
     )
 
@@ -88,14 +86,8 @@ def test_small_horizontal_bore_needs_no_supports() -> None:
     across = MAX_BRIDGE_MM * math.sqrt(
         2.0
     )  # of a bore whose overhanging arc is as wide as the longest bridge
-    assert (
-        unsupported_mm2(difference(block, cylinder("x", (0.0, 8.0), -9.0, 9.0, 0.49 * across)))
-        == 0.0
-    )
-    assert (
-        unsupported_mm2(difference(block, cylinder("x", (0.0, 8.0), -9.0, 9.0, 0.51 * across)))
-        > 100.0
-    )
+    assert unsupported_mm2(block.cut(cylinder("x", (0.0, 8.0), -9.0, 9.0, 0.49 * across))) == 0.0
+    assert unsupported_mm2(block.cut(cylinder("x", (0.0, 8.0), -9.0, 9.0, 0.51 * across))) > 100.0
 
 
 def overhang(part: str, *changes: str, added: Solid | None = None, name: str = "fsr400") -> float:
@@ -103,7 +95,7 @@ def overhang(part: str, *changes: str, added: Solid | None = None, name: str = "
     design = Design.load(name, changes=changes)
     solid = PARTS[part].solid(design)
     solids = Solids(
-        design, MeshEvaluator(TOLERANCE), {part: union(solid, added) if added else solid}
+        design, MeshEvaluator(TOLERANCE), {part: solid.union(added) if added else solid}
     )
     check = check_overhang(design, solids, part)
     assert check.name == f"{part}.overhang"

@@ -42,9 +42,8 @@ from fingertip.design import Design
 from fingertip.fitting.new_design import PRESETS
 from fingertip.models.mold_layout import LIP_GAP_MM
 from fingertip.models.parts import PARTS, parts_by_name, print_scale
-from fingertip.models.solids import scaled
 from fingertip.tasks.build import build
-from fingertip.tasks.verification import verify_sets
+from fingertip.tasks.manifest_comparison import verify_sets
 from tests.conftest import DESIGNS, design_file
 
 if TYPE_CHECKING:
@@ -62,7 +61,7 @@ def make(
     design = Design.load(design_file(name), changes=changes)
     evaluator = MeshEvaluator(TOLERANCE)
     meshes = {
-        name: evaluator.mesh(scaled(part.solid(design), print_scale(design, part)))
+        name: evaluator.mesh(part.solid(design).scaled(print_scale(design, part)))
         for name, part in parts_by_name(design).items()
     }
     encoded = {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()}

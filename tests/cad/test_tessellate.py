@@ -25,10 +25,9 @@ from fingertip.models.solids import (
     Box,
     Cone,
     ElbowTube,
-    Primitive,
+    Solid,
     SuperconicSolid,
     cylinder,
-    difference,
 )
 from tests.oracles.conic_area import section_area
 
@@ -45,7 +44,7 @@ ELLIPSOID = SuperconicSolid(
 )
 ELBOW = ElbowTube(start_y=-1.0, start_z=5.0, exit_z=-4.0, end_y=6.0, bend_radius=3.0, radius=1.2)
 
-EXACT: list[tuple[Primitive, float]] = [
+EXACT: list[tuple[Solid, float]] = [
     (Box((-1.0, 0.0, 2.0), (3.0, 5.0, 4.0)), 40.0),
     (cylinder("x", (1.0, 2.0), -3.0, 4.0, 1.5), math.pi * 1.5**2 * 7),
     (Cone("y", (1.0, 2.0), 0.0, 3.0, 1.0, 2.0), math.pi * 3 * (1 + 2 + 4) / 3),
@@ -55,12 +54,12 @@ EXACT: list[tuple[Primitive, float]] = [
 ]
 
 
-def mesh(solid: Primitive, tolerance_mm: float) -> Mesh:
+def mesh(solid: Solid, tolerance_mm: float) -> Mesh:
     return Mesh(*tessellate(solid, tolerance_mm))
 
 
 @pytest.mark.parametrize(("solid", "volume"), EXACT)
-def test_mesh_is_closed_and_has_the_exact_volume(solid: Primitive, volume: float) -> None:
+def test_mesh_is_closed_and_has_the_exact_volume(solid: Solid, volume: float) -> None:
     m = mesh(solid, 0.001)
     assert count_open_edges(m) == 0
     assert abs(m.volume() - volume) <= 0.001 * m.area()
@@ -68,7 +67,7 @@ def test_mesh_is_closed_and_has_the_exact_volume(solid: Primitive, volume: float
 
 
 @pytest.mark.parametrize(("solid", "volume"), EXACT[1:3] + EXACT[4:])
-def test_volume_error_is_proportional_to_the_tolerance(solid: Primitive, volume: float) -> None:
+def test_volume_error_is_proportional_to_the_tolerance(solid: Solid, volume: float) -> None:
     """Chords shrink with the root of the tolerance, and the error
     is of second order in the chord length.
     """
@@ -111,7 +110,7 @@ def test_a_wall_between_two_cylinders_is_even(tolerance_mm: float) -> None:
     pocket, platform = (cylinder("y", (0.0, 0.0), -size, size, size) for size in (9.29, 9.74))
     pocket = replace(pocket, around_radius=9.74)
     evaluator = MeshEvaluator(tolerance_mm)
-    outside = evaluator.manifold(difference(Box((-20.0, -5.0, -20.0), (20.0, 5.0, 20.0)), platform))
+    outside = evaluator.manifold(Box((-20.0, -5.0, -20.0), (20.0, 5.0, 20.0)).cut(platform))
     assert evaluator.manifold(pocket).min_gap(outside, 1.0) > 0.98 * 0.45
 
 

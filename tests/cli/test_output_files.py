@@ -21,7 +21,7 @@ from fingertip.design import Design
 from tests.conftest import run_fingertip
 
 FILES = (
-    ("board", "--bode", ".csv", "fingertip.tasks.board.write_board"),
+    ("board", "--bode", ".csv", "fingertip.tasks.board_files.write_board"),
     ("sweep board", "--csv", ".csv", "fingertip.sweep.run.compute_rows"),
     ("picture fsr400", "--out", ".png", "fingertip.pictures.picture.draw"),
     ("sheet fsr400", "--out", ".md", "fingertip.casting.sheet.casting_sheet"),
@@ -55,7 +55,7 @@ FOLDERS = (
     ("board", "fingertip.foundation.output_set.SetWriter._write"),
     ("compare fsr400 fsr402", "fingertip.tasks.versions.make"),
     ("firmware fsr400", "fingertip.foundation.output_set.SetWriter._write"),
-    ("robot fsr400", "fingertip.tasks.robot.build_finger"),
+    ("robot fsr400", "fingertip.tasks.robot_files.build_finger"),
     ("validate", "fingertip.lab.validation.validate"),
     ("drawing fsr400", "fingertip.tasks.views.draw_files"),
     ("page fsr400", "fingertip.tasks.views.read_sources"),

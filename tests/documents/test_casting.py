@@ -24,9 +24,9 @@ from fingertip.documents.wiring import wiring_diagram
 from fingertip.fitting.new_design import PRESETS
 from fingertip.models.parts import PARTS
 from fingertip.pictures.casting_scenes import SCENES, draw_steps
-from fingertip.pictures.scene import Bench, Scene
-from fingertip.tasks.board import board_files
-from fingertip.tasks.firmware import firmware_files
+from fingertip.pictures.picture_scene import Scene, Workbench
+from fingertip.tasks.board_files import board_files
+from fingertip.tasks.firmware_files import firmware_files
 from tests.conftest import ROOT, design_file
 
 NAMES = ("first_finger", "article", "fsr400", "fsr402", *PRESETS)
@@ -60,8 +60,8 @@ def load(words: str) -> tuple[Design, CastingSheet]:
 @cache
 def scenes(words: str) -> dict[str, Scene]:
     design, sheet = load(words)
-    bench = Bench(design)
-    return {step.picture: SCENES[step.picture](bench, sheet) for step in list_steps(sheet)}
+    workbench = Workbench(design)
+    return {step.picture: SCENES[step.picture](workbench, sheet) for step in list_steps(sheet)}
 
 
 def to_read(words: str) -> dict[str, str]:
@@ -160,7 +160,7 @@ def test_every_step_has_a_picture_that_names_what_the_step_names_by_a_word_of_it
             assert number in page, (step.picture, number)
         boxes = [
             (item.mesh.vertices.min(axis=0) - 0.15, item.mesh.vertices.max(axis=0) + 0.15)
-            for item in scene.shown
+            for item in scene.meshes
         ]
         for label in scene.labels:
             assert any(

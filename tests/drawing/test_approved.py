@@ -18,7 +18,7 @@ from fingertip.models.parts import PARTS
 from fingertip.pictures.drawing.draw import part_drawings
 from fingertip.pictures.drawing.layout import lay_out
 from fingertip.pictures.drawing.primitives import PROJECTIONS, Arrow, ProjectedView, Sheet, Text
-from fingertip.pictures.drawing.render import render_pdf, render_svg
+from fingertip.pictures.drawing.svg_and_pdf import render_pdf, render_svg
 from fingertip.pictures.drawing.title_block import Heading
 from tests.approved import check_figures
 from tests.drawing.conftest import CALIBRATED, load_variant

@@ -111,7 +111,7 @@ def test_every_size_stands_on_its_sheet_once_and_checks_have_a_row(drawn: Drawn)
 @pytest.mark.full
 def test_errors_of_the_process_are_raised_here(monkeypatch: pytest.MonkeyPatch) -> None:
     box = solids.Box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-    nothing = solids.difference(box, solids.Box((-1.0, -1.0, -1.0), (2.0, 2.0, 2.0)))
+    nothing = box.cut(solids.Box((-1.0, -1.0, -1.0), (2.0, 2.0, 2.0)))
     with pytest.raises(GeometryError, match="one valid solid was expected"):
         run_apart((("nothing", partial(project_part, nothing, ("front",))),))
     monkeypatch.setattr("fingertip.pictures.drawing.draw.TIME_LIMIT_S", 0.01)
@@ -121,7 +121,7 @@ def test_errors_of_the_process_are_raised_here(monkeypatch: pytest.MonkeyPatch) 
 
 def test_box_is_projected_exactly_with_its_hidden_bore() -> None:
     bore = solids.cylinder("y", (4.0, 0.0), -2.0, 4.0, 0.5)
-    box = solids.difference(solids.Box((-2.0, -1.0, 0.0), (2.0, 3.0, 9.0)), bore)
+    box = solids.Box((-2.0, -1.0, 0.0), (2.0, 3.0, 9.0)).cut(bore)
     views = run_apart((("box", partial(project_part, box, ("front", "dorsal", "section"))),))["box"]
     assert views["front"].bounds() == (0.0, -1.0, 9.0, 3.0)
     hidden = {edge for edge in views["front"].hidden if len(edge) == 2 and edge[0][0] == edge[1][0]}

@@ -16,7 +16,7 @@ from fingertip.design import Design
 from fingertip.firmware.c_sources import library_settings
 from fingertip.firmware.fingers import Fingers, plan_fingers
 from fingertip.slip.detectors.fast import FastDetector
-from fingertip.tasks.firmware import write_firmware
+from fingertip.tasks.firmware_files import write_firmware
 from tests.firmware.conftest import INSTALL, Library
 from tests.tools import require_tool
 from tools.firmware.signals import slip_recording

@@ -15,8 +15,8 @@ from fingertip.documents.wiring import SKETCH_PINS
 from fingertip.firmware.c_sources import HEADER
 from fingertip.firmware.fingers import BUFFER_SAMPLES
 from fingertip.firmware.packaging import controller_changes, find_warnings
-from fingertip.tasks.firmware import firmware_differences, firmware_files, write_firmware
-from fingertip.tasks.verification import verify_sets
+from fingertip.tasks.firmware_files import firmware_differences, firmware_files, write_firmware
+from fingertip.tasks.manifest_comparison import verify_sets
 from tests.conftest import ROOT, design_file, run_fingertip
 
 PLACES = {".", "src", "examples/slip_pin", "examples/slip_stream"}

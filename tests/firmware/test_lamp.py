@@ -24,7 +24,7 @@ from fingertip.lab.campaign.campaign import HELD_OUT_FROM, CampaignPlan, generat
 from fingertip.lab.campaign.run import simulate_trace
 from fingertip.sim.runs.grip import ForceCurve
 from fingertip.slip.detectors.fast import FastDetector
-from fingertip.tasks.firmware import write_firmware
+from fingertip.tasks.firmware_files import write_firmware
 from tests.conftest import run_fingertip
 from tests.firmware.conftest import INSTALL
 from tests.firmware.test_examples import ARDUINO, find_changes

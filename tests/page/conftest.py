@@ -16,8 +16,8 @@ from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.catalogues.output_files import PAGE, PART_FILES
 from fingertip.models.parts import parts_by_name
+from fingertip.page.page import render_page
 from fingertip.page.parameters_and_checks import ReportedCheck
-from fingertip.page.render import render_page
 from fingertip.page.sources import Report, Sources
 from fingertip.tasks.views import write_page
 from tests.conftest import design_file

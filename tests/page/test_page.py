@@ -19,7 +19,7 @@ from fingertip.cad.files import stl
 from fingertip.catalogues.output_files import PAGE
 from fingertip.foundation.errors import OutputError
 from fingertip.models.parts import parts_by_name
-from fingertip.page.render import ARTICLE_DOI
+from fingertip.page.page import ARTICLE_DOI
 from fingertip.tasks.views import write_page
 from tests.conftest import run_fingertip
 from tests.page.conftest import Page, make_sources

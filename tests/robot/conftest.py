@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from fingertip import Design, write_robot
-from fingertip.tasks import robot
+from fingertip.tasks import robot_files
 
 INSTALL = "run `sh .ci/install-robot-readers` as root on Debian"
 READERS = (
@@ -39,7 +39,7 @@ def model(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     design = Design.load(request.param)
     folder = tmp_path_factory.mktemp("robot") / request.param
     with pytest.MonkeyPatch.context() as patch:  # both formats are of one model
-        patch.setattr(robot, "build_finger", functools.cache(robot.build_finger))
+        patch.setattr(robot_files, "build_finger", functools.cache(robot_files.build_finger))
         write_robot(design, folder, file_format="urdf")
         (folder / "finger.urdf").rename(folder.with_suffix(".urdf"))
         figures = write_robot(design, folder, file_format="mjcf", force=True)

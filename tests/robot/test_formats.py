@@ -15,7 +15,7 @@ from fingertip import Design
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.design.finger_set import load_set
 from fingertip.pad.response import Pad
-from fingertip.robot.contact import FORCES_N, ContactLaw, TactileMesh, fit_contact
+from fingertip.robot.contact import FORCES_N, ContactLaw, fit_contact
 from fingertip.robot.finger_model import (
     Body,
     CollisionShape,
@@ -26,8 +26,9 @@ from fingertip.robot.finger_model import (
     measure_inertia,
 )
 from fingertip.robot.formats import Placed, render_model
+from fingertip.robot.tactile_mesh import TactileMesh
 from fingertip.sim.contact.surface_files import SURFACES
-from fingertip.tasks.robot import _place
+from fingertip.tasks.robot_files import _place
 from tests.robot.test_model import numbers
 
 CORNERS = np.array([[x, y, z] for x in (0.0, 10.0) for y in (0.0, 10.0) for z in (0.0, 10.0)])

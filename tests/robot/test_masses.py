@@ -15,7 +15,7 @@ import pytest
 
 from fingertip import Design, write_robot
 from fingertip.design.finger_set import load_set
-from fingertip.tasks import robot
+from fingertip.tasks import robot_files
 from tests.robot.conftest import INSTALL
 from tests.tools import require_module
 
@@ -54,7 +54,7 @@ def written(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
         forms = {name: name}
 
     with pytest.MonkeyPatch.context() as patch:  # both formats are of one model
-        patch.setattr(robot, "build_finger", functools.cache(robot.build_finger))
+        patch.setattr(robot_files, "build_finger", functools.cache(robot_files.build_finger))
         figures = write_robot(design, folder / "urdf", file_format="urdf")
         write_robot(design, folder / "mjcf", file_format="mjcf")
 

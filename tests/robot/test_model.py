@@ -16,7 +16,8 @@ from fingertip.cad.convert import part_mesh
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays, to_manifold
 from fingertip.models.skin import skin_outline
 from fingertip.pad.pad_geometry import PadForm
-from fingertip.robot.contact import cut_skin, fit_contact
+from fingertip.robot.collision_pieces import cut_skin
+from fingertip.robot.contact import fit_contact
 from tests.conftest import ROOT, run_fingertip, some_of
 from tests.robot.conftest import DESIGNS, INSTALL, Model
 from tests.tools import require_module

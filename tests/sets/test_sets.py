@@ -46,7 +46,7 @@ from fingertip.foundation.errors import DesignError, FingertipError, OutputError
 from fingertip.foundation.output_set import SetWriter
 from fingertip.models.parts import PARTS
 from fingertip.tasks.make_set import make_set
-from fingertip.tasks.verification import verify_sets
+from fingertip.tasks.manifest_comparison import verify_sets
 from tests.approved import check_text
 from tests.conftest import ROOT, run_fingertip
 

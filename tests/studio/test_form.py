@@ -10,7 +10,7 @@ import pytest
 from fingertip import Design
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.studio.page import MAIN, Field, make_form, render_form
+from fingertip.studio.form_page import MAIN, Field, make_form, render_form
 
 FIELDS = {field.parameter.path: field for fields in make_form().values() for field in fields}
 

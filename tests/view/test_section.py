@@ -18,10 +18,10 @@ from PIL import Image, ImageDraw
 from fingertip import Design
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.models.parts import parts_by_name
-from fingertip.models.solids import Box, difference
+from fingertip.models.solids import Box
 from fingertip.pictures import picture, section
 from fingertip.pictures.picture import draw, find_free_place, place_on_hand
-from fingertip.pictures.scene import View
+from fingertip.pictures.picture_scene import View
 from fingertip.pictures.section import Section, draw_section, list_sections, slice_solid, spread
 from tests.approved import check_figures
 from tests.figures import sum_up
@@ -100,9 +100,7 @@ def test_dashes_are_7_pixels_long_and_4_apart_around_corners(
 
 
 def test_slices_have_the_area_of_the_solid() -> None:
-    ring = difference(
-        Box((-1.0, -2.0, -3.0), (1.0, 4.0, 5.0)), Box((-2.0, -1.0, -1.0), (2.0, 1.0, 2.0))
-    )
+    ring = Box((-1.0, -2.0, -3.0), (1.0, 4.0, 5.0)).cut(Box((-2.0, -1.0, -1.0), (2.0, 1.0, 2.0)))
     outlines = slice_solid(EVALUATOR, ring, 0.5)
     assert abs(sum(area(ring) for ring in outlines)) == pytest.approx(8 * 6 - 3 * 2)
     corners = np.concatenate(outlines)

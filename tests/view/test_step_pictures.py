@@ -23,8 +23,8 @@ from fingertip.documents.finger_sheets import list_steps
 from fingertip.models.solids import Point3
 from fingertip.pictures.casting_scenes import SCENES
 from fingertip.pictures.joint_scenes import JOINT_SCENES
+from fingertip.pictures.picture_scene import MARGIN_PX, Scene, Workbench, draw_scene
 from fingertip.pictures.raster import Canvas
-from fingertip.pictures.scene import MARGIN_PX, Bench, Scene, draw_scene
 from tests.conftest import design_file, run_fingertip
 
 
@@ -41,7 +41,7 @@ def is_inside(mesh: Mesh, point_mm: Point3) -> bool:
 def is_at_a_part(scene: Scene, point_mm: Point3) -> bool:
     """Tell whether a part is drawn where a point appears, or within 0.5 mm of it."""
     to_picture = scene.camera.axes[:2].T
-    for mesh in (each.mesh for each in scene.shown):
+    for mesh in (item.mesh for item in scene.meshes):
         for beside in 0.5 * np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)]):
             a, b, c = ((mesh.vertices - point_mm) @ to_picture + beside)[mesh.triangles].transpose(
                 1, 2, 0
@@ -83,15 +83,15 @@ def test_labels_stand_apart_inside_the_picture_and_end_at_a_part(
     monkeypatch.setattr(Canvas, "draw", lambda *args: None)  # the text alone
     design = Design.load(design_file(name))
     sheet = casting_sheet(design, MeshEvaluator(0.05))
-    bench = Bench(design)
+    workbench = Workbench(design)
     for picture in (step.picture for step in list_steps(sheet) if step.picture in scenes):
         boxes.clear()
-        scene = SCENES[picture](bench, sheet)
+        scene = SCENES[picture](workbench, sheet)
         assert [
             label.text for label in scene.labels if not is_at_a_part(scene, label.point_mm)
         ] == [], picture
         for end in (end for arrow in scene.arrows for end in (arrow.start_mm, arrow.end_mm)):
-            assert not any(is_inside(each.mesh, end) for each in scene.shown), (
+            assert not any(is_inside(item.mesh, end) for item in scene.meshes), (
                 picture,
                 "an arrow is hidden",
             )

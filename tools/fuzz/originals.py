@@ -166,7 +166,7 @@ def sweep_database() -> bytes:
 def board_folder() -> Mapping[str, bytes]:
     """Files of the default design's board, with their manifest."""
     from fingertip.design import Design
-    from fingertip.tasks.board import write_board
+    from fingertip.tasks.board_files import write_board
 
     with tempfile.TemporaryDirectory() as folder:
         write_board(Design(), folder)

@@ -35,9 +35,9 @@ from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.output_set import SetWriter, read_manifest
 from fingertip.slip.traces.read import read_trace
 from fingertip.sweep.database import SweepDatabase
-from fingertip.tasks.board import plan_board
+from fingertip.tasks.board_files import plan_board
 from fingertip.tasks.edited_board import enter_texts, enter_values
-from fingertip.tasks.verification import verify_sets
+from fingertip.tasks.manifest_comparison import verify_sets
 from tools.fuzz import originals
 from tools.fuzz.damage import damaged
 

@@ -14,9 +14,6 @@ from .solids import (
     Solid,
     SuperconicSolid,
     cylinder,
-    difference,
-    intersection,
-    union,
 )
 
 if TYPE_CHECKING:
@@ -34,15 +31,47 @@ _STEP_IN_COLLAR_MM = 0.3
 
 
 def bone(finger: Finger) -> Solid:
+    r"""Build the bone: its outline with collar and platform, the interface, recess and channel.
+
+    Section at x = 0, back up, tip to the right:
+
+                        collar_length_mm
+                             |<->|
+           |<-base_length_mm---->|<------ length_mm - thickness_tip_mm ------>|
+                              ___
+                 | |         |   |__    __________________________
+            _____| |_________|      |__|                          ``-.
+           |     | |               groove                             `.    y
+           |     | |                                                    |   ^
+        interface \ \  cable channel                                    |   +--> z
+           |       \ \_________________ trough                         /
+           |________\_________________ \_________        _______    .'
+                             |___|   flat        `------| pocket|--'
+                                             ramp,  platform_mm
+    """
     added, removed = shapes_of(finger)
-    return difference(
-        union(filled_bone(finger), *added), sensor_recess(finger), cable_channel(finger), *removed
+    return (
+        filled_bone(finger)
+        .union(*added)
+        .cut(sensor_recess(finger), cable_channel(finger), *removed)
     )
 
 
 def sensor_recess(finger: Finger) -> Solid:
-    """Build the recess of the sensor, open to the palm: head pocket,
-    and trough of the tail to the wires' hole.
+    r"""Build the recess of the sensor, open to the palm: head pocket, and trough of the tail to the
+    wires' hole.
+
+    Seen from the palm, tip to the right; both are pocket_depth deep:
+
+                                        _____
+                                      .'     '.
+           __________________________/         \
+          |                         |           |
+          |  trough,                |     +     |   pocket, radius:
+          |  2 tail_half_width      |           |   head_diameter_mm / 2 + clearance_mm
+          |__________________________\         /
+          |                           '._____.'
+          trough_end_z                 sensor_z
     """
     dims = finger.dimensions
     gap = finger.sensor.clearance_mm
@@ -61,8 +90,7 @@ def sensor_recess(finger: Finger) -> Solid:
     )
     top = dims.sensor_z + gap  # also clears a tail that is wider than the head
 
-    return union(
-        pocket,
+    return pocket.union(
         flat_slab(
             finger,
             low_mm=outside,
@@ -70,13 +98,24 @@ def sensor_recess(finger: Finger) -> Solid:
             half_width=dims.tail_half_width,
             begin=dims.trough_end_z,
             end=top,
-        ),
+        )
     )
 
 
 def cable_channel(finger: Finger) -> ElbowTube:
-    """Build the cable channel: from the floor of the trough by
-    one bend to the dorsal side of the base.
+    r"""Build the cable channel: from the floor of the trough by one bend to the back of the base.
+
+    Section at x = 0, back up, tip to the right:
+
+          |   |   end_y, past the back of the base
+          |   |
+          |   |   channel_diameter_mm
+          |   |
+           \   \________
+            \           |   start_y, floor of the trough
+             '-.________|
+            ^           ^
+         exit_z      start_z        bend of the middle: channel_bend_radius_mm
     """
     dims = finger.dimensions
     bone = finger.bone
@@ -99,9 +138,7 @@ def filled_bone(finger: Finger, inset_mm: float = 0.0) -> Solid:
     an inset.
     """
     body = add_groove(finger, inset_body(finger.dimensions.bone_outline, inset_mm))
-    return union(
-        cut_flat(finger, body, inset_mm), *platform(finger, body, inset_mm), collar(finger)
-    )
+    return cut_flat(finger, body, inset_mm).union(*platform(finger, body, inset_mm), collar(finger))
 
 
 def cut_flat(finger: Finger, body: ConicBody, inset_mm: float) -> Solid:
@@ -121,15 +158,27 @@ def cut_flat(finger: Finger, body: ConicBody, inset_mm: float) -> Solid:
     low = body.stations[0][0] - section.half_width
     below_base = below(base, low)
     if base == dims.flat_depth:
-        return difference(SuperconicSolid(body), below_base)
+        return SuperconicSolid(body).cut(below_base)
 
     below_flat = below(flat, -_STEP_IN_COLLAR_MM)
-    return difference(SuperconicSolid(body), below_base, below_flat)
+    return SuperconicSolid(body).cut(below_base, below_flat)
 
 
 def platform(finger: Finger, body: ConicBody, inset_mm: float) -> tuple[Solid, ...]:
-    """Build the platform under the sensor's head, and the ramp of its
-    tail, within the outline; none without one.
+    r"""Build the platform under the sensor's head, and the ramp of its tail, within the outline.
+
+    There is none without platform_mm.
+
+    Seen from the palm, tip to the right:
+
+                               ______
+                             .'      '.
+             _______________/          \
+            |     ramp      |     +     |   platform_radius
+            |_______________|           |   2 neck_half_width
+            |               |\         /
+         ramp[0]         ramp[1]'____.'
+                               sensor_z
     """
     dims = finger.dimensions
     if finger.bone.platform_mm == 0.0:
@@ -153,7 +202,7 @@ def platform(finger: Finger, body: ConicBody, inset_mm: float) -> tuple[Solid, .
         end=dims.sensor_z,
     )
 
-    return (intersection(SuperconicSolid(body), union(disc, neck)),)
+    return (SuperconicSolid(body).intersect(disc.union(neck)),)
 
 
 def flat_slab(
@@ -178,7 +227,18 @@ def flat_slab(
 
 
 def collar(finger: Finger) -> Solid:
-    """Build the collar: the flange proximal to the skin, on which the skin ends."""
+    """Build the collar: the flange proximal to the skin, on which the skin ends.
+
+    Section at x = 0, back up, tip to the right; a bone on a post, which prints standing, has
+    the slope:
+
+                   |<-->|  collar_length_mm
+                    ____
+                  .'    |      collar_inset_mm below the skin
+            ____.'      |____
+            base        |     bone
+                      z = 0
+    """
     return (
         _sloping_collar(finger)
         if finger.dimensions.prints_without_supports

@@ -19,7 +19,7 @@ from .mold_layout import (
 )
 from .outlines import PAST_MM
 from .skin import bump_recess
-from .solids import Box, Prism, Solid, difference, scaled, union
+from .solids import Box, Prism, Solid
 
 if TYPE_CHECKING:
     from .program_types import Finger
@@ -31,13 +31,25 @@ solids that only touch have coincident faces.
 
 
 def core(finger: Finger) -> Solid:
-    """Build the core on its plate, whose lips stand out at both sides to lift it by."""
+    r"""Build the core on its plate, whose lips stand out at both sides to lift it by.
+
+    Section across the finger, as it hangs in the cup, tip down:
+
+           _________________________________________
+          |                                         |   plate, PLATE_MM thick
+          |_______   _____           _____   _______|   z = 0
+                   V      |         |      V            ridges, RIDGE_HEIGHT_MM high
+          |<->|           |         |
+        PLATE_LEDGE_MM    |         |                   core_within_skin,
+                           \       /                    enlarged by the shrinkage
+                            '.___.'
+    """
     m = finger.mold_layout
     half = m.half_width + PLATE_LEDGE_MM
     plate = Box((-half, -m.palmar_height, -PLATE_MM), (half, m.dorsal_height, 0.0))
-    whole = union(core_within_skin(finger), plate, *ridges(finger))
+    whole = core_within_skin(finger).union(plate, *ridges(finger))
 
-    return difference(whole, *plate_letters(finger), *strap_seats(finger)[1:])
+    return whole.cut(*plate_letters(finger), *strap_seats(finger)[1:])
 
 
 def plate_letters(finger: Finger) -> tuple[Prism, ...]:
@@ -83,6 +95,6 @@ def core_within_skin(finger: Finger) -> Solid:
     body = inset_body(finger.dimensions.bone_outline, inset)
     (_, scale), *stations = body.stations
     body = add_groove(finger, replace(body, stations=((-_INTO_COLLAR_MM, scale), *stations)))
-    inside = union(cut_flat(finger, body, inset), *platform(finger, body, inset))
+    inside = cut_flat(finger, body, inset).union(*platform(finger, body, inset))
 
-    return scaled(difference(inside, *bump_recess(finger)), finger.dimensions.shrinkage)
+    return inside.cut(*bump_recess(finger)).scaled(finger.dimensions.shrinkage)

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from .clevis import knuckle, stop_top_y
 from .joint import Joint, joint_of
 from .outlines import TANGENT_STEP_MM
-from .solids import Box, Cone, Prism, Solid, cylinder, difference, intersection, union
+from .solids import Box, Cone, Prism, Solid, cylinder
 
 if TYPE_CHECKING:
     from .program_types import Finger
@@ -104,7 +104,7 @@ def without_ways(finger: Finger) -> Solid:
     )
     ramp = Prism("x", corners, -reach, reach)
     near = Box((-half, shoulder.low[1], root - TANGENT_STEP_MM), (half, dorsal, z + reach))
-    whole = union(bar, shoulder, intersection(knuckle(finger, joint, ramp), near))
+    whole = bar.union(shoulder, knuckle(finger, joint, ramp).intersect(near))
     notches = [
         Box(
             (x, y, root - far - BAND_NOTCH_MM), (x + NOTCH_DEPTH_MM + 1.0, dorsal + 1.0, root - far)
@@ -120,7 +120,7 @@ def without_ways(finger: Finger) -> Solid:
         radius=stub_bore_radius(joint),
     )
 
-    return difference(whole, bore, *notches)
+    return whole.cut(bore, *notches)
 
 
 def stub_bore_radius(joint: Joint) -> float:
@@ -131,7 +131,20 @@ def stub_bore_radius(joint: Joint) -> float:
 
 
 def hand_stub(finger: Finger) -> Solid:
-    return difference(without_ways(finger), *_ways(finger))
+    r"""Build the stub of the hand.
+
+    Seen from the side, back up, tip of the finger to the right:
+
+           ____    ______________________
+          |    |__|                      |\
+          |   notches of the band        |  \ .---.
+          |                              |   ( pin )   knuckle
+          |    ________                  |    '---'
+          |===|  guide |=================|             slots of the strands, way.y
+          |____________|_________________|
+          |<--------- BAR_MM ----------->|
+    """
+    return without_ways(finger).cut(*_ways(finger))
 
 
 def _ways(finger: Finger) -> Iterator[Solid]:

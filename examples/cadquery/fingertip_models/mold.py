@@ -24,7 +24,7 @@ from .mold_layout import (
 )
 from .outlines import PAST_MM, belt_seat, extrude
 from .skin import skin_outline
-from .solids import Axis, Box, Cone, Prism, Solid, SuperconicSolid, difference, scaled, union
+from .solids import Axis, Box, Cone, Prism, Solid, SuperconicSolid
 
 if TYPE_CHECKING:
     from .program_types import Finger
@@ -54,14 +54,14 @@ def hollow(finger: Finger) -> Solid:
         strap_seats(finger)[0],
         *seam_cuts(finger),
     )
-    return union(cavity(finger), _above_rim(finger), *cuts)
+    return cavity(finger).union(_above_rim(finger), *cuts)
 
 
 def cavity(finger: Finger, inset_mm: float = 0.0) -> Solid:
     """Build the cavity of the mold: the outer surface, enlarged
     to allow for the silicone's shrinkage.
     """
-    return scaled(skin_outline(finger, inset_mm), finger.dimensions.shrinkage)
+    return skin_outline(finger, inset_mm).scaled(finger.dimensions.shrinkage)
 
 
 def _above_rim(finger: Finger) -> Solid:
@@ -71,7 +71,7 @@ def _above_rim(finger: Finger) -> Solid:
     far = 2 * (m.half_width + m.dorsal_height)
     lip = SuperconicSolid(ConicBody(section, ((-2 * PAST_MM, 1.0), (PAST_MM, 1.0))))
 
-    return difference(Box((-far, -far, -PAST_MM), (far, far, GAP_MM)), lip)
+    return Box((-far, -far, -PAST_MM), (far, far, GAP_MM)).cut(lip)
 
 
 def seam_cuts(finger: Finger) -> tuple[Solid, ...]:
@@ -229,12 +229,40 @@ def label(finger: Finger) -> tuple[Prism, ...]:
 
 
 def mold_palmar(finger: Finger) -> Solid:
+    r"""Build the half of the cup below the pad, with the sockets of the keys and its label.
+
+    The closed cup, section at x = 0, tip down:
+
+          -palmar_height          y = 0           dorsal_height
+               |                    :                   |
+               |_______ lip _       :      _ lip __   __|       LIP_GAP_MM below the plate
+                             |      :     |        \ /          groove of a ridge
+               ]             |      :     |                [    belt
+               |             |   cavity   |             |
+               ]              \     :    /                 [    belt
+               |               '._  : _.'               |
+               |___________________':'__________________|       foot_z, mold.wall_mm below the tip
+                                  seam
+    """
     whole = block(finger)
     half = Box(whole.low, (whole.high[0], 0.0, whole.high[2]))
-    return difference(half, hollow(finger), *key_sockets(finger), *label(finger))
+    return half.cut(hollow(finger), *key_sockets(finger), *label(finger))
 
 
 def mold_dorsal(finger: Finger) -> Solid:
+    r"""Build the half of the cup above the back, with the keys.
+
+    Seen from the seam, tip down; the keys of both sides differ in size and height:
+
+             _______________          _______________
+            |               |        |               |
+            |               |        |           (o) |   keys of unequal sizes
+            | (O)           | cavity |               |
+            |                \      /                |
+            |                 '.__.'                 |
+            |________________________________________|   foot_z
+            |<------------ 2 half_width ------------>|
+    """
     whole = block(finger)
     half = Box((whole.low[0], 0.0, whole.low[2]), whole.high)
-    return difference(union(half, *key_frustums(finger)), hollow(finger))
+    return half.union(*key_frustums(finger)).cut(hollow(finger))

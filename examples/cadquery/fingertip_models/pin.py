@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .joint import joint_of
-from .solids import Cone, Solid, cylinder, union
+from .solids import Cone, Solid, cylinder
 
 if TYPE_CHECKING:
     from .program_types import Finger
@@ -21,8 +21,18 @@ and its radius over the bore's there [mm].
 
 
 def pin(finger: Finger) -> Solid:
-    """Build the pin as it stands on its head on the bed, along z;
-    below the head it wedges in a cheek of the bone.
+    r"""Build the pin as it stands on its head on the bed, along z.
+
+    Below the head it wedges in a cheek of the bone.
+
+           __
+          /  \        _PIN_CHAMFER_MM
+          |  |
+          |  |        printed_pin_radius
+          |  |
+          /  \        wedge: pin_radius + _WEDGED_MM at the head, _WEDGE_MM long
+         /____\
+        |______|      head: pin_radius + _PIN_HEAD_MM, z = 0
     """
     joint = joint_of(finger)
     length = finger.dimensions.pin_length
@@ -30,14 +40,13 @@ def pin(finger: Finger) -> Solid:
     bore = joint.pin_radius
     radius = joint.printed_pin_radius
 
-    return union(
-        cylinder(
-            "z",
-            centre=at,
-            low=0.0,
-            high=_PIN_HEAD_MM,
-            radius=bore + _PIN_HEAD_MM,
-        ),
+    return cylinder(
+        "z",
+        centre=at,
+        low=0.0,
+        high=_PIN_HEAD_MM,
+        radius=bore + _PIN_HEAD_MM,
+    ).union(
         Cone(
             axis="z",
             centre=at,

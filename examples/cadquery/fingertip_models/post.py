@@ -17,7 +17,6 @@ from .solids import (
     Solid,
     SuperconicSolid,
     cylinder,
-    difference,
     intersection,
 )
 
@@ -31,7 +30,19 @@ _MIN_FLAT_MM = 0.02
 
 
 def shapes(finger: Finger) -> Shapes:
-    """Build the post with its foot, and what is removed: the hole of the cross bolt."""
+    """Build the post with its foot, and what is removed: the hole of the cross bolt.
+
+    Section at x = 0, tip to the right:           Seen from its end:
+
+                           |  base                      ______
+            ______________.'                          .'______'.
+           |                                          |        |   post_height_mm
+           |   (o)                                    |________|   over both flats
+           |______________                             '.____.'
+          low_z            '.  foot_radius_mm         post_width_mm, its diameter
+           |<------------->|
+            post_length_mm
+    """
     bone = finger.bone
     post = post_body(finger, bone.post_width_mm, bone.post_height_mm, bone.post_length_mm)
     return (post, _foot(finger)), (bolt_hole(finger, cross_bolt_z(finger)),)
@@ -69,24 +80,22 @@ def post_body(finger: Finger, width: float, height: float, length: float) -> Sol
 
     if half <= radius - _MIN_FLAT_MM:
         margin = radius  # past the round sides and the ends, by a length that scales with the post
-        post = intersection(
-            post,
+        post = post.intersect(
             Box(
                 (-radius - margin, y - half, low - margin),
                 (radius + margin, y + half, high + margin),
-            ),
+            )
         )
 
     if finger.dimensions.prints_without_supports:
-        post = intersection(
-            post,
+        post = post.intersect(
             *_chamfer(
                 y,
                 low=low,
                 up=high - low,
                 radius=radius,
                 half=min(half, radius),
-            ),
+            )
         )
 
     return post
@@ -135,12 +144,11 @@ def _foot(finger: Finger) -> Solid:
     # A step inside the outline, because both run along z and would share a face.
     section = offset_section(dims.bone_outline.section, -TANGENT_STEP_MM)
     flat = dims.base_flat_depth
-    outline = difference(
-        SuperconicSolid(ConicBody(section, ((low, 1.0), (top + margin, 1.0)))),
+    outline = SuperconicSolid(ConicBody(section, ((low, 1.0), (top + margin, 1.0)))).cut(
         Box(
             (-2 * margin, -section.palmar - margin, low - margin),
             (2 * margin, TANGENT_STEP_MM - flat, top + 2 * margin),
-        ),
+        )
     )
     foot = [outline, round_foot((0.0, y), bone.post_width_mm / 2, line, top)]
 

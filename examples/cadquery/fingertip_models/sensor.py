@@ -5,14 +5,24 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .bone import flat_slab
-from .solids import Solid, cylinder, union
+from .solids import Solid, cylinder
 
 if TYPE_CHECKING:
     from .program_types import Finger
 
 
 def sensor_body(finger: Finger) -> Solid:
-    """Build the sensor as mounted in the bone, for pictures and checks; it is not printed."""
+    r"""Build the sensor as mounted in the bone, for pictures and checks; it is not printed.
+
+    Seen from the palm, tip to the right; thickness_mm thick:
+
+                                    _____
+           ________________________/     \
+          |   tail, tail_width_mm         |   head_diameter_mm
+          |________________________       |
+          |                        \_____/
+       tail_end_z                  sensor_z
+    """
     dims = finger.dimensions
     thickness = dims.sensor.thickness_mm
     half_tail = dims.sensor.tail_width_mm / 2
@@ -20,8 +30,7 @@ def sensor_body(finger: Finger) -> Solid:
     radius = dims.sensor.head_diameter_mm / 2
     head = cylinder("y", (dims.sensor_z, 0.0), *head_y, radius)
 
-    return union(
-        head,
+    return head.union(
         flat_slab(
             finger,
             low_mm=0.0,
@@ -29,5 +38,5 @@ def sensor_body(finger: Finger) -> Solid:
             half_width=half_tail,
             begin=dims.tail_end_z,
             end=dims.sensor_z,
-        ),
+        )
     )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from .bone import filled_bone
 from .conic import inset_body
-from .solids import Cone, Solid, SuperconicSolid, difference
+from .solids import Cone, Solid, SuperconicSolid
 
 if TYPE_CHECKING:
     from .program_types import Finger
@@ -21,8 +21,22 @@ Faces in one plane would leave slivers.
 
 
 def skin(finger: Finger) -> Solid:
-    """Build the cured skin at its design size, unstretched."""
-    return difference(skin_outline(finger), skin_interior(finger))
+    """Build the cured skin at its design size, unstretched.
+
+    Section at x = 0, back up, tip to the right:
+
+            |<------------------ length_mm ----------------->|
+             _____________________________________
+            |____________________________________ ``-.            thickness_dorsal_mm
+                                                 `.   `.
+                         skin_interior              |    |        thickness_tip_mm
+             ______                           ____.'   .'
+            |      ``--.________________.--'' bump   .'           thickness_palmar_mm
+             ``--..__                           _.-''
+                     ``---....__________....--''                  apex, crown_radius_mm
+          z = 0                            sensor_z
+    """
+    return skin_outline(finger).cut(skin_interior(finger))
 
 
 def skin_outline(finger: Finger, inset_mm: float = 0.0) -> Solid:
@@ -32,7 +46,7 @@ def skin_outline(finger: Finger, inset_mm: float = 0.0) -> Solid:
 
 def skin_interior(finger: Finger) -> Solid:
     """Build what is open inside the skin, as its core leaves it."""
-    return difference(filled_bone(finger, finger.mold.core_inset_mm), *bump_recess(finger))
+    return filled_bone(finger, finger.mold.core_inset_mm).cut(*bump_recess(finger))
 
 
 def bump_recess(finger: Finger) -> tuple[Solid, ...]:

@@ -30,8 +30,28 @@ def axis_point(axis: Axis, u: float, v: float, w: float) -> Point3:
     return {"x": (w, u, v), "y": (v, w, u), "z": (u, v, w)}[axis]
 
 
+class Solid:
+    """Solid that is combined with others as CadQuery's workplanes are.
+
+    Without other solids, or with a factor of one, a method returns the solid as it is.
+    """
+
+    def union(self, *others: Solid) -> Solid:
+        return Union((self, *others)) if others else self
+
+    def cut(self, *tools: Solid) -> Solid:
+        return Difference(self, tools) if tools else self
+
+    def intersect(self, *others: Solid) -> Solid:
+        return Intersection((self, *others)) if others else self
+
+    def scaled(self, factor: float) -> Solid:
+        """Scale the solid about the origin."""
+        return Scaled(self, factor) if factor != 1.0 else self
+
+
 @dataclass(frozen=True)
-class Box:
+class Box(Solid):
     """Axis-parallel box between two opposite corners [mm]."""
 
     low: tuple[float, float, float]
@@ -39,7 +59,7 @@ class Box:
 
 
 @dataclass(frozen=True)
-class Cone:
+class Cone(Solid):
     """Frustum of a cone about an axis-parallel line; a cylinder if both radii are equal.
 
     `centre` holds the two coordinates of the line in cyclic order: (y, z) for x, (z, x) for y, (x,
@@ -81,7 +101,7 @@ def cylinder(
 
 
 @dataclass(frozen=True)
-class Prism:
+class Prism(Solid):
     """Polygon extruded along an axis from `low` to `high` [mm].
 
     `corners` hold the two other coordinates in cyclic order, as in `Cone`, and run
@@ -97,7 +117,7 @@ class Prism:
 
 
 @dataclass(frozen=True)
-class ElbowTube:
+class ElbowTube(Solid):
     """Round tube at x = 0 from (`start_y`, `start_z`) along -z, a
     bend, then along +y to (`end_y`, `exit_z`) [mm].
     """
@@ -111,14 +131,14 @@ class ElbowTube:
 
 
 @dataclass(frozen=True)
-class SuperconicSolid:
+class SuperconicSolid(Solid):
     """Solid bounded by a superconic surface, as `conic` defines it."""
 
     body: ConicBody
 
 
 @dataclass(frozen=True)
-class Placed:
+class Placed(Solid):
     """Body of a file, turned and moved by the rows of a matrix: each point (x, y, z, 1) is
     multiplied by them [mm].
     """
@@ -140,48 +160,36 @@ class Placed:
 
 
 @dataclass(frozen=True)
-class Union:
+class Union(Solid):
     solids: tuple[Solid, ...]
 
 
 @dataclass(frozen=True)
-class Difference:
+class Difference(Solid):
     solid: Solid
     subtracted: tuple[Solid, ...]
 
 
 @dataclass(frozen=True)
-class Intersection:
+class Intersection(Solid):
     solids: tuple[Solid, ...]
 
 
 @dataclass(frozen=True)
-class Scaled:
+class Scaled(Solid):
     solid: Solid
     factor: float
 
 
-Primitive: TypeAlias = Box | Cone | Prism | ElbowTube | SuperconicSolid | Placed
-Solid: TypeAlias = Primitive | Union | Difference | Intersection | Scaled
 Shapes: TypeAlias = tuple[tuple[Solid, ...], tuple[Solid, ...]]
 """Solids that an interface adds to the filled bone, and those that it removes from it."""
 
 
 def union(*solids: Solid) -> Solid:
-    """Unite solids; a single one is returned as it is."""
-    return solids[0] if len(solids) == 1 else Union(solids)
-
-
-def difference(solid: Solid, *subtracted: Solid) -> Solid:
-    """Subtract solids from `solid`; without any, it is returned as it is."""
-    return Difference(solid, subtracted) if subtracted else solid
+    """Unite a list of solids; a single one is returned as it is."""
+    return solids[0].union(*solids[1:])
 
 
 def intersection(*solids: Solid) -> Solid:
-    """Intersect solids; a single one is returned as it is."""
-    return solids[0] if len(solids) == 1 else Intersection(solids)
-
-
-def scaled(solid: Solid, factor: float) -> Solid:
-    """Scale a solid about the origin; a factor of one returns it as it is."""
-    return solid if factor == 1.0 else Scaled(solid, factor)
+    """Intersect a list of solids; a single one is returned as it is."""
+    return solids[0].intersect(*solids[1:])

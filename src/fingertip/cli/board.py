@@ -212,7 +212,7 @@ def _write_divider(console: Console, design: Design, options: _Options) -> None:
 
 def _compare(console: Console, design: Design, out: Path | None, fab: bool) -> None:
     from fingertip.catalogues.output_files import BOARD
-    from fingertip.tasks.board import board_differences, fabrication_differences
+    from fingertip.tasks.board_files import board_differences, fabrication_differences
 
     folder = out or BOARD.folder(design)
 
@@ -231,7 +231,7 @@ def _compare(console: Console, design: Design, out: Path | None, fab: bool) -> N
 def _write(console: Console, design: Design, options: _Options) -> tuple[Path, dict[str, Any]]:
     """Write the files of a board, and those for its maker; return their folder and a report."""
     from fingertip.catalogues.output_files import BOARD
-    from fingertip.tasks import board as task
+    from fingertip.tasks import board_files as task
 
     folder = options.out or BOARD.folder(design)
     force = options.force

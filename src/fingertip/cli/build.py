@@ -392,7 +392,7 @@ def firmware(
     from fingertip.design.finger_set import is_set
     from fingertip.firmware.fingers import plan_fingers, plan_set
     from fingertip.firmware.packaging import find_warnings, read_costs
-    from fingertip.tasks.firmware import firmware_differences, write_firmware
+    from fingertip.tasks.firmware_files import firmware_differences, write_firmware
 
     if is_set(design):
         if fingers:
@@ -452,7 +452,7 @@ def robot(
     attach a finger.
     """
     from fingertip.design.finger_set import is_set
-    from fingertip.tasks.robot import write_robot
+    from fingertip.tasks.robot_files import write_robot
 
     load = load_fingers if is_set(design) else load_design
     model = write_robot(

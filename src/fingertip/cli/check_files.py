@@ -56,15 +56,15 @@ def check_mesh(
     )
 
 
-def _find_one_design(path: Path, given: Sequence[NamedDesign]) -> Design:
+def _find_one_design(path: Path, references: Sequence[NamedDesign]) -> Design:
     """Find the design that a mesh is compared with, which must have a part of its name."""
     from fingertip.cad.verification.mesh_files import name_part
     from fingertip.design import Design
     from fingertip.models.parts import parts_by_name
 
-    designs = [named.design for named in given if isinstance(named.design, Design)]
+    designs = [named.design for named in references if isinstance(named.design, Design)]
 
-    if len(given) != 1 or not designs:
+    if len(references) != 1 or not designs:
         raise InputFileError(
             Issue(str(path), "is compared with the design of one finger; give one, or none.")
         )
@@ -141,7 +141,7 @@ def _check_recordings(folder: Path) -> CheckResult:
 def _compare_checksums(folder: Path) -> CheckResult:
     from fingertip.catalogues.output_files import REPORT
     from fingertip.foundation.output_set import MANIFEST
-    from fingertip.tasks.verification import verify_sets
+    from fingertip.tasks.manifest_comparison import verify_sets
 
     files, differences = verify_sets(folder)
 
@@ -177,7 +177,7 @@ def compare_with_designs(
     is_made_again = False
 
     if remake and not faults and comparison.command and isinstance(design, Design):
-        from fingertip.tasks.parts_again import compare_made_again
+        from fingertip.tasks.remade_parts import compare_made_again
 
         is_made_again = True
         console.progress("making the parts again")

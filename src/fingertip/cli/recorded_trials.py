@@ -94,7 +94,7 @@ def record(
             told.add((number, phase))
             console.progress(line.rstrip())
 
-    found = Recorder(
+    recording = Recorder(
         design=loaded,
         folder=folder,
         plan=plan,
@@ -102,10 +102,10 @@ def record(
         note=console.progress,
     ).run(SampleReader(lines))
     console.result(
-        {"folder": folder.as_posix(), **found._asdict(), "trials": [*found.trials]},
+        {"folder": folder.as_posix(), **recording._asdict(), "trials": [*recording.trials]},
         (
-            f"{len(found.trials)} trials, {found.samples} samples, {found.lost} lost, "
-            f"{found.repeated} trials repeated\n"
+            f"{len(recording.trials)} trials, {recording.samples} samples, {recording.lost} lost, "
+            f"{recording.repeated} trials repeated\n"
             f"next: fingertip validate --recordings {folder}"
         ),
     )

@@ -332,7 +332,6 @@ def to_toml(design: Tables, heading: str = "") -> str:
 
         table = tomlkit.table()
         table.add(tomlkit.comment(describe_table(type(value))))
-
         for key in type(value).model_fields:
             parameter = described[f"{name}.{key}"]
             bounds = f" [{parameter.bounds}]" if parameter.bounds else ""

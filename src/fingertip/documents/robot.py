@@ -10,9 +10,11 @@ from fingertip.catalogues.output_files import README, ROBOT_FILES
 from fingertip.design.finger_set import FingerSet
 from fingertip.documents.template import WIDTH, render_page
 from fingertip.models.solids import Point3
-from fingertip.robot.contact import FACET_MM, FORCES_N, REFERENCE_N, SPACING_MM
+from fingertip.robot.collision_pieces import FACET_MM
+from fingertip.robot.contact import FORCES_N, REFERENCE_N
 from fingertip.robot.finger_model import TOLERANCE_MM, FingerModel
 from fingertip.robot.formats import FRAME, MAX_SPEED_RAD_S, TIMESTEP_S
+from fingertip.robot.tactile_mesh import SPACING_MM
 
 
 @dataclass(frozen=True)

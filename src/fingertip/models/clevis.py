@@ -27,9 +27,6 @@ from .solids import (
     Solid,
     SuperconicSolid,
     cylinder,
-    difference,
-    intersection,
-    union,
 )
 
 if TYPE_CHECKING:
@@ -40,8 +37,21 @@ _BACK_WAY_MM = 3.0
 
 
 def shapes(finger: Finger) -> Shapes:
-    """Build the base, and what is removed: the joint's space, the
-    bore of its pin and the way of the tendon.
+    """Build the base, and what is removed: the joint's space, bore of the pin, way of the tendon.
+
+    Seen from the side, back up, tip to the right:
+
+                  | stop of the straight finger
+                  |_______________   _______
+              .-'                 | |       |   groove of the tendon, low_z to high_z
+            .'     ____           |_|       |
+           |      (    )                    |   base as wide and high as the collar
+           |      (_pin)   axis_y, axis_z   |
+            '.                     _________|
+              '-._    stop, turned/   horn, horn_radius
+                  `-._ by travel_deg
+           |<---->|
+            radius
     """
     joint = joint_of(finger)
     anchor = finger.dimensions.anchor
@@ -67,15 +77,15 @@ def joint_base(finger: Finger, joint: Joint, top: float) -> Solid:
     low = joint.low_z - joint.radius
     half = dims.joint_base_half_width
     outline = SuperconicSolid(ConicBody(collar, ((low, 1.0), (top, 1.0))))
-    base = union(
-        outline, Box((-half, -dims.joint_depth, joint.low_z - 1.0), (half, joint.axis_y, top))
+    base = outline.union(
+        Box((-half, -dims.joint_depth, joint.low_z - 1.0), (half, joint.axis_y, top))
     )
     if not joint.travel_deg:
         return base
 
     reach = 2 * (collar.half_width + collar.dorsal + collar.palmar)
     within = Box((-reach, stop_toe_y(finger, joint, top), -reach), (reach, reach, reach))
-    return intersection(base, eye_profile(joint, reach), within)
+    return base.intersect(eye_profile(joint, reach), within)
 
 
 def stop_toe_y(finger: Finger, joint: Joint, top: float) -> float:
@@ -135,13 +145,11 @@ def space(finger: Finger, joint: Joint) -> Solid:
             )
         )
 
-    beside_eyes = difference(beyond, *eyes)
+    beside_eyes = beyond.cut(*eyes)
     if not joint.is_fork:
         tongue = Box((-half, -2 * reach, low - reach), (half, 2 * reach, end))
-        return union(
-            beside_eyes,
-            difference(
-                beyond,
+        return beside_eyes.union(
+            beyond.cut(
                 tongue,
                 flat_foot(
                     "y",
@@ -151,12 +159,12 @@ def space(finger: Finger, joint: Joint) -> Solid:
                     end=end,
                     reach=2 * reach,
                 ),
-            ),
+            )
         )
 
     gap = Box((-half, -reach, low), (half, reach, high))
     above_stop = Box((-reach, stop_top_y(finger, joint), low), (reach, reach, high))
-    return union(beside_eyes, gap, above_stop)
+    return beside_eyes.union(gap, above_stop)
 
 
 def eye_profile(joint: Joint, reach: float) -> Solid:
@@ -181,10 +189,10 @@ def eye_profile(joint: Joint, reach: float) -> Solid:
             travel_deg=joint.travel_deg,
             reach=reach,
         )
-        return union(Prism("x", stopped_profile, -reach, reach), round_eye)
+        return Prism("x", stopped_profile, -reach, reach).union(round_eye)
 
     half = joint.eye_radius - TANGENT_STEP_MM
-    return union(Box((-reach, y - half, z), (reach, y + half, z + reach)), round_eye)
+    return Box((-reach, y - half, z), (reach, y + half, z + reach)).union(round_eye)
 
 
 def pin_bore(joint: Joint, half_length: float) -> Solid:
@@ -226,7 +234,7 @@ def tendon_way(finger: Finger, anchor: TendonAnchor, joint: Joint) -> tuple[Soli
     slope = collar_slope(finger, anchor)
     sides = ((inner, reach), (-reach, -inner))
     right_groove, left_groove = (
-        difference(Box((low_x, -reach, anchor.low_z), (high_x, reach, foot)), slope)
+        Box((low_x, -reach, anchor.low_z), (high_x, reach, foot)).cut(slope)
         for low_x, high_x in sides
     )
     right_horn, left_horn = (Prism("x", corners, *side) for side in sides)
@@ -246,7 +254,7 @@ def _back_way(finger: Finger, anchor: TendonAnchor, joint: Joint) -> Solid:
 
     scale = 1.0 - TANGENT_STEP_MM / section.half_width
     floor = SuperconicSolid(ConicBody(section, ((low - 1.0, scale), (high + 1.0, scale))))
-    return difference(Box((-half, 0.0, low), (half, 4 * section.dorsal, high)), floor)
+    return Box((-half, 0.0, low), (half, 4 * section.dorsal, high)).cut(floor)
 
 
 def strands(finger: Finger, anchor: TendonAnchor, low_z: float) -> tuple[Solid, ...]:
@@ -293,8 +301,7 @@ def knuckle(finger: Finger, joint: Joint, *added: Solid) -> Solid:
     palmar = y - hand.axis_height_mm
     shoulder = Box((-reach, palmar, z - joint.radius - reach), (reach, y + reach, z - joint.radius))
     flat = joint.radius - TANGENT_STEP_MM
-    neck = union(
-        Box((-reach, y - flat, z - joint.radius - TANGENT_STEP_MM), (reach, y + flat, z)),
+    neck = Box((-reach, y - flat, z - joint.radius - TANGENT_STEP_MM), (reach, y + flat, z)).union(
         cylinder(
             "x",
             centre=(y, z),
@@ -306,4 +313,4 @@ def knuckle(finger: Finger, joint: Joint, *added: Solid) -> Solid:
     )
     inner = Box((-half, y - reach, z - reach), (half, y + reach, z + reach))
 
-    return union(shoulder, intersection(neck, inner) if joint.is_fork else difference(neck, inner))
+    return shoulder.union(neck.intersect(inner) if joint.is_fork else neck.cut(inner))

@@ -1,9 +1,11 @@
-"""Lines of text engraved into a face. Lower-case letters are engraved as capitals.
+r"""Lines of text engraved into a face. Lower-case letters are engraved as capitals.
 
-      _______
-^    |   __  |
-6    |  |__| |     height between the centre lines of its strokes: 6 grid units;
-v    |__/  \\_|     stroke: 0.8; from one letter to the next: 6
+ _____         ^
+|     \        |
+|_____/     6 HEIGHT, between the middles of its strokes, which are 0.8 STROKE_WIDTH wide
+|              |
+|              v
+|<----- 6 ADVANCE ----->|  to the next letter        [grid units]
 """
 
 from __future__ import annotations

@@ -6,14 +6,25 @@ from typing import TYPE_CHECKING
 
 from .conic import ConicBody, CrossSection
 from .outlines import flat_foot, foot_line
-from .solids import Box, Shapes, Solid, SuperconicSolid, cylinder, intersection
+from .solids import Box, Shapes, Solid, SuperconicSolid, cylinder
 
 if TYPE_CHECKING:
     from .program_types import Finger
 
 
 def shapes(finger: Finger) -> Shapes:
-    """Build the plate with its foot, and what is removed: the holes of the bolts."""
+    """Build the plate with its foot, and what is removed: the holes of the bolts.
+
+    Section at x = 0, tip to the right:           Seen from its end:
+
+            __                                      ___________________
+           |  |                                    |    .---------.    |
+           |  |'.____________                      | o  |  base   |  o |   flange_height_mm
+           |  |     base                           |    |_________|    |
+           |  |.'____________                      |___________________|
+           |__|                                      |<-------------->|    flange_spacing_x_mm
+        flange_thickness_mm, foot_radius_mm        |<- flange_width_mm >|
+    """
     bone = finger.bone
     y = finger.dimensions.base_middle_y
     end = -bone.base_length_mm
@@ -50,7 +61,7 @@ def shapes(finger: Finger) -> Shapes:
     )
     above = Box((-x, y - half, end), (x, y + half, top + reach))
 
-    return (plate, intersection(_conic_foot(section, line, into), sides, above)), holes
+    return (plate, _conic_foot(section, line, into).intersect(sides, above)), holes
 
 
 def _conic_foot(section: CrossSection, foot: list[tuple[float, float]], end: float) -> Solid:

@@ -12,7 +12,19 @@ if TYPE_CHECKING:
 
 
 def shapes(finger: Finger) -> Shapes:
-    """Build what is removed: the socket, and the hole of the cross bolt."""
+    """Build what is removed: the socket, and the hole of the cross bolt.
+
+    Section at x = 0, tip to the right:
+
+            _______________________
+           |_______________        |   base
+                           |       |
+                (o)        |       |   socket_diameter_mm
+            _______________|       |
+           |_______________________|
+           |<------------->|
+            socket_depth_mm
+    """
     radius = finger.bone.socket_diameter_mm / 2
     end = -finger.bone.base_length_mm
     bore = cylinder(

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from . import post
 from .cross_bolt import bolt_hole
 from .outlines import MATING_PLAY_MM
-from .solids import Box, Solid, difference
+from .solids import Box, Solid
 
 if TYPE_CHECKING:
     from .program_types import Finger
@@ -47,8 +47,17 @@ def stand_outline(finger: Finger) -> Box:
 
 
 def stand(finger: Finger) -> Solid:
-    """Build the stand, with a blind socket and the hole of the cross
-    bolt, which opens into it on both sides.
+    """Build the stand, with a blind socket and the hole of the cross bolt, which opens into it.
+
+    Section at x = 0, back up, tip of the finger to the right:
+
+           ________________________________________
+          |                    ____________________|   _WALL_MM
+          |                   |                        post_height_mm + 2 post_gap_mm
+          |                   |   (o)  socket          cross bolt
+          |                   |____________________
+          |________________________________________|
+          |<---- _HANDLE_MM ->|
     """
     bone = finger.bone
     wider = 2 * post_gap_mm(finger)
@@ -59,7 +68,7 @@ def stand(finger: Finger) -> Solid:
         length=bone.post_length_mm + _ABOVE_FLOOR_MM,
     )
 
-    return difference(stand_outline(finger), socket, bolt_hole(finger, post.cross_bolt_z(finger)))
+    return stand_outline(finger).cut(socket, bolt_hole(finger, post.cross_bolt_z(finger)))
 
 
 def socket_ceiling_mm(finger: Finger) -> float:

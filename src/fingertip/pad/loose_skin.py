@@ -1,18 +1,17 @@
-"""Contact inside a skin that lies on the bone: its place, and what presses on the sensor, with a
-gap or a bump there.
+"""Contact between a bone and the skin that lies on it, with a gap or a bump at the sensor.
 
-The skin is a plate as thick as over the sensor, free on both faces and held beyond a circle, where
-it bends around the sides of the bone. Its waves are the exact ones of a layer: pressed from both
-sides a face yields by s, pushed to one side by a, per unit of pressure on each face (K. L. Johnson,
-Contact Mechanics, 1985, section 5.8). With w = k h
+The skin is a plate as thick as over the sensor. It is free on both faces, and held beyond a circle,
+where it bends around the sides of the bone. Its waves are the exact ones of a layer: under a unit
+of pressure on each face, a face yields by s if both faces are pressed towards each other, and by a
+if both are pushed to one side (K. L. Johnson, Contact Mechanics, 1985, section 5.8). With w = k h
 
-    s = (1 - nu^2) / (E k) (cosh w - 1) / (sinh w + w) 2,    a = (1 - nu^2) / (E k) (cosh w + 1) /
-    (sinh w - w) 2
+    s = 2 (1 - nu^2) / (E k) (cosh w - 1) / (sinh w + w)
+    a = 2 (1 - nu^2) / (E k) (cosh w + 1) / (sinh w - w)
 
-A pressure on one face moves it by (a + s) / 2 and the other face by (a - s) / 2. All is averaged
-over rings around the sensor. For a skin that touches everywhere this changes nothing of what the
-sensor feels; pressures and gaps of the rings solve a complementarity problem. The bone is taken as
-a plane.
+A pressure on one face moves it by (a + s) / 2, and the other face by (a - s) / 2. Pressures and
+displacements are averaged over rings around the sensor. Pressures and gaps of the rings solve a
+complementarity problem. Where the skin touches everywhere, this model changes nothing of what the
+sensor feels. The bone is taken as a plane.
 """
 
 from __future__ import annotations
@@ -29,18 +28,22 @@ from fingertip.foundation.numerics import Array
 from fingertip.pad.pad_geometry import PadForm
 
 _RING_MM = 0.25
+"""Largest width of a ring that may touch [mm]."""
 _HELD_RINGS = 12
+"""Rings outside, on which the skin is held."""
 _WAVES = 0.06 * (np.arange(500) + 0.5)
-"""Wave numbers of the integral over them [1/mm]."""
+"""Wave numbers k over which is integrated [1/mm]."""
 _NEAR = (0.00001109, -0.00031761, 0.00443319, -0.03954289, 0.21093573, -0.56249985, 0.5)
 _FAR = (-0.00020033, 0.00113653, -0.00249511, 0.00017105, 0.01659667, 0.00000156, 0.79788456)
 _PHASE = (-0.00029166, 0.00079824, 0.00074348, -0.00637879, 0.0000565, 0.12499612, -2.35619449)
-"""Bessel's function of order one below and above 3 (M. Abramowitz and I. A. Stegun, Handbook of
-Mathematical Functions, 1964, 9.4.4 and 9.4.6), highest power first.
+"""Polynomials of Bessel's function of order one, highest power first: below 3, and amplitude and
+phase above 3 (M. Abramowitz and I. A. Stegun, Handbook of Mathematical Functions, 1964, 9.4.4 and
+9.4.6).
 """
 _FLOOR = 1e-5
-"""Springs under the plate [MPa/mm], so soft that they only keep its longest waves finite."""
+"""Stiffness of springs under the plate [MPa/mm]: so soft that they only keep long waves finite."""
 _MAX_STEPS = 60
+"""Largest number of exchanges of the active set."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,21 +67,29 @@ class Inside:
         """Force on the active area when nothing touches the finger."""
         return self.on_sensor_n(self.rest_mpa)
 
-    def on_sensor_n(self, pressure: Array) -> float:
-        return float((self.area_mm2[: len(pressure)] * pressure)[self.is_active].sum())
+    def on_sensor_n(self, pressure_mpa: Array) -> float:
+        """Return the force of pressures under the rings on the active area [N]."""
+        force_n = self.area_mm2[: len(pressure_mpa)] * pressure_mpa
+        return float(force_n[self.is_active].sum())
 
     def compare(self, force_n: Array, distance_mm: Array) -> tuple[float, float]:
         """Compare with a skin that touches everywhere, under forces at distances from the sensor.
 
-        Returns the change of the force on the active area, beyond that at rest [N], and what the
-        skin sinks more times the force [N mm].
+        Returns the change of the force on the active area, beyond that at rest [N], and how much
+        deeper the skin sinks, times the force [N mm].
         """
-        rings = np.clip(np.searchsorted(self.edges_mm, distance_mm) - 1, 0, len(self.area_mm2) - 1)
-        sunk = self.sink @ (np.bincount(rings, force_n, len(self.area_mm2)) / self.area_mm2)
-        flush = np.linalg.solve(self.compliance, sunk)
-        change = find_pressures(self.compliance, self.gap_mm - sunk) - self.rest_mpa - flush
+        count = len(self.area_mm2)
+        ring = np.clip(np.searchsorted(self.edges_mm, distance_mm) - 1, 0, count - 1)
+        outer_mpa = np.bincount(ring, force_n, count) / self.area_mm2
+        sunk_mm = self.sink @ outer_mpa
 
-        return self.on_sensor_n(change), -float((self.area_mm2[: len(sunk)] * sunk * change).sum())
+        touching_mpa = np.linalg.solve(self.compliance, sunk_mm)
+        pressed_mpa = find_pressures(self.compliance, self.gap_mm - sunk_mm)
+        change_mpa = pressed_mpa - self.rest_mpa - touching_mpa
+
+        free_mm2 = self.area_mm2[: len(sunk_mm)]
+        work = -float((free_mm2 * sunk_mm * change_mpa).sum())
+        return self.on_sensor_n(change_mpa), work
 
 
 @lru_cache(maxsize=256)
@@ -87,44 +98,12 @@ def lay_rings(form: PadForm, young_mpa: float) -> Inside | None:
     if form.bonded or not (form.gap_mm or form.bump_height_mm):
         return None
 
-    h = form.over_sensor_mm
-    nu = form.poisson
-    k = _WAVES
-    line = np.arange(0.0, 60.0, 0.1)
-    still = np.zeros_like(line)
-    # It is held at the mean of the distances from the sensor to the bone's side and to its tip: as
-    # by finite elements.
-    sides = (
-        form.bone_mm(line, still + form.sensor_z_mm),
-        form.bone_mm(still, line + form.sensor_z_mm),
-    )
-    held_mm = 0.5 * sum(float(line[np.isfinite(side)].max()) for side in sides)
-    marks = sorted({0.0, form.active_radius_mm, form.bump_radius_mm, held_mm})
-    parts = [np.linspace(a, b, math.ceil((b - a) / _RING_MM) + 1)[1:] for a, b in pairwise(marks)]
-    held = held_mm + 2.0 * h * np.arange(1, _HELD_RINGS + 1) / _HELD_RINGS
-    edges = np.concatenate([[0.0], *parts, held])
+    edges = _place_edges(form)
     area = math.pi * np.diff(edges**2)
-    mean = (
-        np.diff(2.0 * math.pi * edges[:, None] * _bessel_one(edges[:, None] * k) / k, axis=0)
-        / area[:, None]
-    )
-    w = k * h
-    soft = 2.0 * (1.0 - nu * nu) / (young_mpa * k)
-    s = soft * (np.cosh(w) - 1.0) / (np.sinh(w) + w)
-    a = 1.0 / ((np.sinh(w) - w) / (soft * (np.cosh(w) + 1.0)) + 0.5 * _FLOOR)
-    (
-        own,
-        other,
-    ) = (  # einsum runs in one thread: those of `@` take ten times as long for so small a product
-        np.einsum("ik,jk->ij", mean * (0.5 * part * k * (k[1] - k[0]) / (2.0 * math.pi)), mean)
-        * area
-        for part in (a + s, a - s)
-    )
-    n = len(edges) - 1 - _HELD_RINGS
-    rigid = np.linalg.solve(own[n:, n:].T, own[:n, n:].T).T
-    compliance = own[:n, :n] - rigid @ own[n:, :n]
-    sink = other[:n] - rigid @ other[n:]
-    middle = 0.5 * (edges[:n] + edges[1 : n + 1])
+    compliance, sink = _hold_outer_rings(*_compute_compliances(form, young_mpa, edges, area))
+
+    free = len(compliance)
+    middle = 0.5 * (edges[:free] + edges[1 : free + 1])
     gap = form.inner_gap_mm(middle, np.full_like(middle, form.sensor_z_mm))
 
     return Inside(
@@ -138,6 +117,76 @@ def lay_rings(form: PadForm, young_mpa: float) -> Inside | None:
     )
 
 
+def _place_edges(form: PadForm) -> Array:
+    """Place the edges of the rings [mm]: of those that may touch, then of those that are held."""
+    held_mm = _find_held_radius_mm(form)
+    marks = sorted({0.0, form.active_radius_mm, form.bump_radius_mm, held_mm})
+    edges = [np.array([0.0])]
+
+    for low, high in pairwise(marks):
+        count = math.ceil((high - low) / _RING_MM)
+        edges.append(np.linspace(low, high, count + 1)[1:])
+
+    width_mm = 2.0 * form.over_sensor_mm
+    edges.append(held_mm + width_mm * np.arange(1, _HELD_RINGS + 1) / _HELD_RINGS)
+    return np.concatenate(edges)
+
+
+def _find_held_radius_mm(form: PadForm) -> float:
+    """Find the radius from which on the skin is held [mm].
+
+    It is the mean of the distances from the sensor to the side of the bone and to its tip, which
+    agrees with finite elements.
+    """
+    distance = np.arange(0.0, 60.0, 0.1)
+    zero = np.zeros_like(distance)
+    across = form.bone_mm(distance, zero + form.sensor_z_mm)
+    along = form.bone_mm(zero, distance + form.sensor_z_mm)
+
+    to_side_mm = float(distance[np.isfinite(across)].max())
+    to_tip_mm = float(distance[np.isfinite(along)].max())
+    return 0.5 * (to_side_mm + to_tip_mm)
+
+
+def _compute_compliances(
+    form: PadForm, young_mpa: float, edges: Array, area: Array
+) -> tuple[Array, Array]:
+    """Compute how far pressures on the rings of one face move it, and the other face [mm/MPa]."""
+    k = _WAVES
+    w = k * form.over_sensor_mm
+    softness = 2.0 * (1.0 - form.poisson * form.poisson) / (young_mpa * k)
+    s = softness * (np.cosh(w) - 1.0) / (np.sinh(w) + w)
+    a = 1.0 / ((np.sinh(w) - w) / (softness * (np.cosh(w) + 1.0)) + 0.5 * _FLOOR)
+
+    # Integral of each wave over the disc inside an edge, and its mean over each ring.
+    radius = edges[:, None]
+    integral = 2.0 * math.pi * radius * _bessel_one(radius * k) / k
+    mean = np.diff(integral, axis=0) / area[:, None]
+
+    own_face = _sum_waves(mean, a + s) * area
+    other_face = _sum_waves(mean, a - s) * area
+    return own_face, other_face
+
+
+def _sum_waves(mean: Array, twice_yield: Array) -> Array:
+    """Integrate over all waves what pressure on one ring moves another, by twice a wave's yield."""
+    step = _WAVES[1] - _WAVES[0]
+    weight = 0.5 * twice_yield * _WAVES * step / (2.0 * math.pi)
+    # For so small a product, the threads of `@` take ten times as long as `einsum` in one thread.
+    total: Array = np.einsum("ik,jk->ij", mean * weight, mean)
+    return total
+
+
+def _hold_outer_rings(own_face: Array, other_face: Array) -> tuple[Array, Array]:
+    """Eliminate the outer rings, which do not move; return `compliance` and `sink` of `Inside`."""
+    free = len(own_face) - _HELD_RINGS
+    held = slice(free, None)
+    transfer = np.linalg.solve(own_face[held, held].T, own_face[:free, held].T).T
+    compliance = own_face[:free, :free] - transfer @ own_face[held, :free]
+    sink = other_face[:free] - transfer @ other_face[held]
+    return compliance, sink
+
+
 def _bessel_one(x: Array) -> Array:
     """Evaluate Bessel's function of order one at x >= 0."""
     near = np.minimum(x / 3.0, 1.0)
@@ -148,22 +197,28 @@ def _bessel_one(x: Array) -> Array:
 
 
 def find_pressures(compliance: Array, gap: Array) -> Array:
-    """Find pressures >= 0 that leave gaps >= 0, one of both 0 everywhere.
+    """Find pressures >= 0 that leave gaps >= 0, where each ring has a pressure or a gap, not both.
 
-    The method is the primal-dual active set of `fem_contact`.
+    A primal-dual active set: rings in contact are exchanged until none pulls and none overlaps.
     """
-    active = gap < 0.0
+    in_contact = gap < 0.0
     for step in range(_MAX_STEPS):
         pressure = np.zeros_like(gap)
-        pressure[active] = np.linalg.solve(compliance[np.ix_(active, active)], -gap[active])
-        wrong = np.where(
-            active,
-            -pressure / max(float(np.abs(pressure).max()), 1e-12),
-            -(gap + compliance @ pressure),
+        pressure[in_contact] = np.linalg.solve(
+            compliance[np.ix_(in_contact, in_contact)], -gap[in_contact]
         )
-        if wrong.max() <= 1e-9:
+
+        pull = -pressure / max(float(np.abs(pressure).max()), 1e-12)
+        overlap = -(gap + compliance @ pressure)
+        fault = np.where(in_contact, pull, overlap)
+        if fault.max() <= 1e-9:
             break
 
-        active = active ^ ((wrong > 1e-9) if 2 * step < _MAX_STEPS else (wrong == wrong.max()))
+        # Exchanging all faulty rings may go round in circles, exchanging the worst alone does not.
+        exchanged = fault > 1e-9
+        if 2 * step >= _MAX_STEPS:
+            exchanged = fault == fault.max()
+
+        in_contact = in_contact ^ exchanged
 
     return np.maximum(pressure, 0.0)

@@ -1,5 +1,4 @@
-"""Page of a design or a set: one HTML file that shows parts, checks, casting, board and signals,
-and needs no network.
+"""Page of a design or a set: one HTML file that needs no network.
 
 In: the files in the folder of a design. Out: bytes of HTML, in which whatever is not markup is
 escaped.

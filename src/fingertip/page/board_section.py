@@ -1,6 +1,4 @@
-"""Board of a page: layout, what to buy, schematic, gate, notes,
-bring-up, and the response of its filter.
-"""
+"""Board section of a page: layout, bill of materials, schematic, gate, notes, response."""
 
 from __future__ import annotations
 
@@ -94,7 +92,7 @@ def render_board(sources: Sources) -> Markup:
     if outputs.BOARD_FOLDER in sources.remarks:
         return note(sources.remarks[outputs.BOARD_FOLDER])
 
-    read = (
+    names = (
         outputs.LAYOUT,
         outputs.SCHEMATIC,
         outputs.CHANNEL_SHEET,
@@ -103,16 +101,16 @@ def render_board(sources: Sources) -> Markup:
         outputs.README,
     )
     layout, schematic, channel, bom, values, readme, bring_up = (
-        sources.text(f"{outputs.BOARD_FOLDER}/{name}") for name in (*read, outputs.BRING_UP)
+        sources.text(f"{outputs.BOARD_FOLDER}/{name}") for name in (*names, outputs.BRING_UP)
     )
     links = sources.links
     sections = split_sections(readme or "")
-    named = [
-        path for path in (f"{outputs.BOARD_FOLDER}/{name}" for name in _FILES) if path in links
-    ]
-    parts = (
-        [element("p", "Files of the board:"), list_links(named, links, "files")] if named else []
-    )
+    paths = [f"{outputs.BOARD_FOLDER}/{name}" for name in _FILES]
+    linked = [path for path in paths if path in links]
+    parts = []
+    if linked:
+        parts = [element("p", "Files of the board:"), list_links(linked, links, "files")]
+
     if sources.design.board.variant == "divider":
         return join((_draw_wiring(sources), *parts[1:]))
 
@@ -123,12 +121,12 @@ def render_board(sources: Sources) -> Markup:
         placement = figure(
             render_placement(board, "Placement of the components"), _PLACEMENT, "placement"
         )
-        # Both are seen at once.
-        parts.append(
-            element("div", element("div", placement), element("div", buy), class_="parts")
-            if buy
-            else placement
-        )
+        if buy:  # both are seen at once
+            placement = element(
+                "div", element("div", placement), element("div", buy), class_="parts"
+            )
+
+        parts.append(placement)
         folded += [
             ("Back", figure(render_back(board, "Back of the board"), _BACK, "back")),
             ("Copper", figure(render_copper(board, "Copper of the board"), _COPPER, "copper")),
@@ -142,12 +140,8 @@ def render_board(sources: Sources) -> Markup:
     )
     for sheet, title, caption in sheets:
         if sheet:
-            folded.append(
-                (
-                    title,
-                    figure(render_schematic(read_expression(sheet), title), caption, title, "wide"),
-                )
-            )
+            drawing = render_schematic(read_expression(sheet), title)
+            folded.append((title, figure(drawing, caption, title, "wide")))
 
     if values:
         parts.append(_render_gate(json.loads(values).get("gate", [])))
@@ -158,9 +152,8 @@ def render_board(sources: Sources) -> Markup:
         if heading in sections
     ]
     if bring_up:
-        folded.append(
-            ("Bring-up with a multimeter", render_markdown(bring_up.partition("\n")[2], links))
-        )
+        text = bring_up.partition("\n")[2]
+        folded.append(("Bring-up with a multimeter", render_markdown(text, links)))
 
     wiring = _draw_wiring(sources)
     if wiring:
@@ -168,9 +161,9 @@ def render_board(sources: Sources) -> Markup:
 
     parts += [fold(title, content) for title, content in folded]
     if not bring_up:
-        made = element("code", COMMANDS[outputs.BOARD_FOLDER])
+        command = element("code", COMMANDS[outputs.BOARD_FOLDER])
         parts.append(
-            note("There is no bring-up sheet: in the folder of this page, ", made, " makes it.")
+            note("There is no bring-up sheet: in the folder of this page, ", command, " makes it.")
         )
 
     return join(parts)
@@ -182,10 +175,10 @@ def _draw_wiring(sources: Sources) -> Markup:
         return Markup("")
 
     board = "resistor" if sources.design.board.variant == "divider" else "board"
-    drawn = element(
+    image = element(
         "img", src=embed(wiring, "image/svg+xml"), alt=f"Wiring of sensor, {board} and controller"
     )
-    return figure(drawn, "", "wiring", "paper")
+    return figure(image, "", "wiring", "paper")
 
 
 def render_bom(text: str) -> Markup:
@@ -196,22 +189,23 @@ def render_bom(text: str) -> Markup:
     """
     rows = []
     for row in csv.DictReader(io.StringIO(text)):
-        found = {name: row.get(name) or "" for name in _COLUMNS}
-        name = " ".join(filter(None, (found["Manufacturer"], found["MPN"])))
-        lcsc = f"LCSC {found['LCSC']}" if found["LCSC"] else ""
-        more = ", ".join(filter(None, (found["Footprint"], lcsc, found["Note"])))
-        cells = (
-            ("quantity", found["Quantity"]),
-            ("references", found["References"]),
-            ("value", join((found["Value"], element("small", found["Rating"])))),
+        entry = {name: row.get(name) or "" for name in _COLUMNS}
+        name = " ".join(filter(None, (entry["Manufacturer"], entry["MPN"])))
+        lcsc = f"LCSC {entry['LCSC']}" if entry["LCSC"] else ""
+        more = ", ".join(filter(None, (entry["Footprint"], lcsc, entry["Note"])))
+        contents = (
+            ("quantity", entry["Quantity"]),
+            ("references", entry["References"]),
+            ("value", join((entry["Value"], element("small", entry["Rating"])))),
             ("part", join((name, element("small", more)))),
-            ("USD each", found[PRICE]),
+            ("USD each", entry[PRICE]),
         )
-        written = (
-            element("td", cell, data_label=label, class_=label.split()[0]) for label, cell in cells
+        cells = (
+            element("td", content, data_label=label, class_=label.split()[0])
+            for label, content in contents
         )
         rows.append(
-            element("tr", *written, data_parts=found["References"], data_value=found["Value"])
+            element("tr", *cells, data_parts=entry["References"], data_value=entry["Value"])
         )
 
     head = (
@@ -269,19 +263,17 @@ def draw_response(design: Design) -> Markup:
     board = tolerance.TolerancedFilter(model_filter(circuit), network.values)
     limits = tolerance.component_tolerances(circuit)
     spread = tolerance.monte_carlo(board, limits, BOARDS, _SEED)
-    drawn_values = board.deviate(tolerance.draw_deviations(board, limits, BOARDS, _SEED))
-    exact, drawn = (
-        board.model.transfer(values).power_gain() for values in (board.values, drawn_values)
-    )
+    random_values = board.deviate(tolerance.draw_deviations(board, limits, BOARDS, _SEED))
+    nominal_power = board.model.transfer(board.values).power_gain()
+    random_power = board.model.transfer(random_values).power_gain()
     steps = round(_PER_DECADE * math.log10(_HIGH_HZ / _LOW_HZ))
     f_hz = [_LOW_HZ * 10.0 ** (i / _PER_DECADE) for i in range(steps + 1)]
     gains_db = []  # nominal, and the ends of the interval with 95 % of the boards
 
     for hz in f_hz:
-        powers = (
-            exact(math.tau * hz),
-            *np.quantile(np.asarray(drawn(math.tau * hz)), tolerance.BAND_QUANTILES),
-        )
+        omega = math.tau * hz
+        ends = np.quantile(np.asarray(random_power(omega)), tolerance.BAND_QUANTILES)
+        powers = (nominal_power(omega), *ends)
         gains_db.append([10.0 * math.log10(float(power)) for power in powers])
 
     nominal, low, high = zip(*gains_db, strict=True)

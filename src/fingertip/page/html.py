@@ -1,6 +1,4 @@
-"""HTML elements and documents from Python calls: whatever is not marked as HTML already
-is escaped.
-"""
+"""HTML elements and documents from Python calls; text that is not markup is escaped."""
 
 from __future__ import annotations
 
@@ -22,6 +20,7 @@ class Markup(str):
 
 
 def element(name: str, /, *children: str, **attributes: str | float | bool | None) -> Markup:
+    """Build an element; an attribute `data_part` becomes `data-part`, `class_` becomes `class`."""
     pairs = ""
     for key, value in attributes.items():
         if value is not None and value is not False:
@@ -73,19 +72,12 @@ def table(
     title = [element("caption", caption)] if caption else []
     header = element("thead", element("tr", *(element("th", cell, scope="col") for cell in head)))
     names = [_strip(cell) for cell in head]
-    body = element(
-        "tbody",
-        *(
-            element(
-                "tr",
-                *(
-                    element("td", cell, data_label=name)
-                    for name, cell in zip(names, row, strict=True)
-                ),
-            )
-            for row in rows
-        ),
-    )
+    lines = []
+    for row in rows:
+        cells = zip(names, row, strict=True)
+        lines.append(element("tr", *(element("td", cell, data_label=name) for name, cell in cells)))
+
+    body = element("tbody", *lines)
     kinds = " ".join(kind for kind in ("cards" if len(head) > 2 else "", class_) if kind)
     inner = element("table", *title, header, body, class_=kinds or None, **attributes)
 
@@ -98,9 +90,7 @@ def _strip(text: str) -> str:
 
 
 def fold(title: str, *content: str, name: str = "", state: str = "", level: int = 3) -> Markup:
-    """Build a section that is folded up; it is "open", or "roomy": open
-    at first where the screen is not a phone's.
-    """
+    """Build a folded section; "open", or "roomy": open at first on a wide screen."""
     heading = element("summary", element(f"h{level}", title, id=name or None))
     return element(
         "details", heading, *content, open=bool(state), class_="roomy" if state == "roomy" else None
@@ -133,9 +123,7 @@ def list_links(paths: Iterable[str], links: Mapping[str, str], class_: str | Non
 _NOT_EXPLAINED = re.compile(
     r"</?(a|abbr|button|caption|code|dfn|h\d|label|option|script|select|span|summary|svg|th)\b"
 )
-"""Elements in whose text no word is explained: they have a purpose of
-their own under the pointer, or are titles.
-"""
+"""Elements without explained words: titles, and what has a purpose under the pointer."""
 
 
 def explain(content: Markup, meanings: Mapping[str, str]) -> Markup:
@@ -144,9 +132,9 @@ def explain(content: Markup, meanings: Mapping[str, str]) -> Markup:
     inside = 0
     pieces = list[str]()
 
-    def mark(found: re.Match[str]) -> str:
-        meaning = waiting.pop(found[0], None)
-        return element("abbr", found[0], title=meaning) if meaning else found[0]
+    def mark(match: re.Match[str]) -> str:
+        meaning = waiting.pop(match[0], None)
+        return element("abbr", match[0], title=meaning) if meaning else match[0]
 
     word = re.compile(rf"(?<!paper )\b(?:{'|'.join(map(re.escape, meanings))})\b")
     for piece in re.split(r"(<[^>]*>)", content):
@@ -194,11 +182,11 @@ def render_document(
     The content security policy at its top allows nothing else: the browser itself refuses every
     script but those whose hashes it states, and every request that is not named.
     """
-    asked = f" connect-src {connect};" if connect else ""
+    connections = f" connect-src {connect};" if connect else ""
     policy = (
         f"default-src 'none'; script-src {' '.join(map(_hash, scripts))}; style-src "
         f"{_hash(style)}; "
-        f"img-src data: blob:;{asked} base-uri 'none'; form-action 'none'"
+        f"img-src data: blob:;{connections} base-uri 'none'; form-action 'none'"
     )
     head = element(
         "head",

@@ -1,5 +1,4 @@
-"""Layout of a board as SVG, from the file for KiCad: where each component stands, its copper, and
-its back.
+"""Layout of a board as SVG, from KiCad's file: placement, copper and back.
 
 What belongs to a component stands in a group that names it, so that the list of parts can highlight
 it.
@@ -33,24 +32,21 @@ _REFERENCE = re.compile(r"[A-Z]+\d+(?= )")
 
 
 def render_placement(board: Node, title: str) -> Markup:
-    """Render outline, pads, silkscreen and references of a `.kicad_pcb` file, seen from
-    the front.
-    """
+    """Render outline, pads, silkscreen and references of a `.kicad_pcb` file, from the front."""
     parts = []
     for footprint in board.children("footprint"):
-        drawn = *_draw_pads(footprint), *_draw_silkscreen(footprint), *_draw_name(footprint)
-        parts.append(_mark_part(read_reference(footprint), drawn))
+        shapes = (*_draw_pads(footprint), *_draw_silkscreen(footprint), *_draw_name(footprint))
+        parts.append(_mark_part(read_reference(footprint), shapes))
 
-    texts = (item for item in board.children("gr_text") if item.word("layer").startswith("F."))
-    return _draw_board(
-        board, title, (*parts, *(_draw_text(item.words[1], item, (0.0, 0.0)) for item in texts))
-    )
+    for item in board.children("gr_text"):
+        if item.word("layer").startswith("F."):
+            parts.append(_draw_text(item.words[1], item, (0.0, 0.0)))
+
+    return _draw_board(board, title, parts)
 
 
 def render_copper(board: Node, title: str) -> Markup:
-    """Render copper, pads and vias of a `.kicad_pcb` file, seen through the board from
-    the front.
-    """
+    """Render copper, pads and vias of a `.kicad_pcb` file, through the board from the front."""
     parts: list[Markup] = []
     for layer, colour in (("B.Cu", _BACK), ("F.Cu", _FRONT)):
         for zone in board.children("zone"):
@@ -100,21 +96,21 @@ def render_back(board: Node, title: str) -> Markup:
         if item.word("layer") == "B.SilkS":
             content = item.words[1]
             reference = _REFERENCE.match(content)
-            drawn = _draw_text(content, item, (0.0, 0.0), is_back=True)
-            parts.append(_mark_part(reference[0], [drawn]) if reference else drawn)
+            text = _draw_text(content, item, (0.0, 0.0), is_back=True)
+            parts.append(_mark_part(reference[0], [text]) if reference else text)
 
     return _draw_board(board, title, parts, is_back=True)
 
 
-def _mark_part(reference: str, drawn: Iterable[Markup]) -> Markup:
-    return element("g", *drawn, data_part=reference or None)
+def _mark_part(reference: str, shapes: Iterable[Markup]) -> Markup:
+    """Group the shapes of a component, by whose reference a script highlights it."""
+    return element("g", *shapes, data_part=reference or None)
 
 
 def _draw_board(
     board: Node, title: str, parts: Iterable[Markup], *, is_back: bool = False
 ) -> Markup:
-    """Draw the board with parts on it; the coordinates are the file's, mirrored if it is seen from
-    the back.
+    """Draw the board with its parts in the file's coordinates, mirrored from the back.
 
     It is filled within its edge, whose pieces may come in any order.
     """
@@ -122,21 +118,12 @@ def _draw_board(
     for item in board.children("gr_line", "gr_arc"):
         if item.word("layer") == "Edge.Cuts":
             start, end = _ends(item)
-            pieces.append(
-                _bend(start, _point(item, "mid"), end) if item.head == "gr_arc" else [start, end]
-            )
+            if item.head == "gr_arc":
+                pieces.append(_bend(start, _point(item, "mid"), end))
+            else:
+                pieces.append([start, end])
 
-    chain = pieces.pop(0)
-    while pieces:
-        end = chain[-1]
-        nearest = min(
-            pieces, key=lambda piece: min(math.dist(piece[0], end), math.dist(piece[-1], end))
-        )
-        pieces.remove(nearest)
-        chain = chain + (
-            nearest if math.dist(nearest[0], end) <= math.dist(nearest[-1], end) else nearest[::-1]
-        )
-
+    chain = _join_pieces(pieces)
     if is_back:
         chain = [(-x, y) for x, y in chain]
 
@@ -149,6 +136,21 @@ def _draw_board(
         margin_mm=_MARGIN_MM,
         places=3,
     )
+
+
+def _join_pieces(pieces: list[list[Point]]) -> list[Point]:
+    """Join the pieces of an outline in the order in which their ends meet."""
+    chain, *remaining = pieces
+    while remaining:
+        end = chain[-1]
+        nearest = min(
+            remaining, key=lambda piece: min(math.dist(piece[0], end), math.dist(piece[-1], end))
+        )
+        remaining.remove(nearest)
+        is_forward = math.dist(nearest[0], end) <= math.dist(nearest[-1], end)
+        chain = chain + (nearest if is_forward else nearest[::-1])
+
+    return chain
 
 
 def _point(item: Node, name: str) -> Point:
@@ -185,13 +187,12 @@ def _bend(start: Point, mid: Point, end: Point) -> list[Point]:
 def _draw_pads(footprint: Node) -> Iterator[Markup]:
     for pad in list_pads(footprint):
         if pad.shape == "circle":
-            yield from _draw_ring(
-                pad.centre, 0.0 if pad.kind == "np_thru_hole" else pad.width, pad.drill
-            )
+            yield from _draw_ring(pad.centre, pad.width if pad.is_plated else 0.0, pad.drill)
             continue
 
         x, y = pad.centre
         centre = f"{number(x, 3)} {number(y, 3)}"
+        rounding = 0.5 if pad.shape == "oval" else pad.rounding
         yield element(
             "rect",
             element("title", f"{read_reference(footprint)} pin {pad.name}"),
@@ -199,9 +200,7 @@ def _draw_pads(footprint: Node) -> Iterator[Markup]:
             y=number(y - pad.height / 2, 3),
             width=number(pad.width, 3),
             height=number(pad.height, 3),
-            rx=number(
-                (0.5 if pad.shape == "oval" else pad.rounding) * min(pad.width, pad.height), 3
-            ),
+            rx=number(rounding * min(pad.width, pad.height), 3),
             fill=_PAD,
             transform=f"rotate({number(-pad.turned_deg, 3)} {centre})" if pad.turned_deg else None,
         )
@@ -225,13 +224,13 @@ def _draw_silkscreen(footprint: Node) -> Iterator[Markup]:
     x, y, angle = find_place(footprint)
     for item in footprint.children("fp_line", "fp_rect"):
         if item.word("layer") == "F.SilkS":
-            (x0, y0), (x1, y1) = ends = _ends(item)
-            spots = (
-                ((x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0))
-                if item.head == "fp_rect"
-                else ends
-            )
-            placed = [(x + dx, y + dy) for dx, dy in (turn(px, py, angle) for px, py in spots)]
+            (x0, y0), (x1, y1) = _ends(item)
+            corners = [(x0, y0), (x1, y1)]
+            if item.head == "fp_rect":
+                corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)]
+
+            turned = (turn(px, py, angle) for px, py in corners)
+            placed = [(x + dx, y + dy) for dx, dy in turned]
             yield element(
                 "path",
                 d=path(placed, 3),
@@ -242,9 +241,7 @@ def _draw_silkscreen(footprint: Node) -> Iterator[Markup]:
 
 
 def _draw_name(footprint: Node) -> Iterator[Markup]:
-    """Draw the reference where it is printed, or small on the
-    component itself if there was no room to print it.
-    """
+    """Draw the printed reference, or a small one on the component if none is printed."""
     text = find_reference(footprint)
     if text is None:
         return
@@ -278,9 +275,7 @@ def _draw_text(
     *,
     is_back: bool = False,
 ) -> Markup:
-    """Draw a printed text of a file, in the place of its component;
-    from the back it reads as from the front.
-    """
+    """Draw a printed text of a file in its place; from the back it can be read too."""
     px, py, own = find_place(item)
     dx, dy = turn(px, py, angle)
     x = number((-1.0 if is_back else 1.0) * (origin[0] + dx), 3)
@@ -288,6 +283,12 @@ def _draw_text(
     effects = first(item, "effects")
     size = numbers(first(first(effects, "font"), "size"))[0]
     justify = first(effects, "justify").words
+    if "left" in justify:
+        anchor = "start"
+    elif "right" in justify:
+        anchor = "end"
+    else:
+        anchor = "middle"
 
     return element(
         "text",
@@ -296,7 +297,7 @@ def _draw_text(
         y=y,
         dy=number(0.36 * size, 3),
         font_size=number(size * 1.1, 3),
-        text_anchor="start" if "left" in justify else "end" if "right" in justify else "middle",
+        text_anchor=anchor,
         transform=f"rotate(-90 {x} {y})" if own % 180.0 == 90.0 else None,
     )
 

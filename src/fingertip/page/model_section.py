@@ -1,5 +1,4 @@
-"""3D view of a page: canvas, controls, and the meshes of parts and bought items with where they go
-when taken apart.
+"""3D view of a page: canvas, controls, meshes, and how everything comes apart.
 
 The meshes of parts are those of the STL files, vertex by vertex: coordinates stay binary32 numbers,
 triangles stay as they are, and nothing is decimated. `assets/viewer.js` brings the view to life.
@@ -135,9 +134,7 @@ def _find_offsets(sizes: Mapping[str, Array]) -> dict[str, tuple[Offset, Offset]
 
 
 def scene_data(items: tuple[Item, ...]) -> list[dict[str, Any]]:
-    """Describe the items as plain data, with coordinates and
-    indices as little-endian numbers in base64.
-    """
+    """Describe the items as data, with little-endian numbers in base64."""
     return [
         {
             "name": item.name,

@@ -1,6 +1,4 @@
-"""Picture of what the sensor feels, for page, studio and `picture
---pad`: share by place and tilt, force over depth.
-"""
+"""Picture of what the sensor feels: share by place and tilt, force over depth."""
 
 from __future__ import annotations
 
@@ -71,9 +69,7 @@ def render_pad(design: Design, still_wanted: Callable[[], None] = lambda: None) 
 
 
 def draw_pad(design: Design, still_wanted: Callable[[], None] = lambda: None) -> Markup:
-    """Draw the share of a force over its place on the pad and over
-    tilt, and the force over the indentation.
-    """
+    """Draw the share of a force by place and tilt, and the force over the indentation."""
     form = PadForm.of_design(design)
     by_tilt = dict[float, list[Contact]]()
     rolled = dict[float, list[Contact]]()
@@ -96,9 +92,7 @@ def draw_pad(design: Design, still_wanted: Callable[[], None] = lambda: None) ->
 
 
 def _draw_places(form: PadForm, by_tilt: dict[float, list[Contact]]) -> Iterator[Markup]:
-    """Draw the pad from the palmar side, tip up: share of a force on
-    a small place, active area, and touches.
-    """
+    """Draw the pad from the palmar side: share of a small force, active area, touches."""
     length = form.outer.spans[-1].z[2]
     half = form.outer.section.half_width
     scale = min((_BOTTOM - _TOP) / length, _MAP_WIDTH / (2 * half))
@@ -114,7 +108,7 @@ def _draw_places(form: PadForm, by_tilt: dict[float, list[Contact]]) -> Iterator
     )
     yield text(_LEFT, _TOP - 44, "ring: active area of the sensor")
     yield text(_LEFT, _TOP - 44 + _LINE, "dots: where a plate touches, by tilt")
-    yield frame.axes(wanted_y=7)
+    yield frame.axes(ticks_y=7)
     x_mm, dz_mm, shares = map_shares(form)
     step = max(1, round(_CELL_MM / (x_mm[1] - x_mm[0])))
     size = number(_CELL_MM * scale + 0.2)
@@ -131,15 +125,15 @@ def _draw_places(form: PadForm, by_tilt: dict[float, list[Contact]]) -> Iterator
     x, y = frame.point(0.0, form.sensor_z_mm)
     ring = {"cx": number(x), "cy": number(y), "r": number(form.active_radius_mm * scale)}
     yield element("circle", **ring, fill="none", stroke="var(--series-2)", stroke_width=2)
-    named = math.inf
+    last_label = math.inf
 
     for tilt in _MARKED_DEG:
         if by_tilt[tilt]:
             y = frame.point(0.0, by_tilt[tilt][1].centre_mm[1] + form.sensor_z_mm)[1]
             yield _dot(x, y, "var(--ground)", f"{tilt:g}°")
-            if abs(y - named) >= 12.0:  # px, so that no label lies on another
+            if abs(y - last_label) >= 12.0:  # px, so that no label lies on another
                 yield text(frame.left + frame.width + 6, y + 4, f"{tilt:g}°")
-                named = y
+                last_label = y
 
     yield text(_LEFT, _HEIGHT - 24, "share of a force on a small place:")
     for i in range(5):
@@ -167,21 +161,11 @@ def _draw_tilts(
         height=_PLOT_BOTTOM - _TOP,
     )
     names = [(colour, "", f"{force:g} N") for force, colour in _COLOURS.items()]
-    curves = [
-        (
-            [(tilt, found[0].share) for tilt, found in rolled.items() if found],
-            _COLOURS[FORCE_N],
-            1.5,
-            "6 4",
-        )
-    ]
-
+    curves = [(_list_shares(rolled, 0), _COLOURS[FORCE_N], 1.5, "6 4")]
     for i, colour in enumerate(_COLOURS.values()):
-        curves.append(
-            ([(tilt, found[i].share) for tilt, found in by_tilt.items() if found], colour, 2.0, "")
-        )
+        curves.append((_list_shares(by_tilt, i), colour, 2.0, ""))
 
-    rolled_name = _COLOURS[FORCE_N], "6 4", f"{FORCE_N:g} N, rolled by {ROLL_DEG:g}°"
+    rolled_name = (_COLOURS[FORCE_N], "6 4", f"{FORCE_N:g} N, rolled by {ROLL_DEG:g}°")
     yield legend(_PLOT_LEFT, _TOP - 44, names)
     yield legend(_PLOT_LEFT, _TOP - 44 + _LINE, (rolled_name, ("var(--band)", "band", "checked")))
     yield frame.axes()
@@ -196,10 +180,18 @@ def _draw_tilts(
         )
 
 
+def _list_shares(by_tilt: dict[float, list[Contact]], index: int) -> list[tuple[float, float]]:
+    """List tilt and share of one of the forces, where the pad has a contact."""
+    return [(tilt, contacts[index].share) for tilt, contacts in by_tilt.items() if contacts]
+
+
 def _draw_depths(form: PadForm) -> list[Markup]:
     forces = np.geomspace(0.05, max(_COLOURS), 12).tolist()
     by_tilt = {
-        tilt: [(c.depth_mm, c.force_n) for c in try_contacts(form, Pose(tilt), *forces)]
+        tilt: [
+            (contact.depth_mm, contact.force_n)
+            for contact in try_contacts(form, Pose(tilt), *forces)
+        ]
         for tilt in _DEPTH_COLOURS
     }
     deepest = max((points[-1][0] for points in by_tilt.values() if points), default=1.0)

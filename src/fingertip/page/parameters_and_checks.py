@@ -1,5 +1,4 @@
-"""Parameters and checks of a design: what each parameter shapes, and what was measured on the
-parts.
+"""Parameters of a design with what they shape, and checks of its parts.
 
 Each check links to the parameters that set it.
 """
@@ -49,7 +48,7 @@ def render_parameters(design: Design) -> Markup:
     ]
 
     for name, parameters in tables.items():
-        changed = sum(design.value(p.path) != p.default for p in parameters)
+        changed = sum(design.value(parameter.path) != parameter.default for parameter in parameters)
         note = f", {changed} changed" if changed else ""
         title = (
             f"{name or 'design'}: {len(parameters)} "
@@ -62,12 +61,12 @@ def render_parameters(design: Design) -> Markup:
 
         if name == "hand" and design.dimensions.joint:
             picture = embed(draw_hand_sizes(design), "image/svg+xml")
-            drawn = element(
+            image = element(
                 "img",
                 src=picture,
                 alt="Where to put the calipers for each size of the hand's joint",
             )
-            body = join((element("figure", drawn, class_="paper"), body))
+            body = join((element("figure", image, class_="paper"), body))
 
         parts.append(fold(title, body))
 
@@ -86,7 +85,8 @@ def group_parameters() -> dict[str, list[Parameter]]:
 def _render_row(
     design: Design, parameter: Parameter, moved: Mapping[str, tuple[str, ...]]
 ) -> tuple[str, str, str]:
-    path, value = parameter.path, design.value(parameter.path)
+    path = parameter.path
+    value = design.value(path)
     items = moved.get(path, ())
     if items:
         name = button(
@@ -99,21 +99,17 @@ def _render_row(
     else:
         name = element("span", code(path), class_="code", id=f"p-{path}", tabindex="-1")
 
-    shown = element("span", f"{format_value(value)} {parameter.unit}".rstrip(), class_="num")
+    cell = element("span", f"{format_value(value)} {parameter.unit}".rstrip(), class_="num")
     if value != parameter.default:
-        shown = join(
-            (shown, element("br"), element("small", f"default {format_value(parameter.default)}"))
-        )
+        default = element("small", f"default {format_value(parameter.default)}")
+        cell = join((cell, element("br"), default))
 
-    return (
-        join((name, element("div", parameter.description), _describe_effect(path, items))),
-        shown,
-        parameter.bounds,
-    )
+    description = element("div", parameter.description)
+    return join((name, description, _describe_effect(path, items))), cell, parameter.bounds
 
 
 def _describe_effect(path: str, items: tuple[str, ...]) -> Markup:
-    """Say what a parameter decides, with a link to the section of the page that shows it."""
+    """Describe what a parameter decides, with a link to the section that shows it."""
     if items:
         return element(
             "small", "Shapes ", ", ".join(dict.fromkeys(label_item(item) for item in items)), "."
@@ -155,9 +151,7 @@ EVERY_FILE = (
 def tell_verdict(
     checks: Sequence[ReportedCheck], passed: str = "of the parts passed"
 ) -> tuple[str, str]:
-    """Tell in a line whether the parts passed their checks, and its
-    kind; `passed` ends the sentence if they did.
-    """
+    """Return a verdict on the checks and its kind; `passed` ends the sentence."""
     failed = sum(not check.passed for check in checks)
     if failed:
         return f"✗ {failed} of {len(checks)} checks failed: do not print these parts", "failed"
@@ -171,9 +165,7 @@ def render_verdict(checks: Sequence[ReportedCheck], passed: str = "of the parts 
 
 
 def render_checks(checks: Sequence[ReportedCheck], basis: str = EVERY_FILE) -> Markup:
-    """Render all checks: failed ones first, then the closest to
-    their limits, then all by their subject.
-    """
+    """Render all checks: failed ones, then those closest to their limits, then all."""
     failed = [check for check in checks if not check.passed]
     parts = [element("p", basis)]
     if failed:
@@ -233,5 +225,6 @@ def _tabulate(checks: Sequence[ReportedCheck], caption: str) -> Markup:
 
 
 def link_parameters(paths: Iterable[str]) -> Markup:
-    links = [element("a", code(path), href=f"#p-{path}", class_="code") for path in paths]
-    return join([piece for link in links for piece in (", ", link)][1:])
+    """Build links to parameters, with commas between them."""
+    links = (element("a", code(path), href=f"#p-{path}", class_="code") for path in paths)
+    return Markup(", ".join(links))

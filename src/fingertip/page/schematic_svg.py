@@ -1,6 +1,4 @@
-"""Schematic of a board as SVG, from the file for KiCad, and access
-to the places and texts of KiCad's files.
-"""
+"""Schematic of a board as SVG, from KiCad's file."""
 
 from __future__ import annotations
 
@@ -186,9 +184,7 @@ def _draw_text(ink: _Ink, content: str, owner: Node, turned_deg: float = 0.0) ->
 
 
 def find_way(symbol: Node) -> Place:
-    """Return the function that places points of the library's
-    drawing, whose y points up, on the sheet.
-    """
+    """Return the function that places points of a library's drawing on the sheet."""
     x, y, angle = find_place(symbol)
     mirror = symbol.word("mirror")
 

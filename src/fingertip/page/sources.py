@@ -1,5 +1,4 @@
-"""Files that a page shows: those in the folder of a design, if they are whole and made from its
-parameters.
+"""Files of a design's folder that a page shows, if they are whole and of its parameters.
 
 Parts and casting sheet must be there. Whatever else is missing or old leaves a remark with the
 command that makes it.
@@ -62,16 +61,18 @@ class Report:
     def read(cls, data: bytes) -> Report:
         """Read the report. Raises ValueError, LookupError or TypeError if it is none."""
         content = json.loads(data)
+        prints = {path: tuple(entry["parts"]) for path, entry in content["print"].items()}
         casting = content.get("casting")
         strength = content.get("strength")
+        loads = None
+        if strength:
+            loads = Loads(**{name: strength["loads"][name] for name in Loads.__match_args__})
 
         return cls(
             tuple(map(ReportedCheck.read, content["checks"])),
-            {path: tuple(found["parts"]) for path, found in content["print"].items()},
+            prints,
             TypeAdapter(CastingSheet).validate_python(casting) if casting else None,
-            Loads(**{name: strength["loads"][name] for name in Loads.__match_args__})
-            if strength
-            else None,
+            loads,
         )
 
 
@@ -84,9 +85,7 @@ class Sources:
     files: Mapping[str, bytes]
     """Path, such as "bone.stl" or "board/bom.csv" -> content."""
     remarks: Mapping[str, str]
-    """Folder of a set that is missing, old or changed ->
-    sentence that says so and names the command.
-    """
+    """Folder of a missing, old or changed set -> sentence with the command that makes it."""
     unread: frozenset[str] = frozenset()
     """Paths of the design's other files, which a page may link to."""
 
@@ -118,7 +117,7 @@ class Sources:
 
 def read_sources(design: Design, folder: Path) -> Sources:
     """Read the files of a design from its folder. Raises OutputError."""
-    wanted = hash_parameters(design.identity())
+    parameters = hash_parameters(design.identity())
     manifest = read_manifest(folder)
 
     if manifest is None or manifest.kind != "parts":
@@ -126,7 +125,7 @@ def read_sources(design: Design, folder: Path) -> Sources:
             Issue(str(folder), f"holds no parts of {design.name!r}; {_MAKE} makes them.")
         )
 
-    if manifest.parameters != wanted:
+    if manifest.parameters != parameters:
         message = (
             f"holds parts of {manifest.design!r} that were made from other parameters; "
             f"{_MAKE} makes them again."
@@ -152,24 +151,27 @@ def read_sources(design: Design, folder: Path) -> Sources:
     unread = set(manifest.files)
 
     for kind in (STEPS_FOLDER, BOARD_FOLDER, SIGNAL_FOLDER):
-        found = _read_current_set(folder, kind, wanted)
-        if isinstance(found, str):
-            remedy = f"{COMMANDS[kind]} --force" if found.endswith(_CHANGED) else COMMANDS[kind]
-            remarks[kind] = f"{found}; in the folder of the page, {remedy} makes them."
+        contents = _read_current_set(folder, kind, parameters)
+        if isinstance(contents, str):
+            remedy = COMMANDS[kind]
+            if contents.endswith(_CHANGED):
+                remedy += " --force"
+
+            remarks[kind] = f"{contents}; in the folder of the page, {remedy} makes them."
         else:
-            files |= {f"{kind}/{name}": data for name, data in found.items()}
+            files |= {f"{kind}/{name}": data for name, data in contents.items()}
 
     prints = read_manifest(folder / PRINT_FOLDER, folder)
-    if prints and prints.parameters == wanted:
+    if prints and prints.parameters == parameters:
         unread |= {f"{PRINT_FOLDER}/{name}" for name in prints.files}
 
-    there = frozenset(path for path in unread - files.keys() if os.path.lexists(folder / path))
+    present = frozenset(path for path in unread - files.keys() if os.path.lexists(folder / path))
     return Sources(
         design=design,
         report=Report.read(files[REPORT]),
         files=files,
         remarks=remarks,
-        unread=there,
+        unread=present,
     )
 
 
@@ -190,15 +192,13 @@ def _read_current_set(top: Path, kind: str, parameters: str) -> dict[str, bytes]
 
 
 def _read_set(folder: Path, manifest: Manifest) -> Iterator[tuple[str, bytes]]:
-    """Yield the files of a set that a page may show and that
-    are there, within a limit of their sum.
-    """
-    left = OUTPUT_LIMIT.value
+    """Yield the present files of a set that a page may show, within a limit."""
+    remaining = OUTPUT_LIMIT.value
     for name in sorted(manifest.files):
         if name.endswith(_SHOWN) and os.path.lexists(folder / name):
             data = read_input(folder / name, OUTPUT_LIMIT, below=folder)
-            left -= len(data)
-            if left < 0:
+            remaining -= len(data)
+            if remaining < 0:
                 message = (
                     "holds files that are too large together to be shown; raise "
                     f"{OUTPUT_LIMIT.variable}."

@@ -20,6 +20,8 @@ _CHARACTER = 6.4
 
 @dataclass(frozen=True)
 class Axis:
+    """Axis of a plot between two values."""
+
     low: float
     high: float
     label: str
@@ -32,22 +34,22 @@ class Axis:
 
         return (value - self.low) / (self.high - self.low)
 
-    def ticks(self, wanted: int) -> list[float]:
-        """List round values within the range: powers of ten if it is
-        logarithmic, else about as many as wanted.
-        """
+    def ticks(self, count: int) -> list[float]:
+        """List round values in the range: powers of ten if logarithmic, else about `count`."""
         if self.is_log:
             first = math.ceil(math.log10(self.low) - 1e-9)
             last = math.floor(math.log10(self.high) + 1e-9)
-            return [10.0**n for n in range(first, last + 1)]
+            return [10.0**exponent for exponent in range(first, last + 1)]
 
-        rough = (self.high - self.low) / wanted
+        rough = (self.high - self.low) / count
         power = 10.0 ** math.floor(math.log10(rough))
-        step = power * next(s for s in _TICK_STEPS if s * power >= rough * (1 - 1e-9))
+        step = power * next(
+            factor for factor in _TICK_STEPS if factor * power >= rough * (1 - 1e-9)
+        )
         first = math.ceil(self.low / step - 1e-9)
         last = math.floor(self.high / step + 1e-9)
 
-        return [round(n * step, 9) + 0.0 for n in range(first, last + 1)]
+        return [round(multiple * step, 9) + 0.0 for multiple in range(first, last + 1)]
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,7 @@ class Frame:
         across, up = (min(1.0, max(0.0, share)) for share in (self.x.share(x), self.y.share(y)))
         return self.left + across * self.width, self.top + (1.0 - up) * self.height
 
-    def axes(self, *, label_x: bool = True, wanted_y: int = 5) -> Markup:
+    def axes(self, *, label_x: bool = True, ticks_y: int = 5) -> Markup:
         right = self.left + self.width
         bottom = self.top + self.height
         parts = []
@@ -77,7 +79,7 @@ class Frame:
             if label_x:
                 parts.append(text(px, bottom + 17, format_tick(value), "middle"))
 
-        for value in self.y.ticks(wanted_y):
+        for value in self.y.ticks(ticks_y):
             py = self.point(self.x.low, value)[1]
             parts.append(line((self.left, py), (right, py), "var(--line)", 1))
             parts.append(text(self.left - 6, py + 4, format_tick(value), "end"))
@@ -160,9 +162,8 @@ def figure_svg(width: float, height: float, title: str, *parts: str) -> Markup:
 
 def write_svg(plot: Markup) -> bytes:
     """Write a plot as a file of its own, in the light colours of the page and on its ground."""
-    colours = dict(
-        re.findall(r"(--[\w-]+): ([^;]+);", read_asset("page.css").partition("@media")[0])
-    )
+    light = read_asset("page.css").partition("@media")[0]
+    colours = dict(re.findall(r"(--[\w-]+): ([^;]+);", light))
     ground = element("rect", width="100%", height="100%", fill="var(--ground)")
     whole = plot.replace(
         "<svg ", '<svg xmlns="http://www.w3.org/2000/svg" font-family="sans-serif" ', 1

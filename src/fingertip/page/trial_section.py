@@ -1,5 +1,4 @@
-"""Trial of a page: the simulated trace, read back from its file, and the slip that the detector
-finds in it.
+"""Trial section of a page: the simulated trace, and the slip that is detected in it.
 
 Plots show the whole of it, and the onset of the first slip at a scale that shows the delay.
 """
@@ -41,11 +40,11 @@ def draw_onset(trace: Trace, detection: Detection) -> Markup | None:
     """Draw the onset of the first slip that was detected, as a figure; None if there is none."""
     score = detection.score
     pairs = zip(score.slips, score.delays_s, strict=True) if score else ()
-    found = next(((slip.onset_s, delay) for slip, delay in pairs if delay is not None), None)
-    if found is None:
+    first = next(((slip.onset_s, delay) for slip, delay in pairs if delay is not None), None)
+    if first is None:
         return None
 
-    onset_s, delay_s = found
+    onset_s, delay_s = first
     begin = max(float(trace.time_s[0]), onset_s - _BEFORE_S)
     end = min(float(trace.time_s[-1]), onset_s + max(_AFTER_S, 2 * delay_s))
     svg = _draw(
@@ -110,16 +109,15 @@ def _draw(
         height=40.0,
     )
     slips = detection.score.slips if detection.score else ()
-    parts = [upper.axes(label_x=False, wanted_y=4), lower.axes(label_x=False, wanted_y=4)]
+    parts = [upper.axes(label_x=False, ticks_y=4), lower.axes(label_x=False, ticks_y=4)]
     for frame in (upper, lower):
-        parts += [frame.span(s, e, "var(--slip)") for s, e in _clip(slips, begin, end)]
+        parts += [frame.span(*ends, "var(--slip)") for ends in _clip(slips, begin, end)]
 
     motion_s = trace.origin.motion_s
     if motion_s is not None:
         band = _clip([Interval(*encoder_band_s(motion_s))], begin, end)
-        parts += [
-            frame.span(s, e, "var(--band)", 0.45) for frame in (upper, lower) for s, e in band
-        ]
+        for frame in (upper, lower):
+            parts += [frame.span(*ends, "var(--band)", 0.45) for ends in band]
 
     parts += [
         upper.line(_reduce(time, voltage), "var(--series-1)", 1.2),
@@ -179,12 +177,12 @@ def _draw_bars(
     begin: float,
     end: float,
 ) -> Iterator[Markup]:
-    """Draw the intervals of true slip above those of the
-    detector, with the axis of time below both.
-    """
-    for row, (name, intervals, colour) in enumerate(
-        ((truth.partition(" (")[0], slips, "var(--slip)"), (DETECTED, detected, "var(--series-2)"))
-    ):
+    """Draw the intervals of true slip and of the detector, with the time axis below."""
+    rows = (
+        (truth.partition(" (")[0], slips, "var(--slip)"),
+        (DETECTED, detected, "var(--series-2)"),
+    )
+    for row, (name, intervals, colour) in enumerate(rows):
         y = frame.top + 20.0 * row
         yield text(frame.left - 6, y + 12, name, "end")
         for start, stop in _clip(intervals, begin, end):
@@ -199,31 +197,28 @@ def _draw_bars(
                 fill=colour,
             )
 
+    bottom = frame.top + frame.height
     for value in frame.x.ticks(8):
         x = frame.point(value, 0.0)[0]
-        yield text(x, frame.top + frame.height + 17, f"{value:g}", "middle")
-        yield line(
-            (x, frame.top + frame.height), (x, frame.top + frame.height + 4), "var(--text)", 1
-        )
+        yield text(x, bottom + 17, f"{value:g}", "middle")
+        yield line((x, bottom), (x, bottom + 4), "var(--text)", 1)
 
-    yield text(frame.left + frame.width / 2, frame.top + frame.height + 36, frame.x.label, "middle")
+    yield text(frame.left + frame.width / 2, bottom + 36, frame.x.label, "middle")
 
 
 def _clip(intervals: Sequence[Interval], begin: float, end: float) -> list[tuple[float, float]]:
     """Cut intervals to a window of time; those outside of it are left out."""
     return [
-        (max(i.onset_s, begin), min(i.end_s, end))
-        for i in intervals
-        if i.onset_s < end and i.end_s > begin
+        (max(interval.onset_s, begin), min(interval.end_s, end))
+        for interval in intervals
+        if interval.onset_s < end and interval.end_s > begin
     ]
 
 
 def _reduce(x: Array, y: Array) -> list[tuple[float, float]]:
-    """Reduce a line of many samples to the lowest and the highest
-    of each column, in the order of time.
-    """
+    """Reduce a long line to the lowest and highest sample of each column, in order of time."""
     if len(x) <= 2 * _COLUMNS:
-        return [(float(a), float(b)) for a, b in zip(x, y, strict=True)]
+        return list(zip(x.tolist(), y.tolist(), strict=True))
 
     points: list[tuple[float, float]] = []
     for part in np.array_split(np.arange(len(x)), _COLUMNS):
@@ -249,10 +244,9 @@ def render_trial(sources: Sources) -> Markup:
 
     trace = sources.files.get(f"{SIGNAL_FOLDER}/{TRACE}")
     if trace is None:
-        made = element("code", COMMANDS[SIGNAL_FOLDER])
-        return note(
-            f"{SIGNAL_FOLDER}/{TRACE} is missing; in the folder of this page, ", made, " makes it."
-        )
+        command = element("code", COMMANDS[SIGNAL_FOLDER])
+        missing = f"{SIGNAL_FOLDER}/{TRACE} is missing; in the folder of this page, "
+        return note(missing, command, " makes it.")
 
     detection = sources.files.get(f"{SIGNAL_FOLDER}/{DETECTION}")
     # Without a detection beside the trace, the best detector there is.
@@ -260,22 +254,22 @@ def render_trial(sources: Sources) -> Markup:
     with temporary_folder() as temporary:
         path = temporary / TRACE
         path.write_bytes(trace)
-        found = detect_file(path, sources.design, detector, origin=parse_origin(detection))
+        result = detect_file(path, sources.design, detector, origin=parse_origin(detection))
 
-    onset = draw_onset(found.trace, found.detection)
+    onset = draw_onset(result.trace, result.detection)
     parts = [element("h3", "The onset of the slip"), onset] if onset else []
-    begin = float(found.trace.time_s[0])
-    end = float(found.trace.time_s[-1])
+    begin = float(result.trace.time_s[0])
+    end = float(result.trace.time_s[-1])
     title = "Simulated trial: tactile voltage, detector and slip over time"
     whole = figure(
         _draw(
-            found.trace,
-            detection=found.detection,
+            result.trace,
+            detection=result.detection,
             begin=begin,
             end=end,
             title=title,
         ),
-        _describe(found.detection),
+        _describe(result.detection),
         "whole trial",
         "wide",
     )
@@ -285,6 +279,6 @@ def render_trial(sources: Sources) -> Markup:
             *parts,
             element("h3", "The whole trial"),
             whole,
-            *(note(warning) for warning in found.warnings),
+            *(note(warning) for warning in result.warnings),
         )
     )

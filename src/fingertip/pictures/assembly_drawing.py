@@ -1,7 +1,6 @@
-"""Assembly drawing of a board, five times its size: each part's outline with its reference and
-value, and a list.
+"""Assembly drawing of a board, five times its size, and its list of parts.
 
-Whoever solders looks up where a part belongs, which value it has, and which way round it goes.
+It shows where a part belongs, which value it has, and which way round it goes.
 """
 
 from __future__ import annotations
@@ -76,7 +75,7 @@ def draw_assembly(circuit: Circuit, placement: Placement, title: str) -> Sheet:
         "Print at 100 %. Bar: cathode. Dot: pin 1. Parts with neither go in either way, or in one "
         "way only."
     )
-    drawn: list[Primitive] = [
+    primitives: list[Primitive] = [
         Text(title, (board.left, height - _MARGIN_MM - _TITLE_MM), _TITLE_MM),
         Text(note, (board.left, board.top + 2.5), _NOTE_MM),
         rectangle(
@@ -87,11 +86,12 @@ def draw_assembly(circuit: Circuit, placement: Placement, title: str) -> Sheet:
             style=_BOARD,
         ),
     ]
-    for part in (part for part in circuit.components if part.is_fitted):
-        drawn += _draw_part(part, placement.parts[part.reference], height)
+    for part in circuit.components:
+        if part.is_fitted:
+            primitives += _draw_part(part, placement.parts[part.reference], height)
 
-    drawn += _draw_list(circuit, board.right + 5.0, board.top)
-    return Sheet("assembly", width, height, tuple(drawn))
+    primitives += _draw_list(circuit, board.right + 5.0, board.top)
+    return Sheet("assembly", width, height, tuple(primitives))
 
 
 def _place(box: Box, paper_height: float) -> _Box:
@@ -150,9 +150,7 @@ def _is_chip(part: Component) -> bool:
 
 
 def _describe_value(part: Component) -> str:
-    """Value, with R behind ohms: an R28 that is marked 100 has 10
-    ohm, and one of 100 ohm is marked 101 or 1000.
-    """
+    """Write a value, with R behind ohms: a part marked 100 has 10 ohm, one of 100 ohm 101."""
     return f"{part.value}R" if part.symbol.name == "R" and part.value[-1].isdigit() else part.value
 
 
@@ -164,13 +162,15 @@ def _trim(pad: _Box, body: _Box) -> Iterator[Primitive]:
     top = pad.top
 
     if body.bottom < pad.middle[1] < body.top:  # its leg leaves the body sideways
-        left, right = (
-            (max(left, body.right), right) if right > body.right else (left, min(right, body.left))
-        )
+        if right > body.right:
+            left = max(left, body.right)
+        else:
+            right = min(right, body.left)
     elif body.left < pad.middle[0] < body.right:
-        bottom, top = (
-            (max(bottom, body.top), top) if top > body.top else (bottom, min(top, body.bottom))
-        )
+        if top > body.top:
+            bottom = max(bottom, body.top)
+        else:
+            top = min(top, body.bottom)
 
     if left < right and bottom < top:
         yield rectangle(
@@ -183,32 +183,32 @@ def _trim(pad: _Box, body: _Box) -> Iterator[Primitive]:
 
 
 def _draw_bar(body: _Box, cathode: tuple[float, float]) -> Primitive:
-    (x, y) = cathode
-    (cx, cy) = body.middle
-    (wide, high) = body.size
+    """Draw the bar of a diode at its cathode."""
+    x, y = cathode
+    middle_x, middle_y = body.middle
+    wide, high = body.size
 
     if wide > high:
-        at = body.left if x < cx else body.right
-        return line((at, body.bottom), (at, body.top), _BAR)
+        bar_x = body.left if x < middle_x else body.right
+        return line((bar_x, body.bottom), (bar_x, body.top), _BAR)
 
-    at = body.bottom if y < cy else body.top
-    return line((body.left, at), (body.right, at), _BAR)
+    bar_y = body.bottom if y < middle_y else body.top
+    return line((body.left, bar_y), (body.right, bar_y), _BAR)
 
 
 def _draw_dot(body: _Box, pin: tuple[float, float]) -> Iterator[Primitive]:
     """Draw a dot inside the body, as near to the pin as there is room."""
-    (x, y) = pin
-    (wide, high) = body.size
+    x, y = pin
+    wide, high = body.size
     dx = min(1.0, wide / 6.0)
     dy = min(1.0, high / 6.0)
-    dot = min(max(x, body.left + dx), body.right - dx), min(max(y, body.bottom + dy), body.top - dy)
-    yield from (Ring(dot, r, _DOT) for r in (0.15, 0.4))
+    dot_x = min(max(x, body.left + dx), body.right - dx)
+    dot_y = min(max(y, body.bottom + dy), body.top - dy)
+    yield from (Ring((dot_x, dot_y), radius, _DOT) for radius in (0.15, 0.4))
 
 
 def _write(body: _Box, name: str, value: str) -> Iterator[Primitive]:
-    """Write the reference and, below or beside it, the value into
-    a part's outline, along its longer side.
-    """
+    """Write reference and value into a part's outline, along its longer side."""
     lines = [text for text in (name, value) if text]
     wide, high = body.size
     turned = high > wide

@@ -1,9 +1,8 @@
-"""Outlines of two versions of a finger, one over the other at
-one scale: from the side and from above.
-"""
+"""Outlines of two versions of a finger, at one scale: from the side and from above."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -33,9 +32,7 @@ _LINE_PX = 2
 
 @dataclass(frozen=True)
 class _View:
-    """One view: its title, and the outlines of each version in
-    it, along the finger and across it [mm].
-    """
+    """One view: title, and each version's outlines along the finger and across it [mm]."""
 
     title: str
     outlines: tuple[Sequence[Array], ...]
@@ -44,8 +41,7 @@ class _View:
 def draw_before_and_after(
     before: Design, after: Design, captions: tuple[str, str], width_px: int = 1200
 ) -> bytes:
-    """Draw the finger of both designs as a PNG of this width [pixels]: before in red, after in
-    blue.
+    """Draw both designs as a PNG of this width [pixels]: before in red, after in blue.
 
     It is cut along the middle and seen from the side, and below that cut at the parting plane and
     seen from above. Both designs are drawn at one scale, with the base of the skin at the same
@@ -56,17 +52,16 @@ def draw_before_and_after(
     views = [
         _View(
             "cut along the middle, seen from the side",
-            tuple(_cut_side(evaluator, each) for each in solids),
+            tuple(_cut_side(evaluator, version) for version in solids),
         ),
         _View(
             "cut at the parting plane, seen from above",
-            tuple(_cut_plan(evaluator, each) for each in solids),
+            tuple(_cut_plan(evaluator, version) for version in solids),
         ),
     ]
 
-    corners = np.concatenate(
-        [outline for view in views for version in view.outlines for outline in version]
-    )
+    versions = itertools.chain.from_iterable(view.outlines for view in views)
+    corners = np.concatenate([*itertools.chain.from_iterable(versions)])
     left = float(corners[:, 0].min())
     right = float(corners[:, 0].max())
     pixels_per_mm = (width_px - 2 * _MARGIN_PX) / (right - left)
@@ -84,9 +79,12 @@ def _list_solids(design: Design) -> Mapping[str, Solid]:
 
 
 def _cut_side(evaluator: MeshEvaluator, solids: Mapping[str, Solid]) -> list[Array]:
-    return [
-        outline for solid in solids.values() for outline in slice_solid(evaluator, solid, _PLANE_MM)
-    ]
+    """Cut solids in the plane x = 0; returns outlines along z and y [mm]."""
+    outlines = []
+    for solid in solids.values():
+        outlines += slice_solid(evaluator, solid, _PLANE_MM)
+
+    return outlines
 
 
 def _cut_plan(evaluator: MeshEvaluator, solids: Mapping[str, Solid]) -> list[Array]:
@@ -103,7 +101,8 @@ def _cut_plan(evaluator: MeshEvaluator, solids: Mapping[str, Solid]) -> list[Arr
 
 
 def _draw_view(view: _View, left_mm: float, pixels_per_mm: float, width_px: int) -> Image.Image:
-    across = np.concatenate([outline[:, 1] for version in view.outlines for outline in version])
+    outlines = itertools.chain.from_iterable(view.outlines)
+    across = np.concatenate([outline[:, 1] for outline in outlines])
     low = float(across.min())
     high = float(across.max())
     height_px = int((high - low) * pixels_per_mm) + 2 * _CAPTION_PX + _MARGIN_PX

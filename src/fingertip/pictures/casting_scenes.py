@@ -1,5 +1,4 @@
-"""Pictures of the casting steps and of the finished finger: the skin is cast around a core that is
-lowered into a cup.
+"""Pictures of the casting steps, the skin cast around a core in a cup, and of the finished finger.
 
 The cup stands on its foot, tip down: distal (z) points down in all pictures of it.
 """
@@ -35,24 +34,21 @@ from fingertip.models.solids import (
     Point3,
     Solid,
     cylinder,
-    difference,
-    intersection,
-    scaled,
     union,
 )
 from fingertip.pictures.joint_scenes import JOINT_SCENES
-from fingertip.pictures.raster import Camera, Canvas, bounds, to_png
-from fingertip.pictures.scene import (
+from fingertip.pictures.picture_scene import (
     CUP_RADIUS_MM,
     Arrow,
-    Bench,
     Label,
     Paint,
+    PaintedMesh,
     Scene,
-    Shown,
     View,
+    Workbench,
     draw_scene,
 )
+from fingertip.pictures.raster import Camera, Canvas, bounds, to_png
 
 _UP = (0.0, 0.0, -1.0)
 _FROM_BELOW = Camera.looking_from((0.4, -1.0, 0.12), _UP)
@@ -74,45 +70,49 @@ thickness of a rubber band, and distance of two rows of parts [mm].
 """
 
 
-def print_parts(bench: Bench, sheet: CastingSheet) -> Scene:
+def print_parts(workbench: Workbench, sheet: CastingSheet) -> Scene:
     """Show the printed parts, those of the mold in front, and name what the steps name of them."""
-    m = bench.design.mold_layout
-    bone = bench.design.bone
-    middle = bench.dims.sensor_z
-    (_, head_y, head_z) = bench.head
+    layout = workbench.design.mold_layout
+    bone = workbench.design.bone
+    middle = workbench.dims.sensor_z
+    (_, head_y, head_z) = workbench.head
     ring = (
-        bench.dims.bone_outline.section.half_width - bone.groove_depth_mm,
+        workbench.dims.bone_outline.section.half_width - bone.groove_depth_mm,
         0.0,
         bone.groove_distance_mm,
     )
     names: dict[str, dict[str, Point3]] = {
         "mold_palmar": {
-            "cup, half\nmarked PAD": (-m.half_width, -2.0, 0.8 * m.foot_z),
+            "cup, half\nmarked PAD": (-layout.half_width, -2.0, 0.8 * layout.foot_z),
             "hollow": (0.0, -6.0, middle),
-            "notch of the rim": (-m.notch_x, 3.0 - m.palmar_height, GAP_MM + NOTCH_MM[1]),
-            "foot": (-m.half_width / 2, 0.0, m.foot_z - 1.5),
+            "notch of the rim": (-layout.notch_x, 3.0 - layout.palmar_height, GAP_MM + NOTCH_MM[1]),
+            "foot": (-layout.half_width / 2, 0.0, layout.foot_z - 1.5),
         },
         "mold_dorsal": {
-            "cup, other half": (0.9 * m.half_width, m.dorsal_height, 0.6 * m.foot_z),
-            "groove for a ridge": (0.0, m.ridge_begins[1] + 2.0, GAP_MM),
+            "cup, other half": (0.9 * layout.half_width, layout.dorsal_height, 0.6 * layout.foot_z),
+            "groove for a ridge": (0.0, layout.ridge_begins[1] + 2.0, GAP_MM),
         },
         "core": {
-            "core: plate with\nthree ridges": (0.9 * m.half_width, -m.palmar_height, -PLATE_MM / 2),
-            "ridge": (m.half_width - 1.0, 0.0, 1.5),
+            "core: plate with\nthree ridges": (
+                0.9 * layout.half_width,
+                -layout.palmar_height,
+                -PLATE_MM / 2,
+            ),
+            "ridge": (layout.half_width - 1.0, 0.0, 1.5),
             "ring groove": ring,
             "round dent": (0.0, head_y, head_z),
         },
-        "bone": {"bone": (0.0, bench.dims.bone_outline.section.dorsal, middle)},
+        "bone": {"bone": (0.0, workbench.dims.bone_outline.section.dorsal, middle)},
         "stand": {"stand": (0.0, 0.0, -30.0)},
         "hand_stub": {"stub of a hand": (0.0, 0.0, -40.0)},
         "pin": {"pin of the joint": (0.0, 0.0, 0.0)},
     }
-    shown = list[Shown]()
+    meshes = list[PaintedMesh]()
     labels = list[Label]()
     ends = {True: 0.0, False: 30.0}
 
-    for name, lies in print_orientations(bench.design).items():
-        part = bench.part(name)
+    for name, lies in print_orientations(workbench.design).items():
+        part = workbench.part(name)
         front = name in ("mold_palmar", "mold_dorsal", "core")
         pose = bed_pose(part.mesh, lies.rotate_x_deg).on_bed(part.mesh, ends[front])
         points = pose.apply(
@@ -120,45 +120,45 @@ def print_parts(bench: Bench, sheet: CastingSheet) -> Scene:
         ).vertices
         back = np.array((0.0, 0.0 if front else _ROW_MM, 0.0))
         mesh = pose.apply(part.mesh)
-        shown.append(Shown(Mesh(mesh.vertices + back, mesh.triangles), part.colour))
+        meshes.append(PaintedMesh(Mesh(mesh.vertices + back, mesh.triangles), part.colour))
         labels += [
             Label(text, tuple(point + back))
             for text, point in zip(names[name], points, strict=True)
         ]
         ends[front] += pose.size(part.mesh)[0] + FDM.gap_mm
 
-    return Scene(shown, Camera.looking_from((-0.35, -1.0, 0.9), (0.0, 0.0, 1.0)), *labels)
+    return Scene(meshes, Camera.looking_from((-0.35, -1.0, 0.9), (0.0, 0.0, 1.0)), *labels)
 
 
-def _cup(bench: Bench, *, cut: bool = False) -> list[Shown]:
-    return [bench.part("mold_palmar", cut=cut), bench.part("mold_dorsal", cut=cut)]
+def _cup(workbench: Workbench, *, cut: bool = False) -> list[PaintedMesh]:
+    return [workbench.part("mold_palmar", cut=cut), workbench.part("mold_dorsal", cut=cut)]
 
 
-def _banded_cup(bench: Bench) -> list[Shown]:
+def _banded_cup(workbench: Workbench) -> list[PaintedMesh]:
     """Show the closed cup with its two rubber bands."""
-    m = bench.design.mold_layout
+    layout = workbench.design.mold_layout
     (height, depth) = BELT_MM
-    shown = _cup(bench)
-    x = m.half_width
-    low = -m.palmar_height
-    high = m.dorsal_height
+    meshes = _cup(workbench)
+    x = layout.half_width
+    low = -layout.palmar_height
+    high = layout.dorsal_height
 
-    for z in m.belts_z:
+    for z in layout.belts_z:
         top = z - 0.4 * height
         end = z + 0.4 * height
         inner = Box((depth - x, low + depth, top - 1.0), (x - depth, high - depth, end + 1.0))
-        shown.append(bench.solid(difference(Box((-x, low, top), (x, high, end)), inner), _BAND))
+        meshes.append(workbench.solid(Box((-x, low, top), (x, high, end)).cut(inner), _BAND))
 
-    return shown
+    return meshes
 
 
-def _coated(bench: Bench) -> Solid:
+def _coated(workbench: Workbench) -> Solid:
     """Build a coat on the wall of the cavity, thick enough to be seen."""
-    return difference(cavity(bench.design), cavity(bench.design, _COAT_MM))
+    return cavity(workbench.design).cut(cavity(workbench.design, _COAT_MM))
 
 
-def _stick(bench: Bench, at: tuple[float, float], low: float, high: float) -> Shown:
-    return bench.solid(
+def _stick(workbench: Workbench, at: tuple[float, float], low: float, high: float) -> PaintedMesh:
+    return workbench.solid(
         cylinder(
             "z",
             centre=at,
@@ -170,69 +170,77 @@ def _stick(bench: Bench, at: tuple[float, float], low: float, high: float) -> Sh
     )
 
 
-def try_core(bench: Bench, sheet: CastingSheet) -> Scene:
+def try_core(workbench: Workbench, sheet: CastingSheet) -> Scene:
     """Show the core seated in the closed cup, and calipers over both."""
-    m = bench.design.mold_layout
-    face = -bench.design.mold_layout.palmar_height
+    layout = workbench.design.mold_layout
+    face = -layout.palmar_height
     top = -PLATE_MM
-    foot = m.foot_z
-    x = 4.0 - m.half_width
+    foot = layout.foot_z
+    x = 4.0 - layout.half_width
     low = face + 3.5
     high = face + 6.5
     (least, most) = sheet.height_mm
     beam = x - 14.0
     reading = f"{least:g} to {most:g} mm"
-    calipers = union(
-        Box((beam - 6.0, low, top - 16.0), (beam, high, foot + 10.0)),
+    calipers = Box((beam - 6.0, low, top - 16.0), (beam, high, foot + 10.0)).union(
         Box((beam - 1.0, low, top - 5.0), (x, high, top)),
         Box((beam - 1.0, low, foot), (x, high, foot + 5.0)),
     )
 
     return Scene(
-        (*_banded_cup(bench), bench.part("core"), bench.solid(calipers, Paint.STEEL)),
+        (*_banded_cup(workbench), workbench.part("core"), workbench.solid(calipers, Paint.STEEL)),
         _FROM_BELOW,
         Label(
             f"calipers, from the foot\nto the top of the plate:\n{reading}",
             (beam - 3.0, low, top - 10.0),
         ),
-        Label("the same narrow gap\nall around", (-m.half_width * 0.6, face, GAP_MM / 2)),
-        Label("foot", (-m.half_width * 0.5, face, foot - 0.5)),
-        Label("core, by its plate", (m.half_width, face, top / 2)),
-        Label("ridge in its groove,\none of three", (m.half_width, 0.0, 1.2)),
-        Label("two rubber bands", (m.half_width / 2, face, m.belts_z[0])),
+        Label("the same narrow gap\nall around", (-layout.half_width * 0.6, face, GAP_MM / 2)),
+        Label("foot", (-layout.half_width * 0.5, face, foot - 0.5)),
+        Label("core, by its plate", (layout.half_width, face, top / 2)),
+        Label("ridge in its groove,\none of three", (layout.half_width, 0.0, 1.2)),
+        Label("two rubber bands", (layout.half_width / 2, face, layout.belts_z[0])),
     )
 
 
-def varnish(bench: Bench, sheet: CastingSheet) -> Scene:
-    m = bench.design.mold_layout
-    depth = bench.design.mold_layout.palmar_height - bench.design.mold.wall_mm
-    below = Box((-m.half_width, -2 * m.palmar_height, 0.5), (m.half_width, -0.1, 2 * m.foot_z))
+def varnish(workbench: Workbench, sheet: CastingSheet) -> Scene:
+    layout = workbench.design.mold_layout
+    depth = layout.palmar_height - workbench.design.mold.wall_mm
+    below = Box(
+        (-layout.half_width, -2 * layout.palmar_height, 0.5),
+        (layout.half_width, -0.1, 2 * layout.foot_z),
+    )
     return Scene(
-        (bench.part("mold_palmar"), bench.solid(intersection(_coated(bench), below), _VARNISH)),
+        (
+            workbench.part("mold_palmar"),
+            workbench.solid(_coated(workbench).intersect(below), _VARNISH),
+        ),
         Camera.looking_from((0.35, 1.0, -0.35), _UP),
-        Label("varnish on all\nof the hollow", (0.0, -depth, bench.dims.sensor_z)),
-        Label("PAD stands on\nits outer side", (-m.half_width, -m.palmar_height / 2, m.foot_z / 2)),
+        Label("varnish on all\nof the hollow", (0.0, -depth, workbench.dims.sensor_z)),
+        Label(
+            "PAD stands on\nits outer side",
+            (-layout.half_width, -layout.palmar_height / 2, layout.foot_z / 2),
+        ),
     )
 
 
-def _legs(bench: Bench, y: float) -> Solid:
-    end = bench.dims.tail_end_z
+def _legs(workbench: Workbench, y: float) -> Solid:
+    end = workbench.dims.tail_end_z
     half = _TAB_PITCH_MM / 2
-    length = bench.design.sensor.tab_length_mm
+    length = workbench.design.sensor.tab_length_mm
     return union(
         *(Box((x - 0.3, y, end - length), (x + 0.3, y + 0.4, end + 1.5)) for x in (-half, half))
     )
 
 
-def solder(bench: Bench, sheet: CastingSheet) -> Scene:
-    dims = bench.dims
+def solder(workbench: Workbench, sheet: CastingSheet) -> Scene:
+    dims = workbench.dims
     thickness = 0.3
     half = _TAB_PITCH_MM / 2
     wire = 0.5
-    (_, y, z) = bench.head
+    (_, y, z) = workbench.head
     end = dims.tail_end_z
     tail = dims.sensor.tail_width_mm / 2
-    legs_end = end - bench.design.sensor.tab_length_mm
+    legs_end = end - workbench.design.sensor.tab_length_mm
     head = cylinder(
         "y",
         centre=(z, 0.0),
@@ -256,10 +264,12 @@ def solder(bench: Bench, sheet: CastingSheet) -> Scene:
 
     return Scene(
         (
-            bench.solid(union(head, Box((-tail, y, end), (tail, y + thickness, z))), Paint.SENSOR),
-            bench.solid(_legs(bench, y), Paint.STEEL),
-            bench.solid(red, Paint.WIRE),
-            bench.solid(black, _BLACK),
+            workbench.solid(
+                head.union(Box((-tail, y, end), (tail, y + thickness, z))), Paint.SENSOR
+            ),
+            workbench.solid(_legs(workbench, y), Paint.STEEL),
+            workbench.solid(red, Paint.WIRE),
+            workbench.solid(black, _BLACK),
         ),
         Camera.from_angles(20, 55),
         Label(f"head:\n{heads} mm", (0.0, y, z)),
@@ -269,21 +279,19 @@ def solder(bench: Bench, sheet: CastingSheet) -> Scene:
     )
 
 
-def lay_in(bench: Bench, sheet: CastingSheet) -> Scene:
-    """Show the knot of the wires over their hole, and the sensor
-    as far from its bed as the wires let it.
-    """
-    (x, y, z) = bench.head
+def lay_in(workbench: Workbench, sheet: CastingSheet) -> Scene:
+    """Show the knot over its hole, and the sensor as far from its bed as the wires let it."""
+    (x, y, z) = workbench.head
     half = _TAB_PITCH_MM / 2
-    back = bench.dims.pocket_depth
-    dims = bench.dims
-    radius = KNOT_WIRES * bench.design.sensor.wire_diameter_mm / 2
+    back = workbench.dims.pocket_depth
+    dims = workbench.dims
+    radius = KNOT_WIRES * workbench.design.sensor.wire_diameter_mm / 2
     knot_y = back - dims.flat_depth - radius
     knot_z = dims.channel_exit_z + radius
     low = (
         0.0,
         knot_y - sheet.knot_mm - back,
-        knot_z - dims.tail_end_z + bench.design.sensor.tab_length_mm,
+        knot_z - dims.tail_end_z + workbench.design.sensor.tab_length_mm,
     )
     red, black = (
         cylinder(
@@ -295,24 +303,23 @@ def lay_in(bench: Bench, sheet: CastingSheet) -> Scene:
         )
         for side in (-half, half)
     )
-    knot = union(
-        red,
+    knot = red.union(
         cylinder(
             "x",
             centre=(knot_y, knot_z),
             low=-radius,
             high=radius,
             radius=radius,
-        ),
+        )
     )
 
     return Scene(
         (
-            bench.part("bone"),
-            bench.sensor(low),
-            bench.solid(_legs(bench, back), Paint.STEEL, low),
-            bench.solid(knot, Paint.WIRE),
-            bench.solid(black, _BLACK),
+            workbench.part("bone"),
+            workbench.sensor(low),
+            workbench.solid(_legs(workbench, back), Paint.STEEL, low),
+            workbench.solid(knot, Paint.WIRE),
+            workbench.solid(black, _BLACK),
         ),
         _FROM_PALM,
         Label("legs apart, each\nwith either wire", (half, knot_y - sheet.knot_mm, knot_z + 2.0)),
@@ -324,13 +331,13 @@ def lay_in(bench: Bench, sheet: CastingSheet) -> Scene:
     )
 
 
-def mix(bench: Bench, sheet: CastingSheet) -> Scene:
+def mix(workbench: Workbench, sheet: CastingSheet) -> Scene:
     (first, second) = sheet.batch.components
     batch = sheet.batch
     level = 1000.0 * batch.total_g / batch.density_g_cm3 / (math.pi * CUP_RADIUS_MM**2)
     first_level = batch.a_g / batch.total_g * level
     scale = Box((-40.0, -35.0, -10.0), (40.0, 35.0, 0.0))
-    added = bench.solid(
+    added = workbench.solid(
         cylinder(
             "z",
             centre=(0.0, 0.0),
@@ -343,10 +350,10 @@ def mix(bench: Bench, sheet: CastingSheet) -> Scene:
 
     return Scene(
         (
-            *bench.cup(first_level),
+            *workbench.cup(first_level),
             added,
-            bench.solid(scale, Paint.STEEL),
-            _stick(bench, (8.0, 10.0), 2.0, 90.0),
+            workbench.solid(scale, Paint.STEEL),
+            _stick(workbench, (8.0, 10.0), 2.0, 90.0),
         ),
         Camera.looking_from((0.15, -1.0, 0.22), (0.0, 0.0, 1.0)),
         Label(
@@ -362,13 +369,13 @@ def mix(bench: Bench, sheet: CastingSheet) -> Scene:
     )
 
 
-def coat(bench: Bench, sheet: CastingSheet) -> Scene:
-    m = bench.design.mold_layout
-    bone = bench.design.bone
-    wall = bench.design.mold.wall_mm
-    lift = _LIFT_MM + m.foot_z
-    (_, y, z) = bench.head
-    waist = bench.dims.bone_outline.section.half_width
+def coat(workbench: Workbench, sheet: CastingSheet) -> Scene:
+    layout = workbench.design.mold_layout
+    bone = workbench.design.bone
+    wall = workbench.design.mold.wall_mm
+    lift = _LIFT_MM + layout.foot_z
+    (_, y, z) = workbench.head
+    waist = workbench.dims.bone_outline.section.half_width
     groove = (
         bone.groove_depth_mm - waist,
         1.0,
@@ -377,27 +384,29 @@ def coat(bench: Bench, sheet: CastingSheet) -> Scene:
 
     return Scene(
         (
-            *_cup(bench, cut=True),
-            bench.solid(_coated(bench), Paint.SILICONE, cut=True),
-            bench.part("core", (0.0, 0.0, -lift)),
-            _stick(bench, (0.5, 3.0), -24.0, m.foot_z - wall - 2.0),
+            *_cup(workbench, cut=True),
+            workbench.solid(_coated(workbench), Paint.SILICONE, cut=True),
+            workbench.part("core", (0.0, 0.0, -lift)),
+            _stick(workbench, (0.5, 3.0), -24.0, layout.foot_z - wall - 2.0),
         ),
         Camera.looking_from((-1.0, -0.5, 0.12), _UP),
-        Label("thin coat on all of the\nhollow (cup drawn cut)", (0.0, wall - m.palmar_height, z)),
+        Label(
+            "thin coat on all of the\nhollow (cup drawn cut)", (0.0, wall - layout.palmar_height, z)
+        ),
         Label("second stick", (0.5, 3.0, -20.0)),
         Label("round dent: coat it", (0.0, y, z - lift)),
         Label("ring groove: coat it", groove),
-        Label("foot", (0.0, m.dorsal_height / 2, m.foot_z)),
+        Label("foot", (0.0, layout.dorsal_height / 2, layout.foot_z)),
     )
 
 
-def pour(bench: Bench, sheet: CastingSheet) -> Scene:
-    m = bench.design.mold_layout
-    y = bench.dims.outer.section.dorsal - 1.0
-    z = m.pour_z * bench.dims.shrinkage
-    far = 2 * m.foot_z
-    silicone = intersection(cavity(bench.design), Box((-far, -far, z), (far, far, far)))
-    stream = bench.solid(
+def pour(workbench: Workbench, sheet: CastingSheet) -> Scene:
+    layout = workbench.design.mold_layout
+    y = workbench.dims.outer.section.dorsal - 1.0
+    z = layout.pour_z * workbench.dims.shrinkage
+    far = 2 * layout.foot_z
+    silicone = cavity(workbench.design).intersect(Box((-far, -far, z), (far, far, far)))
+    stream = workbench.solid(
         cylinder(
             "z",
             centre=(0.5, y),
@@ -409,32 +418,32 @@ def pour(bench: Bench, sheet: CastingSheet) -> Scene:
     )
 
     return Scene(
-        (*_cup(bench, cut=True), bench.solid(silicone, Paint.SILICONE, cut=True), stream),
+        (*_cup(workbench, cut=True), workbench.solid(silicone, Paint.SILICONE, cut=True), stream),
         _CUT,
         Label("thin stream, down the\nhalf without PAD", (0.5, y, -25.0)),
         Label(f"until the scale reads\n{sheet.batch.in_cup_g:g} g more", (0.0, 0.0, z)),
-        Label("half marked PAD\n(cup drawn cut)", (0.0, -m.palmar_height, m.foot_z / 2)),
+        Label("half marked PAD\n(cup drawn cut)", (0.0, -layout.palmar_height, layout.foot_z / 2)),
     )
 
 
-def lower(bench: Bench, sheet: CastingSheet) -> Scene:
+def lower(workbench: Workbench, sheet: CastingSheet) -> Scene:
     """Show the core seated under a third rubber band, and the silicone that comes out."""
-    m = bench.design.mold_layout
+    layout = workbench.design.mold_layout
     y = STRAP_Y_MM
     side = 0.4 * BELT_MM[0]
     depth = BELT_MM[1]
-    x = m.half_width + PLATE_LEDGE_MM - depth
+    x = layout.half_width + PLATE_LEDGE_MM - depth
     top = -PLATE_MM
-    foot = m.foot_z - depth
-    face = -m.palmar_height
+    foot = layout.foot_z - depth
+    face = -layout.palmar_height
     outer = Box(
         (-x - _BAND_MM, y - side, top - _BAND_MM), (x + _BAND_MM, y + side, foot + _BAND_MM)
     )
-    band = difference(outer, Box((-x, y - 2 * side, top), (x, y + 2 * side, foot)))
+    band = outer.cut(Box((-x, y - 2 * side, top), (x, y + 2 * side, foot)))
     places = [
         (across, out)
-        for across in (-m.notch_x, m.notch_x)
-        for out in (face - 0.4, m.dorsal_height + 0.4)
+        for across in (-layout.notch_x, layout.notch_x)
+        for out in (face - 0.4, layout.dorsal_height + 0.4)
     ]
     drops = union(
         *(
@@ -448,57 +457,63 @@ def lower(bench: Bench, sheet: CastingSheet) -> Scene:
             for place in places
         )
     )
-    shown = bench.part("core"), bench.solid(drops, Paint.SILICONE), bench.solid(band, _BAND)
+    meshes = (
+        workbench.part("core"),
+        workbench.solid(drops, Paint.SILICONE),
+        workbench.solid(band, _BAND),
+    )
 
     return Scene(
-        (*_banded_cup(bench), *shown),
+        (*_banded_cup(workbench), *meshes),
         _FROM_BELOW,
-        Label("silicone comes out\nof all four notches", (m.notch_x, face, GAP_MM + 1.0)),
+        Label("silicone comes out\nof all four notches", (layout.notch_x, face, GAP_MM + 1.0)),
         Label("hold it here,\nat both ends", (x + depth, face / 2, top / 2)),
         Label("third band, around\nplate and foot", (-x / 2, y, foot + _BAND_MM)),
-        Label("ridge in its groove,\nthree times", (m.half_width, 0.0, 1.2)),
+        Label("ridge in its groove,\nthree times", (layout.half_width, 0.0, 1.2)),
         Arrow((-8.0, -4.0, top - 18.0), (-8.0, -4.0, top - 3.0)),
     )
 
 
-def open_cup(bench: Bench, sheet: CastingSheet) -> Scene:
-    m = bench.design.mold_layout
+def open_cup(workbench: Workbench, sheet: CastingSheet) -> Scene:
+    layout = workbench.design.mold_layout
     apart = 16.0
     lifted = (0.0, 0.0, -6.0)
-    low = -m.palmar_height - apart
-    edge = m.foot_z + 3.0
-    tip = m.foot_z - bench.design.mold.wall_mm
+    low = -layout.palmar_height - apart
+    edge = layout.foot_z + 3.0
+    tip = layout.foot_z - workbench.design.mold.wall_mm
     seam = Box((-edge, -0.15, 2.0), (edge, 0.15, edge))
-    hollow = cavity(bench.design)
-    fins = difference(intersection(scaled(hollow, 1.06), seam), hollow)
+    hollow = cavity(workbench.design)
+    fins = hollow.scaled(1.06).intersect(seam).cut(hollow)
 
     return Scene(
         (
-            bench.part("mold_palmar", (0.0, -apart, 0.0)),
-            bench.part("mold_dorsal", (0.0, apart / 2, 0.0)),
-            bench.part("core", lifted),
-            bench.part("skin", lifted),
-            bench.solid(fins, Paint.SILICONE, lifted),
+            workbench.part("mold_palmar", (0.0, -apart, 0.0)),
+            workbench.part("mold_dorsal", (0.0, apart / 2, 0.0)),
+            workbench.part("core", lifted),
+            workbench.part("skin", lifted),
+            workbench.solid(fins, Paint.SILICONE, lifted),
         ),
         Camera.looking_from((1.0, -0.4, -0.25), _UP),
         Label("skin, still on the core", (0.0, -2.0, tip - 7.0)),
-        Label("fin: cut it off", (m.cavity_half_width + 0.4, 0.0, tip / 2 - 6.0)),
-        Label("1: half marked PAD,\nstraight off", (m.half_width, low + 5.0, m.foot_z / 2)),
-        Label("slot for the knife", (m.half_width, -apart - 0.6, m.foot_z - 3.0)),
+        Label("fin: cut it off", (layout.cavity_half_width + 0.4, 0.0, tip / 2 - 6.0)),
+        Label(
+            "1: half marked PAD,\nstraight off", (layout.half_width, low + 5.0, layout.foot_z / 2)
+        ),
+        Label("slot for the knife", (layout.half_width, -apart - 0.6, layout.foot_z - 3.0)),
         Label(
             "2: lift the core\nout of the groove",
-            (m.half_width, m.dorsal_height, -PLATE_MM / 2 - 6.0),
+            (layout.half_width, layout.dorsal_height, -PLATE_MM / 2 - 6.0),
         ),
         Arrow((0.0, low + 4.0, edge), (0.0, low - 10.0, edge)),
         Arrow((0.0, 0.0, -PLATE_MM - 8.0), (0.0, 0.0, -PLATE_MM - 18.0)),
     )
 
 
-def pull_on(bench: Bench, sheet: CastingSheet) -> Scene:
-    dims = bench.dims
-    bone = bench.design.bone
-    (_, y, z) = bench.head
-    out = bench.design.skin.length_mm * 1.15
+def pull_on(workbench: Workbench, sheet: CastingSheet) -> Scene:
+    dims = workbench.dims
+    bone = workbench.design.bone
+    (_, y, z) = workbench.head
+    out = workbench.design.skin.length_mm * 1.15
     groove = bone.groove_distance_mm + bone.groove_width_mm / 2
     fold = groove + 2.5
     dorsal = dims.outer.section.dorsal
@@ -506,7 +521,7 @@ def pull_on(bench: Bench, sheet: CastingSheet) -> Scene:
     rib = 0.0, 2.0 * dorsal - section.dorsal, out + 2.0 * fold - groove
 
     return Scene(
-        (*bench.assembled_bone(), *bench.turned_up_skin(out + fold, out)),
+        (*workbench.assembled_bone(), *workbench.turned_up_skin(out + fold, out)),
         View.CUT_FROM_BELOW,
         Label("edge turned up\n(skin drawn cut)", (0.0, dorsal, out + fold)),
         Label("inner rib, comes to lie\nin the ring groove", rib),
@@ -520,10 +535,10 @@ def pull_on(bench: Bench, sheet: CastingSheet) -> Scene:
     )
 
 
-def connect(bench: Bench, sheet: CastingSheet) -> Scene:
+def connect(workbench: Workbench, sheet: CastingSheet) -> Scene:
     """Show the finger as it is held, pad up, with its wires, which come out of the back."""
-    z = bench.dims.channel_exit_z
-    dims = bench.dims
+    z = workbench.dims.channel_exit_z
+    dims = workbench.dims
     kohm = sheet.divider_kohm
     y = dims.bone_outline.section.dorsal
     far = dims.collar.section.half_width + 16.0
@@ -538,10 +553,15 @@ def connect(bench: Bench, sheet: CastingSheet) -> Scene:
         for beside in (1.2, -1.2)
     )
     black_to = f"black wire to A0 (GP26,\npin 31), {kohm or 0:g} kohm from\nthere to GND (pin 33)"
-    mount, labels = _show_mount(bench, sheet)
+    mount, labels = _show_mount(workbench, sheet)
 
     return Scene(
-        (*bench.assembled_bone(), *mount, bench.solid(red, Paint.WIRE), bench.solid(black, _BLACK)),
+        (
+            *workbench.assembled_bone(),
+            *mount,
+            workbench.solid(red, Paint.WIRE),
+            workbench.solid(black, _BLACK),
+        ),
         Camera.from_angles(18, -55),
         Label(
             "red wire to 3V3 (Pico:\nADC_VREF, pin 35)" if kohm else "to the board",
@@ -549,27 +569,29 @@ def connect(bench: Bench, sheet: CastingSheet) -> Scene:
         ),
         *([Label(black_to, (far - 6.0, y, z - 1.2))] if kohm else []),
         *labels,
-        Label("press here, to try it", bench.head),
+        Label("press here, to try it", workbench.head),
     )
 
 
-def _show_mount(bench: Bench, sheet: CastingSheet) -> tuple[list[Shown], list[Label]]:
+def _show_mount(workbench: Workbench, sheet: CastingSheet) -> tuple[list[PaintedMesh], list[Label]]:
     """Show what holds the bone: a stand, or a plain part of the hand; nothing yet of a joint."""
-    design, y, bone = bench.design, bench.dims.base_middle_y, bench.design.bone
+    design = workbench.design
+    bone = design.bone
+    y = workbench.dims.base_middle_y
     end = -bone.base_length_mm
-    half = bench.dims.bone_outline.section.half_width
+    half = workbench.dims.bone_outline.section.half_width
 
     match sheet.mount.interface:
         case "post":
             z = Post().cross_bolt_z(design)
-            holder = bench.part("stand")
+            holder = workbench.part("stand")
             text = "stand, on the table"
             at = (0.0, y, end - bone.post_length_mm - 20.0)
             half = bone.post_width_mm / 2
         case "socket":
             z = Socket().cross_bolt_z(design)
             post = (end - 25.0, end + 6.0, sheet.mount.post_mm[0] / 2)
-            holder = bench.solid(cylinder("z", (0.0, y), *post), Paint.PAPER)
+            holder = workbench.solid(cylinder("z", (0.0, y), *post), Paint.PAPER)
             text = "post of your hand"
             at = (0.0, y, end - 20.0)
         case "flange":
@@ -591,13 +613,13 @@ def _show_mount(bench: Bench, sheet: CastingSheet) -> tuple[list[Shown], list[La
                     for side in (-x, x)
                 )
             )
-            plate = bench.solid(Box((-half, y - deep, low), (half, y + deep, end)), Paint.PAPER)
+            plate = workbench.solid(Box((-half, y - deep, low), (half, y + deep, end)), Paint.PAPER)
             labels = [Label("your hand", (0.0, y, low + 2.0)), Label("bolt", (-x, row, top))]
-            return [plate, bench.solid(heads, Paint.STEEL)], labels
+            return [plate, workbench.solid(heads, Paint.STEEL)], labels
         case _:
             return [], []
 
-    bolt = bench.solid(
+    bolt = workbench.solid(
         cylinder(
             "x",
             centre=(y, z),
@@ -610,7 +632,7 @@ def _show_mount(bench: Bench, sheet: CastingSheet) -> tuple[list[Shown], list[La
     return [holder, bolt], [Label("bolt with nut", (-half - 5.0, y, z)), Label(text, at)]
 
 
-SCENES: dict[str, Callable[[Bench, CastingSheet], Scene]] = {
+SCENES: dict[str, Callable[[Workbench, CastingSheet], Scene]] = {
     "print": print_parts,
     "varnish": varnish,
     "solder": solder,
@@ -634,14 +656,14 @@ def draw_steps(
     names: Sequence[str],
     progress: Callable[[str], None] = lambda message: None,
 ) -> dict[str, bytes]:
-    bench = Bench(design)
+    workbench = Workbench(design)
     pictures = dict[str, bytes]()
     work = Work("", {"pictures of the steps": 1.0}, progress)
     work.begin("pictures of the steps")
 
     for number, name in enumerate(names, 1):
         work.advance((number - 1) / len(names))
-        pictures[f"{number:02}-{name}.png"] = draw_scene(SCENES[name](bench, sheet))
+        pictures[f"{number:02}-{name}.png"] = draw_scene(SCENES[name](workbench, sheet))
 
     return pictures
 
@@ -652,15 +674,15 @@ _EDGE_PX = 4
 
 def draw_finger(design: Design, width_px: int = 640) -> bytes:
     """Draw the finished finger from the back and below from the palm, on a clear ground."""
-    bench = Bench(design)
-    shown = [*bench.assembled_bone(), bench.part("skin")]
+    workbench = Workbench(design)
+    meshes = [*workbench.assembled_bone(), workbench.part("skin")]
     views = []
 
     for camera in (View.DORSAL, View.PALMAR):
-        centre, size = bounds([item.mesh for item in shown], camera)
+        centre, size = bounds([item.mesh for item in meshes], camera)
         scale = (width_px - 2 * _EDGE_PX) / float(size[0])
         canvas = Canvas(width_px, int(size[1] * scale) + 2 * _EDGE_PX, scale, camera)
-        for item in shown:
+        for item in meshes:
             canvas.draw(item.mesh, item.colour, centre)
 
         views.append(np.dstack([canvas.image(), canvas.cover()]))

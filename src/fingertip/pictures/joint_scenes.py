@@ -1,6 +1,4 @@
-"""Scenes of a joint: the finished finger on the stub of a hand, with
-its pin, its tendon and its rubber band.
-"""
+"""Scenes of a joint: the finger on the stub of a hand, with pin, tendon and rubber band."""
 
 from __future__ import annotations
 
@@ -13,9 +11,9 @@ from fingertip.casting.sheet import CastingSheet
 from fingertip.models.hand_stub import BAND_NOTCH_MM, BAR_MM, NOTCH_DEPTH_MM, NOTCHES_MM, bars
 from fingertip.models.joint import Joint, TendonAnchor
 from fingertip.models.parts import PARTS
-from fingertip.models.solids import Box, Prism, cylinder, difference, union
+from fingertip.models.solids import Box, Prism, cylinder
+from fingertip.pictures.picture_scene import Arrow, Label, PaintedMesh, Scene, Workbench
 from fingertip.pictures.raster import Camera
-from fingertip.pictures.scene import Arrow, Bench, Label, Scene, Shown
 
 _FROM_BACK = Camera.from_angles(28, 30)
 _FROM_PALM = Camera.from_angles(28, -35)
@@ -26,39 +24,42 @@ _BAND_MM = 2.0
 """Distance of the stub from the finger before it is pinned, and width of the band [mm]."""
 
 
-def _joint(bench: Bench) -> Joint:
-    assert bench.dims.joint, "only a clevis has these steps"
-    return bench.dims.joint
+def _joint(workbench: Workbench) -> Joint:
+    assert workbench.dims.joint, "only a clevis has these steps"
+    return workbench.dims.joint
 
 
-def _anchor(bench: Bench) -> TendonAnchor:
-    assert bench.dims.anchor, "only a tendon has these steps"
-    return bench.dims.anchor
+def _anchor(workbench: Workbench) -> TendonAnchor:
+    assert workbench.dims.anchor, "only a tendon has these steps"
+    return workbench.dims.anchor
 
 
-def _finger(bench: Bench, *, bent_deg: float = 0.0) -> list[Shown]:
+def _finger(workbench: Workbench, *, bent_deg: float = 0.0) -> list[PaintedMesh]:
     """Show the finished finger, turned about the pin towards the palm."""
-    joint = _joint(bench)
+    joint = _joint(workbench)
     turn = math.radians(bent_deg)
     middle = np.array((0.0, joint.axis_y, joint.axis_z))
-    rows = (
-        (1.0, 0.0, 0.0),
-        (0.0, math.cos(turn), -math.sin(turn)),
-        (0.0, math.sin(turn), math.cos(turn)),
+    rotation = np.array(
+        (
+            (1.0, 0.0, 0.0),
+            (0.0, math.cos(turn), -math.sin(turn)),
+            (0.0, math.sin(turn), math.cos(turn)),
+        )
     )
-    parts = (*bench.assembled_bone(), bench.part("skin"))
+    parts = (*workbench.assembled_bone(), workbench.part("skin"))
 
     return [
-        Shown(
-            Mesh((p.mesh.vertices - middle) @ np.array(rows).T + middle, p.mesh.triangles), p.colour
+        PaintedMesh(
+            Mesh((part.mesh.vertices - middle) @ rotation.T + middle, part.mesh.triangles),
+            part.colour,
         )
-        for p in parts
+        for part in parts
     ]
 
 
-def _pin(bench: Bench, out_mm: float = 0.0) -> Shown:
-    joint = _joint(bench)
-    half = bench.dims.pin_length / 2
+def _pin(workbench: Workbench, out_mm: float = 0.0) -> PaintedMesh:
+    joint = _joint(workbench)
+    half = workbench.dims.pin_length / 2
     shaft = cylinder(
         "x",
         centre=(joint.axis_y, joint.axis_z),
@@ -66,18 +67,18 @@ def _pin(bench: Bench, out_mm: float = 0.0) -> Shown:
         high=half,
         radius=joint.pin_radius,
     )
-    return bench.solid(shaft, PARTS["pin"].colour, (-out_mm, 0.0, 0.0))
+    return workbench.solid(shaft, PARTS["pin"].colour, (-out_mm, 0.0, 0.0))
 
 
-def _end_z(bench: Bench) -> float:
-    return _joint(bench).low_z - BAR_MM
+def _end_z(workbench: Workbench) -> float:
+    return _joint(workbench).low_z - BAR_MM
 
 
-def _pull(bench: Bench) -> tuple[list[Shown], list[Label | Arrow]]:
+def _pull(workbench: Workbench) -> tuple[list[PaintedMesh], list[Label | Arrow]]:
     """Show the loop of the tendon behind the stub, and the pull at it."""
-    x = _anchor(bench).strand_x
-    y = _anchor(bench).y
-    end = _end_z(bench) - 8.0
+    x = _anchor(workbench).strand_x
+    y = _anchor(workbench).y
+    end = _end_z(workbench) - 8.0
     strands = (
         cylinder(
             "z",
@@ -88,14 +89,13 @@ def _pull(bench: Bench) -> tuple[list[Shown], list[Label | Arrow]]:
         )
         for side in (-x, x)
     )
-    knot = union(
-        cylinder(
-            "x",
-            centre=(y, end),
-            low=-x,
-            high=x,
-            radius=0.5,
-        ),
+    knot = cylinder(
+        "x",
+        centre=(y, end),
+        low=-x,
+        high=x,
+        radius=0.5,
+    ).union(
         cylinder(
             "x",
             centre=(y, end),
@@ -107,19 +107,17 @@ def _pull(bench: Bench) -> tuple[list[Shown], list[Label | Arrow]]:
     )
     label = Label("knot close behind\nthe stub: pull here", (0.0, y, end))
 
-    return [bench.solid(knot, _LINE)], [
+    return [workbench.solid(knot, _LINE)], [
         label,
         Arrow((0.0, y - 3.0, end), (0.0, y - 3.0, end - 12.0)),
     ]
 
 
-def _tendon(bench: Bench) -> Shown:
-    """Show the tendon: across the back, down both sides, and along
-    both palmar corners past the end of the stub.
-    """
-    anchor = _anchor(bench)
-    back = bench.dims.bone_outline.section.dorsal
-    radius = _anchor(bench).line / 2
+def _tendon(workbench: Workbench) -> PaintedMesh:
+    """Show the tendon: across the back, down both sides, and along both palmar corners."""
+    anchor = _anchor(workbench)
+    back = workbench.dims.bone_outline.section.dorsal
+    radius = _anchor(workbench).line / 2
     across = anchor.strand_x
     sides = (-anchor.strand_x, anchor.strand_x)
     down = (
@@ -136,33 +134,29 @@ def _tendon(bench: Bench) -> Shown:
         cylinder(
             "z",
             centre=(x, anchor.y),
-            low=_end_z(bench) - 8.0,
+            low=_end_z(workbench) - 8.0,
             high=anchor.z,
             radius=radius,
         )
         for x in sides
     )
 
-    return bench.solid(
-        union(
-            cylinder(
-                "x",
-                centre=(back, anchor.z),
-                low=-across,
-                high=across,
-                radius=radius,
-            ),
-            *down,
-            *along,
-        ),
+    return workbench.solid(
+        cylinder(
+            "x",
+            centre=(back, anchor.z),
+            low=-across,
+            high=across,
+            radius=radius,
+        ).union(*down, *along),
         _LINE,
     )
 
 
-def _band(bench: Bench, end_z: float, end_half: float) -> Prism:
+def _band(workbench: Workbench, end_z: float, end_half: float) -> Prism:
     """Build the band from the tendon over the back to a height where it is so wide."""
-    low = bars(bench.design)[1].high[1]
-    begin = _anchor(bench).z + 1.0
+    low = bars(workbench.design)[1].high[1]
+    begin = _anchor(workbench).z + 1.0
     half = 4.0
     side = 1.0
     outer = (end_z, -end_half), (begin, -half), (begin, half), (end_z, end_half)
@@ -180,19 +174,24 @@ def _band(bench: Bench, end_z: float, end_half: float) -> Prism:
     )
 
 
-def pin(bench: Bench, sheet: CastingSheet) -> Scene:
-    joint = _joint(bench)
-    half = bench.dims.pin_length / 2
-    back = bench.dims.bone_outline.section.dorsal
+def pin(workbench: Workbench, sheet: CastingSheet) -> Scene:
+    joint = _joint(workbench)
+    half = workbench.dims.pin_length / 2
+    back = workbench.dims.bone_outline.section.dorsal
     out = 2 * half + 10.0
 
     return Scene(
-        (*_finger(bench), bench.part("hand_stub", (0.0, 0.0, -_APART_MM)), _pin(bench, out)),
+        (
+            *_finger(workbench),
+            workbench.part("hand_stub", (0.0, 0.0, -_APART_MM)),
+            _pin(workbench, out),
+        ),
         _FROM_BACK,
         Label("pin", (-half - out, joint.axis_y, joint.axis_z)),
         Label("stub", (0.0, back, joint.low_z - _APART_MM - 20.0)),
         Label(
-            "wires (not drawn) leave\nhere, in a loose loop", (0.0, back, bench.dims.channel_exit_z)
+            "wires (not drawn) leave\nhere, in a loose loop",
+            (0.0, back, workbench.dims.channel_exit_z),
         ),
         Arrow(
             (-half - 0.8 * out, joint.axis_y + 4.0, joint.axis_z),
@@ -205,36 +204,46 @@ def pin(bench: Bench, sheet: CastingSheet) -> Scene:
     )
 
 
-def tendon(bench: Bench, sheet: CastingSheet) -> Scene:
-    anchor = _anchor(bench)
-    back = bench.dims.bone_outline.section.dorsal
+def tendon(workbench: Workbench, sheet: CastingSheet) -> Scene:
+    anchor = _anchor(workbench)
+    back = workbench.dims.bone_outline.section.dorsal
     x = anchor.strand_x
-    loose = bench.solid(_band(bench, _joint(bench).low_z - 8.0, 4.0), _BAND)
+    loose = workbench.solid(_band(workbench, _joint(workbench).low_z - 8.0, 4.0), _BAND)
 
     return Scene(
-        (*_finger(bench), bench.part("hand_stub"), _pin(bench), _tendon(bench), loose),
+        (
+            *_finger(workbench),
+            workbench.part("hand_stub"),
+            _pin(workbench),
+            _tendon(workbench),
+            loose,
+        ),
         _FROM_BACK,
         Label("tendon in its groove,\nthrough the band", (-0.8 * x, back, anchor.z)),
         Label("down the side, around\nthe round shoulder", (-x, (back + anchor.y) / 2, anchor.z)),
-        Label("through the hole\nof the stub", (-x, anchor.y, _joint(bench).low_z)),
-        Label("out along the slot", (-x, anchor.y, _end_z(bench) - 5.0)),
+        Label("through the hole\nof the stub", (-x, anchor.y, _joint(workbench).low_z)),
+        Label("out along the slot", (-x, anchor.y, _end_z(workbench) - 5.0)),
     )
 
 
-def band(bench: Bench, sheet: CastingSheet) -> Scene:
-    (half, back, _) = bars(bench.design)[1].high
-    low = bars(bench.design)[1].low[1]
-    z, begin, into = (
-        _joint(bench).low_z - NOTCHES_MM[0] - BAND_NOTCH_MM / 2,
-        _anchor(bench).z,
-        half - NOTCH_DEPTH_MM,
-    )
+def band(workbench: Workbench, sheet: CastingSheet) -> Scene:
+    (half, back, _) = bars(workbench.design)[1].high
+    low = bars(workbench.design)[1].low[1]
+    z = _joint(workbench).low_z - NOTCHES_MM[0] - BAND_NOTCH_MM / 2
+    begin = _anchor(workbench).z
+    into = half - NOTCH_DEPTH_MM
     around = Box((-half - 0.5, low - 1.0, z - 1.0), (half + 0.5, back + _BAND_MM, z + 1.0))
     within = Box((-into, low, z - 2.0), (into, back + 2 * _BAND_MM, z + 2.0))
-    stretched = bench.solid(union(_band(bench, z - 1.0, half), difference(around, within)), _BAND)
+    stretched = workbench.solid(_band(workbench, z - 1.0, half).union(around.cut(within)), _BAND)
 
     return Scene(
-        (*_finger(bench), bench.part("hand_stub"), _pin(bench), _tendon(bench), stretched),
+        (
+            *_finger(workbench),
+            workbench.part("hand_stub"),
+            _pin(workbench),
+            _tendon(workbench),
+            stretched,
+        ),
         _FROM_BACK,
         Label(
             "band, over the back\nof the joint",
@@ -245,25 +254,31 @@ def band(bench: Bench, sheet: CastingSheet) -> Scene:
     )
 
 
-def zero(bench: Bench, sheet: CastingSheet) -> Scene:
-    knot, pull = _pull(bench)
-    shown = (*_finger(bench), bench.part("hand_stub"), _pin(bench), _tendon(bench), *knot)
-    return Scene(shown, _FROM_PALM, Label("held straight", bench.head), *pull)
+def zero(workbench: Workbench, sheet: CastingSheet) -> Scene:
+    knot, pull = _pull(workbench)
+    meshes = (
+        *_finger(workbench),
+        workbench.part("hand_stub"),
+        _pin(workbench),
+        _tendon(workbench),
+        *knot,
+    )
+    return Scene(meshes, _FROM_PALM, Label("held straight", workbench.head), *pull)
 
 
-def travel(bench: Bench, sheet: CastingSheet) -> Scene:
-    joint = _joint(bench)
-    (knot, pull) = _pull(bench) if bench.dims.anchor else ([], [])
-    shown = (
-        *_finger(bench, bent_deg=sheet.mount.travel_deg),
-        bench.part("hand_stub"),
-        _pin(bench),
+def travel(workbench: Workbench, sheet: CastingSheet) -> Scene:
+    joint = _joint(workbench)
+    (knot, pull) = _pull(workbench) if workbench.dims.anchor else ([], [])
+    meshes = (
+        *_finger(workbench, bent_deg=sheet.mount.travel_deg),
+        workbench.part("hand_stub"),
+        _pin(workbench),
         *knot,
     )
     stop = "must stop here" if sheet.mount.travel_deg else "must turn freely"
 
     return Scene(
-        shown, Camera.from_angles(0, 0), Label(stop, (0.0, joint.axis_y - 1.0, joint.low_z)), *pull
+        meshes, Camera.from_angles(0, 0), Label(stop, (0.0, joint.axis_y - 1.0, joint.low_z)), *pull
     )
 
 

@@ -1,5 +1,4 @@
-"""Picture of a design: exploded views from both sides, a section through the mold, and a joint on
-the hand.
+"""Picture of a design: exploded views, a section through the mold, and a joint on the hand.
 
 An arrow points at the place where the bone breaks first.
 """
@@ -39,9 +38,7 @@ _GAP_MM = 12.0
 def place_on_hand(
     design: Design, joint: Joint, evaluator: MeshEvaluator, parts: Mapping[str, Solid]
 ) -> list[tuple[str, Mesh]]:
-    """Place parts on the hand without their half at x < 0, straight
-    and bent to the end of travel side by side.
-    """
+    """Place parts, cut at x = 0, on the hand: straight and bent to the end of travel."""
     placed: list[tuple[str, Mesh]] = []
     shift = 0.0
 
@@ -92,6 +89,8 @@ Mark = tuple[str, Point3]
 
 @dataclass(frozen=True)
 class PlacedMesh:
+    """Mesh of a part in its place in a picture."""
+
     label: str
     mesh: Mesh
     colour: Colour
@@ -143,11 +142,10 @@ def draw(
             "its stop"
         )
         work.begin("on the hand")
-        names = ("bone", "skin")
         solids = {
             name: part.solid(design)
             for name, part in parts_by_name(design).items()
-            if name in names
+            if name in ("bone", "skin")
         }
         solids["sensor"] = sensor_body(design)
         placed = place_on_hand(design, design.dimensions.joint, evaluator, solids)
@@ -165,10 +163,11 @@ def _mark_thin_walls(
     """Cover what is thinner than its minimum with red squares."""
     marks = []
     for item in exploded:
-        if (
-            item.label in _MEASURED
-            and (thin := find_thin_walls(design, evaluator, item.label)).matters
-        ):
+        if item.label not in _MEASURED:
+            continue
+
+        thin = find_thin_walls(design, evaluator, item.label)
+        if thin.matters:
             squares = thin.patches()
             moved = Mesh(squares.vertices + np.array(item.offset_mm), squares.triangles)
             marks.append(PlacedMesh(_THIN, moved, _THIN_COLOUR, item.offset_mm))
@@ -178,8 +177,8 @@ def _mark_thin_walls(
 
 def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[PlacedMesh]) -> Mark:
     """Return what to write about the place where the bone breaks first, and where it is drawn."""
-    found = assess_strength(design, evaluator)
-    weakest = found.weakest
+    strength = assess_strength(design, evaluator)
+    weakest = strength.weakest
     vertices = evaluator.mesh(PARTS["bone"].solid(design)).vertices
     (dx, dy, dz) = next(item.offset_mm for item in exploded if item.label == "bone")
     joint = design.dimensions.joint
@@ -193,18 +192,13 @@ def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[Place
         beside = np.abs(vertices[:, 2] - weakest.z_mm) < _MARK_REACH_MM
         y = float(vertices[beside, 1].max(initial=0.0))
 
-    factor = f"z = {weakest.z_mm:.0f} mm, safety factor {found.grip_safety_factor:.1f}"
-    return f"weakest: {weakest.place},\n{factor}\nat the grip force", (
-        dx,
-        y + dy,
-        weakest.z_mm + dz,
-    )
+    factor = f"z = {weakest.z_mm:.0f} mm, safety factor {strength.grip_safety_factor:.1f}"
+    text = f"weakest: {weakest.place},\n{factor}\nat the grip force"
+    return text, (dx, y + dy, weakest.z_mm + dz)
 
 
 def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
-    """Move the parts apart: mold halves above and below, between them
-    bone, sensor and skin, what holds them behind.
-    """
+    """Move the parts apart along the finger, and the halves of the mold above and below them."""
     size = {name: np.ptp(mesh.vertices, axis=0) for name, mesh in parts.items()}
     gap = 6.0
     behind = -0.55 * size["skin"][2]
@@ -254,11 +248,11 @@ def _draw_panel(
     picture = Image.fromarray(image)
     pen = ImageDraw.Draw(picture)
     font = ImageFont.load_default(size=_FONT_PX)
-    taken: NDArray[np.bool_] = np.asarray((image < 255).any(axis=2))
-    _claim(taken, pen.textbbox((16, 10), title, font=font))
+    covered: NDArray[np.bool_] = np.asarray((image < 255).any(axis=2))
+    _claim(covered, pen.textbbox((16, 10), title, font=font))
     pen.text((16, 10), title, fill=_INK, font=font)
     draw_scale_bar(pen, (16.0, height_px - 16.0), scale)
-    _claim(taken, (0, height_px - 34, 260, height_px))
+    _claim(covered, (0, height_px - 34, 260, height_px))
 
     def to_pixel(point: Array) -> tuple[float, float]:
         u, v = ((point - centre) @ camera.axes.T * scale)[:2]
@@ -271,7 +265,7 @@ def _draw_panel(
             font=font,
             text=text,
             tip=to_pixel(np.array(point)),
-            taken=taken,
+            covered=covered,
         )
 
     for item in placed:
@@ -286,9 +280,9 @@ def _draw_panel(
                 height_px / 2 - low,
             )
             text = item.label.replace("_", " ")
-            place = find_free_place(taken, pen.textbbox((0, 0), text, font=font), box)
+            place = find_free_place(covered, pen.textbbox((0, 0), text, font=font), box)
             pen.text(place, text, fill=_INK, font=font)
-            _claim(taken, pen.textbbox(place, text, font=font))
+            _claim(covered, pen.textbbox(place, text, font=font))
 
     return np.asarray(picture)
 
@@ -298,13 +292,13 @@ def _draw_mark(
     font: Any,
     text: str,
     tip: tuple[float, float],
-    taken: NDArray[np.bool_],
+    covered: NDArray[np.bool_],
 ) -> None:
     """Draw a text above the left end of the parts, with a line to the point that it marks."""
     box = pen.multiline_textbbox((0, 0), text, font=font)
-    place = find_free_place(taken, box, (16.0, tip[1] - 40.0, tip[0], tip[1]))
+    place = find_free_place(covered, box, (16.0, tip[1] - 40.0, tip[0], tip[1]))
     pen.multiline_text(place, text, fill=_MARK_INK, font=font)
-    _claim(taken, pen.multiline_textbbox(place, text, font=font))
+    _claim(covered, pen.multiline_textbbox(place, text, font=font))
     start = (
         min(max(tip[0], place[0] + 20), place[0] + box[2] - 20),
         place[1] + (box[3] if place[1] < tip[1] else 0) + 4,
@@ -314,18 +308,17 @@ def _draw_mark(
 
 
 def find_free_place(
-    taken: NDArray[np.bool_],
+    covered: NDArray[np.bool_],
     text: tuple[float, float, float, float],
     part: tuple[float, float, float, float],
 ) -> tuple[float, float]:
     """Find the place nearest to a part where a text covers nothing. Units: `text` [pixels]."""
-    height, width = taken.shape
+    height, width = covered.shape
     wide = int(text[2] - text[0]) + 2 * _CLEAR_PX
     high = int(text[3] - text[1]) + 2 * _CLEAR_PX
     filled = np.zeros((height + 1, width + 1), dtype=np.int64)
-    filled[1:, 1:] = taken.cumsum(axis=0).cumsum(
-        axis=1
-    )  # counts of any rectangle follow from its corners
+    # The count of any rectangle follows from its corners.
+    filled[1:, 1:] = covered.cumsum(axis=0).cumsum(axis=1)
     counts = (
         filled[high:, wide:]
         - filled[:-high, wide:]
@@ -347,14 +340,13 @@ def find_free_place(
     return float(columns[best] + _CLEAR_PX - text[0]), float(rows[best] + _CLEAR_PX - text[1])
 
 
-def _claim(taken: NDArray[np.bool_], box: tuple[float, float, float, float]) -> None:
+def _claim(covered: NDArray[np.bool_], box: tuple[float, float, float, float]) -> None:
     left, top, right, bottom = (max(0, int(side)) for side in box)
-    taken[top : bottom + 1, left : right + 1] = True
+    covered[top : bottom + 1, left : right + 1] = True
 
 
 def picture(design: Design, width_px: int = 1600) -> Picture:
-    """Draw a design: exploded views, a section through the closed mold and, with a joint, the
-    finger on its hand.
+    """Draw exploded views, a section through the mold and any joint on its hand.
 
     `width_px` is the width of the picture [pixels].
     """

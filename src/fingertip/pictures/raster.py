@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import itertools
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -27,23 +28,21 @@ depend on the processor, and pictures must not.
 """
 _PIXELS_AT_ONCE = 100_000
 _ROUNDING_PX = 1e-6
-"""Distance beyond its edges up to which a triangle is drawn: two
-with a common edge leave no pixel of it out.
-"""
+"""Distance beyond its edges to which a triangle is drawn, to leave no gap to the next."""
 _FROM_BELOW = -0.2
 """Dorsal component of the direction to the viewer below which the view is one from below."""
 
 
 @dataclass(frozen=True)
 class Camera:
+    """Direction of an orthographic view."""
+
     axes: Array
     """Directions to the right, upwards and towards the viewer, orthonormal rows of shape (3, 3)."""
 
     @classmethod
     def from_angles(cls, azimuth_deg: float, elevation_deg: float) -> Camera:
-        """Create a camera with distal (z) to the right and dorsal (y)
-        up, turned about y by the azimuth and tilted.
-        """
+        """Create a camera, distal (z) to the right, turned about y and tilted."""
         a = math.radians(azimuth_deg)
         e = math.radians(elevation_deg)
         right = np.array([math.sin(a), 0.0, math.cos(a)])
@@ -55,9 +54,7 @@ class Camera:
     def looking_from(
         cls, towards: tuple[float, float, float], up: tuple[float, float, float]
     ) -> Camera:
-        """Create a camera that looks from the direction `towards`,
-        with `up` pointing upwards as far as it can.
-        """
+        """Create a camera that looks from `towards`, with `up` pointing upwards."""
         back = np.array(towards) / math.hypot(*towards)
         right = np.cross(np.array(up), back)
         right /= np.linalg.norm(right)
@@ -66,9 +63,7 @@ class Camera:
 
 
 class Canvas:
-    """RGB picture with a depth buffer, rendered `oversample` times finer than the image
-    it returns.
-    """
+    """RGB picture with a depth buffer, rendered `oversample` times finer than its image."""
 
     def __init__(
         self,
@@ -104,20 +99,18 @@ class Canvas:
         corners = corners[facing]
         shade = shades[facing, :, 0]
         low = np.maximum(np.ceil(corners[:, :, :2].min(axis=1)), 0).astype(int)
-        high = np.minimum(np.floor(corners[:, :, :2].max(axis=1)), (width - 1, height - 1)).astype(
-            int
-        )
+        largest = np.floor(corners[:, :, :2].max(axis=1))
+        high = np.minimum(largest, (width - 1, height - 1)).astype(int)
         (ax, ay, _), (bx, by, _), (cx, cy, _) = np.moveaxis(corners, 0, 2)
         self._first = np.minimum(self._first, low.min(axis=0, initial=max(width, height))[::-1])
         self._last = np.maximum(self._last, high.max(axis=0, initial=0)[::-1])
-        shown = np.flatnonzero(
-            ((bx - ax) * (cy - ay) - (cx - ax) * (by - ay) != 0.0) & (low <= high).all(axis=1)
-        )
+        has_area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay) != 0.0
+        visible = np.flatnonzero(has_area & (low <= high).all(axis=1))
         # Some triangles at a time, so that the pixels of their boxes fit into the memory that is
         # near the processor.
-        part = np.cumsum((high - low + 1)[shown].prod(axis=1)) // _PIXELS_AT_ONCE
+        part = np.cumsum((high - low + 1)[visible].prod(axis=1)) // _PIXELS_AT_ONCE
 
-        for some in np.split(shown, np.flatnonzero(np.diff(part)) + 1):
+        for some in np.split(visible, np.flatnonzero(np.diff(part)) + 1):
             self._fill_triangles(
                 corners[some],
                 shade=shade[some],
@@ -140,39 +133,39 @@ class Canvas:
         high: Whole,
         paint: int,
     ) -> None:
-        """Fill triangles where they are nearer to the viewer than what has been drawn, row by row
-        of pixels.
+        """Fill triangles, row by row, where they are nearer than what has been drawn.
 
         `low` and `high` are the corners of their boxes [fine pixels]. Of triangles at one depth the
         first is drawn.
         """
-        each, y = _expand(low[:, 1], high[:, 1])
+        triangle, y = _expand(low[:, 1], high[:, 1])
         (ax, ay), (bx, by), (cx, cy) = np.moveaxis(p[:, :, :2], 0, 2)
         det = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
         # Barycentric coordinates v and w of corners b and c, linear in the distance to the right of
         # corner a.
-        v_slope = ((cy - ay) / det)[each]
-        w_slope = ((ay - by) / det)[each]
-        left = ax[each]
-        down = y - ay[each]
-        v_left = down * ((ax - cx) / det)[each]
-        w_left = down * ((bx - ax) / det)[each]
+        v_slope = ((cy - ay) / det)[triangle]
+        w_slope = ((ay - by) / det)[triangle]
+        left = ax[triangle]
+        down = y - ay[triangle]
+        v_left = down * ((ax - cx) / det)[triangle]
+        w_left = down * ((bx - ax) / det)[triangle]
         # In a row, each of u, v and w is 0 at an end of the triangle.
-        ends = [low[each, 0]], [high[each, 0]]
-
-        for slope, value in (
+        begins = [low[triangle, 0]]
+        ends = [high[triangle, 0]]
+        coordinates = (
             (v_slope, v_left),
             (w_slope, w_left),
             (-v_slope - w_slope, 1.0 - v_left - w_left),
-        ):
+        )
+        for slope, value in coordinates:
             with np.errstate(divide="ignore", invalid="ignore"):
                 zero = np.clip(left - value / slope, -1.0, self._depth.shape[1])
 
-            ends[0].append(np.where(slope > 0.0, np.ceil(zero - _ROUNDING_PX), -np.inf))
-            ends[1].append(np.where(slope < 0.0, np.floor(zero + _ROUNDING_PX), np.inf))
+            begins.append(np.where(slope > 0.0, np.ceil(zero - _ROUNDING_PX), -np.inf))
+            ends.append(np.where(slope < 0.0, np.floor(zero + _ROUNDING_PX), np.inf))
 
-        first = np.max(ends[0], axis=0).astype(int)
-        count = np.maximum(np.min(ends[1], axis=0).astype(int) - first + 1, 0)
+        first = np.max(begins, axis=0).astype(int)
+        count = np.maximum(np.min(ends, axis=0).astype(int) - first + 1, 0)
         # A sliver's depth changes by all of its length within its width: its first pixel must not
         # lie outside.
         v = np.clip(v_left + v_slope * (first - left), 0.0, 1.0)
@@ -180,7 +173,7 @@ class Canvas:
 
         def at_start(corners: Array) -> tuple[Array, Array]:
             """Value at the first pixel of each row, and its change from one pixel to the next."""
-            a, to_b, to_c = (corners.T - [[0.0], [1.0], [1.0]] * corners[:, 0])[:, each]
+            a, to_b, to_c = (corners.T - [[0.0], [1.0], [1.0]] * corners[:, 0])[:, triangle]
             return a + v * to_b + w * to_c, v_slope * to_b + w_slope * to_c
 
         start = np.cumsum(count) - count
@@ -189,18 +182,17 @@ class Canvas:
         pixel = number + np.repeat(y * self._depth.shape[1] + first - start, count)
         depth, change = (np.repeat(values, count) for values in at_start(p[:, :, 2]))
         depth += across * change
-        drawn = self._depth.reshape(-1)
-        nearer = np.flatnonzero(depth > drawn[pixel])
+        buffer = self._depth.reshape(-1)
+        nearer = np.flatnonzero(depth > buffer[pixel])
         pixel = pixel[nearer]
         depth = depth[nearer]
-        np.maximum.at(drawn, pixel, depth)
-        seen = np.flatnonzero(depth == drawn[pixel])[
-            ::-1
-        ]  # the last that is assigned to a pixel counts
-        row = np.repeat(np.arange(len(count)), count)[nearer[seen]]
-        pixel = pixel[seen]
+        np.maximum.at(buffer, pixel, depth)
+        # The last that is assigned to a pixel counts, so the first triangle comes last.
+        visible = np.flatnonzero(depth == buffer[pixel])[::-1]
+        row = np.repeat(np.arange(len(count)), count)[nearer[visible]]
+        pixel = pixel[visible]
         light, change = at_start(shade)
-        self._light.reshape(-1)[pixel] = light[row] + across[nearer[seen]] * change[row]
+        self._light.reshape(-1)[pixel] = light[row] + across[nearer[visible]] * change[row]
         self._paint.reshape(-1)[pixel] = paint
 
     def cover(self) -> NDArray[np.uint8]:
@@ -212,9 +204,7 @@ class Canvas:
         return cover
 
     def image(self) -> NDArray[np.uint8]:
-        """Return the picture (height, width, 3), outlined at steps in
-        depth and averaged to its final resolution.
-        """
+        """Return the picture (height, width, 3), with outlines, in its final resolution."""
         k = self._k
         height, width = self._depth.shape
         picture = np.full((height // k, width // k, 3), 255, dtype=np.uint8)
@@ -226,40 +216,35 @@ class Canvas:
         light[_outline(self._depth[window], self._scale)] *= 0.45
         colour = np.array(self._colours, dtype=np.float32)[self._paint[window]]
         colour *= light[:, :, None]
-        small = sum(colour[row::k, column::k] for row in range(k) for column in range(k)) / (k * k)
+        offsets = itertools.product(range(k), repeat=2)
+        small = sum(colour[row::k, column::k] for row, column in offsets) / (k * k)
         picture[top:bottom, left:right] = (np.clip(small, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
 
         return picture
 
 
 def _expand(first: Whole, last: Whole) -> tuple[Whole, Whole]:
-    """List the whole numbers of ranges, one range after the
-    other, each with the index of its range.
-    """
+    """List the whole numbers of consecutive ranges, each with the index of its range."""
     count = np.maximum(last - first + 1, 0)
-    each = np.repeat(np.arange(len(count)), count)
-    return each, np.arange(len(each)) + (first - np.cumsum(count) + count)[each]
+    index = np.repeat(np.arange(len(count)), count)
+    return index, np.arange(len(index)) + (first - np.cumsum(count) + count)[index]
 
 
 def _outline(depth: Array, scale: float) -> NDArray[np.bool_]:
-    """Find the pixels at which the depth drops by more than 1 mm
-    to a neighbour, or the background begins.
-    """
+    """Find the pixels next to the background or a neighbour more than 1 mm deeper."""
     step = np.zeros(depth.shape, dtype=bool)
-    for one, other in ((np.s_[1:], np.s_[:-1]), (np.s_[:, 1:], np.s_[:, :-1])):
-        with np.errstate(invalid="ignore"):  # of two pixels in the background, none is a step
-            jump = depth[one] - depth[other]
+    for pixels, neighbours in ((np.s_[1:], np.s_[:-1]), (np.s_[:, 1:], np.s_[:, :-1])):
+        with np.errstate(invalid="ignore"):  # two pixels of the background are no step
+            jump = depth[pixels] - depth[neighbours]
 
-        step[one] |= jump > scale
-        step[other] |= jump < -scale
+        step[pixels] |= jump > scale
+        step[neighbours] |= jump < -scale
 
     return step
 
 
 def _shades(mesh: Mesh, camera: Camera) -> Array:
-    """Compute at each corner the brightness and the cosine between
-    facet normal and view direction, shape (m, 3, 2).
-    """
+    """Compute each corner's brightness and cosine between facet normal and view, (m, 3, 2)."""
     corners = mesh.vertices[mesh.triangles]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(cross, axis=1, keepdims=True)
@@ -277,20 +262,17 @@ def _shades(mesh: Mesh, camera: Camera) -> Array:
 
 
 def _smooth_normals(mesh: Mesh, weighted: Array, facet: Array) -> Array:
-    """Compute at each corner the mean normal of the facets around its
-    vertex that meet without a crease, (m, 3, 3).
-    """
+    """Compute each corner's mean normal of the facets that meet without a crease, (m, 3, 3)."""
     vertex = mesh.triangles.ravel()
     order = np.argsort(vertex, kind="stable")
     count = np.bincount(vertex, minlength=len(mesh.vertices))
     start = np.concatenate(([0], np.cumsum(count)[:-1]))[vertex]
-    corner, place = _expand(
-        start, start + count[vertex] - 1
-    )  # each corner with every corner at its vertex
-    other = order[place] // 3
-    smooth = np.einsum("ij,ij->i", facet[corner // 3], facet[other]) > _CREASE_COSINE
+    # Each corner, with every facet at its vertex.
+    corner, place = _expand(start, start + count[vertex] - 1)
+    neighbour = order[place] // 3
+    smooth = np.einsum("ij,ij->i", facet[corner // 3], facet[neighbour]) > _CREASE_COSINE
     total = np.zeros((len(vertex), 3))
-    np.add.at(total, corner[smooth], weighted[other[smooth]])
+    np.add.at(total, corner[smooth], weighted[neighbour[smooth]])
     length = np.linalg.norm(total, axis=1, keepdims=True)
     unit: Array = np.divide(total, length, out=np.zeros_like(total), where=length > 0)
 
@@ -298,9 +280,7 @@ def _smooth_normals(mesh: Mesh, weighted: Array, facet: Array) -> Array:
 
 
 def bounds(meshes: Iterable[Mesh], camera: Camera) -> tuple[Array, Array]:
-    """Compute the centre [mm, in space] and the size [mm, right and
-    up] of the meshes as the camera sees them.
-    """
+    """Compute centre [mm, in space] and size [mm, right and up] of meshes in a camera's view."""
     projected = np.round(
         np.concatenate([mesh.vertices for mesh in meshes]) @ camera.axes.T, _DECIMALS
     )
@@ -312,7 +292,6 @@ def bounds(meshes: Iterable[Mesh], camera: Camera) -> tuple[Array, Array]:
 
 def to_png(picture: Image.Image) -> bytes:
     file = io.BytesIO()
-    picture.save(
-        file, format="PNG", compress_level=6
-    )  # the highest level takes four times as long for a tenth less
+    # The highest level takes four times as long for a tenth less.
+    picture.save(file, format="PNG", compress_level=6)
     return file.getvalue()

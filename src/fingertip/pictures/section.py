@@ -1,5 +1,4 @@
-"""Longitudinal sections of the core in its closed cup and of the bone, with every feature named
-beside it.
+"""Longitudinal sections of the closed cup with its core and of the bone, with named features.
 
 The cut is drawn as polygons: meshes that touch in the plane would fight for each pixel in a depth
 buffer. A notch that lies in another plane is drawn there as a dashed outline. Names stand above and
@@ -26,7 +25,7 @@ from fingertip.models import mold
 from fingertip.models.mold_layout import GAP_MM, PLATE_MM
 from fingertip.models.parts import PARTS, parts_by_name
 from fingertip.models.sensor import sensor_body
-from fingertip.models.solids import Solid, intersection
+from fingertip.models.solids import Solid
 from fingertip.pictures.raster import Colour, Font, Pen
 
 Point = tuple[float, float]
@@ -52,6 +51,8 @@ _NEAR_MM = 1.3
 
 @dataclass(frozen=True)
 class Section:
+    """Longitudinal section of some parts, with the features to name."""
+
     title: str
     parts: Mapping[str, Solid]
     dashed: Sequence[tuple[Solid, float]]
@@ -64,7 +65,7 @@ def list_sections(design: Design) -> list[Section]:
     solids = {name: part.solid(design) for name, part in parts_by_name(design).items()}
     finger = {"bone": solids["bone"], "sensor": sensor_body(design)}
     cast = {name: solids[name] for name in ("mold_dorsal", "mold_palmar", "skin", "core")}
-    notch = intersection(mold.notches(design)[1], mold.block(design))
+    notch = mold.notches(design)[1].intersect(mold.block(design))
     title = (
         "longitudinal section of the closed cup and its core; it stands on its right end; "
         "dashed: an overflow notch"
@@ -89,16 +90,18 @@ def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> N
     assert isinstance(font, Font)
     cuts = {name: slice_solid(evaluator, solid, _PLANE_MM) for name, solid in section.parts.items()}
     dashed = [slice_solid(evaluator, solid, x) for solid, x in section.dashed]
-    outlines = [ring for rings in (*cuts.values(), *dashed) for ring in rings]
+    outlines = [*itertools.chain(*cuts.values(), *dashed)]
     corners = np.concatenate(outlines)
     low = corners.min(axis=0)
     high = corners.max(axis=0)
     scale = 0.8 * width_px / (high[0] - low[0])
     size = (high - low) * scale
-    features = [one for one in dict.fromkeys(section.features) if is_near(one[1], outlines)]
+    features = [
+        feature for feature in dict.fromkeys(section.features) if is_near(feature[1], outlines)
+    ]
     above, below = (
         _place_names(
-            [one for one in features if (one[1][1] < 0) == is_low],
+            [feature for feature in features if (feature[1][1] < 0) == is_low],
             font=font,
             low_z=low[0],
             scale=scale,
@@ -121,15 +124,13 @@ def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> N
     for name, rings in cuts.items():
         base = PARTS[name].colour if name in PARTS else SENSOR_COLOUR
         red, green, blue = (round(255 * _CUT_SHADE * part) for part in base)
-        _fill(
-            picture, [[to_pixel(corner) for corner in ring] for ring in rings], (red, green, blue)
-        )
+        _fill(picture, [[*map(to_pixel, ring)] for ring in rings], (red, green, blue))
 
-    for rings in dashed:
-        for ring in rings:
-            _dash(pen, [to_pixel(corner) for corner in (*ring, ring[0])])
+    for ring in itertools.chain(*dashed):
+        _dash(pen, [*map(to_pixel, (*ring, ring[0]))])
 
-    for names, line_y, way in ((above, top - _LINE_PX, -1), (below, top + size[1] + _LINE_PX, 1)):
+    sides = ((above, top - _LINE_PX, -1), (below, top + size[1] + _LINE_PX, 1))
+    for names, line_y, way in sides:
         for (name, at), x, row in names:
             _draw_name(
                 pen,
@@ -147,9 +148,7 @@ def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> N
 
 
 def is_near(point: Point, outlines: Sequence[Array]) -> bool:
-    """Return whether a point lies within an outline or close to
-    one: the section then shows what is there.
-    """
+    """Return whether a point lies within an outline or close to it."""
     at = np.array(point)
     is_inside = False
 
@@ -170,25 +169,22 @@ def is_near(point: Point, outlines: Sequence[Array]) -> bool:
 
 
 def slice_solid(evaluator: MeshEvaluator, solid: Solid, x: float) -> list[Array]:
-    """Cut a solid by the plane at `x` [mm]; returns its
-    outlines as points (z, y), holes among them.
-    """
-    turned = evaluator.manifold(solid).rotate(
-        (0.0, -90.0, 0.0)
-    )  # x becomes the height, z runs against the first axis
+    """Cut a solid at a plane `x` [mm]; returns its outlines as points (z, y)."""
+    # x becomes the height, and z runs against the first axis.
+    turned = evaluator.manifold(solid).rotate((0.0, -90.0, 0.0))
     return [np.asarray(ring) * np.array([-1.0, 1.0]) for ring in turned.slice(x).to_polygons()]
 
 
 def draw_scale_bar(pen: Pen, corner: Point, pixels_per_mm: float) -> None:
     """Draw a bar of a round length, its lower left corner at a point of the picture."""
-    wanted = 130 / pixels_per_mm
-    decade = 10.0 ** math.floor(math.log10(wanted))
-    length = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= wanted)
+    longest = 130 / pixels_per_mm
+    decade = 10.0 ** math.floor(math.log10(longest))
+    length = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= longest)
     x, y = corner
     end = x + length * pixels_per_mm
     pen.line([(x, y), (end, y)], fill=_INK, width=2)
-    for at in (x, end):
-        pen.line([(at, y - 5), (at, y + 5)], fill=_INK, width=2)
+    for tick in (x, end):
+        pen.line([(tick, y - 5), (tick, y + 5)], fill=_INK, width=2)
 
     font = ImageFont.load_default(size=_FONT_PX - 2)
     pen.text((end + 8, y), f"{length:g} mm", fill=_INK, font=font, anchor="lm")
@@ -253,9 +249,7 @@ def _place_names(
     width_px: int,
     length_px: float,
 ) -> list[_PlacedName]:
-    """Place names in as few rows as their widths allow, each as near as possible to what
-    it names.
-    """
+    """Place names in few rows, each as near as possible to what it names."""
     left = (width_px - length_px) / 2
     ordered = sorted(features, key=lambda feature: feature[1][0])
     widths = [font.getlength(name) / _FINE + _GAP_PX for name, _ in ordered]
@@ -264,19 +258,17 @@ def _place_names(
 
     for row in range(rows):
         chosen = list(itertools.islice(zip(ordered, widths, strict=True), row, None, rows))
-        wanted = [left + (at[0] - low_z) * scale for (_, at), _ in chosen]
-        middles = spread([width for _, width in chosen], wanted, width_px)
+        wishes = [left + (point[0] - low_z) * scale for (_, point), _ in chosen]
+        middles = spread([width for _, width in chosen], wishes, width_px)
         placed += [(feature, x, row) for (feature, _), x in zip(chosen, middles, strict=True)]
 
     return placed
 
 
-def spread(widths: Sequence[float], wanted: Sequence[float], total: float) -> list[float]:
-    """Shift intervals until none overlaps, in blocks at their mean
-    wish within `total`; returns their middles.
-    """
+def spread(widths: Sequence[float], wishes: Sequence[float], total: float) -> list[float]:
+    """Shift intervals, in blocks within `total`, until none overlaps; returns their middles."""
     blocks: list[tuple[float, float, list[int]]] = []  # middle, width, members
-    for i, (width, wish) in enumerate(zip(widths, wanted, strict=True)):
+    for i, (width, wish) in enumerate(zip(widths, wishes, strict=True)):
         middle = wish
         size = width
         members = [i]
@@ -286,21 +278,21 @@ def spread(widths: Sequence[float], wanted: Sequence[float], total: float) -> li
             if not blocks or blocks[-1][0] + blocks[-1][1] / 2 <= middle - size / 2 + 1e-9:
                 break
 
-            _, before, others = blocks.pop()
-            members = [*others, *members]
+            _, before, merged = blocks.pop()
+            members = [*merged, *members]
             size += before
-            middle = sum(wanted[k] for k in members) / len(members)
+            middle = sum(wishes[k] for k in members) / len(members)
 
         blocks.append((middle, size, members))
 
-    found = [0.0] * len(widths)
+    middles = [0.0] * len(widths)
     for middle, size, members in blocks:
         start = middle - size / 2
         for k in members:
-            found[k] = start + widths[k] / 2
+            middles[k] = start + widths[k] / 2
             start += widths[k]
 
-    return found
+    return middles
 
 
 def _count_rows(names: Sequence[_PlacedName]) -> int:
@@ -336,9 +328,9 @@ def _fill(picture: Any, rings: Sequence[Sequence[Point]], colour: tuple[int, int
     """Fill outlines by the even-odd rule, so that holes stay open, and draw their edges."""
     mask = Image.new("1", picture.size)
     for ring in rings:
-        one = Image.new("1", picture.size)
-        ImageDraw.Draw(one).polygon(list(ring), fill=1)
-        mask = ImageChops.logical_xor(mask, one)
+        filled = Image.new("1", picture.size)
+        ImageDraw.Draw(filled).polygon(list(ring), fill=1)
+        mask = ImageChops.logical_xor(mask, filled)
 
     picture.paste(colour, mask=mask)
     pen = ImageDraw.Draw(picture)
@@ -353,17 +345,18 @@ def _dash(pen: Pen, line: Sequence[Point]) -> None:
 
     for (ax, ay), (bx, by) in itertools.pairwise(line):
         length = math.hypot(bx - ax, by - ay)
-        at = 0.0
-        while at < length:
-            phase = (done + at) % (on + off)
-            step = min((on if phase < on else on + off) - phase, length - at)
+        way = 0.0
+        while way < length:
+            phase = (done + way) % (on + off)
+            end = on if phase < on else on + off
+            step = min(end - phase, length - way)
             if phase < on:
                 ends = [
                     (ax + (bx - ax) * t / length, ay + (by - ay) * t / length)
-                    for t in (at, at + step)
+                    for t in (way, way + step)
                 ]
                 pen.line(ends, fill=_INK, width=round(1.3 * _FINE))
 
-            at += max(step, 1e-6)
+            way += max(step, 1e-6)
 
         done += length

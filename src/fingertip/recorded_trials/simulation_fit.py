@@ -171,13 +171,14 @@ def _describe_law(
     """Return the figures of a law, with the intervals that hold those of all likely laws."""
     exponents = []
     conductances_us = []
-    for each, sign in itertools.product(likely, (-1, 1)):
-        exponents.append(each.exponent + sign * each.coverage_factor * each.exponent_uncertainty)
-        spread = math.sqrt(1 / count + each.mean_log_force**2 / each.squares)
-        factor = math.exp(sign * each.coverage_factor * each.scatter * spread)
-        conductances_us.append(1e6 * each.conductance_s * factor)
+    for candidate, sign in itertools.product(likely, (-1, 1)):
+        factor = sign * candidate.coverage_factor
+        exponents.append(candidate.exponent + factor * candidate.exponent_uncertainty)
+        spread = math.sqrt(1 / count + candidate.mean_log_force**2 / candidate.squares)
+        ratio = math.exp(factor * candidate.scatter * spread)
+        conductances_us.append(1e6 * candidate.conductance_s * ratio)
 
-    turn_ons_n = [each.turn_on_n for each in likely]
+    turn_ons_n = [candidate.turn_on_n for candidate in likely]
     conductance_us = 1e6 * law.conductance_s
     rows = (
         ("turn_on_n", "N", law.turn_on_n, turn_ons_n, 1.0),

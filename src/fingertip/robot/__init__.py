@@ -5,7 +5,7 @@ In: a design. Out: meshes, and figures in m, kg and N in the frame of the interf
 
 >>> from fingertip.design import Design
 >>> from fingertip.pad.pad_geometry import PadForm
->>> from fingertip.robot.contact import mesh_active_area
+>>> from fingertip.robot.tactile_mesh import mesh_active_area
 >>> len(mesh_active_area(PadForm.of_design(Design())).points_mm)  # points of the tactile sensor
 121
 """

@@ -22,7 +22,9 @@ from fingertip.models.hand_stub import guide as tendon_guide
 from fingertip.models.parts import PARTS, find_frames, hardware, parts_by_name
 from fingertip.models.solids import Point3, cylinder
 from fingertip.pad.pad_geometry import PadForm
-from fingertip.robot.contact import ContactLaw, TactileMesh, cut_skin, fit_contact, mesh_active_area
+from fingertip.robot.collision_pieces import cut_skin
+from fingertip.robot.contact import ContactLaw, fit_contact
+from fingertip.robot.tactile_mesh import TactileMesh, mesh_active_area
 
 TOLERANCE_MM = 0.02
 """Largest distance of a facet of the parts from the exact surface [mm]."""

@@ -1,10 +1,9 @@
-"""Studio: a local page with a form of a design's parameters, whose parts are redrawn while somebody
-moves a slider.
+"""Studio: a local page with a form of parameters, where parts follow each change.
 
 In: the values of the form, with each change. Out: parts, figures and checks for the page, and files
 to save.
 
->>> from fingertip.studio.page import make_form
+>>> from fingertip.studio.form_page import make_form
 >>> len(make_form()["sensor"])  # fields of that table
 5
 """

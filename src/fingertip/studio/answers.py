@@ -1,5 +1,4 @@
-"""Answers of the studio: what a design of the form gives, as data for its page and as files to
-save.
+"""Answers of the studio to a design of the form: data for its page, and files to save.
 
 The files are byte for byte those that `fingertip build` writes. Whether the design passes the
 rules, and with which values of the parameter in hand it would, is answered at once, beside whatever
@@ -9,6 +8,7 @@ the worker makes.
 from __future__ import annotations
 
 import io
+import itertools
 import math
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
@@ -37,7 +37,7 @@ from fingertip.documents.finger_sheets import FirstScreen, render_start
 from fingertip.fitting.fitting import fit_tables
 from fingertip.foundation.errors import DesignError, FingertipError, Issue
 from fingertip.models.parts import PARTS, parts_by_name, print_scale
-from fingertip.models.solids import Solid, scaled
+from fingertip.models.solids import Solid
 from fingertip.page.html import Markup
 from fingertip.page.markdown_sheets import render_facts, split_sections
 from fingertip.page.model_section import Item, measure_finger, place_items, render_boxes, scene_data
@@ -56,9 +56,7 @@ if TYPE_CHECKING:
 
 
 VIEW_TOLERANCE_MM = 0.05
-"""Tolerance of the meshes that are shown, and of the checks that follow
-each change [mm]: as fine as a screen shows.
-"""
+"""Tolerance of shown meshes and quick checks [mm]: as fine as a screen shows."""
 FILE_TOLERANCE_MM = 0.01
 """Tolerance of the files and of all checks [mm], that of `fingertip build`."""
 _MESHES_KEPT = 64
@@ -68,9 +66,7 @@ _PICTURE_PX = 320
 
 
 class AskingEvaluator(MeshEvaluator):
-    """Mesh kernel that asks before each solid whether somebody still waits for what is
-    made of it.
-    """
+    """Mesh kernel that asks before each solid whether its result is still wanted."""
 
     def __init__(self, tolerance_mm: float, still_wanted: StillWanted) -> None:
         super().__init__(tolerance_mm)
@@ -83,23 +79,24 @@ class AskingEvaluator(MeshEvaluator):
 
 
 def read_design(tables: Mapping[str, Any], before: Design) -> Design:
-    kept = [
+    """Read the design of a form that was opened with another one. Raises DesignError."""
+    guesses = [
         name
         for name, value in flatten(tables)
         if name in before.provisional and value == before.value(name)
     ]
-    return Design.from_tables(tables, before.model_dump(mode="json"), provisional=kept)
+    return Design.from_tables(tables, before.model_dump(mode="json"), provisional=guesses)
 
 
 def describe_issues(error: FingertipError) -> list[dict[str, str]]:
     """Describe issues in the words of the page, on which a button fits the other values."""
-    said = {
-        issue: issue.message.replace("add --fit", "fit the other values") for issue in error.issues
-    }
-    return [
-        {"field": issue.field, "message": said[issue].replace("--fit", "the fit")}
-        for issue in error.issues
-    ]
+    described = []
+    for issue in error.issues:
+        message = issue.message.replace("add --fit", "fit the other values")
+        message = message.replace("--fit", "the fit")
+        described.append({"field": issue.field, "message": message})
+
+    return described
 
 
 @dataclass(frozen=True)
@@ -121,7 +118,7 @@ class Answer:
     pad: Markup | None = None
     """Picture of what the sensor feels."""
     bands: tuple[Band, ...] | None = None
-    said: str | None = None
+    band_text: str | None = None
     """Values of the parameter in hand that pass with the others as they are."""
     issues: list[dict[str, str]] | None = None
     passing: float | None = None
@@ -136,28 +133,23 @@ def answer_parts(design: Design, still_wanted: StillWanted) -> Answer:
 
 
 def answer_figures(design: Design, still_wanted: StillWanted) -> Answer:
-    """Tell size, masses, days and prices as the page of the design
-    does, from meshes at the tolerance of the view.
-    """
+    """Return size, masses, days and prices, from meshes at the tolerance of the view."""
     items = make_items(design, still_wanted)
     casting = casting_sheet(design, AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted))
     still_wanted()
-    sections = split_sections(
-        render_start(
-            FirstScreen(
-                design=design,
-                casting=casting,
-                loads=None,
-                size_mm=measure_finger(items),
-                files=(),
-                steps=0,
-                verdict="",
-            )
-        )
+    screen = FirstScreen(
+        design=design,
+        casting=casting,
+        loads=None,
+        size_mm=measure_finger(items),
+        files=(),
+        steps=0,
+        verdict="",
     )
-    shown = {heading: sections[heading] for heading in _FIGURES if heading in sections}
+    sections = split_sections(render_start(screen))
+    facts = {heading: sections[heading] for heading in _FIGURES if heading in sections}
 
-    return Answer(figures=render_facts(shown))
+    return Answer(figures=render_facts(facts))
 
 
 _FIGURES = ("Size", "Print", "Silicone", "Time", "Money")
@@ -187,35 +179,30 @@ def answer_checks(design: Design, still_wanted: StillWanted) -> Answer:
         "those of the files, "
         "which have checks of their own. A check that fails names the parameters to change."
     )
-    checked = _describe_checks(checks, "of the shape passed", basis)
+    answer = _describe_checks(checks, "of the shape passed", basis)
 
-    return replace(checked, moves=shapes_of_parameters(design))
+    return replace(answer, moves=shapes_of_parameters(design))
 
 
 def answer_all_checks(design: Design, still_wanted: StillWanted) -> Answer:
     """Make the files in memory and run every check of `fingertip build` that needs no STEP file."""
-    found = verify(
-        design,
-        parts_by_name(design),
-        ("stl", "3mf"),
-        AskingEvaluator(FILE_TOLERANCE_MM, still_wanted),
-    )
-    checked = _describe_checks(found.checks, "of shape and files passed", EVERY_FILE)
-    return replace(checked, pad=render_pad(design))
+    evaluator = AskingEvaluator(FILE_TOLERANCE_MM, still_wanted)
+    verified = verify(design, parts_by_name(design), ("stl", "3mf"), evaluator)
+    answer = _describe_checks(verified.checks, "of shape and files passed", EVERY_FILE)
+    return replace(answer, pad=render_pad(design))
 
 
 def _describe_checks(checks: Sequence[Check], passed: str, basis: str) -> Answer:
     reported = [ReportedCheck.read(check.to_dict()) for check in checks]
     failed = tuple(check.name for check in checks if not check.passed)
     verdict = render_verdict(reported, passed)
-    shown = render_checks(reported, basis)
 
     return Answer(
         passed=not failed,
         failed=failed,
         count=len(checks),
         verdict=verdict,
-        checks=shown,
+        checks=render_checks(reported, basis),
     )
 
 
@@ -234,12 +221,12 @@ ANSWERS: Mapping[str, Callable[[Design, StillWanted], Answer]] = {
 """Name in the address -> function that answers, after the answers before it."""
 
 _FIRST_DATE = (1980, 1, 1, 0, 0, 0)
-"""Earliest date of a ZIP file: the files have none, so that the same design gives the
-same bytes.
-"""
+"""Earliest date of a ZIP file, for all files: the same design gives the same bytes."""
 
 
 class Download(NamedTuple):
+    """File that the page saves."""
+
     name: str
     content_type: str
     data: bytes
@@ -252,9 +239,7 @@ def download_design(design: Design, still_wanted: StillWanted) -> Download:
 
 
 def download_parts(design: Design, still_wanted: StillWanted) -> Download:
-    """Write a ZIP file of the STL files of all parts, in place and
-    as they lie on the bed, and of the design.
-    """
+    """Write a ZIP file of the design and of the STL files, in place and on the bed."""
     meshes = _make_meshes(design, still_wanted)
     files = {
         f"{name}.stl": stl.to_bytes(mesh, name, PARTS[name].note) for name, mesh in meshes.items()
@@ -292,29 +277,27 @@ DOWNLOADS: Mapping[str, tuple[str, Callable[[Design, StillWanted], Download]]] =
         lambda design, _: Download(f"{design.name}.png", "image/png", _draw_finger(design)),
     ),
 }
-"""Name in the address -> label of its button, "" if it has none, and function that makes
-the file.
-"""
+"""Name in the address -> label of its button or "", and function that makes the file."""
 
 
 def _make_meshes(design: Design, still_wanted: StillWanted) -> dict[str, Mesh]:
     evaluator = AskingEvaluator(FILE_TOLERANCE_MM, still_wanted)
     return {
-        name: evaluator.mesh(scaled(part.solid(design), print_scale(design, part)))
+        name: evaluator.mesh(part.solid(design).scaled(print_scale(design, part)))
         for name, part in parts_by_name(design).items()
     }
 
 
 def _pack(files: Mapping[str, bytes]) -> bytes:
-    packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in files.items():
             entry = zipfile.ZipInfo(name, _FIRST_DATE)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = 0o644 << 16
             archive.writestr(entry, data)
 
-    return packed.getvalue()
+    return buffer.getvalue()
 
 
 _BANDS_KEPT = 256
@@ -326,52 +309,47 @@ class BandFinder:
 
     def __init__(self, opened: Design) -> None:
         self.opened = opened
-        self._found: dict[tuple[DesignTables, str], tuple[Band, ...]] = {}
+        self._bands: dict[tuple[DesignTables, str], tuple[Band, ...]] = {}
 
     def find(
         self, tables: Mapping[str, Any], path: str, still_wanted: StillWanted
     ) -> tuple[Band, ...]:
-        """Find the bands of a parameter; none for one that is no
-        number, or beside others that are not valid.
-        """
+        """Find the bands of a parameter; none if it is no number, or others are not valid."""
         if path not in PARAMETERS or not is_number(path):
             return ()
 
         table, _, key = path.partition(".")
         try:
             present = tables[table][key]
-            others = DesignTables(
-                **{**tables, table: {**tables[table], key: self.opened.value(path)}}
-            )
+            changed = {**tables[table], key: self.opened.value(path)}
+            base = DesignTables(**{**tables, table: changed})
         except (ValidationError, LookupError, TypeError):
             return ()
 
-        if (others, path) not in self._found:
-            is_valid = isinstance(present, int | float) and find_bounds(PARAMETERS[path]).contain(
-                present
-            )
+        if (base, path) not in self._bands:
+            bounds = find_bounds(PARAMETERS[path])
+            is_valid = isinstance(present, int | float) and bounds.contain(present)
             tried = [as_typed(path, present)] if is_valid else []
-            bands = find_bands(others, path, tried, still_wanted)
-            if len(self._found) >= _BANDS_KEPT:
-                self._found.clear()
+            bands = find_bands(base, path, tried, still_wanted)
+            if len(self._bands) >= _BANDS_KEPT:
+                self._bands.clear()
 
-            self._found[others, path] = bands
+            self._bands[base, path] = bands
 
-        return self._found[others, path]
+        return self._bands[base, path]
 
 
 def answer_bands(
     finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted
 ) -> Answer:
     bands = finder.find(tables, path, still_wanted)
-    return Answer(bands=bands, said=describe_bands(path, bands) if bands else "")
+    return Answer(bands=bands, band_text=describe_bands(path, bands) if bands else "")
 
 
 def answer_rules(
     finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted
 ) -> Answer:
-    """Say with which value of the parameter in hand the form's design would pass, if it does not;
-    else nothing.
+    """Return the values of the parameter in hand with which a refused design passes.
 
     Raises DesignError if no value of that parameter helps: its issues say what does.
     """
@@ -391,7 +369,7 @@ def answer_rules(
         passing = _find_nearest(tables[table][key], finder.opened.value(path), bands)
         return Answer(
             bands=bands,
-            said=values,
+            band_text=values,
             issues=describe_issues(DesignError(refused)),
             passing=passing,
         )
@@ -400,9 +378,9 @@ def answer_rules(
 
 
 def answer_fit(
-    finder: BandFinder, tables: Mapping[str, Any], given: str, still_wanted: StillWanted
+    finder: BandFinder, tables: Mapping[str, Any], names: str, still_wanted: StillWanted
 ) -> Answer:
-    """Fit the form's design to what its user has given: names, separated by spaces.
+    """Fit the form's design to the values of these names, separated by spaces.
 
     Raises DesignError.
     """
@@ -410,7 +388,7 @@ def answer_fit(
     fitted = fit_tables(
         tables,
         before=before,
-        changed=given.split(),
+        changed=names.split(),
         progress=lambda _: still_wanted(),
         provisional=finder.opened.provisional,
     )
@@ -418,18 +396,17 @@ def answer_fit(
 
 
 def _find_nearest(present: object, opened: float, bands: Sequence[Band]) -> float:
-    """Find the passing value that is nearest to the present one, or
-    to the opened one if that is no number.
-    """
-    wanted = present if isinstance(present, int | float) and math.isfinite(present) else opened
-    ends = [end for band in bands for end in band]
-    return min(
-        [*ends, *(opened for low, high in bands if low <= opened <= high)],
-        key=lambda end: abs(end - wanted),
-    )
+    """Find the passing value nearest to the present one, or else to the opened one."""
+    target = opened
+    if isinstance(present, int | float) and math.isfinite(present):
+        target = present
+
+    candidates = list(itertools.chain.from_iterable(bands))
+    if any(low <= opened <= high for low, high in bands):
+        candidates.append(opened)
+
+    return min(candidates, key=lambda value: abs(value - target))
 
 
 AT_ONCE = {"rules": answer_rules, "bands": answer_bands, "fit": answer_fit}
-"""Name in the address -> function that answers a question on the
-parameter in hand, whatever the worker does.
-"""
+"""Name in the address -> function that answers at once, beside the worker."""

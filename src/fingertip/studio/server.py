@@ -28,15 +28,13 @@ from fingertip.design.design_file import flatten
 from fingertip.foundation.errors import DesignError, FingertipError, Issue, StudioError
 from fingertip.foundation.tables import UnusableTomlError, check_values
 from fingertip.studio import answers
-from fingertip.studio.page import render_locked, render_studio
+from fingertip.studio.form_page import render_locked, render_studio
 from fingertip.studio.worker import NewestWinsWorker, SupersededError
 
 ADDRESS = "127.0.0.1"
 """Address that the studio listens on."""
 TOKEN_HEADER = "X-Fingertip-Token"
-"""Header of a request that carries the token.
-A page of another origin cannot set it without being asked first.
-"""
+"""Header that carries the token; a page of another origin cannot set it unasked."""
 MAX_PORT = 65535
 _TIMEOUT_S = 60.0
 """Time after which a connection that sends nothing is closed [s]."""
@@ -90,9 +88,7 @@ class StudioServer(ThreadingHTTPServer):
         return f"http://{self.hosts[0]}/?token={self.token}"
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Print an exception that nobody expected; not that of a
-        connection, which ends where its page is closed.
-        """
+        """Print an unexpected exception, but not the end of a connection."""
         if not isinstance(sys.exc_info()[1], OSError):
             super().handle_error(request, client_address)
 
@@ -111,9 +107,7 @@ class _RefusedRequestError(Exception):
 
 @dataclass(frozen=True)
 class _Request:
-    """Request of the page: the values of its form, and the name
-    of the field in hand if there is one.
-    """
+    """Request of the page: values of its form, and the field in hand, if any."""
 
     tables: dict[str, Any]
     client: str
@@ -150,9 +144,8 @@ class _Handler(BaseHTTPRequestHandler):
             reply = _make_json({"error": str(refused)}, refused.status)
         except SupersededError:
             reply = _make_json({"superseded": True})
-        except (
-            FingertipError
-        ) as error:  # a result like any other: browsers log other statuses as errors
+        except FingertipError as error:
+            # A result like any other: browsers log other statuses as errors.
             reply = _make_json({"issues": answers.describe_issues(error)})
         except Exception:
             traceback.print_exc()
@@ -192,18 +185,17 @@ class _Handler(BaseHTTPRequestHandler):
             )
             raise DesignError(Issue("bone.adapter_file", message))
 
-        is_download = name == "download"
-        answer = (
-            answers.DOWNLOADS.get(rest[0], ("", None))[1]
-            if is_download
-            else answers.ANSWERS.get(name)
-        )
         if api == "api" and at_once:
-            return _make_json(
-                _list_fields(
-                    at_once(self.server.finder, request.tables, request.field, self._raise_if_gone)
-                )
-            )
+            finder = self.server.finder
+            suggestion = at_once(finder, request.tables, request.field, self._raise_if_gone)
+            return _make_json(_list_fields(suggestion))
+
+        is_download = name == "download"
+        answer: Callable[..., answers.Answer | answers.Download] | None
+        if is_download:
+            answer = answers.DOWNLOADS.get(rest[0], ("", None))[1]
+        else:
+            answer = answers.ANSWERS.get(name)
         if api != "api" or not answer:
             raise _RefusedRequestError(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
 
@@ -211,16 +203,16 @@ class _Handler(BaseHTTPRequestHandler):
         if is_download:  # it is never superseded: it is a client of its own
             client = f"{client} {secrets.token_hex(8)}"
 
-        made = self.server.worker.run(
+        result = self.server.worker.run(
             client,
-            lambda wanted: answer(answers.read_design(request.tables, before), wanted),
+            lambda still_wanted: answer(answers.read_design(request.tables, before), still_wanted),
             self._has_gone,
         )
-        if not isinstance(made, answers.Download):
-            return _make_json(_list_fields(made))
+        if not isinstance(result, answers.Download):
+            return _make_json(_list_fields(result))
 
-        shown = {"Content-Disposition": f'attachment; filename="{made.name}"'}
-        return _Reply(HTTPStatus.OK, made.content_type, made.data, shown)
+        headers = {"Content-Disposition": f'attachment; filename="{result.name}"'}
+        return _Reply(HTTPStatus.OK, result.content_type, result.data, headers)
 
     def _check_host(self) -> None:
         if self.headers.get("Host", "") not in self.server.hosts:
@@ -256,9 +248,8 @@ class _Handler(BaseHTTPRequestHandler):
 
         try:
             content = json.loads(data)
-            json.dumps(
-                content, ensure_ascii=False
-            ).encode()  # not every text of JSON can be written
+            # Not every text of JSON can be written.
+            json.dumps(content, ensure_ascii=False).encode()
         except (ValueError, RecursionError):
             raise _RefusedRequestError(
                 HTTPStatus.BAD_REQUEST, "The request is not valid JSON."
@@ -271,11 +262,7 @@ class _Handler(BaseHTTPRequestHandler):
         client = content.get("client")
         field = content.get("field", "")
 
-        if (
-            not isinstance(tables, dict)
-            or not isinstance(client, str)
-            or not isinstance(field, str)
-        ):
+        if not (isinstance(tables, dict) and isinstance(client, str) and isinstance(field, str)):
             raise _RefusedRequestError(
                 HTTPStatus.BAD_REQUEST, "The request holds not both tables and a client."
             )

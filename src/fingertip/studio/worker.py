@@ -1,4 +1,4 @@
-"""Worker: one thread that makes parts and checks for those who still wait.
+"""Worker of the studio: one thread that makes parts and checks.
 
 Of each client the newest job counts.
 """
@@ -20,15 +20,11 @@ _LOOK_S = 0.1
 
 
 class SupersededError(Exception):
-    """Nobody waits for the result: a newer request of the same client came, or the client
-    has gone.
-    """
+    """The result is no longer wanted: a newer request came, or the client has gone."""
 
 
 class NewestWinsWorker:
-    """Thread that runs one job at a time, and drops those that
-    a newer one of their client replaces.
-    """
+    """Thread that runs one job at a time; a newer job of a client replaces its older one."""
 
     def __init__(self) -> None:
         self._thread = ThreadPoolExecutor(1, "studio worker")

@@ -1,5 +1,4 @@
-"""Tasks of the command line and of Python: each makes one set of files of a design, checked and
-written whole.
+"""Tasks of the command line and of Python, which each make one set of files.
 
 A design and a folder come in; the folder holds either the old files or all new ones, and the paths
 go out.

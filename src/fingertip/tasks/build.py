@@ -144,7 +144,8 @@ class BuildPlan:
         return exact_parts(self.design, self.names) if "step" in self.formats else ()
 
     def formats_of(self, part: str) -> Iterator[str]:
-        return (each for each in self.formats if each != "step" or part in self.exact)
+        """Yield the formats of a part; "step" is not one of every part."""
+        return (name for name in self.formats if name != "step" or part in self.exact)
 
 
 def plan_build(
@@ -155,10 +156,11 @@ def plan_build(
 ) -> BuildPlan:
     """Plan a build, and refuse what it or its folder cannot take, as `build` does."""
     folder = output_files.PART_FILES.folder(design, out)
-    known = tuple(parts_by_name(design))
-    names = select_names("--parts", known if options.parts is None else options.parts, known)
-    wanted = find_formats(progress) if options.formats is None else options.formats
-    formats = select_names("--formats", wanted, tuple(PART_FORMATS))
+    all_parts = tuple(parts_by_name(design))
+    parts = all_parts if options.parts is None else options.parts
+    names = select_names("--parts", parts, all_parts)
+    requested = find_formats(progress) if options.formats is None else options.formats
+    formats = select_names("--formats", requested, tuple(PART_FORMATS))
 
     if "step" in formats:
         extras.require(
@@ -187,7 +189,7 @@ def plan_build(
         formats=formats,
         options=options,
         evaluator=evaluator,
-        is_whole=names == known,
+        is_whole=names == all_parts,
         parts=output_files.PART_FILES.writer(design, folder, force),
         prints=output_files.PRINTS.writer(
             design, folder / output_files.PRINT_FOLDER, force, folder
@@ -231,9 +233,10 @@ def run_build(
     with contextlib.ExitStack() as stack:
         # The B-rep kernel and the pictures have processes of their own while this process makes and
         # checks the meshes.
-        process = (
-            stack.enter_context(StepProcess.start(_describe_step_job(plan))) if plan.exact else None
-        )
+        process = None
+        if plan.exact:
+            process = stack.enter_context(StepProcess.start(_describe_step_job(plan)))
+
         drawing: Callable[[], dict[str, bytes]] = dict
         if options.pictures and plan.is_whole:
             drawing = stack.enter_context(in_background(_draw_steps, design, options.tolerance_mm))
@@ -266,18 +269,8 @@ def run_build(
         work.begin("second opinion")
         verified = replace(verified, opinions=opinions())
 
-    return _write(
-        plan,
-        _collect(
-            plan,
-            verified=verified,
-            step=step,
-            casting=casting,
-            pictures=tuple(pictures),
-        ),
-        pictures,
-        progress,
-    )
+    result = _collect(plan, verified=verified, step=step, casting=casting, pictures=tuple(pictures))
+    return _write(plan, result, pictures, progress)
 
 
 def _describe_step_job(plan: BuildPlan) -> StepJob:
@@ -308,7 +301,7 @@ def _collect(
     """Collect files and checks, those of the exact solids included, and report on them."""
     design = plan.design
     tolerance_mm = plan.options.tolerance_mm
-    checks = [*verified.checks, *(each for each in verified.opinions if not each.passed)]
+    checks = [*verified.checks, *(opinion for opinion in verified.opinions if not opinion.passed)]
 
     for name, measured in step.measurements.items():
         scale = print_scale(design, PARTS[name])
@@ -332,21 +325,20 @@ def _collect(
         contents |= write_scripts(design, plan.names)
 
     if casting:
-        drawn = [f"{output_files.STEPS_FOLDER}/{name}" for name in pictures]
-        contents[output_files.SHEET] = render_sheet(casting, drawn).encode()
+        picture_files = [f"{output_files.STEPS_FOLDER}/{name}" for name in pictures]
+        contents[output_files.SHEET] = render_sheet(casting, picture_files).encode()
 
-    files = {
-        name: {each: part_file(name, each) for each in plan.formats_of(name)} for name in plan.names
-    }
-    built = tuple(
-        BuiltPart(PARTS[n], verified.meshes[n], files[n], step.measurements.get(n))
-        for n in plan.names
-    )
+    built = []
+    for name in plan.names:
+        files = {file_format: part_file(name, file_format) for file_format in plan.formats_of(name)}
+        measurement = step.measurements.get(name)
+        built.append(BuiltPart(PARTS[name], verified.meshes[name], files, measurement))
+
     result = Build(
         design=design,
         folder=plan.parts.folder,
         tolerance_mm=tolerance_mm,
-        parts=built,
+        parts=tuple(built),
         contents=contents,
         prints=verified.prints,
         checks=tuple(checks),
@@ -372,32 +364,30 @@ def copy_design(design: Design, name: str, heading: str) -> dict[str, bytes]:
 
 
 def _write(
-    plan: BuildPlan, made: Build, pictures: Mapping[str, bytes], progress: Callable[[str], None]
+    plan: BuildPlan, result: Build, pictures: Mapping[str, bytes], progress: Callable[[str], None]
 ) -> Build:
     """Write the sets, and remove what is of another design."""
-    prints = made.prints
+    prints = result.prints
     models = write_models() if "cq" in plan.formats else {}
     plan.prints.check(prints.contents)
     plan.pictures.check(pictures)
     plan.models.check(models)
-    removed = _record_program(plan.parts, made.contents).write(made.contents)
+    removed = _record_program(plan.parts, result.contents).write(result.contents)
     removed += _replace_subset(plan.prints, prints.contents, ".3mf" if prints.plates else None)
     removed += _replace_subset(plan.pictures, pictures, ".png")
     removed += _replace_subset(plan.models, models, None)
     if removed:
         progress(f"removed files of another design from {plan.parts.folder}: {', '.join(removed)}")
 
-    return replace(made, removed=removed)
+    return replace(result, removed=removed)
 
 
 def _record_program(writer: SetWriter, contents: Mapping[str, bytes]) -> SetWriter:
-    """Let a set record the program that made it, unless a mesh
-    stays in it that another version has made.
-    """
+    """Record the program in a set, unless a mesh of another version stays in it."""
     old = read_manifest(writer.folder)
     if old and old.parameters == writer.parameters and old.program != digest_program():
-        kept = set(old.files) - set(contents)
-        if any(name.endswith((".stl", ".3mf")) for name in kept):
+        remaining = set(old.files) - set(contents)
+        if any(name.endswith((".stl", ".3mf")) for name in remaining):
             return writer
 
     return replace(writer, program=digest_program())
@@ -406,14 +396,15 @@ def _record_program(writer: SetWriter, contents: Mapping[str, bytes]) -> SetWrit
 def _replace_subset(
     writer: SetWriter, contents: Mapping[str, bytes], obsolete: str | None
 ) -> tuple[str, ...]:
-    """Write a set below the parts, without older files ending
-    with `obsolete`; return what was removed.
-    """
+    """Write a set below the parts, without obsolete files; return what was removed."""
     old = read_manifest(writer.folder, writer.top)
     if not contents and (old is None or old.parameters == writer.parameters):
         return ()
 
-    unwanted = [name for name in old.files if name.endswith(obsolete)] if old and obsolete else []
+    unwanted = []
+    if old and obsolete:
+        unwanted = [name for name in old.files if name.endswith(obsolete)]
+
     removed = writer.write(contents, unwanted)
     return tuple(f"{writer.folder.name}/{name}" for name in removed)
 
@@ -426,32 +417,32 @@ def _draw_steps(design: Design, tolerance_mm: float) -> dict[str, bytes]:
 
 
 def _name_files(plan: BuildPlan) -> list[str]:
-    names = [
-        part_file(part, file_format) for part in plan.names for file_format in plan.formats_of(part)
-    ]
-    names += [output_files.PARAMETERS] if "cq" in plan.formats else []
-    names += [output_files.ASSEMBLY] if plan.exact else []
-    names += [output_files.SHEET] if plan.is_whole else []
+    names = list[str]()
+    for part in plan.names:
+        names += [part_file(part, file_format) for file_format in plan.formats_of(part)]
+    if "cq" in plan.formats:
+        names.append(output_files.PARAMETERS)
+    if plan.exact:
+        names.append(output_files.ASSEMBLY)
+    if plan.is_whole:
+        names.append(output_files.SHEET)
+
     return [*names, output_files.REPORT, *copy_design(plan.design, output_files.DESIGN, "")]
 
 
 def _name_prints(plan: BuildPlan) -> list[str]:
-    """Names of the files for the printer that a build writes if
-    it needs one plate, for either printer.
-    """
-    names = (
-        [f"{part}.stl" for part in plan.names if PARTS[part].is_printed]
-        if "stl" in plan.formats
-        else []
-    )
-    plates = [name for kind in (FDM, SLA) for name in kind.file_names(1)]
-    return [*names, *(plates if "3mf" in plan.formats and plan.is_whole else [])]
+    """Return the names of the printer's files for one plate, for either printer."""
+    names = list[str]()
+    if "stl" in plan.formats:
+        names += [f"{part}.stl" for part in plan.names if PARTS[part].is_printed]
+    if "3mf" in plan.formats and plan.is_whole:
+        names += [*FDM.file_names(1), *SLA.file_names(1)]
+
+    return names
 
 
 def find_formats(progress: Callable[[str], None] = lambda message: None) -> tuple[str, ...]:
-    """Return the formats of a build that names none: STL and 3MF,
-    and STEP where its kernel is installed.
-    """
+    """Return the default formats: STL and 3MF, and STEP if its kernel is installed."""
     if extras.is_installed("cadquery"):
         return default_formats()
 

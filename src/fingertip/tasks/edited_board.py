@@ -1,5 +1,4 @@
-"""Files of a board that somebody edited in KiCad: a change of values is entered into them, and
-nothing else.
+"""Files of a board that were edited in KiCad: a new design's values are entered into them.
 
 The netlist in the folder states the circuit that the files were made from. Where the new circuit
 has the same parts, footprints and nets, the fields that differ between both circuits are replaced
@@ -8,6 +7,7 @@ in the edited file. Where it has not, the edited file cannot follow, and nothing
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -62,21 +62,21 @@ def refuse_other_circuit(folder: Path, netlist: bytes, beside: Path) -> None:
     manifest = read_manifest(folder)
     path = folder / NETLIST
 
-    if (
-        manifest is None
-        or manifest.kind != "board"
-        or not has_hash(path, manifest.files.get(path.name))
-    ):
+    if manifest is None or manifest.kind != "board":
+        return
+    if not has_hash(path, manifest.files.get(path.name)):
         return
 
     old = _read_circuit(path)
-    if not find_edited(folder) and (
-        found := list(describe_structure_changes(old, read_netlist(netlist)))
-    ):
+    if find_edited(folder):
+        return
+
+    differences = list(describe_structure_changes(old, read_netlist(netlist)))
+    if differences:
         message = (
             f"holds a board of {manifest.design!r} with another circuit, and this one changes "
             "more than values "
-            f"({'; '.join(found)}); write it beside with --out {beside}, or add --force to "
+            f"({'; '.join(differences)}); write it beside with --out {beside}, or add --force to "
             "replace the one there."
         )
         raise OutputError(Issue(str(folder), message))
@@ -85,8 +85,7 @@ def refuse_other_circuit(folder: Path, netlist: bytes, beside: Path) -> None:
 def revise_edited(
     folder: Path, contents: Mapping[str, bytes], make_layout: Callable[[Mapping[str, str]], bytes]
 ) -> tuple[dict[str, Revision], list[str]]:
-    """Revise the edited files of a folder for new contents of the board, and return a sentence on
-    each of them too.
+    """Revise the edited files for a board's new contents; return a note on each too.
 
     A project that KiCad or somebody changed is kept: it holds nothing of a design. Raises
     OutputError.
@@ -116,21 +115,22 @@ def revise_edited(
 
         old = _read_circuit(old_path)
         new = read_netlist(contents[NETLIST])
-        found = list(describe_structure_changes(old, new))
+        differences = list(describe_structure_changes(old, new))
 
-        if found:
+        if differences:
             message = (
                 "was edited, and this design changes more than values "
-                f"({'; '.join(found)}); {_REMEDY}"
+                f"({'; '.join(differences)}); {_REMEDY}"
             )
             raise OutputError([Issue(str(folder / name), message) for name in present])
 
         for name, data in present.items():
             is_layout = name == LAYOUT
-            drawn = select_drawn(new, name)
+            circuit = select_drawn(new, name)
             try:
                 kind = "footprint" if is_layout else "symbol"
-                after, changed, problems = enter_values(data, kind, select_drawn(old, name), drawn)
+                before = select_drawn(old, name)
+                after, changed, problems = enter_values(data, kind, before, circuit)
                 if is_layout and changed:
                     old_values = {
                         reference: part.fields["Value"] for reference, part in old.parts.items()
@@ -144,13 +144,12 @@ def revise_edited(
 
             issues += [Issue(str(folder / name), problem) for problem in problems]
             revisions[name] = Revision(data, after)
-            what = (
-                f"the values of {join_names(changed)} are updated"
-                if changed
-                else "it has the values of this design"
-            )
-            notes.append(f"{folder / name}: was edited; {what}, and nothing else changes.")
-            own = list_own_values(after, kind, drawn)
+            result = "it has the values of this design"
+            if changed:
+                result = f"the values of {join_names(changed)} are updated"
+
+            notes.append(f"{folder / name}: was edited; {result}, and nothing else changes.")
+            own = list_own_values(after, kind, circuit)
 
             if own:
                 notes[-1] += (
@@ -194,54 +193,52 @@ def select_drawn(circuit: CircuitRecord, file: str) -> CircuitRecord:
 def enter_values(
     data: bytes, kind: str, old: CircuitRecord, new: CircuitRecord
 ) -> tuple[bytes, list[str], list[str]]:
-    """Enter the fields that differ between two circuits of the same
-    structure into a layout or a schematic.
-    """
+    """Enter the fields that differ between two circuits into a layout or a schematic."""
     text = data.decode()
     root = read_expression(text)
     by_identifier = {part.identifier: name for name, part in old.parts.items()}
     # Further units of a symbol have identifiers of their own, but the reference of the first.
     items = list(root.children(kind))
-    known = [item for item in items if _identifier(item) in by_identifier]
-    references = {by_identifier[_identifier(item)]: read_reference(item) for item in known}
+    references = {
+        by_identifier[_identifier(item)]: read_reference(item)
+        for item in items
+        if _identifier(item) in by_identifier
+    }
     changes: dict[Span, str] = {}
     changed = []
     problems = []
 
     for name, part in new.parts.items():
         before = old.parts[name].fields
-        wanted = {
+        new_values = {
             field: value for field, value in part.fields.items() if value != before.get(field, "")
         }
-        if not wanted:
+        if not new_values:
             continue
 
         if name not in references:
             problems.append(
-                f"lacks {name}, whose {join_names(sorted(wanted))} this design changes; {_REMEDY}"
+                f"lacks {name}, whose {join_names(sorted(new_values))} this design changes; "
+                f"{_REMEDY}"
             )
             continue
 
         changed.append(references[name])
-        entries = [
-            entry
-            for item in items
-            if read_reference(item) == references[name]
-            for entry in _properties(item)
-        ]
-        for field, found, entry in entries:
-            if field not in wanted or found == wanted[field]:
+        units = (item for item in items if read_reference(item) == references[name])
+        for field, value, entry in itertools.chain.from_iterable(map(_properties, units)):
+            new_value = new_values.get(field, value)
+            if value == new_value:
                 continue
 
-            if found != before.get(field, ""):
+            old_value = before.get(field, "")
+            if value == old_value:
+                changes[find_word(text, entry, 2)] = quote(new_value)
+            else:
                 problems.append(
-                    f"{references[name]} has {field} {found!r} by hand, and this design changes "
-                    "it from "
-                    f"{before.get(field, '')!r} to {wanted[field]!r}; enter either in KiCad, or "
+                    f"{references[name]} has {field} {value!r} by hand, and this design changes "
+                    f"it from {old_value!r} to {new_value!r}; enter either in KiCad, or "
                     f"{_REMEDY}"
                 )
-            else:
-                changes[find_word(text, entry, 2)] = quote(wanted[field])
 
     return replace_spans(text, changes).encode(), changed, problems
 
@@ -249,15 +246,14 @@ def enter_values(
 def list_own_values(data: bytes, kind: str, circuit: CircuitRecord) -> list[str]:
     """List the parts of a layout or a schematic whose values are not those of a circuit."""
     parts = {part.identifier: part for part in circuit.parts.values()}
-    items = (
-        item for item in read_expression(data.decode()).children(kind) if _identifier(item) in parts
-    )
-    return [
-        read_reference(item)
-        for item in items
-        for field, text, _ in _properties(item)
-        if field == "Value" and text != parts[_identifier(item)].fields["Value"]
-    ]
+    own = []
+    for item in read_expression(data.decode()).children(kind):
+        part = parts.get(_identifier(item))
+        for field, text, _ in _properties(item) if part else ():
+            if part and field == "Value" and text != part.fields["Value"]:
+                own.append(read_reference(item))
+
+    return own
 
 
 def enter_texts(data: bytes, old_layout: bytes, new_layout: bytes) -> tuple[bytes, bool]:

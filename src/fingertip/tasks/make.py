@@ -1,5 +1,4 @@
-"""Everything of a design in one go: parts, drawings, board, one simulated trial and the slip
-detected in it.
+"""All outputs of a design: parts, drawings, board, and a simulated trial with its slip.
 
 The parts stand at the top of the folder, as `build` writes them, with pictures of the casting steps
 in `steps/`, and the drawings and the acceptance sheet beside them. The board is in `board/`, the
@@ -28,7 +27,7 @@ from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.foundation.workers import in_background
 from fingertip.page.html import Markup
 from fingertip.page.pad_section import render_pad
-from fingertip.page.render import Prepared, prepare_page
+from fingertip.page.page import Prepared, prepare_page
 from fingertip.pictures.drawing.draw import file_names
 from fingertip.sim.runs.scene import run_scene
 from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
@@ -37,9 +36,9 @@ from fingertip.sim.trace_file import encode_trace
 from fingertip.slip.detection_results import as_data
 from fingertip.slip.detectors.registry import find_second_column
 from fingertip.slip.plots import draw_detection
-from fingertip.tasks.board import BRING_UP_FILES, plan_board
+from fingertip.tasks.board_files import BRING_UP_FILES, plan_board
 from fingertip.tasks.build import BuildOptions, find_formats, plan_build, run_build
-from fingertip.tasks.firmware import plan_firmware
+from fingertip.tasks.firmware_files import plan_firmware
 from fingertip.tasks.views import write_page
 
 
@@ -76,14 +75,9 @@ def make(
     `progress` is called with a message at each step. Raises as `build`, `write_board`, `simulate`
     and `detect_file` do; nothing has been written then.
     """
-    named = None if formats is None else tuple(formats)
-    plan = _plan(
-        design,
-        output_files.PART_FILES.folder(design, out),
-        find_formats() if named is None else named,
-        force,
-    )
-    folder = plan.folder
+    folder = output_files.PART_FILES.folder(design, out)
+    requested = None if formats is None else tuple(formats)
+    plan = _plan(design, folder, find_formats() if requested is None else requested, force)
     rest = list[_Rest]()
     work = Work(design.name, {"parts": 6.0, "page": 0.5}, progress)
     report = work.within("parts")
@@ -105,34 +99,33 @@ def make(
             lambda stage: rest.append(_make_rest(plan, beside, stage)),
         )
 
-    (made,) = rest
+    (outputs,) = rest
     board_paths = board.write(progress)
-    plan.signal.write(made.signal)
-    plan.parts.write({output_files.ACCEPTANCE: made.acceptance})
+    plan.signal.write(outputs.signal)
+    plan.parts.write({output_files.ACCEPTANCE: outputs.acceptance})
     sketch = plan.write_sketch() if plan.write_sketch else ()
-    signal_paths = tuple(plan.signal.folder / name for name in made.signal)
-    drawn = tuple(folder / name for name in file_names(design)) if plan.has_drawings else ()
+    signal_paths = tuple(plan.signal.folder / name for name in outputs.signal)
+    drawings = tuple(folder / name for name in file_names(design)) if plan.has_drawings else ()
     page = None
 
-    if made.page:
+    if outputs.page:
         work.begin("page")
-        page, _, _ = write_page(design, folder, force=force, prepared=made.page)
+        page, _, _ = write_page(design, folder, force=force, prepared=outputs.page)
     else:
         progress(f"{output_files.PAGE} is left out: it shows the STL files; add stl to the formats")
 
-    wanted = (
-        {"cadquery": "STEP files", "reportlab": "drawings"}
-        if named is None or "step" in named
-        else {}
-    )
-    extras.say_left_out({**wanted, "matplotlib": output_files.PLOT}, progress)
+    packages = {}
+    if requested is None or "step" in requested:
+        packages = {"cadquery": "STEP files", "reportlab": "drawings"}
+
+    extras.say_left_out({**packages, "matplotlib": output_files.PLOT}, progress)
     return Made(
         parts=parts,
-        drawings=drawn,
+        drawings=drawings,
         board=board_paths,
         signal=signal_paths,
         firmware=sketch,
-        detection=made.detection,
+        detection=outputs.detection,
         page=page,
     )
 
@@ -208,7 +201,8 @@ _Simulated = tuple[dict[str, bytes], FileDetection, Markup | None]
 
 
 def _simulate_and_draw(design: Design, has_page: bool) -> _Simulated:
-    return *simulate_and_detect(design), render_pad(design) if has_page else None
+    signal, detection = simulate_and_detect(design)
+    return signal, detection, render_pad(design) if has_page else None
 
 
 # Trial of a design: a simulated one, and the slip that its detector finds in it. It runs in a
@@ -226,20 +220,19 @@ def simulate_and_detect(design: Design) -> tuple[dict[str, bytes], FileDetection
     if second:
         scene = scene.model_copy(update={"outputs": [*scene.outputs, f"sampled_{second}"]})
 
-    result = run_scene(design, scene)
+    record = run_scene(design, scene)
     contents = {
-        output_files.TRACE: encode_trace(result.time_s, result.columns, Path(output_files.TRACE))
+        output_files.TRACE: encode_trace(record.time_s, record.columns, Path(output_files.TRACE))
     }
     with temporary_folder() as temporary:
         path = temporary / output_files.TRACE
         path.write_bytes(contents[output_files.TRACE])
-        found = detect_file(path, design, DETECTOR, origin=result.trace.origin)
+        detected = detect_file(path, design, DETECTOR, origin=record.trace.origin)
 
-    data = as_data(found.detection, found.noise)
+    data = as_data(detected.detection, detected.noise)
     contents[output_files.DETECTION] = encode_json(data)
     if extras.is_installed("matplotlib"):
-        contents[output_files.PLOT] = draw_detection(
-            found.detection, f"{design.name}: simulated trial"
-        )
+        title = f"{design.name}: simulated trial"
+        contents[output_files.PLOT] = draw_detection(detected.detection, title)
 
-    return contents, found
+    return contents, detected

@@ -1,4 +1,4 @@
-"""Everything of a set of fingers: each form once, as `make` makes it, and what the fingers share.
+"""All outputs of a set of fingers: each form as `make` makes it, and shared files.
 
 The folder of a form stands below that of the set, whose own files say what is printed, cast and
 bought for all of them. The forms are written one after the other, the files of the set last.
@@ -46,10 +46,9 @@ from fingertip.foundation.files import encode_json
 from fingertip.foundation.input_files import find_link
 from fingertip.foundation.progress import Work
 from fingertip.models.parts import PARTS, print_scale
-from fingertip.models.solids import scaled
-from fingertip.page.render import render_set_page
+from fingertip.page.page import render_set_page
 from fingertip.pictures.casting_scenes import draw_finger
-from fingertip.tasks.board import BRING_UP_FILES, plan_board
+from fingertip.tasks.board_files import BRING_UP_FILES, plan_board
 from fingertip.tasks.build import copy_design
 from fingertip.tasks.make import Made, make
 
@@ -62,6 +61,8 @@ _SHOWN = (".md", ".csv", ".svg", ".kicad_pro")
 
 @dataclass(frozen=True)
 class MadeSet:
+    """Result of `make_set`."""
+
     folder: Path
     forms: tuple[Made, ...]
     board: tuple[Path, ...]
@@ -70,7 +71,8 @@ class MadeSet:
 
     @property
     def passed(self) -> bool:
-        return all(made.parts.passed for made in self.forms)
+        """True if no check of any form failed."""
+        return all(form.parts.passed for form in self.forms)
 
 
 def make_set(
@@ -93,16 +95,12 @@ def make_set(
     writer.check(_FILES)
     places = {form.design.name: folder / form.design.name for form in fingers.forms}
     # A folder may come from a stranger, and links may lead anywhere.
-    links = (link for place in places.values() if (link := find_link(folder, place)))
-    issues = [Issue(str(link), "is a link; remove it.") for link in links]
+    links = (find_link(folder, place) for place in places.values())
+    issues = [Issue(str(link), "is a link; remove it.") for link in links if link]
 
     if BOARD_FOLDER in places:
-        issues.append(
-            Issue(
-                "name",
-                f"{BOARD_FOLDER} is a folder of every set, and the name of a design; rename it.",
-            )
-        )
+        message = f"{BOARD_FOLDER} is a folder of every set, and the name of a design; rename it."
+        issues.append(Issue("name", message))
 
     raise_issues(OutputError, issues)
     for form in fingers.forms:
@@ -123,27 +121,23 @@ def make_set(
     forms: list[Made] = []
 
     for label, form in zip(labels, fingers.forms, strict=True):
+        place = places[form.design.name]
         report = work.within(label)
-        forms.append(
-            make(
-                form.design, places[form.design.name], formats=formats, force=force, progress=report
-            )
-        )
+        forms.append(make(form.design, place, formats=formats, force=force, progress=report))
 
     work.begin("set")
     collected = [
-        _collect(fingers, form, made) for form, made in zip(fingers.forms, forms, strict=True)
+        _collect(fingers, form, finger) for form, finger in zip(fingers.forms, forms, strict=True)
     ]
     board: tuple[Path, ...] = ()
 
     if board_design:
-        planned = plan_board(
-            board_design, folder / BOARD_FOLDER, force=force, bring_up=True, top=folder
-        )
-        board = planned.write(progress)
+        board_folder = folder / BOARD_FOLDER
+        plan = plan_board(board_design, board_folder, force=force, bring_up=True, top=folder)
+        board = plan.write(progress)
 
     sheets = set_sheets(fingers, collected, has_board=board_design is not None)
-    failed = [made.parts.design.name for made in forms if not made.parts.passed]
+    failed = [finger.parts.design.name for finger in forms if not finger.parts.passed]
     contents = _render_sheets(fingers, sheets, _list_files(collected, board, folder), failed)
     if board_design:
         contents |= copy_design(board_design, BOARD_DESIGN, "Design of the board for all fingers.")
@@ -154,14 +148,13 @@ def make_set(
 
 def _list_files(sheets: Iterable[FormSheets], board: Iterable[Path], folder: Path) -> list[str]:
     """List the files of a set that its page links to, without those of the page's own making."""
-    own = f"{BOARD_FOLDER}/{README}"
-    listed = [
-        f"{each.form.design.name}/{file}" for each in sheets for file in (own, each.casting.plate)
-    ]
-    return [
-        *listed,
-        *(path.relative_to(folder).as_posix() for path in board if path.suffix in _SHOWN),
-    ]
+    files = list[str]()
+    for sheet in sheets:
+        name = sheet.form.design.name
+        files += [f"{name}/{BOARD_FOLDER}/{README}", f"{name}/{sheet.casting.plate}"]
+
+    files += [path.relative_to(folder).as_posix() for path in board if path.suffix in _SHOWN]
+    return files
 
 
 def _render_sheets(
@@ -193,21 +186,20 @@ def _render_sheets(
 
 
 def _refuse_early(fingers: FingerSet) -> None:
-    """Refuse what a set can be refused for, before the work starts. Raises DesignError."""
+    """Refuse parts larger than the bed, and silicones that thicken too soon."""
     evaluator = MeshEvaluator(_COARSE_MM)
     issues = list(find_short_pot_lives(form.design for form in fingers.forms))
 
     for design in (form.design for form in fingers.forms):
         for name, lies in print_orientations(design).items():
             mesh = evaluator.mesh(
-                scaled(PARTS[name].solid(design), print_scale(design, PARTS[name]))
+                PARTS[name].solid(design).scaled(print_scale(design, PARTS[name]))
             )
             excess = build_volume_excess(design, mesh, lies.rotate_x_deg)
             if excess > 0.0:
                 text = f"{name} of {design.name} exceeds the build volume by {excess:.1f} mm"
-                issues.append(
-                    Issue("printer.bed_x_mm", f"{text}; {_name_larger_bed(design, name, mesh)}.")
-                )
+                remedy = _name_larger_bed(design, name, mesh)
+                issues.append(Issue("printer.bed_x_mm", f"{text}; {remedy}."))
 
     raise_issues(DesignError, issues)
 
@@ -226,17 +218,17 @@ def _name_larger_bed(design: Design, part: str, mesh: Mesh) -> str:
     return f"it fits with {' '.join(changes)}"
 
 
-def _collect(fingers: FingerSet, form: Form, made: Made) -> FormSheets:
-    assert made.parts.casting is not None, "all parts are built"
+def _collect(fingers: FingerSet, form: Form, finger: Made) -> FormSheets:
+    assert finger.parts.casting is not None, "all parts are built"
     own = {
         name: acceptance_sheet(fingers.calibrated[name])
         for name in form.fingers
         if name in fingers.calibrated
     }
-    verdict = count_checks(made.parts.checks)
+    verdict = count_checks(finger.parts.checks)
     return FormSheets(
         form=form,
-        casting=made.parts.casting,
+        casting=finger.parts.casting,
         acceptance=acceptance_sheet(form.design),
         verdict=verdict,
         calibrated=own,

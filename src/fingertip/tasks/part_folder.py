@@ -1,5 +1,4 @@
-"""Comparison of an output folder with a design: were its files made from it, by this program, and
-are they whole?
+"""Comparison of an output folder with a design: its parameters, program and checksums.
 
 Checksums and parameters are compared in a fraction of a second. Where another version of the
 program made the parts, only making them again can tell whether they would be the same.
@@ -33,8 +32,8 @@ from fingertip.foundation.output_set import (
     read_manifest,
 )
 from fingertip.models.parts import parts_by_name
+from fingertip.tasks.manifest_comparison import verify_sets
 from fingertip.tasks.report_file import read_json_file
-from fingertip.tasks.verification import verify_sets
 
 DEFAULT_TOLERANCE_MM = 0.01
 """Tolerance of the meshes of a build that names none [mm]."""
@@ -44,14 +43,12 @@ _SHOWN = 5
 
 @dataclass(frozen=True)
 class FolderComparison:
-    """What was found in a folder."""
+    """Result of the comparison of a folder."""
 
     files: int
     """Number of files whose checksums were compared."""
     faults: tuple[str, ...]
-    """What is wrong, in sentences that say what to do; empty if these are the files of
-    the design.
-    """
+    """What is wrong and what to do; empty if these are the design's files."""
     design: Design | FingerSet | None = None
     """Design or set that the folder was compared with; None if it is that of none."""
     command: str = ""
@@ -59,16 +56,13 @@ class FolderComparison:
     words: tuple[str, ...] = ()
     """Options with which the folder was made, and --force if files in it were changed."""
     doubt: str = ""
-    """Why equal checksums do not prove that this program would
-    make the same parts; empty if they do.
-    """
+    """Why this program might make other parts despite equal checksums; empty if not."""
 
 
 def compare_folder(
     candidates: Sequence[Design | FingerSet], folder: Path, parts: Collection[str] | None = None
 ) -> FolderComparison:
-    """Compare a folder that a command wrote with the design or set, of those given, that it was
-    made from.
+    """Compare a folder with the design or set, of those given, that it was made from.
 
     A folder of parts must hold these parts, or all of the design. Raises OutputError if no command
     wrote the folder.
@@ -81,11 +75,11 @@ def compare_folder(
     design = _choose(candidates, manifest)
     if design is None:
         names = " and ".join(candidate.name for candidate in candidates)
-        said = (
+        fault = (
             f"{folder}: holds the {manifest.kind} of {manifest.design!r}, not of {names}; give "
             "its own design."
         )
-        return FolderComparison(count, (*changed, said))
+        return FolderComparison(count, (*changed, fault))
 
     faults = [
         *changed,
@@ -147,23 +141,26 @@ def _choose(
 ) -> Design | FingerSet | None:
     """Choose the design of a folder: that of the same parameters, else that of the same name."""
     is_set = manifest.kind == SET_FILES.kind
-    forms = [form.design for one in candidates if isinstance(one, FingerSet) for form in one.forms]
-    of_kind = [one for one in (*candidates, *forms) if isinstance(one, FingerSet) == is_set]
-    equal = [one for one in of_kind if hash_parameters(one.identity()) == manifest.parameters]
-    named = [one for one in of_kind if one.name == manifest.design]
+    designs = list[Design | FingerSet](candidates)
+    for candidate in candidates:
+        if isinstance(candidate, FingerSet):
+            designs += [form.design for form in candidate.forms]
 
-    return next(iter([*equal, *named]), None)
+    of_kind = [design for design in designs if isinstance(design, FingerSet) == is_set]
+    for design in of_kind:
+        if hash_parameters(design.identity()) == manifest.parameters:
+            return design
+
+    return next((design for design in of_kind if design.name == manifest.design), None)
 
 
 def _find_missing_parts(
     design: Design, folder: Path, manifest: Manifest, parts: Collection[str] | None
 ) -> Iterator[str]:
-    """Find the parts of the design, or those of them that are
-    wanted, of which the folder was made without.
-    """
-    wanted = [name for name in parts_by_name(design) if parts is None or name in parts]
+    """Yield a sentence if required parts of a design are missing."""
+    required = [name for name in parts_by_name(design) if parts is None or name in parts]
     missing = [
-        name for name in wanted if not any(file.startswith(f"{name}.") for file in manifest.files)
+        name for name in required if not any(file.startswith(f"{name}.") for file in manifest.files)
     ]
 
     if missing:
@@ -178,8 +175,8 @@ def _list_options(
     """List the options of `build` or `make` with which the parts in a folder were made."""
     formats = [
         name
-        for name, each in PART_FORMATS.items()
-        if any(file.endswith(each.suffix) for file in manifest.files)
+        for name, part_format in PART_FORMATS.items()
+        if any(file.endswith(part_format.suffix) for file in manifest.files)
     ]
     words = ["--formats", ",".join(formats)] if formats else []
     if command == "make":
@@ -207,10 +204,10 @@ def _compare_forms(fingers: FingerSet, folder: Path) -> Iterator[str]:
             yield f"{place}: is missing; make the set again."
             continue
 
-        compared = compare_folder([form.design], place)
-        yield from compared.faults
-        if compared.doubt:
-            yield compared.doubt
+        comparison = compare_folder([form.design], place)
+        yield from comparison.faults
+        if comparison.doubt:
+            yield comparison.doubt
 
 
 def _doubt(folder: Path) -> str:
@@ -227,7 +224,7 @@ def _doubt(folder: Path) -> str:
 def _find_other_parameters(
     design: Design | FingerSet, folder: Path, manifest: Manifest
 ) -> Iterator[Issue]:
-    """Find the parameters in which a design differs from the one that a folder was made from."""
+    """Yield an issue with the parameters that differ from those of the folder."""
     if manifest.parameters == hash_parameters(design.identity()):
         return
 
@@ -244,14 +241,12 @@ def _find_other_parameters(
         return
 
     more = f", and {len(changed) - _SHOWN} more" if len(changed) > _SHOWN else ""
-    listed = "; ".join(changed[:_SHOWN]) + more
-    yield Issue(str(folder), f"was made from other parameters ({listed}); make it again.")
+    names = "; ".join(changed[:_SHOWN]) + more
+    yield Issue(str(folder), f"was made from other parameters ({names}); make it again.")
 
 
 def _read_parameters(folder: Path) -> Mapping[str, Any]:
-    """Read the parameters that a folder states; none if it has no
-    design file, or one of another release.
-    """
+    """Read the parameters of a folder; none without a design file of this release."""
     try:
         loaded = load_tables([folder / DESIGN], (), below=folder)
         return dict(flatten(Design.from_tables(loaded.tables).identity()))
@@ -264,9 +259,7 @@ def _read_parameters(folder: Path) -> Mapping[str, Any]:
 
 
 def _find_other_prints(folder: Path) -> Iterator[str]:
-    """Find files for the printer that are not those of the report:
-    its folder may have lost its own manifest.
-    """
+    """Yield the files for the printer that differ from the folder's report."""
     try:
         report = read_json_file(folder / REPORT, folder)
     except InputFileError:

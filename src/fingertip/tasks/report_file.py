@@ -1,6 +1,4 @@
-"""Content of `report.json`, as `build` and `make` write it, in a folder that may be a
-stranger's.
-"""
+"""Reader of `report.json` and other JSON files in a folder of unknown origin."""
 
 from __future__ import annotations
 

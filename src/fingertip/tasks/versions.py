@@ -1,4 +1,4 @@
-"""Comparison of two versions of a finger: folders that exist, or designs that are made for it."""
+"""Versions of a finger to be compared: read from a folder, or made from a design."""
 
 from __future__ import annotations
 
@@ -36,15 +36,14 @@ def read_version(folder: Path) -> Version:
 
 
 def make_version(label: str, design: Design, progress: Callable[[str], None]) -> Version:
-    """Make a design for a moment, to read what is reported of it.
+    """Make a design in a temporary folder, and read its reports.
 
     Raises FingertipError as `make` does.
     """
     with temporary_folder() as temporary:
-        folder = (
-            temporary / "made" / design.name
-        )  # one level deeper: the temporary folder itself is locked
+        # One level deeper: the temporary folder itself is locked.
+        folder = temporary / "made" / design.name
         make(design, folder, formats=["stl"], progress=progress)
-        made = read_version(folder)
+        version = read_version(folder)
 
-    return Version(label, design, made.report, made.detection)
+    return Version(label, design, version.report, version.detection)

@@ -9,7 +9,7 @@ from fingertip.catalogues.output_files import PAGE, PART_FILES
 from fingertip.design import Design
 from fingertip.foundation import extras
 from fingertip.foundation.errors import FingertipError, Issue, OutputError
-from fingertip.page.render import Prepared, render_page
+from fingertip.page.page import Prepared, render_page
 from fingertip.page.sources import read_sources
 from fingertip.pictures.drawing.draw import draw_files, file_names
 
@@ -50,8 +50,7 @@ def write_drawing(
     force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
 ) -> tuple[Path, ...]:
-    """Write a sheet for each printed part as SVG, and all as one PDF, the last path of those that
-    are returned.
+    """Write a drawing of each printed part as SVG, and all as one PDF, whose path is last.
 
     Raises MissingLibraryError or GeometryError or OutputError.
     """

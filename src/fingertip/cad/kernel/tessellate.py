@@ -26,7 +26,7 @@ Triangles: TypeAlias = NDArray[np.int64]
 Point2: TypeAlias = tuple[float, float]
 
 
-def tessellate(solid: solids.Primitive, tolerance_mm: float) -> tuple[Array, Triangles]:
+def tessellate(solid: solids.Solid, tolerance_mm: float) -> tuple[Array, Triangles]:
     """Tessellate a primitive: points (n, 3) [mm], and indices (m, 3)
     of triangles counter-clockwise from outside.
     """
@@ -44,6 +44,8 @@ def tessellate(solid: solids.Primitive, tolerance_mm: float) -> tuple[Array, Tri
             return _superconic(body, tolerance_mm)
         case solids.Placed():
             return solid.move(), solid.body.triangles
+
+    raise TypeError(f"{type(solid).__name__} is no primitive")
 
 
 def arc_segments(a: float, b: float, weight: float, tolerance: float) -> int:

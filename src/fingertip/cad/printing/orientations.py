@@ -10,7 +10,7 @@ from fingertip.design import Design
 from fingertip.design.interfaces import interface_of
 from fingertip.models import bone as bone_model
 from fingertip.models.parts import PARTS, print_scale
-from fingertip.models.solids import Box, Solid, difference
+from fingertip.models.solids import Box, Solid
 from fingertip.models.stand import socket_ceiling_mm
 
 
@@ -96,10 +96,8 @@ def supports_by_part(design: Design) -> dict[str, Supports]:
         section.half_width, section.palmar + section.dorsal, design.bone.flange_width_mm
     )
     below = interface.low_z(design) - design.bone.post_length_mm - reach
-    outside = difference(
-        Box((-reach, -reach, below), (reach, reach, 0.0)),
-        bone_model.sensor_recess(design),
-        bone_model.cable_channel(design),
+    outside = Box((-reach, -reach, below), (reach, reach, 0.0)).cut(
+        bone_model.sensor_recess(design), bone_model.cable_channel(design)
     )
     none_on = "anything else above the collar; the seat of the sensor; the channel of the cables"
 

@@ -21,7 +21,7 @@ from fingertip.models.mold import cavity
 from fingertip.models.mold_layout import RIDGE_HEIGHT_MM
 from fingertip.models.outlines import signed_area
 from fingertip.models.parts import PARTS
-from fingertip.models.solids import Cone, Solid, intersection, scaled, union
+from fingertip.models.solids import Cone, Solid, intersection, union
 
 CHECKS = Checks()
 
@@ -42,7 +42,7 @@ def check_assembly(design: Design, solids: Solids) -> Iterator[Check]:
         growth = design.dimensions.shrinkage**3
         silicone = evaluator.manifold(parts["skin"]).volume()
         room = evaluator.manifold(cavity(design)).volume()
-        core = evaluator.manifold(intersection(cavity(design), core_within_skin(design))).volume()
+        core = evaluator.manifold(cavity(design).intersect(core_within_skin(design))).volume()
         yield Check.zero_volume(
             "volume_balance.cavity", abs(float(room - core - growth * silicone))
         )
@@ -51,7 +51,7 @@ def check_assembly(design: Design, solids: Solids) -> Iterator[Check]:
     # The bone does not lie in the mold, and the skin that does is larger by its shrinkage.
     inside.pop("bone", None)
     if "skin" in inside:
-        inside["skin"] = scaled(inside["skin"], design.dimensions.shrinkage)
+        inside["skin"] = inside["skin"].scaled(design.dimensions.shrinkage)
 
     halves = {name: solid for name, solid in parts.items() if name in HALVES}
     yield from _check_overlaps(evaluator, inside, halves)
@@ -83,11 +83,11 @@ def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[s
         room = cavity(design)
         solids += [
             ("cavity", room),
-            ("core_in_cavity", intersection(room, core_within_skin(design))),
+            ("core_in_cavity", room.intersect(core_within_skin(design))),
         ]
 
     if set(HALVES) <= set(parts):
-        solids.append(("hollow", intersection(mold.hollow(design), mold.block(design))))
+        solids.append(("hollow", mold.hollow(design).intersect(mold.block(design))))
 
     return tuple(solids)
 
@@ -138,18 +138,14 @@ def _check_overlaps(
             f"overlap.{first}.{second}",
             volume(solid_of_first)
             + volume(solid_of_second)
-            - volume(union(solid_of_first, solid_of_second)),
+            - volume(solid_of_first.union(solid_of_second)),
         )
 
     cast = union(*inside.values()) if inside else None
     for half, solid in halves.items():
-        together = volume(cast) + volume(solid) - volume(union(cast, solid)) if cast else 0.0
-        for name, solid_of_first in inside.items():
-            alone = (
-                together
-                if together <= VOLUME_TOLERANCE_MM3
-                else volume(intersection(solid_of_first, solid))
-            )
+        together = volume(cast) + volume(solid) - volume(cast.union(solid)) if cast else 0.0
+        for name, inner in inside.items():
+            alone = together if together <= VOLUME_TOLERANCE_MM3 else volume(inner.intersect(solid))
             yield Check.zero_volume(f"overlap.{name}.{half}", alone)
 
     if len(halves) == 2:
@@ -165,10 +161,8 @@ def _mold_imbalance(design: Design, evaluator: MeshEvaluator, halves: Iterable[S
     """
     cuts = union(*mold.belts(design), *mold.label(design))
     block = mold.block(design)
-    hollow = union(mold.hollow(design), cuts)
-    filled = sum(
-        evaluator.manifold(solid).volume() for solid in (intersection(hollow, block), *halves)
-    )
+    hollow = mold.hollow(design).union(cuts)
+    filled = sum(evaluator.manifold(solid).volume() for solid in (hollow.intersect(block), *halves))
     below = evaluator.manifold(block).trim_by_plane((0.0, -1.0, 0.0), 0.0)
 
     for socket, key in zip(mold.key_sockets(design), mold.key_frustums(design), strict=True):

@@ -31,7 +31,7 @@ from fingertip.models.dimensions import HEAD_MM, LONGER_MM, TAIL_MM
 from fingertip.models.interfaces import shapes_of
 from fingertip.models.outlines import MATING_PLAY_MM, RAMP_SLOPE
 from fingertip.models.sensor import sensor_body
-from fingertip.models.solids import Box, cylinder, union
+from fingertip.models.solids import Box, cylinder
 
 CHECKS = Checks()
 STRENGTH_CHECKS = Checks()
@@ -171,7 +171,7 @@ def check_air_vent(design: Design, solids: Solids) -> Iterator[Check]:
     off from the outside is a second one.
     """
     evaluator = solids.evaluator
-    solid = union(solids.parts["bone"], solids.parts["skin"])
+    solid = solids.parts["bone"].union(solids.parts["skin"])
     air = complement(evaluator, solid) - evaluator.manifold(sensor_body(design))
     # Inner walls have a negative volume, and surfaces that touch leave slivers.
     volumes = [body for body in air.decompose() if body.volume() > VOLUME_TOLERANCE_MM3]
@@ -227,7 +227,7 @@ def _find_open_share(design: Design, solids: Solids) -> float:
     far = 2 * design.skin.width_mm
     flat = -dims.flat_depth
     bead = Box((-far, -far, -design.bone.collar_length_mm), (far, flat, 0.0))
-    filled = union(solids.parts["bone"], solids.parts["skin"], sensor_body(design), bead)
+    filled = solids.parts["bone"].union(solids.parts["skin"], sensor_body(design), bead)
     air = complement(solids.evaluator, filled)
     # Surfaces come apart here: the largest surrounds all, those of parts enclose negative volumes,
     # the rest is cut off.

@@ -20,7 +20,7 @@ from fingertip.design import Design
 from fingertip.foundation.files import round_for_output
 from fingertip.foundation.validation import Comparison
 from fingertip.models.parts import PARTS, print_scale
-from fingertip.models.solids import Box, Solid, difference, scaled
+from fingertip.models.solids import Box, Solid
 
 VOLUME_TOLERANCE_MM3 = 1e-3
 """Largest volume that counts as zero [mm3].
@@ -107,7 +107,7 @@ class Solids:
 
     def mesh(self, part: str) -> Mesh:
         """Evaluate a part as a mesh as its files hold it. Raises GeometryError."""
-        return self.evaluator.mesh(scaled(self.parts[part], print_scale(self.design, PARTS[part])))
+        return self.evaluator.mesh(self.parts[part].scaled(print_scale(self.design, PARTS[part])))
 
     @cached_property
     def strength(self) -> BoneStrength:
@@ -189,7 +189,7 @@ def complement(evaluator: MeshEvaluator, solid: Solid) -> Manifold:
         (high_x + margin, high_y + margin, high_z + margin),
     )
 
-    return evaluator.manifold(difference(box, solid))
+    return evaluator.manifold(box.cut(solid))
 
 
 def above_z(solid: Manifold, z: float) -> Manifold:

@@ -21,7 +21,7 @@ from fingertip.models.bone import filled_bone
 from fingertip.models.clevis import eye_profile, joint_base, knuckle, pin_bore, space, strands
 from fingertip.models.hand_stub import GUIDE_MM, guide, without_ways
 from fingertip.models.joint import Joint, joint_of
-from fingertip.models.solids import Box, cylinder, intersection, union
+from fingertip.models.solids import Box, cylinder, union
 
 CHECKS = Checks()
 
@@ -87,7 +87,7 @@ def _check_eyes(design: Design, joint: Joint, solids: Solids) -> Iterator[Check]
     reach = 2 * (joint.radius + dims.collar.section.dorsal + dims.collar.section.palmar)
     assert dims.stops_top_z is not None
     base = joint_base(design, joint, dims.stops_top_z)
-    around = complement(evaluator, intersection(eye_profile(joint, 2 * reach), base))
+    around = complement(evaluator, eye_profile(joint, 2 * reach).intersect(base))
     bore = evaluator.manifold(pin_bore(joint, half_length))
     yield Check.min_distance("bone.wall.pin_to_outside", bore, around, wall)
     # Cheeks, or a tongue, beside the pin.
@@ -98,11 +98,11 @@ def _check_eyes(design: Design, joint: Joint, solids: Solids) -> Iterator[Check]
     )
 
     if joint.is_fork:
-        gap = evaluator.manifold(intersection(space(design, joint), beside))
+        gap = evaluator.manifold(space(design, joint).intersect(beside))
         gap = gap.trim_by_plane((1.0, 0.0, 0.0), -joint.half_width).trim_by_plane(
             (-1.0, 0.0, 0.0), -joint.half_width
         )
-        outside = complement(evaluator, union(filled_bone(design), base)) ^ evaluator.manifold(
+        outside = complement(evaluator, filled_bone(design).union(base)) ^ evaluator.manifold(
             beside
         )
         yield Check.min_distance("bone.wall.cheek", gap, outside, wall)

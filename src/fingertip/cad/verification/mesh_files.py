@@ -23,7 +23,6 @@ from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.input_files import BODY_LIMIT, read_input
 from fingertip.foundation.numerics import Array
 from fingertip.models.parts import parts_by_name, print_scale
-from fingertip.models.solids import scaled
 
 _PULL_MM = (1.0, 5.0)
 """Distances by which one mold half is pulled off the other [mm]."""
@@ -179,7 +178,7 @@ def _part_like(design: Design, name: str, mesh: Mesh, tolerance_mm: float) -> Me
     is nearer to.
     """
     part = parts_by_name(design)[name]
-    fitted = MeshEvaluator(tolerance_mm).mesh(scaled(part.solid(design), print_scale(design, part)))
+    fitted = MeshEvaluator(tolerance_mm).mesh(part.solid(design).scaled(print_scale(design, part)))
     if not part.is_printed:
         return fitted
 

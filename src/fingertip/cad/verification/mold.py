@@ -36,7 +36,7 @@ from fingertip.models.mold_layout import (
     RIDGE_LENGTH_MM,
 )
 from fingertip.models.skin import skin
-from fingertip.models.solids import Solid, difference, scaled, union
+from fingertip.models.solids import Solid
 
 CHECKS = Checks()
 _THINNER = ("silicone.product", "silicone.viscosity_pa_s")
@@ -93,8 +93,8 @@ def check_mold(design: Design, solids: Solids) -> Iterator[Check]:
     # The wall between the cavity and everything else that is open, but for rim and seam, where it
     # opens.
     below = PLANE_OFFSET_MM + GAP_MM + max(NOTCH_MM[1], RIDGE_HEIGHT_MM)
-    whole: Solid = difference(
-        mold.block(design), *mold.belts(design), *mold.label(design), *mold.key_sockets(design)
+    whole: Solid = mold.block(design).cut(
+        *mold.belts(design), *mold.label(design), *mold.key_sockets(design)
     )
     room = evaluator.manifold(cavity(design)).trim_by_plane((0.0, 0.0, 1.0), below)
     outside = complement(evaluator, whole).trim_by_plane((0.0, 0.0, 1.0), below)
@@ -125,7 +125,7 @@ def _check_motions(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
 
     yield Check.zero_volume("mold.lowering_overlap", max(overlaps))
     cast = evaluator.manifold(
-        union(build_core(design), scaled(skin(design), design.dimensions.shrinkage))
+        build_core(design).union(skin(design).scaled(design.dimensions.shrinkage))
     )
     lifts = (LIFT_MM * i / 2 for i in (1, 2))
     lifting = max(float((cast.translate((0.0, 0.0, -up)) ^ dorsal).volume()) for up in lifts)
@@ -133,7 +133,7 @@ def _check_motions(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
 
 
 def worst_air_mm3(design: Design, evaluator: MeshEvaluator) -> float:
-    free = evaluator.manifold(difference(cavity(design), core_within_skin(design)))
+    free = evaluator.manifold(cavity(design).cut(core_within_skin(design)))
     return max(trapped_mm3(free, lean) for lean in LEANS_DEG)
 
 

@@ -248,8 +248,8 @@ class Hand(ParameterTable):
 
 
 class Strength(ParameterTable):
-    """Loads that the bone must carry, and what it is printed from. The figures named own are used
-    only with "own".
+    """Loads that the bone must carry, and what it is printed from. The figures named own are
+    used only with "own".
     """
 
     grip_force_n: float = quantity(

@@ -7,6 +7,7 @@ is taken (ISO 129-1 for the form).
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -51,11 +52,9 @@ class Occupancy:
         self.texts[self._cells(box, 0.0)] = True
 
     def is_free(self, box: Box, margin: float) -> bool:
-        """Tell whether nothing lies in a box and within a margin
-        of it, and the box within the sheet.
-        """
+        """Return whether a box with a margin is empty, and the box within the sheet."""
         left, bottom, right, top = box
-        height, width = ((n - 1) * _CELL_MM for n in self.texts.shape)
+        height, width = ((count - 1) * _CELL_MM for count in self.texts.shape)
         if left < margin or bottom < margin or right > width - margin or top > height - margin:
             return False
 
@@ -84,17 +83,16 @@ class Occupancy:
         )
 
     def _under(self, points: Iterable[Point]) -> tuple[np.ndarray, np.ndarray]:
-        """Return rows and columns of the cells under a polyline, without those outside
-        the sheet.
-        """
+        """Return rows and columns of the sheet's cells under a polyline."""
         sampled: list[Array] = []
         for a, b in pairwise(points):
             count = max(2, math.ceil(math.dist(a, b) / (0.7 * _CELL_MM)) + 1)
             sampled.append(np.linspace(a, b, count))
 
-        cells = (
-            (np.concatenate(sampled) / _CELL_MM).astype(int) if sampled else np.zeros((0, 2), int)
-        )
+        cells = np.zeros((0, 2), int)
+        if sampled:
+            cells = (np.concatenate(sampled) / _CELL_MM).astype(int)
+
         columns, rows = cells[((cells >= 0) & (cells < self.texts.shape[::-1])).all(axis=1)].T
         return rows, columns
 
@@ -155,12 +153,14 @@ def place_lengths(lengths: Sequence[PlacedLength], occupancy: Occupancy) -> Iter
     while pending:
         placed = pending.pop(0)
         index = 0 if placed.is_level else 1
-        reserved = [end[index] for other in pending for end in (other.start, other.end)]
-        own = [placed.start[index], placed.end[index]]
-        reserved = [at for at in reserved if min(abs(at - mine) for mine in own) > 0.05]
-        found = _place_length(placed, occupancy, reserved)
-        occupancy.add(found)
-        yield from found
+        own = (placed.start[index], placed.end[index])
+        coming = itertools.chain.from_iterable((length.start, length.end) for length in pending)
+        reserved = [
+            end[index] for end in coming if min(abs(end[index] - place) for place in own) > 0.05
+        ]
+        primitives = _place_length(placed, occupancy, reserved)
+        occupancy.add(primitives)
+        yield from primitives
 
 
 def _place_length(
@@ -203,14 +203,14 @@ def _place_length(
                 from_v = point[1 - index] + out * _GAP_MM
                 extensions.append((at(u, from_v), at(u, v + out * _PAST_MM)))
 
-            if any(occupancy.crosses_text(each) for each in (along, *extensions)):
+            if any(occupancy.crosses_text(ends) for ends in (along, *extensions)):
                 continue
 
             edges, lines = occupancy.crossings(along)
             if lines > _MAX_ALONG:
                 continue
 
-            crossed = sum(sum(occupancy.crossings(each)) for each in extensions)
+            crossed = sum(sum(occupancy.crossings(ends)) for ends in extensions)
             cost = 3.0 * lane + penalty + 0.4 * edges + 0.6 * lines + 0.01 * crossed
             if best and cost >= best[0]:
                 continue
@@ -221,12 +221,8 @@ def _place_length(
                 (at(high, v), turn + (180.0 if narrow else 0.0)),
             )
             arrows = tuple(Arrow(tip, direction, _ARROW_MM) for tip, direction in inwards)
-            drawn = (
-                *(line(a, b, Styles.DIMENSION) for a, b in (along, *extensions)),
-                *arrows,
-                *text,
-            )
-            best = (cost, drawn)
+            lines_drawn = (line(*ends, Styles.DIMENSION) for ends in (along, *extensions))
+            best = (cost, (*lines_drawn, *arrows, *text))
 
     if best is None:
         raise NoRoomError(placed.size.name)
@@ -291,15 +287,8 @@ def place_circle(
                 continue
 
             arrow = Arrow(tip, angle_deg + 180.0, _ARROW_MM)
-            best = (
-                cost,
-                (
-                    line(tip, knee, Styles.DIMENSION),
-                    line(knee, landing, Styles.DIMENSION),
-                    arrow,
-                    *text,
-                ),
-            )
+            leader = (line(tip, knee, Styles.DIMENSION), line(knee, landing, Styles.DIMENSION))
+            best = (cost, (*leader, arrow, *text))
 
     if best is None:
         raise NoRoomError(size.name)
@@ -309,15 +298,13 @@ def place_circle(
 
 
 def _group_width(text: str, balloon: int) -> float:
-    return text_width(text, TEXT_MM) + (
-        2 * _BALLOON_RADIUS_MM + _BALLOON_GAP_MM if balloon else 0.0
-    )
+    """Return the width of a text and its balloon, if it has one [mm]."""
+    balloon_mm = 2 * _BALLOON_RADIUS_MM + _BALLOON_GAP_MM if balloon else 0.0
+    return text_width(text, TEXT_MM) + balloon_mm
 
 
 def _text_group(text: str, balloon: int, start: Point, *, turned: bool) -> tuple[Ring | Text, ...]:
-    """Arrange a text and its balloon along a line that begins
-    at `start`, on its upper or left side.
-    """
+    """Arrange a text and its balloon along a line from `start`, above it or at its left."""
     above = _BALLOON_ABOVE_MM if balloon else _ABOVE_LINE_MM
 
     def to_paper(u: float, v: float) -> Point:

@@ -22,7 +22,7 @@ from fingertip.models.solids import Solid
 from fingertip.pictures.drawing import part_sizes
 from fingertip.pictures.drawing.layout import lay_out
 from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView, Sheet
-from fingertip.pictures.drawing.render import render_pdf, render_svg
+from fingertip.pictures.drawing.svg_and_pdf import render_pdf, render_svg
 from fingertip.pictures.drawing.title_block import Heading
 
 _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
@@ -37,6 +37,7 @@ _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
 
 
 def part_drawings(design: Design) -> tuple[PartDrawing, ...]:
+    """List the drawings of the printed parts, with the sizes that a print has."""
     printed = exact_parts(
         design, (name for name, part in parts_by_name(design).items() if part.is_printed)
     )
@@ -60,9 +61,9 @@ def _notes(design: Design, drawing: PartDrawing) -> tuple[str, ...]:
     offset = design.printer.offset_mm
     scale = design.printer.scale_percent
     if offset:
-        much = "thick" if offset > 0.0 else "thin"
+        fault = "thick" if offset > 0.0 else "thin"
         notes.append(
-            f"All sizes are those of the print, {abs(offset):g} mm too {much} (printer.offset_mm):"
+            f"All sizes are those of the print, {abs(offset):g} mm too {fault} (printer.offset_mm):"
         )
         outer, inner = ("smaller", "larger") if offset > 0.0 else ("larger", "smaller")
         notes.append(f"in STEP, outer sizes are so much {outer}, inner ones {inner}.")
@@ -92,13 +93,13 @@ Job = tuple[tuple[str, Callable[[Any], T]], ...]
 
 
 def project_part(
-    solid: Solid, wanted: Collection[ViewName], evaluator: Any
+    solid: Solid, views: Collection[ViewName], evaluator: Any
 ) -> dict[ViewName, ProjectedView]:
     """Project a part in its views. Raises GeometryError."""
     from fingertip.pictures.drawing.hidden_lines import project  # noqa: PLC0415
 
     shape = evaluator.solid(solid)
-    return {view: project(shape, view) for view in PROJECTIONS if view in wanted}
+    return {view: project(shape, view) for view in PROJECTIONS if view in views}
 
 
 def run_job(job: Job[T]) -> dict[str, T]:
@@ -114,10 +115,8 @@ TIME_LIMIT_S = 180.0
 
 def run_apart(job: Job[T]) -> dict[str, T]:
     """Run a job in a process of its own. Raises MissingLibraryError or GeometryError."""
-    with (
-        temporary_folder() as folder,
-        Worker(folder) as worker,
-    ):  # ezdxf reads settings of the current folder
+    # ezdxf reads settings of the current folder.
+    with temporary_folder() as folder, Worker(folder) as worker:
         worker.send(run_job, job)
         try:
             return worker.receive_within(TIME_LIMIT_S)  # type: ignore[no-any-return]

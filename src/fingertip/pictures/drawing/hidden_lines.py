@@ -1,5 +1,4 @@
-"""Projection of B-rep solids with exact removal of hidden lines, and longitudinal sections, by Open
-CASCADE.
+"""Projection of B-rep solids without hidden lines, and longitudinal sections, by Open CASCADE.
 
 Importing this module loads Open CASCADE; import `cad.kernel.brep` first, which says what to install
 where that fails.
@@ -41,9 +40,8 @@ def project(solid: TopoDS_Shape, view: ViewName) -> ProjectedView:
         return ProjectedView(*_remove_hidden_lines(solid, PROJECTIONS[view]))
 
     (x, y, z), (_, far_y, far_z) = occ.bounds(solid)
-    half = occ.cut(
-        solid, box((x - 1.0, y - 1.0, z - 1.0), (0.0, far_y + 1.0, far_z + 1.0)).val().wrapped
-    )
+    removed = box((x - 1.0, y - 1.0, z - 1.0), (0.0, far_y + 1.0, far_z + 1.0))
+    half = occ.cut(solid, removed.val().wrapped)
     visible, _ = _remove_hidden_lines(half, PROJECTIONS[view])
     return ProjectedView(visible, (), _cut_outlines(half, PROJECTIONS[view]))
 
@@ -68,17 +66,17 @@ def _remove_hidden_lines(
 
 def _polylines(*compounds: Any) -> tuple[Line2, ...]:
     """Discretise projected edges, without points and duplicates, in an order of their own."""
-    found: set[Line2] = set()
+    edges: set[Line2] = set()
     for compound in compounds:
         if compound is None or compound.IsNull():
             continue
 
         BRepLib.BuildCurves3d_s(compound)
         for edge in occ.list_shapes(compound, TopAbs_EDGE):
-            points = tuple(_points(edge, lambda p: (p.X(), p.Y())))
-            found.add(min(points, points[::-1]))  # begins at its lower end
+            points = tuple(_points(edge, lambda point: (point.X(), point.Y())))
+            edges.add(min(points, points[::-1]))  # begins at its lower end
 
-    return tuple(sorted(edge for edge in found if len(edge) > 1))
+    return tuple(sorted(edge for edge in edges if len(edge) > 1))
 
 
 def _points(edge: TopoDS_Shape, flatten: Any) -> list[tuple[float, float]]:
@@ -108,12 +106,12 @@ def _cut_outlines(half: TopoDS_Shape, projection: Projection) -> tuple[Line2, ..
             ring: list[tuple[float, float]] = []
             edges = BRepTools_WireExplorer(TopoDS.Wire_s(wire))
             while edges.More():
+                edge = edges.Current()
                 points = _points(
-                    edges.Current(), lambda p: projection.flatten((p.X(), p.Y(), p.Z()))
+                    edge, lambda point: projection.flatten((point.X(), point.Y(), point.Z()))
                 )
-                ring += (
-                    reversed(points) if edges.Current().Orientation() == TopAbs_REVERSED else points
-                )
+                is_reversed = edge.Orientation() == TopAbs_REVERSED
+                ring += reversed(points) if is_reversed else points
                 edges.Next()
 
             rings.append(tuple(ring))

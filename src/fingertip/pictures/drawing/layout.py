@@ -1,5 +1,4 @@
-"""Layout of a sheet: paper and scale, places of the views, centre lines, section line, and all
-dimensions.
+"""Layout of a sheet: paper and scale, places of the views, their lines, and all dimensions.
 
 The largest scale of ISO 5455 on the smallest paper whose views and dimensions all find a place is
 taken; A3 before a smaller scale. Where the section's letters are in the way of a size on every
@@ -10,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import chain, product, zip_longest
 from typing import TypeAlias
 
 from fingertip.design.geometry.sizes import Circle, Length, PartDrawing, Side, ViewName
@@ -81,9 +80,7 @@ class PlacedView:
         return *self.on_paper((left, bottom)), *self.on_paper((right, top))
 
     def edge(self, side: Side) -> float:
-        """Return the coordinate from which the lanes of a side are
-        counted: past the ends of the section line.
-        """
+        """Return the coordinate at which a side's lanes begin: past the section line's ends."""
         left, bottom, right, top = self.bounds()
         past = _beside_section_line(self.name)
         return {
@@ -101,8 +98,8 @@ def _beside_section_line(name: ViewName) -> float:
 
 def lay_out(part: PartDrawing, views: Views, heading: Heading) -> Sheet:
     missing = ""
-    tried = product((False, True), CHOICES, _arrangements(part.plan))
-    for letters_give_way, (paper, (name, scale)), arrangement in tried:
+    attempts = product((False, True), CHOICES, _arrangements(part.plan))
+    for letters_give_way, (paper, (name, scale)), arrangement in attempts:
         scaled = replace(heading, scale=name)
         try:
             primitives = _draw(
@@ -148,15 +145,16 @@ def _draw(
     )
     occupancy = dimensioning.Occupancy(paper.width, paper.height)
 
-    for box in (
+    borders = (
         (0.0, 0.0, paper.left, paper.height),
         (paper.right, 0.0, paper.width, paper.height),
         (0.0, 0.0, paper.width, free_above),
         (0.0, paper.top, paper.width, paper.height),
-    ):
+    )
+    for box in borders:
         occupancy.block(box)
 
-    edges = [primitive for view in placed.values() for primitive in _view_edges(view)]
+    edges = [*chain.from_iterable(map(_view_edges, placed.values()))]
     centres = [*_centre_lines(placed, part)]
     marks = [
         *_section_marks(placed[part.plan], placed["section"], letters_give_way=letters_give_way)
@@ -165,35 +163,31 @@ def _draw(
     # them.
     occupancy.add((*edges, *centres, *marks), is_view=True)
     dimensions: list[Primitive] = []
-    balloons = {size.name: i for i, size in enumerate(part.checked, 1)}
+    balloons = {size.name: number for number, size in enumerate(part.checked, 1)}
 
-    for view in placed.values():
-        for side in _SIDES:
-            lengths = [
-                dimensioning.PlacedLength(
-                    size=size,
-                    start=view.place(size.start),
-                    end=view.place(size.end),
-                    edge=view.edge(side),
-                    balloon=balloons.get(size.name, 0),
-                )
-                for size in part.sizes
-                if isinstance(size, Length) and size.view == view.name and size.side == side
-            ]
-            dimensions += dimensioning.place_lengths(lengths, occupancy)
+    for view, side in product(placed.values(), _SIDES):
+        lengths = [
+            dimensioning.PlacedLength(
+                size=size,
+                start=view.place(size.start),
+                end=view.place(size.end),
+                edge=view.edge(side),
+                balloon=balloons.get(size.name, 0),
+            )
+            for size in part.sizes
+            if isinstance(size, Length) and size.view == view.name and size.side == side
+        ]
+        dimensions += dimensioning.place_lengths(lengths, occupancy)
 
-    for view in placed.values():
-        for size in part.sizes:
-            if isinstance(size, Circle) and size.view == view.name:
-                centre = view.place(size.centre)
-                balloon = balloons.get(size.name, 0)
-                dimensions += dimensioning.place_circle(
-                    size,
-                    centre=centre,
-                    radius=size.radius * scale,
-                    balloon=balloon,
-                    occupancy=occupancy,
-                )
+    for view, size in product(placed.values(), part.sizes):
+        if isinstance(size, Circle) and size.view == view.name:
+            dimensions += dimensioning.place_circle(
+                size,
+                centre=view.place(size.centre),
+                radius=size.radius * scale,
+                balloon=balloons.get(size.name, 0),
+                occupancy=occupancy,
+            )
 
     return (*edges, *centres, *marks, *dimensions, *frame)
 
@@ -205,12 +199,10 @@ def _place_views(
     free: Box,
     arrangement: Arrangement,
 ) -> dict[ViewName, PlacedView]:
-    """Place the views in rows and columns; a row shares its origin's
-    height, a column the place of its origin.
-    """
-    bounds = {name: tuple(scale * b for b in views[name].bounds()) for name in part.views}
+    """Place the views in rows and columns, each with a common origin."""
+    bounds = {name: tuple(scale * bound for bound in views[name].bounds()) for name in part.views}
     rows = [[name for name in row if name] for row in arrangement]
-    columns = [[name for row in arrangement for name in row[k : k + 1] if name] for k in (0, 1)]
+    columns = [[name for name in column if name] for column in zip_longest(*arrangement)]
 
     def lanes(name: ViewName, side: Side) -> float:
         lengths = [
@@ -219,17 +211,15 @@ def _place_views(
             if isinstance(size, Length) and size.view == name and size.side == side
         ]
         beside = _beside_section_line(name) if side in ("left", "right") else 0.0
-        named = _NAME_ABOVE_MM + _LETTER_MM if (name, side) == ("section", "above") else 0.0
+        title = _NAME_ABOVE_MM + _LETTER_MM if (name, side) == ("section", "above") else 0.0
         room = dimensioning.FIRST_LANE_MM + dimensioning.LANE_MM * (len(lengths) - 1) + 4.0
 
-        return max(named, beside) + (room if lengths else _MIN_GAP_MM / 2)
+        return max(title, beside) + (room if lengths else _MIN_GAP_MM / 2)
 
     def extent(
         names: Sequence[ViewName], k: int, low: Side, high: Side
     ) -> tuple[float, float, float, float]:
-        """Return the lower and upper bound of views along an axis, and the widths of
-        their lanes.
-        """
+        """Return the bounds of views along an axis, and the widths of their lanes."""
         return (
             min(bounds[name][k] for name in names),
             max(bounds[name][k + 2] for name in names),
@@ -239,12 +229,10 @@ def _place_views(
 
     across = [extent(names, 0, "left", "right") for names in columns if names]
     upwards = [extent(names, 1, "below", "above") for names in rows]
-    spare_x = (
-        free[2] - free[0] - sum(high - low + before + after for low, high, before, after in across)
-    )
-    spare_y = (
-        free[3] - free[1] - sum(high - low + before + after for low, high, before, after in upwards)
-    )
+    total_x = sum(high - low + before + after for low, high, before, after in across)
+    total_y = sum(high - low + before + after for low, high, before, after in upwards)
+    spare_x = free[2] - free[0] - total_x
+    spare_y = free[3] - free[1] - total_y
     if spare_x < 0.0 or spare_y < 0.0:
         raise dimensioning.NoRoomError("views")
 
@@ -263,18 +251,17 @@ def _place_views(
         ys.append(y - high)
         y -= high - low + before
 
-    return {
-        name: PlacedView(name, views[name], scale, (xs[k], ys[i]))
-        for i, row in enumerate(arrangement)
-        for k, name in enumerate(row)
-        if name
-    }
+    placed = {}
+    for row, origin_y in zip(arrangement, ys, strict=True):
+        for name, origin_x in zip(row, xs, strict=False):
+            if name:
+                placed[name] = PlacedView(name, views[name], scale, (origin_x, origin_y))
+
+    return placed
 
 
 def _arrangements(plan: ViewName) -> tuple[Arrangement, ...]:
-    """List the places of the views: palmar view above the front,
-    dorsal below, end on the right, section anywhere.
-    """
+    """List the places of the views: palmar above the front, dorsal below, end at the right."""
     if plan == "palmar":
         return (
             (("palmar", "section"), ("front", "end")),
@@ -288,22 +275,18 @@ def _arrangements(plan: ViewName) -> tuple[Arrangement, ...]:
 
 
 def _view_edges(placed: PlacedView) -> Iterator[Primitive]:
-    """Draw the edges of a view: hatching and hidden ones first, so that visible ones lie
-    over them.
-    """
+    """Draw the edges of a view, and visible ones over hidden ones and hatching."""
     view = placed.view
     if view.cut:
-        yield Hatch(tuple(tuple(placed.on_paper(p) for p in ring) for ring in view.cut), _HATCH_MM)
+        yield Hatch(tuple(tuple(map(placed.on_paper, ring)) for ring in view.cut), _HATCH_MM)
 
     for edges, style in ((view.hidden, Styles.HIDDEN), (view.visible, Styles.EDGE)):
         for edge in edges:
-            yield Polyline(tuple(placed.on_paper(p) for p in edge), style)
+            yield Polyline(tuple(map(placed.on_paper, edge)), style)
 
 
 def _centre_lines(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> Iterator[Primitive]:
-    """Draw the plane of symmetry in plan and end view, the axes of
-    holes, and a cross in circles with a dimension.
-    """
+    """Draw planes of symmetry, axes of holes, and a cross in circles with a dimension."""
     for name in (part.plan, "end"):
         left, bottom, right, top = views[name].bounds()
         x, y = views[name].origin
@@ -324,8 +307,7 @@ def _centre_lines(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> It
 def _section_marks(
     plan: PlacedView, section: PlacedView, *, letters_give_way: bool
 ) -> Iterator[Primitive]:
-    """Draw the section line A-A in the plan, with arrows in the direction of view, and the name
-    over the section.
+    """Draw the section line A-A in the plan with its arrows, and the name over the section.
 
     The letters stand behind the arrows and over the section's corner. There they block the
     extension lines of sizes that lie near the plane of the section or near that corner; these are

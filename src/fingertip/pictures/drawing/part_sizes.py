@@ -1,6 +1,4 @@
-"""Sizes of the printed parts on their sheets: bone, stand, pin and
-stub, then the halves of the cup and the core.
-"""
+"""Sizes of the printed parts on their sheets."""
 
 from __future__ import annotations
 
@@ -166,16 +164,16 @@ def pin_drawing(design: Design) -> PartDrawing:
 def hand_stub_drawing(design: Design) -> PartDrawing:
     joint = joint_of(design)
     (shoulder, bar) = bars(design)
-    way = guide(design)
+    tendon_guide = guide(design)
     (side, _, root) = shoulder.high
     y = joint.axis_y
     half = design.hand.width_mm / 2
-    place = "width of the tongue"
+    name = "width of the tongue"
     growth = OUTER
     remedy = "wide: sand it until the bone turns"
 
     if not joint.is_fork:
-        place = "gap of the fork"
+        name = "gap of the fork"
         growth = INNER
         remedy = "narrow: file it until the bone turns"
 
@@ -201,7 +199,7 @@ def hand_stub_drawing(design: Design) -> PartDrawing:
             action="narrow: ream it to the pin; wide: take a thicker pin",
         ),
         Length(
-            name=place,
+            name=name,
             growth=growth,
             view="palmar",
             side="right",
@@ -212,8 +210,8 @@ def hand_stub_drawing(design: Design) -> PartDrawing:
             action=remedy,
         ),
     ]
-    if way:
-        mouth = way.x[0], way.y, way.mouth_z
+    if tendon_guide:
+        mouth = tendon_guide.x[0], tendon_guide.y, tendon_guide.mouth_z
         sizes += [
             Length(
                 name="tendon to the joint axis",
@@ -231,8 +229,8 @@ def hand_stub_drawing(design: Design) -> PartDrawing:
                 view="palmar",
                 side="left",
                 axis="x",
-                start=(mouth[0] - way.radius, way.y, bar.low[2]),
-                end=(mouth[0] + way.radius, way.y, bar.low[2]),
+                start=(mouth[0] - tendon_guide.radius, tendon_guide.y, bar.low[2]),
+                end=(mouth[0] + tendon_guide.radius, tendon_guide.y, bar.low[2]),
             ),
         ]
 
@@ -299,9 +297,8 @@ def _pocket_sizes(design: Design) -> Iterator[Size]:
     head = dims.sensor.head_diameter_mm / 2 + gap
     begin = dims.tail_end_z
     play = clearance(2 * gap - design.printer.offset_mm)
-    opening = (
-        math.degrees(math.asin(min(1.0, half / head))) + ARROW_DEG
-    )  # in which the slot meets the pocket
+    # The slot meets the pocket in this angle.
+    opening = math.degrees(math.asin(min(1.0, half / head))) + ARROW_DEG
     yield Length(
         name="centre of the sensor",
         growth=BEFORE_FACE,
@@ -434,21 +431,20 @@ def dorsal_drawing(design: Design) -> PartDrawing:
     )
 
 
-def _half_sizes(design: Design, plan: ViewName, way: float) -> Iterator[Size]:
-    m = design.mold_layout
+def _half_sizes(design: Design, plan: ViewName, sign: float) -> Iterator[Size]:
+    layout = design.mold_layout
     dims = design.dimensions
     outer = dims.outer
     growth = dims.shrinkage
-    half = m.half_width
+    half = layout.half_width
     z = mold.GAP_MM
-    face = m.dorsal_height if way > 0.0 else -m.palmar_height
+    face = layout.dorsal_height if sign > 0.0 else -layout.palmar_height
     rim = mold.LIP_GAP_MM
-    at = rim / growth
-    skin = outer.half_width_at(0.0, at) * growth
-    deep = (
-        outer.dorsal_height_at(0.0, at) if way > 0.0 else -outer.palmar_height_at(0.0, at)
-    ) * growth
-    belt = m.belts_z[0] - mold.BELT_MM[0] / 2
+    unshrunk_rim = rim / growth
+    skin = outer.half_width_at(0.0, unshrunk_rim) * growth
+    height_at = outer.dorsal_height_at if sign > 0.0 else outer.palmar_height_at
+    depth = sign * height_at(0.0, unshrunk_rim) * growth
+    belt = layout.belts_z[0] - mold.BELT_MM[0] / 2
     yield Length(
         name="height of the cup",
         growth=OUTER,
@@ -456,7 +452,7 @@ def _half_sizes(design: Design, plan: ViewName, way: float) -> Iterator[Size]:
         side="below",
         axis="z",
         start=(half, 0.0, z),
-        end=(half, 0.0, m.foot_z),
+        end=(half, 0.0, layout.foot_z),
         tolerance=symmetric(0.2),
         action=f"{SCALE_REMEDY}: the skin is thin or thick at the tip",
     )
@@ -466,8 +462,8 @@ def _half_sizes(design: Design, plan: ViewName, way: float) -> Iterator[Size]:
         view=plan,
         side="right",
         axis="x",
-        start=(half, 0.0, m.foot_z),
-        end=(-half, 0.0, m.foot_z),
+        start=(half, 0.0, layout.foot_z),
+        end=(-half, 0.0, layout.foot_z),
     )
     yield Length(
         name="depth of the half",
@@ -496,7 +492,7 @@ def _half_sizes(design: Design, plan: ViewName, way: float) -> Iterator[Size]:
         side="left",
         axis="y",
         start=(0.0, 0.0, rim),
-        end=(0.0, deep, rim),
+        end=(0.0, depth, rim),
     )
     yield Length(
         name="rim to the first belt",
@@ -505,7 +501,7 @@ def _half_sizes(design: Design, plan: ViewName, way: float) -> Iterator[Size]:
         side="above",
         axis="z",
         start=(0.0, face, z),
-        end=(0.0, face - way * mold.BELT_MM[1], belt),
+        end=(0.0, face - sign * mold.BELT_MM[1], belt),
     )
     yield Length(
         name="depth of the belts",
@@ -514,7 +510,7 @@ def _half_sizes(design: Design, plan: ViewName, way: float) -> Iterator[Size]:
         side="right",
         axis="y",
         start=(0.0, face, z),
-        end=(0.0, face - way * mold.BELT_MM[1], belt),
+        end=(0.0, face - sign * mold.BELT_MM[1], belt),
     )
 
 
@@ -535,16 +531,16 @@ def _key_sizes(design: Design, plan: ViewName, gap: float) -> Iterator[Size]:
 
 
 def core_drawing(design: Design) -> PartDrawing:
-    m = design.mold_layout
+    layout = design.mold_layout
     dims = design.dimensions
     inset = design.mold.core_inset_mm
     tip = dims.bone_outline.tip
-    half = m.half_width + mold.PLATE_LEDGE_MM
+    half = layout.half_width + mold.PLATE_LEDGE_MM
     growth = dims.shrinkage
     assert tip
     apex = (0.0, 0.0, (tip.z - inset) * growth)
     ridge = mold.RIDGE_HALF_CREST_MM + mold.RIDGE_HEIGHT_MM
-    end = m.dorsal_height - mold.RIDGE_END_MM
+    end = layout.dorsal_height - mold.RIDGE_END_MM
     sizes = (
         Length(
             name="plate to tip",
@@ -552,7 +548,7 @@ def core_drawing(design: Design) -> PartDrawing:
             view="front",
             side="above",
             axis="z",
-            start=(0.0, m.dorsal_height, 0.0),
+            start=(0.0, layout.dorsal_height, 0.0),
             end=apex,
             tolerance=symmetric(0.2),
             action=f"{SCALE_REMEDY}: the skin is thin or thick at the tip",
@@ -563,7 +559,7 @@ def core_drawing(design: Design) -> PartDrawing:
             view="front",
             side="below",
             axis="z",
-            start=(0.0, -m.palmar_height, -mold.PLATE_MM),
+            start=(0.0, -layout.palmar_height, -mold.PLATE_MM),
             end=apex,
         ),
         Length(
@@ -572,8 +568,8 @@ def core_drawing(design: Design) -> PartDrawing:
             view="front",
             side="below",
             axis="z",
-            start=(0.0, -m.palmar_height, -mold.PLATE_MM),
-            end=(0.0, -m.palmar_height, 0.0),
+            start=(0.0, -layout.palmar_height, -mold.PLATE_MM),
+            end=(0.0, -layout.palmar_height, 0.0),
         ),
         Length(
             name="width of the plate",
@@ -581,8 +577,8 @@ def core_drawing(design: Design) -> PartDrawing:
             view="palmar",
             side="right",
             axis="x",
-            start=(half, -m.palmar_height, 0.0),
-            end=(-half, -m.palmar_height, 0.0),
+            start=(half, -layout.palmar_height, 0.0),
+            end=(-half, -layout.palmar_height, 0.0),
         ),
         Length(
             name="depth of the plate",
@@ -590,8 +586,8 @@ def core_drawing(design: Design) -> PartDrawing:
             view="front",
             side="left",
             axis="y",
-            start=(0.0, -m.palmar_height, -mold.PLATE_MM),
-            end=(0.0, m.dorsal_height, -mold.PLATE_MM),
+            start=(0.0, -layout.palmar_height, -mold.PLATE_MM),
+            end=(0.0, layout.dorsal_height, -mold.PLATE_MM),
         ),
         Length(
             name="height of the ridges",
@@ -599,7 +595,7 @@ def core_drawing(design: Design) -> PartDrawing:
             view="section",
             side="above",
             axis="z",
-            start=(0.0, m.dorsal_height, 0.0),
+            start=(0.0, layout.dorsal_height, 0.0),
             end=(0.0, end, mold.RIDGE_HEIGHT_MM),
         ),
         Length(

@@ -1,9 +1,9 @@
 """Views of a part, and the primitives of a sheet, in millimetres on paper from its lower left
 corner.
 
-A sheet is a list of lines, rings, texts, arrows and hatching; `render.py` writes it and decides
-nothing. The views are those of first-angle projection (ISO 5456-2). The front view looks at the
-finger from its side at -x, with distal to the right and dorsal up.
+A sheet is a list of lines, rings, texts, arrows and hatching; `svg_and_pdf.py` writes it and
+decides nothing. The views are those of first-angle projection (ISO 5456-2). The front view looks
+at the finger from its side at -x, with distal to the right and dorsal up.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import math
 import operator
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import ClassVar, Literal, TypeAlias
 
 from fingertip.design.geometry.sizes import ViewName
@@ -71,19 +71,17 @@ class Ring:
     style: Style
 
     def trace(self) -> Iterable[tuple[Point, ...]]:
-        (x, y) = self.centre
-        r = self.radius
-        return (
-            tuple(
-                (x + r * math.cos(a), y + r * math.sin(a))
-                for a in map(math.radians, range(0, 365, 5))
-            ),
+        x, y = self.centre
+        angles = map(math.radians, range(0, 365, 5))
+        points = (
+            (x + self.radius * math.cos(angle), y + self.radius * math.sin(angle))
+            for angle in angles
         )
+        return (tuple(points),)
 
     def box(self) -> Box:
-        (x, y) = self.centre
-        r = self.radius
-        return x - r, y - r, x + r, y + r
+        x, y = self.centre
+        return x - self.radius, y - self.radius, x + self.radius, y + self.radius
 
 
 @dataclass(frozen=True)
@@ -136,7 +134,8 @@ class Text:
     def box(self) -> Box:
         """Return the box of the line, with its descenders."""
         x, y = self.start
-        down = _DESCENDER * self.size if any(c in _BELOW_BASELINE for c in self.text) else 0.0
+        has_descender = any(character in _BELOW_BASELINE for character in self.text)
+        down = _DESCENDER * self.size if has_descender else 0.0
         if self.turned:
             return x - self.height, y, x + down, y + self.width
 
@@ -165,18 +164,18 @@ class Hatch:
         c = math.cos(math.radians(self.angle_deg))
         s = math.sin(math.radians(self.angle_deg))
         rings = [[(x * c + y * s, -x * s + y * c) for x, y in ring] for ring in self.rings]
-        heights = [v for ring in rings for _, v in ring]
+        edges = [*chain.from_iterable(pairwise((*ring, ring[0])) for ring in rings)]
+        heights = [height for (_, height), _ in edges]
         if not heights:
             return
 
-        for k in range(
-            math.ceil(min(heights) / self.spacing), math.floor(max(heights) / self.spacing) + 1
-        ):
+        first = math.ceil(min(heights) / self.spacing)
+        last = math.floor(max(heights) / self.spacing)
+        for k in range(first, last + 1):
             v = k * self.spacing + 1e-7  # no corner lies exactly on a line
             crossings = sorted(
                 a[0] + (v - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
-                for ring in rings
-                for a, b in pairwise((*ring, ring[0]))
+                for a, b in edges
                 if (a[1] > v) != (b[1] > v)
             )
             for u0, u1 in zip(crossings[::2], crossings[1::2], strict=False):
@@ -214,12 +213,8 @@ def rectangle(
 
 def text_width(text: str, height: float) -> float:
     """Compute the width of a line of text in Helvetica."""
-    return (
-        sum(_WIDTHS.get(character, _OTHER_WIDTH) for character in text)
-        / 1000.0
-        * height
-        / _HEADS_PER_SIZE
-    )
+    thousandths = sum(_WIDTHS.get(character, _OTHER_WIDTH) for character in text)
+    return thousandths / 1000.0 * height / _HEADS_PER_SIZE
 
 
 _DESCENDER = 0.207
@@ -267,6 +262,7 @@ class Projection:
 
     @property
     def towards(self) -> Point3:
+        """Direction towards the viewer: the cross product of both."""
         (a, b, c) = self.right
         (d, e, f) = self.up
         return b * f - c * e, c * d - a * f, a * e - b * d
@@ -282,16 +278,12 @@ PROJECTIONS: dict[ViewName, Projection] = {
     "end": Projection((-1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
     "section": Projection((0.0, 0.0, 1.0), (0.0, 1.0, 0.0)),
 }
-"""Views by name.
-`end` looks at the proximal end; `section` is the half at x > 0 behind the middle plane.
-"""
+"""Views by name; `end` is proximal, `section` the half at x > 0 behind the middle plane."""
 
 
 @dataclass(frozen=True)
 class ProjectedView:
-    """Edges of a part in a view [mm], without hidden ones in a
-    section, and the outline of what a section cuts.
-    """
+    """Edges of a part in a view [mm], not hidden ones in a section, and the cut outline."""
 
     visible: tuple[Line2, ...]
     hidden: tuple[Line2, ...]
@@ -299,5 +291,5 @@ class ProjectedView:
     """Closed outlines of the cut faces."""
 
     def bounds(self) -> Box:
-        xs, ys = zip(*(point for edge in self.visible for point in edge), strict=True)
+        xs, ys = zip(*chain.from_iterable(self.visible), strict=True)
         return min(xs), min(ys), max(xs), max(ys)

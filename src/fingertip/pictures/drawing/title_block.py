@@ -1,6 +1,4 @@
-"""Frame, title block, table of the sizes to check, and notes of a
-sheet (ISO 5457 and ISO 7200 for the form).
-"""
+"""Frame, title block, table of the sizes to check, and notes of a sheet (ISO 5457, ISO 7200)."""
 
 from __future__ import annotations
 
@@ -61,15 +59,12 @@ class Heading:
 def draw_frame(
     paper: Paper, part: PartDrawing, heading: Heading
 ) -> tuple[tuple[Primitive, ...], float]:
-    """Draw frame, title block, table and notes; returns the
-    height above which the sheet is free too.
-    """
+    """Draw frame, title block, table and notes; returns the height above which nothing is."""
     block, block_top = _title_block(paper, part, heading)
     # On narrow paper the table stands above the title block.
     beside = paper.right - paper.left - _BLOCK_WIDTH_MM >= 180.0
-    right, bottom = (
-        (paper.right - _BLOCK_WIDTH_MM, paper.bottom) if beside else (paper.right, block_top)
-    )
+    right = paper.right - _BLOCK_WIDTH_MM if beside else paper.right
+    bottom = paper.bottom if beside else block_top
     table, table_top = _table(part, paper.left, right, bottom)
     notes_left = paper.right - _BLOCK_WIDTH_MM + _PAD_MM if beside else paper.left + _PAD_MM
     base = block_top if beside else paper.bottom
@@ -103,7 +98,7 @@ def _title_block(
     first = left + 50.0
     second = left + 102.0
     *rows, top = (bottom + i * _BLOCK_ROW_MM for i in range(5))
-    drawn: list[Primitive] = [
+    primitives: list[Primitive] = [
         rectangle(
             left,
             bottom=bottom,
@@ -112,9 +107,9 @@ def _title_block(
             style=Styles.EDGE,
         )
     ]
-    drawn += [line((left, y), (right, y), Styles.GRID) for y in rows[1:]]
-    drawn += [line((x, rows[0]), (x, rows[2]), Styles.GRID) for x in (first, second)]
-    drawn += [
+    primitives += [line((left, y), (right, y), Styles.GRID) for y in rows[1:]]
+    primitives += [line((x, rows[0]), (x, rows[2]), Styles.GRID) for x in (first, second)]
+    primitives += [
         line((second, rows[2]), (second, top), Styles.GRID),
         line((first, rows[3]), (first, top), Styles.GRID),
     ]
@@ -134,17 +129,15 @@ def _title_block(
     for x, y, label, content in cells:
         height = _TITLE_MM if label in ("part", "scale", "sheet") else TEXT_MM
         room = (second if label == "material" else ends[x]) - x - 2 * _PAD_MM
-        drawn.append(Text(label, (x + _PAD_MM, y + _BLOCK_ROW_MM - 2.9), 1.8))
-        drawn.append(Text(_shorten(content, height, room), (x + _PAD_MM, y + 1.5), height))
+        primitives.append(Text(label, (x + _PAD_MM, y + _BLOCK_ROW_MM - 2.9), 1.8))
+        primitives.append(Text(_shorten(content, height, room), (x + _PAD_MM, y + 1.5), height))
 
-    drawn += _projection_symbol((second + right) / 2, rows[2] + _BLOCK_ROW_MM)
-    return drawn, top
+    primitives += _projection_symbol((second + right) / 2, rows[2] + _BLOCK_ROW_MM)
+    return primitives, top
 
 
 def _projection_symbol(x: float, y: float) -> list[Primitive]:
-    """Draw the symbol of first-angle projection: a truncated cone
-    and, on its right, its view from the left.
-    """
+    """Draw the symbol of first-angle projection: a truncated cone and its view from the left."""
     large = 4.2
     small = 2.1
     length = 8.4
@@ -171,7 +164,7 @@ def _table(
     part: PartDrawing, left: float, right: float, bottom: float
 ) -> tuple[list[Primitive], float]:
     columns = [left, left + 9.0, left + 9.0 + 58.0, left + 88.0, left + 110.0]
-    drawn: list[Primitive] = []
+    primitives: list[Primitive] = []
     y = bottom
 
     for number, size in reversed([*enumerate(part.checked, 1)]):
@@ -180,16 +173,18 @@ def _table(
         action = _wrap(size.action, right - columns[4] - 2 * _PAD_MM)
         y += _ROW_MM + _LINE_MM * (max(len(name), len(action)) - 1)
         first = y - 3.8
-        drawn.append(Text(str(number), ((columns[0] + columns[1]) / 2, first), TEXT_MM, "middle"))
+        primitives.append(
+            Text(str(number), ((columns[0] + columns[1]) / 2, first), TEXT_MM, "middle")
+        )
         cells = (name, [size.text().removesuffix(f" {tolerance}")], [tolerance], action)
 
         for x, rows in zip(columns[1:], cells, strict=True):
-            drawn += [
+            primitives += [
                 Text(text, (x + _PAD_MM, first - k * _LINE_MM), TEXT_MM)
                 for k, text in enumerate(rows)
             ]
 
-        drawn.append(line((left, y), (right, y), Styles.GRID))
+        primitives.append(line((left, y), (right, y), Styles.GRID))
 
     top = y + _ROW_MM
     titles = (
@@ -199,10 +194,10 @@ def _table(
         "tolerance",
         "if it is out of tolerance",
     )
-    drawn += [
+    primitives += [
         Text(title, (x + 0.8, y + 1.4), 2.0) for x, title in zip(columns, titles, strict=True)
     ]
-    drawn += [line((x, bottom), (x, top), Styles.GRID) for x in columns[1:]]
+    primitives += [line((x, bottom), (x, top), Styles.GRID) for x in columns[1:]]
 
     return [
         rectangle(
@@ -212,7 +207,7 @@ def _table(
             top=top,
             style=Styles.EDGE,
         ),
-        *drawn,
+        *primitives,
     ], top
 
 

@@ -252,14 +252,14 @@
     const asked = ask('bands', { field: field.path, signal: probing.signal }).then((answer) => answer.json());
     showBands(field, await asked.catch(() => ({}))); // given up, maybe while the answer is read
   }
-  function showBands(field, { bands, said }) {
+  function showBands(field, { bands, band_text: text }) {
     field.isProbed = Boolean(bands);
     field.passing.hidden = !bands;
     if (!bands) {
       field.slider?.style.removeProperty('--bands');
       return;
     }
-    field.passing.textContent = said ? `not refused: ${said}` : 'every value is refused with the others as they are';
+    field.passing.textContent = text ? `not refused: ${text}` : 'every value is refused with the others as they are';
     const share = (value) => {
       const [low, high] = [Number(field.slider.min), Number(field.slider.max)];
       return `${(100 * clamp((place(field, value) - low) / (high - low), 0, 1)).toFixed(2)}%`;

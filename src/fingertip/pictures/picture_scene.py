@@ -20,7 +20,7 @@ from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.models.parts import PARTS
 from fingertip.models.sensor import sensor_body
-from fingertip.models.solids import Box, Point3, Solid, cylinder, difference
+from fingertip.models.solids import Box, Point3, Solid, cylinder
 from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
 from fingertip.pictures.section import spread
 
@@ -29,9 +29,7 @@ Pixel: TypeAlias = tuple[float, float]
 _WIDTH_PX = 900
 MARGIN_PX = 200
 _PADDING_PX = 24
-"""Width of a picture, of the margin on each side that holds labels,
-and the distance of everything from the edge.
-"""
+"""Widths of a picture, of the margins for labels, and of the empty edge."""
 _MAX_HEIGHT_PX = 560
 _FONT_PX = 16
 _LINE_PX = 20
@@ -44,13 +42,17 @@ _HEAD_ANGLE = math.radians(24.0)
 
 
 @dataclass(frozen=True)
-class Shown:
+class PaintedMesh:
+    """Mesh with its colour."""
+
     mesh: Mesh
     colour: Colour
 
 
 @dataclass(frozen=True)
 class Label:
+    """Text with a line to a point of the scene."""
+
     text: str
     """One line, or several that are separated by line feeds."""
     point_mm: Point3
@@ -65,23 +67,21 @@ class Arrow:
 
 
 class Scene:
-    """Content of a picture: meshes, the camera that sees them, and
-    what is written and drawn beside them.
-    """
+    """Content of a picture: meshes, their camera, and what is written beside them."""
 
-    def __init__(self, shown: Iterable[Shown], camera: Camera, *marks: Label | Arrow) -> None:
-        self.shown = tuple(shown)
+    def __init__(
+        self, meshes: Iterable[PaintedMesh], camera: Camera, *marks: Label | Arrow
+    ) -> None:
+        self.meshes = tuple(meshes)
         self.camera = camera
         self.labels = [mark for mark in marks if isinstance(mark, Label)]
         self.arrows = [mark for mark in marks if isinstance(mark, Arrow)]
 
 
 def draw_scene(scene: Scene) -> bytes:
-    ends = np.array(
-        [end for arrow in scene.arrows for end in (arrow.start_mm, arrow.end_mm)]
-    ).reshape(-1, 3)
+    ends = np.array([(arrow.start_mm, arrow.end_mm) for arrow in scene.arrows]).reshape(-1, 3)
     arrows = Mesh(ends, np.zeros((0, 3), dtype=np.int32))
-    centre, size = bounds([*(item.mesh for item in scene.shown), arrows], scene.camera)
+    centre, size = bounds([*(item.mesh for item in scene.meshes), arrows], scene.camera)
     room = _WIDTH_PX - 2 * MARGIN_PX, _MAX_HEIGHT_PX - 2 * _PADDING_PX
     scale = min(room[0] / size[0], room[1] / size[1])
     height = int(size[1] * scale) + 2 * _PADDING_PX
@@ -92,7 +92,7 @@ def draw_scene(scene: Scene) -> bytes:
     height = max(height, _PADDING_PX * 2 + _LINE_PX * max(lines))
 
     canvas = Canvas(_WIDTH_PX, height, scale, scene.camera)
-    for item in scene.shown:
+    for item in scene.meshes:
         canvas.draw(item.mesh, item.colour, centre)
 
     picture = Image.fromarray(canvas.image())
@@ -109,9 +109,8 @@ def draw_scene(scene: Scene) -> bytes:
     for side in (-1, 1):
         entries = [(place(label.point_mm), label.text) for label in _labels_on(scene, side, centre)]
         sizes = [_LINE_PX * (text.count("\n") + 1.6) for _, text in entries]
-        for y, (tip, text) in zip(
-            spread(sizes, [tip[1] for tip, _ in entries], height), entries, strict=True
-        ):
+        middles = spread(sizes, [tip[1] for tip, _ in entries], height)
+        for y, (tip, text) in zip(middles, entries, strict=True):
             x = _PADDING_PX if side < 0 else _WIDTH_PX - _PADDING_PX
             pen.multiline_text(
                 (x, y),
@@ -142,12 +141,12 @@ def _labels_on(scene: Scene, side: int, centre: Array) -> list[Label]:
 
 def _draw_arrow(pen: Pen, start: Pixel, end: Pixel) -> None:
     pen.line([start, end], fill=_ARROW, width=4)
-    way = math.atan2(end[1] - start[1], end[0] - start[0])
+    angle = math.atan2(end[1] - start[1], end[0] - start[0])
     head = [
-        (end[0] - _HEAD_PX * math.cos(way + turn), end[1] - _HEAD_PX * math.sin(way + turn))
+        (end[0] - _HEAD_PX * math.cos(angle + turn), end[1] - _HEAD_PX * math.sin(angle + turn))
         for turn in (-_HEAD_ANGLE, _HEAD_ANGLE)
     ]
-    ahead = end[0] + 4 * math.cos(way), end[1] + 4 * math.sin(way)
+    ahead = end[0] + 4 * math.cos(angle), end[1] + 4 * math.sin(angle)
     pen.polygon([ahead, *head], fill=_ARROW)
 
 
@@ -178,7 +177,7 @@ CUP_RADIUS_MM = 22.0
 _CUP_HEIGHT_MM = 45.0
 
 
-class Bench:
+class Workbench:
     """Parts of one design and what lies with them, as meshes."""
 
     def __init__(self, design: Design) -> None:
@@ -199,25 +198,26 @@ class Bench:
         shift: Point3 = (0.0, 0.0, 0.0),
         *,
         cut: bool = False,
-    ) -> Shown:
+    ) -> PaintedMesh:
         """Show a solid, shifted, and cut open along x = 0 if asked for."""
         mesh = self._meshes.get((solid, cut))
         if mesh is None:
             manifold = self.evaluator.manifold(solid)
-            mesh = to_canonical_mesh(
-                manifold.trim_by_plane((1.0, 0.0, 0.0), 0.0) if cut else manifold
-            )
+            if cut:
+                manifold = manifold.trim_by_plane((1.0, 0.0, 0.0), 0.0)
+
+            mesh = to_canonical_mesh(manifold)
             self._meshes[solid, cut] = mesh
 
-        return Shown(Mesh(mesh.vertices + np.array(shift), mesh.triangles), colour)
+        return PaintedMesh(Mesh(mesh.vertices + np.array(shift), mesh.triangles), colour)
 
-    def part(self, name: str, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
+    def part(self, name: str, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> PaintedMesh:
         return self.solid(PARTS[name].solid(self.design), PARTS[name].colour, shift, cut=cut)
 
-    def sensor(self, shift: Point3 = (0.0, 0.0, 0.0)) -> Shown:
+    def sensor(self, shift: Point3 = (0.0, 0.0, 0.0)) -> PaintedMesh:
         return self.solid(sensor_body(self.design), Paint.SENSOR, shift)
 
-    def turned_up_skin(self, fold_z: float, shift_z: float) -> list[Shown]:
+    def turned_up_skin(self, fold_z: float, shift_z: float) -> list[PaintedMesh]:
         """Show half of the skin, shifted, its edge turned inside out up to a height there."""
         outer = self.dims.outer.section
         skin = PARTS["skin"]
@@ -228,18 +228,16 @@ class Bench:
             for way in (1.0, -1.0)
         )
         x, y, z = edge.vertices.T
-        out = (
-            2.0 / np.hypot(x / outer.half_width, y / np.where(y < 0.0, outer.palmar, outer.dorsal))
-            - 1.0
-        )
+        height = np.where(y < 0.0, outer.palmar, outer.dorsal)
+        out = 2.0 / np.hypot(x / outer.half_width, y / height) - 1.0
         turned = Mesh(np.stack((x * out, y * out, 2.0 * fold_z - z), axis=1), edge.triangles)
 
-        return [Shown(tip, skin.colour), Shown(turned, skin.colour)]
+        return [PaintedMesh(tip, skin.colour), PaintedMesh(turned, skin.colour)]
 
-    def assembled_bone(self) -> list[Shown]:
+    def assembled_bone(self) -> list[PaintedMesh]:
         return [self.part("bone"), self.sensor()]
 
-    def cup(self, level: float) -> list[Shown]:
+    def cup(self, level: float) -> list[PaintedMesh]:
         """Show a cup that stands on z = 0, cut open, filled to a level [mm]."""
         middle = (0.0, 0.0)
         reach = 2 * CUP_RADIUS_MM
@@ -267,6 +265,6 @@ class Bench:
         )
 
         return [
-            self.solid(difference(outside, inside, front), Paint.GLASS),
+            self.solid(outside.cut(inside, front), Paint.GLASS),
             self.solid(content, Paint.SILICONE),
         ]

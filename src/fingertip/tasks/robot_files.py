@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -29,8 +30,7 @@ def write_robot(
     force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
 ) -> dict[str, Any]:
-    """Write the model of a finger, or of those of a set, with its meshes and a README, and return
-    its figures.
+    """Write the robot model of a finger or a set, with meshes and README; return its figures.
 
     The folder is `out/NAME/robot` by default, the format "mjcf" or "urdf". With `force`, files may
     be overwritten that this function did not write, or that were changed since.
@@ -53,9 +53,8 @@ def write_robot(
     prefixes = {form: f"{form.design.name}_" if is_set else "" for form in forms}
     writer = ROBOT.writer(design, folder, force)
     names = (README, "bone.stl", "skin.stl")
-    writer.check(
-        {README, file, *(f"{prefix}{name}" for prefix in prefixes.values() for name in names)}
-    )
+    form_files = itertools.product(prefixes.values(), names)
+    writer.check({README, file, *(f"{prefix}{name}" for prefix, name in form_files)})
     places_m = _place(design) if isinstance(design, FingerSet) else {design.name: 0.0}
     placed = dict[str, Placed]()
     figures = dict[str, dict[str, Any]]()
@@ -67,14 +66,15 @@ def write_robot(
         placed |= {
             finger: Placed(finger, model, prefix, places_m[finger]) for finger in form.fingers
         }
-        described = describe_model(model, file_format)
-        figures[form.design.name] = data = asdict(described)
+        description = describe_model(model, file_format)
+        data = asdict(description)
+        figures[form.design.name] = data
         contents |= {
             f"{prefix}{name}.stl": stl.to_bytes(mesh, name) for name, mesh in model.meshes.items()
         }
-        contents[f"{prefix}{README}"] = render_robot_readme(described, form.fingers).encode()
+        contents[f"{prefix}{README}"] = render_robot_readme(description, form.fingers).encode()
 
-    made = f"by fingertip robot; {README} states units and frames."
+    origin = f"by fingertip robot; {README} states units and frames."
     if isinstance(design, FingerSet):
         data = {
             "set": design.name,
@@ -83,21 +83,19 @@ def write_robot(
             "forms": figures,
         }
         contents[README] = render_set_readme(design, file, places_m).encode()
-        comment = f"Fingers of {design.name} {made}"
+        comment = f"Fingers of {design.name} {origin}"
     else:
-        comment = f"Finger {design.name} {made} {data['errors']}"
+        comment = f"Finger {design.name} {origin} {data['errors']}"
 
     # XML allows no two hyphens in a comment.
     in_order = [placed[finger] for finger in places_m]
     contents[file] = render_model(design.name, in_order, file_format, comment.replace("--", "-"))
-    writer.write(contents, [other for other in ROBOT_FILES.values() if other != file])
+    writer.write(contents, [name for name in ROBOT_FILES.values() if name != file])
     return {**data, "folder": str(folder), "files": list(contents)}
 
 
 def _place(fingers: FingerSet) -> dict[str, float]:
-    """Place the interfaces side by side, in the order of the hand,
-    with its palm towards -y: finger -> x [m].
-    """
+    """Place the fingers side by side in the order of the hand, palm towards -y: name -> x [m]."""
     step_m = 1e-3 * (max(form.design.skin.width_mm for form in fingers.forms) + _GAP_MM)
     step_m *= -1.0 if fingers.side == "right" else 1.0
     middle = (len(fingers.fingers) - 1) / 2

@@ -1,6 +1,4 @@
-"""Files of the library: their content, writing them to a folder,
-and comparing them with those in a folder.
-"""
+"""Files of the library: content, writing to a folder, and comparison with a folder."""
 
 from __future__ import annotations
 
@@ -14,7 +12,7 @@ from fingertip.firmware.c_sources import LAMP, lamp_sketch, library_sources, rea
 from fingertip.firmware.fingers import ONE_FINGER, Fingers
 from fingertip.firmware.packaging import library_manifest, library_properties
 from fingertip.foundation.output_set import write_attributes
-from fingertip.tasks.verification import compare_with_design
+from fingertip.tasks.manifest_comparison import compare_with_design
 
 SOURCES = "src"
 EXAMPLES = "examples"
@@ -26,15 +24,12 @@ _HAND_FILES = {"slip_hand": ("slip_hand.ino",), "slip_stream": _EXAMPLE_FILES["s
 
 
 def firmware_files(design: Design, fingers: Fingers = ONE_FINGER) -> dict[str, dict[str, bytes]]:
-    """Content of the files, by folder within the library and by
-    name; the same design gives the same bytes.
-    """
+    """Return the files by folder and name; the same design gives the same bytes."""
     sources = library_sources(design, fingers)
     readme = render_readme(design, fingers).encode()
 
-    if (
-        not design.board.has_filter
-    ):  # Arduino compiles what stands beside a sketch: no library to install
+    # Arduino compiles what stands beside the sketch of a divider: no library to install.
+    if not design.board.has_filter:
         return {".": {README: readme}, Path(LAMP).stem: lamp_sketch(design, fingers) | sources}
 
     folders = {
@@ -59,8 +54,7 @@ def write_firmware(
     fingers: Fingers = ONE_FINGER,
     force: bool = False,
 ) -> tuple[Path, ...]:
-    """Write the library of a design to a folder, `out/NAME/firmware` by default, and return the
-    paths of its files.
+    """Write a design's library to `out/NAME/firmware` by default; return its paths.
 
     `fingers` are those that the controller reads, as `fingertip.firmware.fingers.plan_fingers`
     gives them. With `force`, files may be overwritten that this function did not write, or that
@@ -78,8 +72,7 @@ def plan_firmware(
     force: bool = False,
     top: Path | None = None,
 ) -> Callable[[], tuple[Path, ...]]:
-    """Check that the files can be written to a folder below `top`, and return the function that
-    writes them.
+    """Check that the files can be written; return the function that does.
 
     Raises OutputError.
     """
@@ -91,11 +84,13 @@ def plan_firmware(
         writer.check(contents)
 
     def write() -> tuple[Path, ...]:
+        paths = list[Path]()
         for writer, contents in sets:
             writer.write(contents)
+            paths += [writer.folder / name for name in contents]
 
         write_attributes(folder)
-        return tuple(writer.folder / name for writer, contents in sets for name in contents)
+        return tuple(paths)
 
     return write
 
@@ -103,8 +98,9 @@ def plan_firmware(
 def firmware_differences(
     design: Design, folder: str | Path, fingers: Fingers = ONE_FINGER
 ) -> list[str]:
-    folders = firmware_files(design, fingers).items()
-    expected = {
-        f"{place}/{name}": data for place, contents in folders for name, data in contents.items()
-    }
+    """Describe which files of a folder differ from those of a design; empty if equal."""
+    expected = dict[str, bytes]()
+    for place, contents in firmware_files(design, fingers).items():
+        expected |= {f"{place}/{name}": data for name, data in contents.items()}
+
     return compare_with_design(Path(folder), expected)

@@ -1,6 +1,4 @@
-"""Page of the studio: the 3D view of the page of a design, the
-form beside it, and the checks below.
-"""
+"""Page of the studio: 3D view, form and checks."""
 
 from __future__ import annotations
 
@@ -8,13 +6,14 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from fingertip.cad.parts import shapes_of_parameters
 from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design import Design
 from fingertip.design.design_file import Parameter
 from fingertip.design.parameters import PARAMETERS
-from fingertip.design.parameters.declaration import find_bounds, list_choices
+from fingertip.design.parameters.declaration import describe_table, find_bounds, list_choices
 from fingertip.design.search import describe_bands
 from fingertip.page.html import (
     Markup,
@@ -73,8 +72,10 @@ def _render_group(
         f": {count} parameter{'s' if count > 1 else ''}",
         element("span", "", class_="counts"),
     )
-    described = "" if name in (MAIN, "design") else type(getattr(design, name)).__doc__ or ""
-    hint = [element("p", " ".join(described.split()), class_="hint")] if described else []
+    hint = []
+    if name not in (MAIN, "design"):
+        hint.append(element("p", describe_table(type(getattr(design, name))), class_="hint"))
+
     rendered = (
         _render_field(field, design, moved.get(field.parameter.path, ()), is_main)
         for field in fields
@@ -89,43 +90,6 @@ def _render_field(field: Field, design: Design, items: tuple[str, ...], is_main:
     path = field.parameter.path
     name = f"f-{path}"
     value = design.value(path)
-    described = f"e-{path} b-{path} d-{path}"
-    controls: list[Markup] = []
-
-    if field.kind == "choice":
-        chosen = str(value).lower() if isinstance(value, bool) else value
-        options = (
-            element("option", word, value=word, selected=word == chosen) for word in field.choices
-        )
-        controls.append(element("select", *options, id=name, aria_describedby=described))
-    elif field.kind == "text":
-        controls.append(
-            element(
-                "input",
-                type="text",
-                id=name,
-                value=str(value),
-                aria_describedby=described,
-            )
-        )
-    else:
-        slider = field.slider
-        if slider:
-            controls.append(_render_slider(path, slider, value, described))
-
-        number = repr(value).removesuffix(".0")
-        controls.append(
-            element(
-                "input",
-                type="number",
-                id=name,
-                value=number,
-                step="any",
-                aria_describedby=described,
-            )
-        )
-        controls.append(element("span", field.parameter.unit, class_="unit"))
-
     shapes = button(
         "show",
         data_moves=" ".join(items),
@@ -143,7 +107,7 @@ def _render_field(field: Field, design: Design, items: tuple[str, ...], is_main:
     return element(
         "div",
         element("div", label, shapes, reset, class_="head"),
-        element("div", *controls, class_="control"),
+        element("div", *_render_controls(field, value), class_="control"),
         element("p", "", id=f"e-{path}", class_="refusal", hidden=True),
         element("p", "", id=f"b-{path}", class_="hint passing", hidden=True),
         element("p", f"{field.parameter.description}{bounds}", id=f"d-{path}", class_="hint"),
@@ -155,7 +119,44 @@ def _render_field(field: Field, design: Design, items: tuple[str, ...], is_main:
     )
 
 
-def _render_slider(path: str, slider: Slider, value: float, described: str) -> Markup:
+def _render_controls(field: Field, value: Any) -> list[Markup]:
+    """Render what changes a value: a list of choices, a text, or a number with its slider."""
+    path = field.parameter.path
+    name = f"f-{path}"
+    descriptions = f"e-{path} b-{path} d-{path}"
+
+    if field.kind == "choice":
+        chosen = str(value).lower() if isinstance(value, bool) else value
+        options = (
+            element("option", word, value=word, selected=word == chosen) for word in field.choices
+        )
+        return [element("select", *options, id=name, aria_describedby=descriptions)]
+
+    if field.kind == "text":
+        return [
+            element("input", type="text", id=name, value=str(value), aria_describedby=descriptions)
+        ]
+
+    controls = []
+    if field.slider:
+        controls.append(_render_slider(path, field.slider, value, descriptions))
+
+    number = repr(value).removesuffix(".0")
+    controls.append(
+        element(
+            "input",
+            type="number",
+            id=name,
+            value=number,
+            step="any",
+            aria_describedby=descriptions,
+        )
+    )
+    controls.append(element("span", field.parameter.unit, class_="unit"))
+    return controls
+
+
+def _render_slider(path: str, slider: Slider, value: float, descriptions: str) -> Markup:
     """Render a slider; the position of a logarithmic one is the common logarithm of its value."""
     low = slider.minimum
     high = slider.maximum
@@ -177,7 +178,7 @@ def _render_slider(path: str, slider: Slider, value: float, described: str) -> M
         "input",
         type="range",
         aria_label=f"{path}, slider",
-        aria_describedby=described,
+        aria_describedby=descriptions,
         data_log=slider.is_logarithmic,
         **numbers,
     )
@@ -198,7 +199,7 @@ def render_studio(design: Design, token: str) -> bytes:
     items = make_items(design)
     bundled = {name: Design.load(name) for name in list_bundled_files(DESIGN)}
     presets = {
-        name: {path: found.value(path) for path in PARAMETERS} for name, found in bundled.items()
+        name: {path: preset.value(path) for path in PARAMETERS} for name, preset in bundled.items()
     }
     form = render_form(design, shapes_of_parameters(design))
     model = element(
@@ -257,7 +258,7 @@ def render_studio(design: Design, token: str) -> bytes:
 
 
 def render_locked() -> bytes:
-    """Render what somebody sees who has not the address with its token."""
+    """Render the page of an address without the token."""
     text = (
         "This is a fingertip studio. Open it with the address that its terminal shows: it ends "
         "in a token."
@@ -286,9 +287,7 @@ def _render_bar() -> Markup:
 
 
 def _render_presets() -> Markup:
-    """Render a button for each bundled design; the script asks for
-    its picture, which takes half a second.
-    """
+    """Render a button for each bundled design; the script asks for its picture."""
     buttons = (
         button(element("img", alt="", hidden=True), name, data_design=name)
         for name in list_bundled_files(DESIGN)
@@ -332,6 +331,8 @@ class Slider:
 
 @dataclass(frozen=True)
 class Field:
+    """Field of the form for one parameter."""
+
     parameter: Parameter
     kind: str
     """One of "number", "integer", "choice" and "text"."""
@@ -346,16 +347,12 @@ MAIN = "what people change first"
 
 
 def make_form() -> dict[str, list[Field]]:
-    """Make the fields of each group: those that people change first, then the rest of
-    each table.
-    """
+    """Make the fields of each group: main parameters first, then each table."""
     groups: dict[str, list[Field]] = {MAIN: []}
     for table, parameters in group_parameters().items():
         for parameter in parameters:
-            is_main = parameter.path in _MAIN
-            groups.setdefault(MAIN if is_main else table or "design", []).append(
-                _make_field(parameter)
-            )
+            group = MAIN if parameter.path in _MAIN else table or "design"
+            groups.setdefault(group, []).append(_make_field(parameter))
 
     groups[MAIN].sort(key=lambda field: _MAIN.index(field.parameter.path))
     return groups
@@ -363,9 +360,9 @@ def make_form() -> dict[str, list[Field]]:
 
 def _make_field(parameter: Parameter) -> Field:
     declared = PARAMETERS[parameter.path]
-    choices = list_choices(declared) or (
-        ("false", "true") if isinstance(parameter.default, bool) else ()
-    )
+    choices = list_choices(declared)
+    if isinstance(parameter.default, bool):
+        choices = choices or ("false", "true")
     if choices:
         return Field(
             parameter=parameter,

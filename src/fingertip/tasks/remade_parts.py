@@ -1,4 +1,4 @@
-"""Parts of a folder, made again from their design and compared byte by byte."""
+"""Parts of a folder made again from their design, and compared byte by byte."""
 
 from __future__ import annotations
 
@@ -11,20 +11,19 @@ from fingertip.design import Design
 from fingertip.foundation.errors import InputFileError, Issue
 from fingertip.foundation.output_set import read_manifest
 from fingertip.models.parts import parts_by_name
+from fingertip.tasks.manifest_comparison import compare_with_design
 from fingertip.tasks.report_file import read_json_file
-from fingertip.tasks.verification import compare_with_design
 
 _FORMATS = ("stl", "3mf")
 
 
 def compare_made_again(design: Design, folder: Path) -> list[str]:
-    """Make the STL and 3MF files of a folder again, and describe which of them differ; none if all
-    are equal.
+    """Make the STL and 3MF files of a folder again, and describe which of them differ.
 
     Raises InputFileError if the folder has no report of fingertip, and GeometryError.
     """
     in_folder = _list_meshes(folder)
-    lying = _list_meshes(folder / PRINT_FOLDER)
+    on_bed = _list_meshes(folder / PRINT_FOLDER)
     if not in_folder:
         return [f"{folder}: holds no STL or 3MF file to compare; make the parts again."]
 
@@ -34,24 +33,23 @@ def compare_made_again(design: Design, folder: Path) -> list[str]:
         if any(file.startswith(f"{name}.") for file in in_folder)
     ]
     formats = [name for name in _FORMATS if any(file.endswith(f".{name}") for file in in_folder)]
-    made = verify(design, names, formats, MeshEvaluator(_read_tolerance(folder)))
+    parts = verify(design, names, formats, MeshEvaluator(_read_tolerance(folder)))
+    sets = (
+        (folder, in_folder, parts.contents),
+        (folder / PRINT_FOLDER, on_bed, parts.prints.contents),
+    )
+    differences = []
 
-    found = []
-
-    for place, files, contents in (
-        (folder, in_folder, made.contents),
-        (folder / PRINT_FOLDER, lying, made.prints.contents),
-    ):
-        found += compare_with_design(
-            place, {name: data for name, data in contents.items() if name in files}
-        )
-        found += [
+    for place, files, contents in sets:
+        expected = {name: data for name, data in contents.items() if name in files}
+        differences += compare_with_design(place, expected)
+        differences += [
             f"{place / name}: is of no part of this design; remove it, or make the parts again."
             for name in files
             if name not in contents
         ]
 
-    return found
+    return differences
 
 
 def _list_meshes(folder: Path) -> list[str]:
@@ -63,10 +61,9 @@ def _list_meshes(folder: Path) -> list[str]:
 def _read_tolerance(folder: Path) -> float:
     """Read the tolerance at which the meshes of a folder were made [mm]."""
     tolerance_mm = read_json_file(folder / REPORT, folder).get("tolerance_mm")
-    if (
-        isinstance(tolerance_mm, int | float)
-        and MIN_TOLERANCE_MM <= tolerance_mm <= MAX_TOLERANCE_MM
-    ):
+    if not isinstance(tolerance_mm, int | float):
+        tolerance_mm = 0.0
+    if MIN_TOLERANCE_MM <= tolerance_mm <= MAX_TOLERANCE_MM:
         return float(tolerance_mm)
 
     message = (

@@ -1,4 +1,4 @@
-"""Comparison of sets of files with their manifests. It reads, and changes nothing."""
+"""Comparison of sets of files with their manifests, which changes nothing."""
 
 from __future__ import annotations
 
@@ -27,13 +27,9 @@ from fingertip.foundation.output_set import (
 )
 
 _OF_ONE_DESIGN = ("parts", "print", "steps", "board", "fabrication", "signal", "firmware", "robot")
-"""Kinds of sets in the folder of a design, which belong together if
-they were made from the same parameters.
-"""
+"""Kinds of sets in a design's folder, which must have the same parameters."""
 _MAX_DEPTH = 5
-"""Depth of the folders that are looked at: from `out`, that of the
-models of a board in a set of fingers.
-"""
+"""Depth of the search: from `out` to the board's models in a set of fingers."""
 _MAX_ENTRIES = 50_000
 """Maximum number of files and folders in them."""
 
@@ -46,9 +42,8 @@ def verify_sets(folder: Path) -> tuple[int, list[str]]:
     outside = Path(os.path.realpath(folder)).parent
     try:
         for place in _look_through(folder)[1].values():
-            with lock(
-                outside if place == folder else place.parent, shared=True
-            ):  # who is still at work ends first
+            # A command that is still at work ends first.
+            with lock(outside if place == folder else place.parent, shared=True):
                 pass
 
         with lock(outside, shared=True):
@@ -61,17 +56,16 @@ def verify_sets(folder: Path) -> tuple[int, list[str]]:
 
 def compare_with_design(folder: Path, expected: Mapping[str, bytes]) -> list[str]:
     """Describe how files of a folder differ from those that a design gives; empty if equal."""
-    found: list[str] = []
+    differences: list[str] = []
     for name, data in expected.items():
         try:
-            if fold_lines(read_input(folder / name, OUTPUT_LIMIT, below=folder)) != fold_lines(
-                data
-            ):
-                found.append(f"{folder / name}: differs from what this design gives.")
+            file_data = read_input(folder / name, OUTPUT_LIMIT, below=folder)
+            if fold_lines(file_data) != fold_lines(data):
+                differences.append(f"{folder / name}: differs from what this design gives.")
         except InputFileError as error:
-            found += (issue.typed for issue in error.issues)
+            differences += (issue.typed for issue in error.issues)
 
-    return found
+    return differences
 
 
 def _look_through(top: Path) -> tuple[list[Path], dict[Path, Path], list[Issue]]:
@@ -85,7 +79,7 @@ def _look_through(top: Path) -> tuple[list[Path], dict[Path, Path], list[Issue]]
     folders = list[Path]()
     issues = list[Issue]()
     deeper = [top]
-    left = _MAX_ENTRIES
+    remaining = _MAX_ENTRIES
 
     for _ in range(_MAX_DEPTH + 1):
         level = deeper
@@ -94,24 +88,23 @@ def _look_through(top: Path) -> tuple[list[Path], dict[Path, Path], list[Issue]]
             folders.append(place)
             try:
                 with os.scandir(place) as entries:
-                    found = sorted(
-                        itertools.islice(entries, left + 1), key=lambda entry: entry.name
-                    )
+                    some = itertools.islice(entries, remaining + 1)
+                    listing = sorted(some, key=lambda entry: entry.name)
             except OSError as error:
                 issues.append(
                     Issue(str(place), f"cannot be read ({error.strerror}); change its mode.")
                 )
                 continue
 
-            left -= len(found)
-            if left < 0:
+            remaining -= len(listing)
+            if remaining < 0:
                 message = (
                     f"holds more than {_MAX_ENTRIES} files and folders; name a folder that "
                     "a command wrote."
                 )
                 raise OutputError(Issue(str(top), message))
 
-            for entry in found:
+            for entry in listing:
                 path = place / entry.name
                 if entry.is_symlink() and (entry.name in _OF_ONE_DESIGN or path.is_dir()):
                     message = (
@@ -119,69 +112,67 @@ def _look_through(top: Path) -> tuple[list[Path], dict[Path, Path], list[Issue]]
                         "its place, or remove it."
                     )
                     issues.append(Issue(str(path), message))
-                elif entry.is_dir(follow_symlinks=False) and (
-                    output_folder := find_output_folder(path)
-                ):
-                    unfinished[path] = output_folder
-                elif entry.is_dir(follow_symlinks=False) and not entry.name.startswith("."):
-                    deeper.append(path)
+                elif entry.is_dir(follow_symlinks=False):
+                    output_folder = find_output_folder(path)
+                    if output_folder:
+                        unfinished[path] = output_folder
+                    elif not entry.name.startswith("."):
+                        deeper.append(path)
 
     return folders, unfinished, issues
 
 
 def _compare(folder: Path) -> tuple[int, list[str]]:
     folders, unfinished, issues = _look_through(folder)
-    manifests = {
-        place: read_manifest(place) for place in folders if os.path.lexists(place / MANIFEST)
-    }
-    found = {place: manifest for place, manifest in manifests.items() if manifest}
     issues += map(_describe_unfinished, unfinished)
+    manifests = dict[Path, Manifest]()
+    for place in folders:
+        manifest = read_manifest(place) if os.path.lexists(place / MANIFEST) else None
+        if manifest:
+            manifests[place] = manifest
+        elif os.path.lexists(place / MANIFEST):
+            message = "was not written by fingertip, or was changed since; the set is not compared."
+            issues.append(Issue(str(place / MANIFEST), message))
 
-    for place in (place for place in manifests if place not in found):
-        message = "was not written by fingertip, or was changed since; the set is not compared."
-        issues.append(Issue(str(place / MANIFEST), message))
-
-    if not found:
+    if not manifests:
         message = (
             f"has no {MANIFEST} of fingertip; name a design file, or a folder that a command wrote."
         )
         raise OutputError([Issue(str(folder), message), *issues])
 
-    for place, manifest in found.items():
+    for place, manifest in manifests.items():
         for name, digest in manifest.files.items():
             path = place / name
             try:
                 if hash_file(path) != digest and not has_hash(path, digest):
                     issues.append(Issue(str(path), "was changed after it was written."))
             except InputFileError as error:
-                issues += (
-                    error.issues if os.path.lexists(path) else [Issue(str(path), "is missing.")]
-                )
+                missing = [Issue(str(path), "is missing.")]
+                issues += error.issues if os.path.lexists(path) else missing
 
-    for place, manifest in found.items():
-        owner = _find_owner(place, folder, found)
-        if owner and manifest.parameters != found[owner].parameters:
-            issues.append(
-                Issue(str(place), f"was made from other parameters than {owner}; make both again.")
-            )
+    for place, manifest in manifests.items():
+        owner = _find_owner(place, folder, manifests)
+        if owner and manifest.parameters != manifests[owner].parameters:
+            message = f"was made from other parameters than {owner}; make both again."
+            issues.append(Issue(str(place), message))
 
-    return sum(len(manifest.files) for manifest in found.values()), [
-        issue.typed for issue in issues
-    ]
+    count = sum(len(manifest.files) for manifest in manifests.values())
+    return count, [issue.typed for issue in issues]
 
 
-def _find_owner(place: Path, folder: Path, found: Mapping[Path, Manifest]) -> Path | None:
-    """Find the set whose parameters another one must have: that of its design; None without."""
-    if found[place].kind not in _OF_ONE_DESIGN:
+def _find_owner(place: Path, folder: Path, manifests: Mapping[Path, Manifest]) -> Path | None:
+    """Return the set whose parameters another one must have: its design's; None without."""
+    if manifests[place].kind not in _OF_ONE_DESIGN:
         return None
 
-    owners = [
-        other for other in place.parents if other in found and found[other].kind == PART_FILES.kind
-    ]
-    if owners:
-        return owners[0]
+    for parent in place.parents:
+        if parent in manifests and manifests[parent].kind == PART_FILES.kind:
+            return parent
 
-    return folder if folder in found and found[folder].kind != SET_FILES.kind else None
+    if folder in manifests and manifests[folder].kind != SET_FILES.kind:
+        return folder
+
+    return None
 
 
 def _describe_unfinished(path: Path) -> Issue:

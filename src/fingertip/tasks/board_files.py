@@ -1,6 +1,4 @@
-"""Files of a board: their content, writing them to a folder, and
-comparing them with those in a folder.
-"""
+"""Files of a board: content, writing to a folder, and comparison with a folder."""
 
 from __future__ import annotations
 
@@ -37,16 +35,16 @@ from fingertip.foundation.output_set import (
     write_attributes,
 )
 from fingertip.pictures.assembly_drawing import draw_assembly
-from fingertip.pictures.drawing.render import render_pdf, render_svg
+from fingertip.pictures.drawing.svg_and_pdf import render_pdf, render_svg
 from fingertip.tasks.edited_board import find_edited, refuse_other_circuit, revise_edited
-from fingertip.tasks.verification import compare_with_design
+from fingertip.tasks.manifest_comparison import compare_with_design
 
 BRING_UP_FILES = (output_files.BRING_UP, output_files.BRING_UP_SKETCH, output_files.WIRING)
 """Names of the files for bringing a board up, which are written where they are asked for."""
 
 
 def board_files(design: Design) -> dict[str, bytes]:
-    """Content of a board's files by name, the same for the same design; those of a divider.
+    """Return the files of a board or a divider by name; the same design gives the same bytes.
 
     Raises BoardError.
     """
@@ -61,15 +59,16 @@ def board_files(design: Design) -> dict[str, bytes]:
     project = load_project(values.variant, channels)
     bandwidth_hz = find_gain_bandwidth_hz(design.board)
     supply_v = design.board.supply_v
-    simulated = circuit if channels == 1 else connect_cables(leave_out_empty(circuit), design.board)
+    deck_circuit = circuit
+    if channels > 1:
+        deck_circuit = connect_cables(leave_out_empty(circuit), design.board)
 
+    drawing = draw_assembly(circuit, project.placement, _title(design))
     return {
         output_files.NETLIST: kicad_netlist_file(circuit),
         **project.enter(circuit),
-        output_files.ASSEMBLY_DRAWING: render_svg(
-            draw_assembly(circuit, project.placement, _title(design))
-        ),
-        output_files.DECK: spice_deck(simulated, bandwidth_hz, supply_v),
+        output_files.ASSEMBLY_DRAWING: render_svg(drawing),
+        output_files.DECK: spice_deck(deck_circuit, bandwidth_hz, supply_v),
         output_files.BOM: bill_of_materials(circuit),
         output_files.VALUES: text.encode(),
         output_files.README: folder_readme(circuit, project, values, design),
@@ -84,9 +83,7 @@ def _title(design: Design) -> str:
 def model_sets(
     folder: Path, force: bool = False, top: Path | None = None
 ) -> list[tuple[SetWriter, dict[str, bytes]]]:
-    """List the 3D models beside a board, the same for every
-    design: for each folder writer and content.
-    """
+    """List the folders of 3D models beside a board: writer and content of each."""
     parameters = hash_parameters({})
     sets = dict[str, dict[str, bytes]]()
     top = top or folder
@@ -95,20 +92,13 @@ def model_sets(
         library, name = path.split("/")
         sets.setdefault(library, {})[name] = data
 
-    return [
-        (
-            SetWriter(
-                folder / MODEL_FOLDER / library,
-                "models",
-                "all boards",
-                parameters,
-                force=force,
-                top=top,
-            ),
-            files,
-        )
-        for library, files in sets.items()
-    ]
+    writers = []
+    for library, files in sets.items():
+        place = folder / MODEL_FOLDER / library
+        writer = SetWriter(place, "models", "all boards", parameters, force=force, top=top)
+        writers.append((writer, files))
+
+    return writers
 
 
 def refuse_other_board(design: Design) -> None:
@@ -120,16 +110,17 @@ def refuse_other_board(design: Design) -> None:
     channels = design.board.channels
     name = design.board.variant if channels == 1 else f"{channels}_fingers"
     finish_interrupted(folder)
-    has_filter = design.board.has_filter
-    circuit = (
-        board_circuit(board_values(design), channels) if has_filter else divider_circuit(design)
-    )
+    if design.board.has_filter:
+        circuit = board_circuit(board_values(design), channels)
+    else:
+        circuit = divider_circuit(design)
+
     refuse_other_circuit(folder, kicad_netlist_file(circuit), folder.with_name(f"board_{name}"))
 
 
 @dataclass(frozen=True)
 class BoardPlan:
-    """Files that are ready to be written to a folder, which can take them."""
+    """Files of a board that are ready to be written to a folder."""
 
     writer: SetWriter
     files: Mapping[str, bytes]
@@ -194,9 +185,8 @@ def plan_board(
         for reference, value in component_values.items():
             circuit = circuit.replace(reference, value)
 
-        return load_project(values.variant, design.board.channels).enter(circuit)[
-            output_files.LAYOUT
-        ]
+        project = load_project(values.variant, design.board.channels)
+        return project.enter(circuit)[output_files.LAYOUT]
 
     writer = output_files.BOARD.writer(design, folder, force, top)
     models = model_sets(folder, force, top)
@@ -226,8 +216,7 @@ def write_board(
     bring_up: bool = False,
     progress: Callable[[str], None] = lambda message: None,
 ) -> tuple[Path, ...]:
-    """Write the board's files to a folder, `out/NAME/board` by default, all or none, and return
-    their paths.
+    """Write the board's files, all or none, to `out/NAME/board` by default; return their paths.
 
     A schematic or layout that somebody edited in KiCad keeps these edits: only values and part
     numbers that differ are entered into it, and `progress` is called with a sentence, as for files
@@ -286,8 +275,7 @@ def write_fabrication(
 
 
 def check_fabrication(design: Design, folder: Path, *, force: bool = False) -> SetWriter:
-    """Refuse to make fabrication files beside a board, before work starts; return the writer that
-    they need.
+    """Refuse fabrication files before work starts; return the writer that they need.
 
     They follow from the design: beside a schematic or layout that was edited in KiCad, they would
     be those of another board. Raises MissingLibraryError or OutputError.
@@ -327,22 +315,17 @@ def board_differences(design: Design, folder: str | Path) -> list[str]:
 def fabrication_differences(
     design: Design, folder: str | Path, expected: bool = False
 ) -> list[str]:
-    """Describe how a board's fabrication files differ from a
-    design's; none there count only if `expected`.
-    """
+    """Describe how fabrication files differ from a design's; none matter if `expected`."""
     fab = Path(folder) / output_files.FAB_FOLDER
-    if (
-        not expected
-        and not (fab / output_files.PROVENANCE).is_file()
-        and not any(fab.glob("slip_filter_*"))
-    ):
+    is_present = (fab / output_files.PROVENANCE).is_file() or any(fab.glob("slip_filter_*"))
+    if not expected and not is_present:
         return []
 
     return find_outdated_files(fab, output_files.PROVENANCE, board_files(design))
 
 
 def bring_up_files(design: Design) -> dict[str, bytes]:
-    """Content of the bring-up sheet, of its sketch and of the wiring diagram, by name."""
+    """Return the bring-up sheet, its sketch and the wiring diagram, by name."""
     values = board_values(design)
     channels = design.board.channels
     plan = plan_bring_up(BoardUnderTest.of_design(design, board_circuit(values)), values)

@@ -1,5 +1,4 @@
-"""Page of a design, or of a set, as one HTML file: every style, script, mesh and picture is within
-it.
+"""Page of a design or a set as one HTML file, with all styles, scripts and pictures.
 
 Without a script the panels of its tabs stand one below the other; `page.js` makes tabs of them.
 """
@@ -101,29 +100,28 @@ def render_tabs(
             element("p", f"Made by fingertip {__version__}. This page needs no network. {_MAIL}"),
         ),
     )
-    every = (read_asset("page.js"), *scripts)
+    all_scripts = (read_asset("page.js"), *scripts)
+    style = read_asset("page.css")
 
-    return render_document(
-        f"{name}: fingertip", body, read_asset("page.css"), every, data_design=name
-    )
+    return render_document(f"{name}: fingertip", body, style, all_scripts, data_design=name)
 
 
 def _read_meanings() -> dict[str, str]:
     """Read the meaning of each word; two words in a row share it, or have one each."""
-    found = dict[str, str]()
+    meanings = dict[str, str]()
     for row in read_rows(_WORDS):
         words = row["word"].split(", ")
-        meanings = row["meaning"].split("; ")
-        each = meanings if len(meanings) == len(words) else [row["meaning"]] * len(words)
-        found |= dict(zip(words, each, strict=True))
+        own = row["meaning"].split("; ")
+        if len(own) != len(words):
+            own = [row["meaning"]] * len(words)
 
-    return {word: meaning for word, meaning in found.items() if len(word) > 1}
+        meanings |= dict(zip(words, own, strict=True))
+
+    return {word: meaning for word, meaning in meanings.items() if len(word) > 1}
 
 
 def render_first_screen(text: str, pictures: Markup, links: Mapping[str, str]) -> Markup:
-    """Render the first screen from its Markdown: a section is a box, or
-    a step if its heading begins with a number.
-    """
+    """Render the first screen from its Markdown: numbered sections are steps, others boxes."""
     sections = split_sections(text)
     lead = sections.pop("")
     before = sections.pop(_BEFORE)
@@ -164,9 +162,7 @@ ARTICLE_DOI = "10.1109/TMRB.2021.3060032"
 
 @dataclass(frozen=True)
 class Prepared:
-    """Sections that depend on the design alone, and on no file:
-    `make` prepares them while others work.
-    """
+    """Sections that depend on the design alone: `make` prepares them in parallel."""
 
     finger: bytes
     """Picture of the finished finger."""
@@ -183,7 +179,8 @@ def prepare_page(design: Design) -> Prepared:
 
 def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
     """Render the page of a design. The same files give the same bytes."""
-    design, items = sources.design, list_items(sources.design, sources.files)
+    design = sources.design
+    items = list_items(design, sources.files)
     prepared = prepared or prepare_page(design)
     cast = markdown_sheets.render_casting(sources)
     report = sources.report
@@ -201,7 +198,6 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
         steps=steps,
         verdict=verdict,
     )
-    words = ((element("dfn", row["word"]), row["meaning"]) for row in read_rows(_WORDS))
     picture = render_finger(
         prepared.finger, "The finished finger, computed: from the back, and from the palm."
     )
@@ -246,32 +242,7 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
         (
             "more",
             "More",
-            (
-                _title("To look up: nothing to do here"),
-                *(
-                    fold(
-                        title,
-                        content,
-                        name=name,
-                        state="roomy" if name in ("checks", "basis") else "",
-                        level=2,
-                    )
-                    for name, title, content in (
-                        (
-                            "basis",
-                            "What is simulated and what is measured",
-                            markdown_sheets.render_basis(design),
-                        ),
-                        ("checks", "Checks", render_checks(report.checks)),
-                        ("parameters", "Parameters", prepared.parameters),
-                        ("pad", "What the sensor feels", prepared.pad or render_pad(design)),
-                        ("response", "Response of the board", prepared.response),
-                        ("trial", "Trial and detection", render_trial(sources)),
-                        ("words", "Words", table(("word", "meaning"), words, "words")),
-                    )
-                    if content
-                ),
-            ),
+            (_title("To look up: nothing to do here"), *_fold_references(sources, prepared)),
         ),
     )
     scripts = (read_viewer_library(), read_asset("viewer.js"), read_asset("board.js"))
@@ -291,6 +262,29 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
         banner=banner,
         end=end,
     )
+
+
+def _fold_references(sources: Sources, prepared: Prepared) -> list[Markup]:
+    """Build the folded sections to look something up."""
+    design = sources.design
+    words = ((element("dfn", row["word"]), row["meaning"]) for row in read_rows(_WORDS))
+    basis = markdown_sheets.render_basis(design)
+    sections = (
+        ("basis", "What is simulated and what is measured", basis),
+        ("checks", "Checks", render_checks(sources.report.checks)),
+        ("parameters", "Parameters", prepared.parameters),
+        ("pad", "What the sensor feels", prepared.pad or render_pad(design)),
+        ("response", "Response of the board", prepared.response),
+        ("trial", "Trial and detection", render_trial(sources)),
+        ("words", "Words", table(("word", "meaning"), words, "words")),
+    )
+    folded = []
+    for name, title, content in sections:
+        if content:
+            state = "roomy" if name in ("checks", "basis") else ""
+            folded.append(fold(title, content, name=name, state=state, level=2))
+
+    return folded
 
 
 def _title(text: str, name: str = "") -> Markup:
@@ -328,27 +322,24 @@ def render_set_page(
     the same bytes.
     """
     links = {path: quote(path) for path in files}
-    drawn = [
-        render_finger(
-            pictures[row.design],
-            join((f"{row.finger}: ", element("a", row.design, href=f"{quote(row.design)}/{PAGE}"))),
-        )
-        for row in data.fingers
-    ]
+    fingers = []
+    for row in data.fingers:
+        link = element("a", row.design, href=f"{quote(row.design)}/{PAGE}")
+        fingers.append(render_finger(pictures[row.design], join((f"{row.finger}: ", link))))
+
     overview, plan, parts, acceptance = (split_sections(text) for text in texts)
     hand, shopping, tests, castings = (
-        each.pop("").partition("\n")[2] for each in (overview, parts, acceptance, plan)
+        sections.pop("").partition("\n")[2] for sections in (overview, parts, acceptance, plan)
     )
-    shown = [path for path in links if path.startswith("board/")] or [
-        path for path in links if "/board/" in path
-    ]
-    boards = list_links(shown, links, "files") if shown else Markup("")
+    common = [path for path in links if path.startswith("board/")]
+    board_files = common or [path for path in links if "/board/" in path]
+    boards = list_links(board_files, links, "files") if board_files else Markup("")
     tabs: list[Tab] = [
         (
             "start",
             "Start",
             (
-                render_first_screen(start, element("div", *drawn, class_="fingers"), links),
+                render_first_screen(start, element("div", *fingers, class_="fingers"), links),
                 fold("Checks", render_markdown(overview["Checks"], links), state="roomy"),
                 fold(
                     "Every step in words",

@@ -1,6 +1,4 @@
-"""Renderers of sheets, in millimetres: to SVG, and to one PDF with a page for each, by
-reportlab.
-"""
+"""Renderers of sheets [mm]: to SVG, and to one PDF with a page for each, by reportlab."""
 
 from __future__ import annotations
 
@@ -81,11 +79,12 @@ def _svg_path(points: Iterable[Point], height: float) -> str:
 
 
 def _svg_stroke(style: Style) -> str:
+    stroke = f' stroke-width="{style.width_mm:g}"'
     dashes = " ".join(_number(length) for length in style.dashes_mm)
-    cap = ' stroke-linecap="butt"' if dashes else ""
-    return f' stroke-width="{style.width_mm:g}"' + (
-        f' stroke-dasharray="{dashes}"{cap}' if dashes else ""
-    )
+    if dashes:
+        stroke += f' stroke-dasharray="{dashes}" stroke-linecap="butt"'
+
+    return stroke
 
 
 def _number(value: float) -> str:

@@ -68,7 +68,10 @@ def calibrate_printer(
     if plate_width_mm is not None:
         readings["--plate-width-mm"] = plate_width_mm, plate
 
-    issues = [issue for option, pair in readings.items() for issue in _find_mistakes(option, *pair)]
+    issues = list[Issue]()
+    for option, (reading_mm, nominal_mm) in readings.items():
+        issues += _find_mistakes(option, reading_mm, nominal_mm)
+
     raise_issues(DesignError, issues)
     percent = design.printer.scale_percent
     scale = 100.0 / percent

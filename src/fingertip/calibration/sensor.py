@@ -9,7 +9,7 @@ one weighing.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -37,8 +37,7 @@ LOADS = {"weight_g": NEWTON_PER_GRAM, "force_n": 1.0}
 """Columns of loads -> newtons per unit."""
 READINGS = ("voltage_v", "counts", "resistance_ohm")
 MIN_WEIGHINGS = 4
-"""Least number of weighings with a load: two figures are fitted, and two more show their scatter.
-"""
+"""Least number of weighings with a load: two figures are fitted, two more show the scatter."""
 MIN_LOADS = 3
 """Least number of different loads among them."""
 MAX_BYTES = 2**20
@@ -51,6 +50,8 @@ MAX_FORCE_N = 1000.0
 
 @dataclass(frozen=True)
 class Weighing:
+    """Load on the sensor, and the reading under it."""
+
     force_n: float
     reading: float
     line: int
@@ -58,6 +59,8 @@ class Weighing:
 
 @dataclass(frozen=True)
 class Weighings:
+    """Weighings of one sensor, from one file."""
+
     source: str
     """Name of the file in messages."""
     kind: str
@@ -109,59 +112,31 @@ def parse_weighings(text: str, source: str) -> Weighings:
     number, first = lines[0]
     delimiter = max(DELIMITERS, key=first.count)
     header = [unquote(cell).lower() for cell in split_cells(first, delimiter)]
-    places = []
-
-    for names, noun in ((tuple(LOADS), "loads"), (READINGS, "readings")):
-        named = [name for name in names if name in header]
-        if len(named) != 1:
-            problem = f"names {' and '.join(named)}" if named else f"names no column of {noun}"
-            remedy = f"give one of {', '.join(names)}, with values in that unit"
-            raise TraceError(Issue(f"{source}, line {number}", f"{problem}; {remedy}."))
-
-        places.append(header.index(named[0]))
-
-    load = header[places[0]]
-    kind = header[places[1]]
+    field = f"{source}, line {number}"
+    load_place = _find_column(header, tuple(LOADS), "loads", field)
+    reading_place = _find_column(header, READINGS, "readings", field)
+    newton_per_unit = LOADS[header[load_place]]
+    kind = header[reading_place]
     rows = list[Weighing]()
     issues = list[Issue]()
 
     for number, line in lines[1:]:
         cells = split_cells(line, delimiter)
         try:
-            plain = (unquote(cells[place]) for place in places)
-            force, reading = (
-                float(cell if delimiter == "," else cell.replace(",", ".")) for cell in plain
-            )
+            load = _parse_number(cells[load_place], delimiter)
+            reading = _parse_number(cells[reading_place], delimiter)
         except (ValueError, IndexError):
-            issues.append(
-                Issue(
-                    f"{source}, line {number}",
-                    f"{quote_value(line.strip())} is not a weighing; write two numbers.",
-                )
-            )
+            problem = f"{quote_value(line.strip())} is not a weighing; write two numbers."
+            issues.append(Issue(f"{source}, line {number}", problem))
             continue
 
-        rows.append(Weighing(force * LOADS[load], reading, number))
+        rows.append(Weighing(load * newton_per_unit, reading, number))
 
     for row in rows:
-        field = f"{source}, line {row.line}"
-        if not 0.0 <= row.force_n <= MAX_FORCE_N:
-            issues.append(
-                Issue(field, f"{row.force_n:g} N is not a load; give 0 to {MAX_FORCE_N:g} N.")
-            )
+        issues += _find_row_issues(row, kind, f"{source}, line {row.line}")
 
-        if not math.isfinite(row.reading):
-            issues.append(
-                Issue(field, f"{row.reading} is not a reading; weigh again, or delete the line.")
-            )
-        elif kind == "resistance_ohm" and row.reading <= 0.0:
-            issues.append(
-                Issue(field, f"{row.reading:g} ohm is not a resistance; give a value above 0.")
-            )
-
-    loaded, unloaded = (
-        tuple(row for row in rows if (row.force_n > 0.0) is under) for under in (True, False)
-    )
+    loaded = tuple(row for row in rows if row.force_n > 0.0)
+    unloaded = tuple(row for row in rows if not row.force_n > 0.0)
     saturated = () if issues else _find_saturated(kind, loaded)
     loaded = tuple(row for row in loaded if row not in saturated)
     loads = len({row.force_n for row in loaded})
@@ -188,6 +163,33 @@ def parse_weighings(text: str, source: str) -> Weighings:
         unloaded=unloaded,
         saturated=saturated,
     )
+
+
+def _find_column(header: Sequence[str], names: Sequence[str], noun: str, field: str) -> int:
+    """Find the place of the one column that has one of some names. Raises TraceError."""
+    named = [name for name in names if name in header]
+    if len(named) != 1:
+        problem = f"names {' and '.join(named)}" if named else f"names no column of {noun}"
+        remedy = f"give one of {', '.join(names)}, with values in that unit"
+        raise TraceError(Issue(field, f"{problem}; {remedy}."))
+
+    return header.index(named[0])
+
+
+def _parse_number(cell: str, delimiter: str) -> float:
+    """Parse a number; it may have a decimal comma unless commas separate the cells."""
+    text = unquote(cell)
+    return float(text if delimiter == "," else text.replace(",", "."))
+
+
+def _find_row_issues(row: Weighing, kind: str, field: str) -> Iterator[Issue]:
+    if not 0.0 <= row.force_n <= MAX_FORCE_N:
+        yield Issue(field, f"{row.force_n:g} N is not a load; give 0 to {MAX_FORCE_N:g} N.")
+
+    if not math.isfinite(row.reading):
+        yield Issue(field, f"{row.reading} is not a reading; weigh again, or delete the line.")
+    elif kind == "resistance_ohm" and row.reading <= 0.0:
+        yield Issue(field, f"{row.reading:g} ohm is not a resistance; give a value above 0.")
 
 
 _FLAT_SHARE = 0.002
@@ -373,20 +375,11 @@ class SensorCalibration:
 def calibrate_sensor(
     design: Design, weighings: Weighings, scale: float | None = None
 ) -> SensorCalibration:
-    """Fit the force curve of a sensor to its weighings. Raises TraceError."""
-    if (weighings.kind == "counts") != (scale is not None):
-        step = design.detector.adc_step_v
-        message = (
-            f"is missing: the readings are counts; give volts per count ({step:.8g} for the "
-            "design's converter)."
-            if scale is None
-            else f"does not apply to {weighings.kind}; leave it out."
-        )
-        raise TraceError(Issue("--scale", message))
+    """Fit the force curve of a sensor to its weighings.
 
-    if scale is not None and not (math.isfinite(scale) and scale != 0.0):
-        raise TraceError(Issue("--scale", f"{scale:g} is not a scale; give volts per count."))
-
+    `scale` is that of counts [V]. Raises TraceError.
+    """
+    _check_scale(design, weighings, scale)
     response = find_tactile_response(design)
     offset_v = _find_offset(weighings, response, scale or 1.0)
     turn_on = design.force_curve.turn_on_n
@@ -395,6 +388,8 @@ def calibrate_sensor(
     conductances = list[float]()
 
     for row in weighings.rows:
+        field = f"{weighings.source}, line {row.line}"
+        issues += _find_turn_on_issues(row, turn_on, field)
         conductance = _find_conductance(
             row,
             kind=weighings.kind,
@@ -402,16 +397,6 @@ def calibrate_sensor(
             scale=scale or 1.0,
             offset_v=offset_v,
         )
-        field = f"{weighings.source}, line {row.line}"
-        if row.force_n < turn_on + TURN_ON_WIDTH_N:
-            message = (
-                f"{row.force_n:.3g} N is below {turn_on + TURN_ON_WIDTH_N:g} N, where the "
-                "sensor turns on"
-            )
-            issues.append(
-                Issue(field, f"{message}; delete the line, or set force_curve.turn_on_n.")
-            )
-
         if isinstance(conductance, str):
             issues.append(Issue(field, conductance))
         else:
@@ -427,21 +412,7 @@ def calibrate_sensor(
         )
         raise TraceError(Issue(weighings.source, message))
 
-    points = []
-    for force_n in sorted(set(forces)):
-        conductance_s = law.conductance_s * math.pow(force_n - turn_on, law.exponent)
-        voltage_v = response.tactile_v(conductance_s)
-        (low_n, high_n) = law.interval_n(conductance_s)
-        points.append(
-            CurvePoint(
-                force_n=force_n,
-                conductance_s=conductance_s,
-                voltage_v=voltage_v,
-                low_n=low_n,
-                high_n=high_n,
-            )
-        )
-
+    points = [_find_point(law, response, force_n) for force_n in sorted(set(forces))]
     middle = points[len(points) // 2]
     preload = response.describe_preload(response.open_v + offset_v)
     typical_s = fit_conductance_curve().conductance_s(middle.force_n)
@@ -453,9 +424,8 @@ def calibrate_sensor(
         ratio_to_typical=middle.conductance_s / typical_s,
     )
 
-    if not calibration.interval_factor <= (
-        find_bounds(PARAMETERS["force_curve.interval_factor"]).maximum or math.inf
-    ):
+    most = find_bounds(PARAMETERS["force_curve.interval_factor"]).maximum or math.inf
+    if not calibration.interval_factor <= most:
         message = (
             "the readings scatter so much that they tell no force; weigh more often, or "
             "over more loads."
@@ -463,6 +433,47 @@ def calibrate_sensor(
         raise TraceError(Issue(weighings.source, message))
 
     return calibration
+
+
+def _check_scale(design: Design, weighings: Weighings, scale: float | None) -> None:
+    """Refuse a scale that readings do not need, and one that is missing or no number.
+
+    Raises TraceError.
+    """
+    if weighings.kind == "counts" and scale is None:
+        step = design.detector.adc_step_v
+        message = (
+            f"is missing: the readings are counts; give volts per count ({step:.8g} for the "
+            "design's converter)."
+        )
+        raise TraceError(Issue("--scale", message))
+
+    if weighings.kind != "counts" and scale is not None:
+        raise TraceError(Issue("--scale", f"does not apply to {weighings.kind}; leave it out."))
+
+    if scale is not None and not (math.isfinite(scale) and scale != 0.0):
+        raise TraceError(Issue("--scale", f"{scale:g} is not a scale; give volts per count."))
+
+
+def _find_turn_on_issues(row: Weighing, turn_on_n: float, field: str) -> Iterator[Issue]:
+    """Report a load with which the sensor may not be on yet."""
+    least_n = turn_on_n + TURN_ON_WIDTH_N
+    if row.force_n < least_n:
+        problem = f"{row.force_n:.3g} N is below {least_n:g} N, where the sensor turns on"
+        yield Issue(field, f"{problem}; delete the line, or set force_curve.turn_on_n.")
+
+
+def _find_point(law: PowerLaw, response: TactileResponse, force_n: float) -> CurvePoint:
+    """Find conductance, voltage and interval of the fitted curve at a force."""
+    conductance_s = law.conductance_s * math.pow(force_n - law.turn_on_n, law.exponent)
+    low_n, high_n = law.interval_n(conductance_s)
+    return CurvePoint(
+        force_n=force_n,
+        conductance_s=conductance_s,
+        voltage_v=response.tactile_v(conductance_s),
+        low_n=low_n,
+        high_n=high_n,
+    )
 
 
 def list_warnings(weighings: Weighings, calibration: SensorCalibration | None = None) -> list[str]:

@@ -139,13 +139,13 @@ def check_values(tables: Mapping[str, Any]) -> None:
                 digits = f"{value:.4g}" if abs(value) < 10**300 else "a number of over 300 digits"
                 raise UnusableTomlError(f"holds {digits}, which is too large; {_NUMBER_REMEDY}")
 
-        nested = (value.values() if isinstance(value, dict) else value for value in level)
-        level = [
-            inner
-            for values in nested
-            if isinstance(values, Collection) and not isinstance(values, str)
-            for inner in values
-        ]
+        next_level: list[Any] = []
+        for value in level:
+            values = value.values() if isinstance(value, dict) else value
+            if isinstance(values, Collection) and not isinstance(values, str):
+                next_level += values
+
+        level = next_level
         if not level:
             return
 

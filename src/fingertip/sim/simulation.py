@@ -183,7 +183,10 @@ def load_simulation(
             scene = Trial(**options, seed=seed).scene
         else:
             model = ManipulationFile if kind is MANIPULATION else SceneFile
-            fields = {field: option for option in options for field in model.options[option]}
+            fields: dict[str, str] = {}
+            for option in options:
+                fields |= dict.fromkeys(model.options[option], option)
+
             scene_changes += [f"{field}={options[option]!r}" for field, option in fields.items()]
 
             try:

@@ -134,17 +134,18 @@ def select_changes(parameters: Mapping[str, Value], finger: str = "") -> dict[st
     """Select what a point changes in a design, or in a finger of a set, whose own parameters come
     last.
     """
-    candidates = [
-        (*split_finger(name), value)
-        for name, value in parameters.items()
-        if not name.startswith("scene.")
-    ]
-    return {
-        path: value
-        for owner in dict.fromkeys(("", finger))
-        for of, path, value in candidates
-        if of == owner
-    }
+    of_all: dict[str, Value] = {}
+    of_finger: dict[str, Value] = {}
+    for name, value in parameters.items():
+        owner, path = split_finger(name)
+        if name.startswith("scene."):
+            continue
+        if not owner:
+            of_all[path] = value
+        elif owner == finger:
+            of_finger[path] = value
+
+    return of_all | of_finger
 
 
 def is_of_parts(name: str) -> bool:
@@ -209,24 +210,19 @@ def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis, list[Issue]]:
     # A parameter's own bounds hold between the ends of a range, or of a list of numbers, if they
     # hold there.
     values = axis.listed or (axis.low, axis.high)
-    if (
-        all(type(value) in (float, int) and _is_finite(value) for value in axis.listed)
-        and axis.listed
-    ):
-        values = (
-            min(axis.listed),
-            max(axis.listed),
-            *(v for v in axis.listed if type(v) is not type(axis.listed[0])),
-        )
+    are_numbers = all(type(value) in (float, int) and _is_finite(value) for value in axis.listed)
+    if axis.listed and are_numbers:
+        of_other_type = (value for value in axis.listed if type(value) is not type(axis.listed[0]))
+        values = (min(axis.listed), max(axis.listed), *of_other_type)
     if axis.integer and not axis.listed:
         values = tuple(int(value) for value in values)
 
     # Many values break the same bound: each message is reported once.
-    issues_by_text = {
-        issue.message: issue
-        for value in values
-        for issue in _check_value(model, path, field, value)
-    }
+    issues_by_text: dict[str, Issue] = {}
+    for value in values:
+        for issue in _check_value(model, path, field, value):
+            issues_by_text[issue.message] = issue
+
     return axis, list(issues_by_text.values())
 
 

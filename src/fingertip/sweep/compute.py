@@ -19,6 +19,7 @@ from fingertip.sweep.sweep_file import SweepFile
 
 if TYPE_CHECKING:
     from fingertip.cad.kernel.mesh import Mesh
+    from fingertip.cad.verification.check import Check
     from fingertip.design.finger_set import FingerSet
     from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
     from fingertip.slip.traces.trace import Trace
@@ -386,16 +387,12 @@ def compute_set(context: PointContext) -> OutputValues:
     evaluator = context.evaluator()
     plan = plan_set([(form, casting_sheet(form.design, evaluator)) for form in forms])
     cm3 = {"set_fingers_g": 0.0, "set_molds_g": 0.0}
-    parts = [
-        (form, part)
-        for form in forms
-        for part in parts_by_name(form.design).values()
-        if part.is_printed
-    ]
-
-    for form, part in parts:
-        group = "set_fingers_g" if part.is_in_finger else "set_molds_g"
-        cm3[group] += form.count * evaluator.mesh(part.solid(form.design)).volume() / 1000.0
+    for form in forms:
+        for part in parts_by_name(form.design).values():
+            if part.is_printed:
+                group = "set_fingers_g" if part.is_in_finger else "set_molds_g"
+                volume_mm3 = evaluator.mesh(part.solid(form.design)).volume()
+                cm3[group] += form.count * volume_mm3 / 1000.0
 
     return {
         "set_forms": len(forms),
@@ -413,14 +410,15 @@ def compute_checks(context: PointContext) -> OutputValues:
     from fingertip.cad.verification.verify import verify
     from fingertip.models.parts import parts_by_name
 
-    designs = (
-        [form.design for form in context.fingers.forms] if context.fingers else [context.design]
-    )
+    designs = [context.design]
+    if context.fingers:
+        designs = [form.design for form in context.fingers.forms]
+
     prefix = "set_" if context.fingers else ""
-    verified = (
-        verify(design, parts_by_name(design), ("stl",), context.evaluator()) for design in designs
-    )
-    checks = [check for verification in verified for check in verification.checks]
+    checks: list[Check] = []
+    for design in designs:
+        checks += verify(design, parts_by_name(design), ("stl",), context.evaluator()).checks
+
     failed = [check for check in checks if not check.passed]
     values: OutputValues = {
         f"{prefix}checks_failed": len(failed),
@@ -430,11 +428,10 @@ def compute_checks(context: PointContext) -> OutputValues:
 
     if failed:
         first, *further = failed
-        more = (
-            f" (and {len(further)} more: {', '.join(check.name for check in further)})"
-            if further
-            else ""
-        )
+        more = ""
+        if further:
+            more = f" (and {len(further)} more: {', '.join(check.name for check in further)})"
+
         unit = f" {first.unit}" if first.unit else ""
         message = (
             f"is {first.value:.6g}{unit}, but must be {first.relation} "

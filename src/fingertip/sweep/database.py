@@ -389,11 +389,11 @@ class SweepDatabase:
     def _read_pages(self, columns: str) -> Iterator[list[Any]]:
         """Read rows page by page in order of the points; between two pages the writer can write."""
         query = f"SELECT {columns} FROM rows WHERE point > ? ORDER BY point LIMIT {_PAGE_ROWS}"
-        last = -1
+        page = list(self._fetch(query, -1))
 
-        while page := list(self._fetch(query, last)):
+        while page:
             yield page
-            last = page[-1][0]
+            page = list(self._fetch(query, page[-1][0]))
 
     def _fetch(self, query: str, *parameters: Any) -> Iterator[Any]:
         with translated_errors(self.folder):

@@ -153,11 +153,11 @@ class DaskEngine:
             "numpy": (pkgutil.resolve_name, "numpy:__version__"),
             "fingertip": (pkgutil.resolve_name, "fingertip:__version__"),
         }
-        asked = [
-            (worker, name, self._client.submit(*question, workers=[worker], pure=False))
-            for worker in self._list_workers()
-            for name, question in questions.items()
-        ]
+        asked = []
+        for worker in self._list_workers():
+            for name, question in questions.items():
+                answer = self._client.submit(*question, workers=[worker], pure=False)
+                asked.append((worker, name, answer))
         until_s = time.monotonic() + _ANSWER_TIMEOUT_S
 
         for worker, name, answer in asked:

@@ -6,6 +6,7 @@ a grid the file's last axis varies fastest. The points of a sampler follow its s
 
 from __future__ import annotations
 
+import itertools
 import math
 import tomllib
 from collections.abc import Iterable, Mapping
@@ -280,7 +281,7 @@ def _check_point_count(file: SweepFile, axes: list[Axis]) -> list[Issue]:
             )
             return [Issue("axes", message)]
 
-        return [issue for axis in axes for issue in find_repeats(axis)]
+        return list(itertools.chain.from_iterable(map(find_repeats, axes)))
 
     if not file.points:
         return [

@@ -95,18 +95,9 @@ def _place_part(
     """
     for plate in plates:
         # At the left or the front edge of the bed, or right of or behind another part.
-        spots = (
-            Placed(
-                name=part.name,
-                is_turned=part.is_turned,
-                x=x,
-                y=y,
-                width=part.width,
-                depth=part.depth,
-            )
-            for x in (0.0, *(placed.x + placed.width + gap for placed in plate))
-            for y in (0.0, *(placed.y + placed.depth + gap for placed in plate))
-        )
+        lefts = [0.0, *(placed.x + placed.width + gap for placed in plate)]
+        fronts = [0.0, *(placed.y + placed.depth + gap for placed in plate)]
+        spots = (replace(part, x=x, y=y) for x, y in product(lefts, fronts))
         free = [
             spot
             for spot in spots

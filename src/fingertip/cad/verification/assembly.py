@@ -107,7 +107,10 @@ def check_brep_assembly(
         block = math.prod(high - low for low, high in zip(outline.low, outline.high, strict=True))
         # The letters in closed form save B-rep booleans. Their holes run clockwise, and count as
         # negative.
-        rings = (ring for letter in mold.label(design) for ring in (letter.corners, *letter.holes))
+        rings = []
+        for letter in mold.label(design):
+            rings += [letter.corners, *letter.holes]
+
         letters = design.mold.engraving_depth_mm * sum(map(signed_area, rings))
         filled = volumes_mm3["hollow"] + letters + sum(parts[half].volume_mm3 for half in HALVES)
         filled += sum(map(_volume_below_parting_plane_mm3, mold.key_sockets(design)))

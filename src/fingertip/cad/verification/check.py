@@ -159,6 +159,7 @@ def count_checks(checks: Sequence[Check]) -> str:
 
 
 def measure_gap(first: Manifold, second: Manifold, first_reach_mm: float) -> float:
+    """Measure the gap between two bodies [mm]; the search begins with this reach."""
     return search_distance(lambda reach_mm: first.min_gap(second, reach_mm), first_reach_mm)
 
 
@@ -168,8 +169,10 @@ def search_distance(measure: Callable[[float], float], first_reach_mm: float) ->
     Units: `measure` [mm].
     """
     reach_mm = max(first_reach_mm, _MIN_REACH_MM)
-    while (distance := measure(reach_mm)) >= reach_mm and reach_mm < _MAX_REACH_MM:
+    distance = measure(reach_mm)
+    while distance >= reach_mm and reach_mm < _MAX_REACH_MM:
         reach_mm *= _REACH_GROWTH
+        distance = measure(reach_mm)
 
     return distance
 

@@ -113,18 +113,17 @@ def _check_motions(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     """Check that the core goes straight down into the closed cup, and comes out of the dorsal half
     with its skin.
     """
-    palmar, dorsal = (
-        evaluator.manifold(half(design)) for half in (mold.mold_palmar, mold.mold_dorsal)
-    )
+    palmar = evaluator.manifold(mold.mold_palmar(design))
+    dorsal = evaluator.manifold(mold.mold_dorsal(design))
     core = evaluator.manifold(build_core(design))
     length = core.bounding_box()[5]
     way = [length * i / 8 for i in range(1, 9)]
-    lowering = max(
-        float((core.translate((0.0, 0.0, -up)) ^ half).volume())
-        for up in way
-        for half in (palmar, dorsal)
-    )
-    yield Check.zero_volume("mold.lowering_overlap", lowering)
+    overlaps = []
+    for up in way:
+        raised = core.translate((0.0, 0.0, -up))
+        overlaps += [float((raised ^ palmar).volume()), float((raised ^ dorsal).volume())]
+
+    yield Check.zero_volume("mold.lowering_overlap", max(overlaps))
     cast = evaluator.manifold(
         build_core(design).union(skin(design).scaled(design.dimensions.shrinkage))
     )

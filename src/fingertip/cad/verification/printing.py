@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from itertools import combinations
+from itertools import chain, combinations
 
 import numpy as np
 
@@ -260,9 +260,8 @@ def _check_plates(
     bed = (design.printer.bed_x_mm, design.printer.bed_y_mm, design.printer.bed_z_mm)
     kind = choose_plate_kind(design)
     plates = [threemf.read_items(prints.contents[file]) for file in prints.plates]
-    placed = sorted(
-        item.name for items in plates for item in items if item.mesh == encoded.get(item.name)
-    )
+    items_on_plates = chain.from_iterable(plates)
+    placed = sorted(item.name for item in items_on_plates if item.mesh == encoded.get(item.name))
     wrong = set(parts_on_plates(design)).symmetric_difference(placed)
     repeated = len(placed) - len(set(placed))
     yield Check(

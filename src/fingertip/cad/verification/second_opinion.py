@@ -23,7 +23,8 @@ _ROUNDING_MM = 1e-6
 
 def list_packages(formats: Iterable[str]) -> tuple[str, ...]:
     """List the packages that read meshes of these formats."""
-    return ("trimesh", *(package for name in formats for package in _READERS.get(name, ())))
+    readers = itertools.chain.from_iterable(_READERS.get(name, ()) for name in formats)
+    return ("trimesh", *readers)
 
 
 def second_opinions(contents: Mapping[str, bytes], meshes: Mapping[str, Mesh]) -> tuple[Check, ...]:
@@ -31,15 +32,13 @@ def second_opinions(contents: Mapping[str, bytes], meshes: Mapping[str, Mesh]) -
 
     Raises GeometryError or MissingLibraryError.
     """
-    files = (
-        (f"{name}{suffix}", mesh) for name, mesh in meshes.items() for suffix in (".stl", ".3mf")
-    )
-    found = (
-        compare_readings(file, read_mesh(file, contents[file]), mesh)
-        for file, mesh in files
-        if file in contents
-    )
-    return tuple(itertools.chain(*found))
+    checks = list[Check]()
+    for name, mesh in meshes.items():
+        for file in (f"{name}.stl", f"{name}.3mf"):
+            if file in contents:
+                checks += compare_readings(file, read_mesh(file, contents[file]), mesh)
+
+    return tuple(checks)
 
 
 def read_mesh(name: str, data: bytes) -> Any:

@@ -95,20 +95,18 @@ def verify(
         work.begin(f"mesh of {name}")
         meshes[name] = solids.mesh(name)
 
-    files = [
-        (part_file(name, file_format), name, file_format)
-        for name in meshes
-        for file_format in mesh_formats
-    ]
+    files = []
+    for name in meshes:
+        files += [(part_file(name, code), name, code) for code in mesh_formats]
+
     contents = {
         file: mesh_formats[file_format].to_bytes(meshes[name], name, PARTS[name].note)
         for file, name, file_format in files
     }
-    encoded = (
-        {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()}
-        if "3mf" in mesh_formats
-        else {}
-    )
+    encoded = {}
+    if "3mf" in mesh_formats:
+        encoded = {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()}
+
     prints = make_print_files(design, meshes, encoded, "stl" in mesh_formats)
     work.begin("checks")
     checks: list[Check] = []

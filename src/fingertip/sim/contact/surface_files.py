@@ -207,18 +207,18 @@ def find_surface_issues(
             ),
             fields,
         )
-    elif (
-        full.profile_um
-        and (length_m := 1e-6 * full.profile_step_um * (len(full.profile_um) - 1)) < path_m
-    ):
-        message = (
-            f"{1000 * length_m:.4g} mm of profile are shorter than the path of "
-            f"{1000 * path_m:g} mm; measure more"
-        )
-        issue = Issue(
-            "surface.profile_um", f"{message}, or set {path_field}={round_down(length_m):g}."
-        )
-        yield issue, {*fields, path_field}
+    elif full.profile_um:
+        length_m = 1e-6 * full.profile_step_um * (len(full.profile_um) - 1)
+        if length_m < path_m:
+            message = (
+                f"{1000 * length_m:.4g} mm of profile are shorter than the path of "
+                f"{1000 * path_m:g} mm; measure more"
+            )
+            remedy = f"set {path_field}={round_down(length_m):g}"
+            yield (
+                Issue("surface.profile_um", f"{message}, or {remedy}."),
+                {*fields, path_field},
+            )
 
 
 def find_pitch_issues(

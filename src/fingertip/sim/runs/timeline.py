@@ -249,12 +249,15 @@ def build_timeline(design: Design, scene: SceneFile, pad: Pad, force_n: float) -
         closed_s + _events_end_s(scene),
     )
     release = busy + hold.wait_s
-    lift = (
-        TrapezoidalMove.with_duration(release, LIFT_M, LIFT_S)
-        if hold.release and approach
-        else None
-    )
-    end = lift.end_s if lift else release + (hold.close_s if hold.release else 0.0)
+    lift = None
+    if hold.release and approach:
+        lift = TrapezoidalMove.with_duration(release, LIFT_M, LIFT_S)
+
+    end = release
+    if lift:
+        end = lift.end_s
+    elif hold.release:
+        end = release + hold.close_s
 
     return Timeline(
         scene=scene,

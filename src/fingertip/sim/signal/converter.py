@@ -108,7 +108,8 @@ def _compute_poles(pin: str, design: Design, step_s: float) -> tuple[float, ...]
     if not design.board.has_filter:  # the pin is the divider's own node
         return _NO_POLES
 
-    network = build_network(board_circuit(select_components(design))).drive(source := PINS[pin])
+    source = PINS[pin]
+    network = build_network(board_circuit(select_components(design))).drive(source)
     system = (
         network.ground(*(name for name in network.inputs if name != source))
         .restrict(pin)

@@ -110,11 +110,11 @@ class AnalogStream:
         line; None: it is on it.
         """
         after = voltage_v if after_v is None else after_v
-        inputs = {"voltage_v": voltage_v} | ({} if after_v is None else {"after_v": after_v})
-        raise_issues(
-            TraceError,
-            (issue for name, volts in inputs.items() for issue in find_voltage_issues(name, volts)),
-        )
+        issues = list(find_voltage_issues("voltage_v", voltage_v))
+        if after_v is not None:
+            issues += find_voltage_issues("after_v", after_v)
+
+        raise_issues(TraceError, issues)
         # The interval before a chunk's first sample begins at the last sample of the chunk before.
         bends = np.zeros(len(voltage_v)) if bend_v is None else bend_v
         known = np.concatenate((self._last, [voltage_v, after, bends]), axis=1)
@@ -136,18 +136,21 @@ class AnalogStream:
 
 def find_voltage_issues(field: str, voltage_v: Array) -> Iterator[Issue]:
     """Report voltages that are not finite or beyond `MAX_V`, with the first such sample."""
-    bad = np.flatnonzero(~np.isfinite(voltage_v))
-    if bad.size:
-        more = f" (and {bad.size - 1} more after it)" if bad.size > 1 else ""
+    invalid = np.flatnonzero(~np.isfinite(voltage_v))
+    if invalid.size:
+        more = f" (and {invalid.size - 1} more after it)" if invalid.size > 1 else ""
         yield Issue(
             field,
-            f"{voltage_v[bad[0]]} at sample {bad[0]}{more} is not a finite number; give the true "
-            "value.",
+            f"{voltage_v[invalid[0]]} at sample {invalid[0]}{more} is not a finite number; give "
+            "the true value.",
         )
-    elif (bad := np.flatnonzero(np.abs(voltage_v) > MAX_V)).size:
+        return
+
+    too_high = np.flatnonzero(np.abs(voltage_v) > MAX_V)
+    if too_high.size:
         message = (
-            f"{voltage_v[bad[0]]:g} V at sample {bad[0]} is no voltage of a board; at most "
-            f"{MAX_V:g} V."
+            f"{voltage_v[too_high[0]]:g} V at sample {too_high[0]} is no voltage of a board; at "
+            f"most {MAX_V:g} V."
         )
         yield Issue(field, message)
 

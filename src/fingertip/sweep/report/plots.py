@@ -131,11 +131,11 @@ def _write_heading(shown: int, count: int, left_out: Sequence[str], width_in: fl
         sentences.append(f"not shown for lack of space: {', '.join(left_out)}")
 
     characters = int(width_in / _CHARACTER_IN)
-    return [
-        line
-        for sentence in sentences
-        for line in textwrap.wrap(sentence, characters, break_long_words=False)
-    ]
+    lines = []
+    for sentence in sentences:
+        lines += textwrap.wrap(sentence, characters, break_long_words=False)
+
+    return lines
 
 
 def _locate_with_jitter(scale: feasibility_plot.PlotScale, column: Column) -> NDArray[np.float64]:
@@ -267,11 +267,11 @@ def _draw_scatter_matrix(
     # Of many axes, those with the highest indices over the shown outputs
     totals = dict.fromkeys(axes, 0.0)
 
-    for axis in (
-        axis for s in summary.sensitivities if s.output in shown_outputs for axis in s.axes
-    ):
-        if axis.axis in totals:
-            totals[axis.axis] += axis.first_order_index
+    for sensitivity in summary.sensitivities:
+        if sensitivity.output in shown_outputs:
+            for axis in sensitivity.axes:
+                if axis.axis in totals:
+                    totals[axis.axis] += axis.first_order_index
 
     strongest = sorted(axes, key=lambda name: -totals[name])[: MAX_COLUMNS - len(shown_outputs)]
     shown_axes = [name for name in axes if name in strongest]

@@ -65,8 +65,8 @@ def board(
     force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Compute the board's component values; write schematic, layout,
-    netlist, SPICE deck and bill of materials.
+    """Compute the board's component values; write schematic, layout, netlist, SPICE deck and bill
+    of materials.
     """
     writing = {"--bode": bode, "--bringup": bringup, "--panel": panel}
     idle = find_idle_issues("--check", writing if check else {})

@@ -23,8 +23,8 @@ def params(
     changes: list[str] | None = options.CHANGES,
     toml: bool = flag("Print a complete design file with comments."),
 ) -> None:
-    """Print every parameter with its value, unit, bounds, kind
-    (wish, measurement or derived) and description.
+    """Print every parameter with its value, unit, bounds, kind (wish, measurement or derived) and
+    description.
     """
     from fingertip.design import design_file as export
 
@@ -75,8 +75,8 @@ def schema(
     ),
     quiet: bool = options.QUIET,
 ) -> None:
-    """Print the JSON schema of a kind of TOML file, for editors.
-    Bundled files name theirs in their first line.
+    """Print the JSON schema of a kind of TOML file, for editors. Bundled files name theirs in their
+    first line.
     """
     Console(quiet=quiet).write(json.dumps(make_schema(kind), indent=2))
 

@@ -263,8 +263,8 @@ def validate(
     verbose: bool = options.VERBOSE,
     changes: list[str] | None = CHANGES,
 ) -> None:
-    """Test a design's detectors on simulated slips and on scenes without slip.
-    Exit code 1: a requirement is missed.
+    """Test a design's detectors on simulated slips and on scenes without slip. Exit code 1: a
+    requirement is missed.
     """
     from fingertip.board.analysis.board_values import find_range_warnings
     from fingertip.cli.recorded_trials import compare_recordings

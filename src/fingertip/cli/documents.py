@@ -51,8 +51,8 @@ def acceptance(
     force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Write the acceptance sheet: tests of the finished finger, with limits and causes
-    of failure.
+    """Write the acceptance sheet: tests of the finished finger, with limits and causes of
+    failure.
     """
     from dataclasses import asdict
 
@@ -84,8 +84,8 @@ def sheet(
     force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Write the casting sheet: what to buy, and numbered steps from the print to the
-    tested finger.
+    """Write the casting sheet: what to buy, and numbered steps from the print to the tested
+    finger.
     """
     from dataclasses import asdict
 
@@ -131,8 +131,8 @@ def drawing(
     force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Draw each printed part to scale with its dimensions, tolerances
-    and sizes to check, as SVG and as one PDF.
+    """Draw each printed part to scale with its dimensions, tolerances and sizes to check, as SVG
+    and as one PDF.
     """
     from fingertip.tasks.views import write_drawing
 
@@ -156,8 +156,8 @@ def picture(
     force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Draw an exploded view and sections through mold and bone, what
-    the sensor feels, or what to measure on a hand.
+    """Draw an exploded view and sections through mold and bone, what the sensor feels, or what to
+    measure on a hand.
     """
     from fingertip.catalogues.output_files import EXPLODED_VIEW, HAND_VIEW, PAD_VIEW
     from fingertip.documents.finger_sheets import draw_hand_sizes
@@ -193,8 +193,8 @@ def page(
     force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Write index.html beside a design's files: 3D view, checks,
-    casting guide, board and trial in one offline page.
+    """Write index.html beside a design's files: 3D view, checks, casting guide, board and trial in
+    one offline page.
     """
     from fingertip.tasks.views import write_page
 
@@ -221,8 +221,8 @@ def studio(
     no_browser: bool = flag("Print the address and open no browser."),
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Serve a page on this machine where sliders change a design: its
-    parts and checks follow, files are downloaded.
+    """Serve a page on this machine where sliders change a design: its parts and checks follow,
+    files are downloaded.
     """
     import contextlib
     import webbrowser

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -245,9 +245,7 @@ def detect_file(
     design = original
     kind = registry.check_detector(design, detector)
     if floors is not None and calibrate_s is not None:
-        in_volts = ColumnMap(columns or {}).in_volts
-        option = "--calibrate" if in_volts else "--floors, which are of a voltage,"
-        raise TraceError(Issue("--floors", f"are not used beside --calibrate; leave {option} out."))
+        _refuse_floors_beside_calibration(ColumnMap(columns or {}))
 
     adaptation = Adaptation(detector, calibrate_s is not None, report)
     if rate_hz is not None:
@@ -257,9 +255,9 @@ def detect_file(
     if not column_map.in_volts and calibrate_s is None and not kind.takes_envelope:
         message = (
             "is missing: the design's thresholds are in volts, but this column is a force; "
-            "give the interval "
+            "give the interval during which nothing happens."
         )
-        raise TraceError(Issue("--calibrate", message + "during which nothing happens."))
+        raise TraceError(Issue("--calibrate", message))
 
     raw = read_raw_trace(path, column_map)
     if rate_hz is None and "sample_rate_hz" not in design.detector.model_fields_set:
@@ -314,13 +312,7 @@ def detect_file(
         noise_v=noise_v,
         floors=stored,
     )
-    signal = column_map.name_in_file("voltage_v")
-    if column_map.in_volts and signal != column_map.name_in_file("envelope_v"):
-        detection = replace(detection, scale=find_force_scale(recording.design))
-    elif not column_map.in_volts and not kind.takes_envelope:
-        unit = f"thousandths of {signal}"
-        detection = replace(detection, threshold=replace(detection.threshold, unit=unit))
-
+    detection = _state_scale(detection, recording, takes_envelope=kind.takes_envelope)
     if quiet:
         quiet.refuse_slip(detection)
 
@@ -333,6 +325,11 @@ def detect_file(
         noise=level,
         warnings=tuple(doubts),
     )
+
+
+def _refuse_floors_beside_calibration(columns: ColumnMap) -> NoReturn:
+    option = "--calibrate" if columns.in_volts else "--floors, which are of a voltage,"
+    raise TraceError(Issue("--floors", f"are not used beside --calibrate; leave {option} out."))
 
 
 @dataclass(frozen=True, eq=False)
@@ -372,6 +369,23 @@ def _doubt_signals(recording: _Recording) -> Iterator[str]:
         yield from warnings.filtered_warnings(trace, design)
     elif recording.quiet is None:
         yield from warnings.step_warnings(volts, design, recording.detector)
+
+
+def _state_scale(detection: Detection, recording: _Recording, *, takes_envelope: bool) -> Detection:
+    """Add the force that a voltage means, or the unit of a force that stands for the voltage."""
+    columns = recording.columns
+    signal = columns.name_in_file("voltage_v")
+    if columns.in_volts:
+        if signal == columns.name_in_file("envelope_v"):
+            return detection
+
+        return replace(detection, scale=find_force_scale(recording.design))
+
+    if takes_envelope:
+        return detection
+
+    threshold = replace(detection.threshold, unit=f"thousandths of {signal}")
+    return replace(detection, threshold=threshold)
 
 
 FLOORS_S = 0.5

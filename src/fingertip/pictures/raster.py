@@ -110,12 +110,12 @@ class Canvas:
         # near the processor.
         part = np.cumsum((high - low + 1)[visible].prod(axis=1)) // _PIXELS_AT_ONCE
 
-        for some in np.split(visible, np.flatnonzero(np.diff(part)) + 1):
+        for batch in np.split(visible, np.flatnonzero(np.diff(part)) + 1):
             self._fill_triangles(
-                corners[some],
-                shade=shade[some],
-                low=low[some],
-                high=high[some],
+                corners[batch],
+                shade=shade[batch],
+                low=low[batch],
+                high=high[batch],
                 paint=self._find_paint(colour),
             )
 
@@ -127,7 +127,7 @@ class Canvas:
 
     def _fill_triangles(
         self,
-        p: Array,
+        corners: Array,
         shade: Array,
         low: Whole,
         high: Whole,
@@ -139,7 +139,7 @@ class Canvas:
         first is drawn.
         """
         triangle, y = _expand(low[:, 1], high[:, 1])
-        (ax, ay), (bx, by), (cx, cy) = np.moveaxis(p[:, :, :2], 0, 2)
+        (ax, ay), (bx, by), (cx, cy) = np.moveaxis(corners[:, :, :2], 0, 2)
         det = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
         # Barycentric coordinates v and w of corners b and c, linear in the distance to the right of
         # corner a.
@@ -171,16 +171,16 @@ class Canvas:
         v = np.clip(v_left + v_slope * (first - left), 0.0, 1.0)
         w = np.clip(w_left + w_slope * (first - left), 0.0, 1.0 - v)
 
-        def at_start(corners: Array) -> tuple[Array, Array]:
-            """Value at the first pixel of each row, and its change from one pixel to the next."""
-            a, to_b, to_c = (corners.T - [[0.0], [1.0], [1.0]] * corners[:, 0])[:, triangle]
+        def at_start(values: Array) -> tuple[Array, Array]:
+            """Return what corners have at each row's first pixel, and its change to the next."""
+            a, to_b, to_c = (values.T - [[0.0], [1.0], [1.0]] * values[:, 0])[:, triangle]
             return a + v * to_b + w * to_c, v_slope * to_b + w_slope * to_c
 
         start = np.cumsum(count) - count
         number = np.arange(int(count.sum()))
         across = number - np.repeat(start, count)
         pixel = number + np.repeat(y * self._depth.shape[1] + first - start, count)
-        depth, change = (np.repeat(values, count) for values in at_start(p[:, :, 2]))
+        depth, change = (np.repeat(values, count) for values in at_start(corners[:, :, 2]))
         depth += across * change
         buffer = self._depth.reshape(-1)
         nearer = np.flatnonzero(depth > buffer[pixel])

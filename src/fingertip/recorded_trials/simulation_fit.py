@@ -36,8 +36,7 @@ from fingertip.slip.traces.trace import Trace
 
 LOOK_S = 0.4
 KEEP_OFF_S = 0.05
-"""Time ahead of the motion in which the finger holds still, and its end that is left out [s].
-"""
+"""Time ahead of the motion in which the finger holds still, and its end that is left out [s]."""
 _TURN_ONS = 60
 _MIN_TURN_ON_N = 0.01
 _SAME_LEVEL = 0.02

@@ -55,9 +55,7 @@ class UsedThreshold:
         )
 
     def describe(self) -> str:
-        """Describe it for people, such as ``threshold 0.186 to 0.374 mV, 0.186 at the
-        first ON``.
-        """
+        """Describe it for people: ``threshold 0.186 to 0.374 mV, 0.186 at the first ON``."""
         if self.highest_v - self.lowest_v <= 1e-9 * self.highest_v:  # it does not follow the noise
             return f"threshold {1000 * self.highest_v:.3g} {self.unit}"
 

@@ -7,8 +7,9 @@ in the edited file. Where it has not, the edited file cannot follow, and nothing
 
 from __future__ import annotations
 
+import functools
 import itertools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -34,7 +35,7 @@ from fingertip.catalogues.output_files import (
 )
 from fingertip.foundation.errors import Issue, OutputError, raise_issues
 from fingertip.foundation.input_files import PARSED_LIMIT, read_input
-from fingertip.foundation.output_set import Revision, has_hash, read_manifest
+from fingertip.foundation.output_set import Manifest, Revision, has_hash, read_manifest
 
 _REMEDY = "write this design to another folder with --out, or add --force to overwrite your edits."
 
@@ -105,65 +106,93 @@ def revise_edited(
         notes.append(f"{folder / PROJECT}: was changed in KiCad, and is kept as it is.")
 
     if present and manifest is not None:
-        old_path = folder / NETLIST
-        if not has_hash(old_path, manifest.files.get(NETLIST)):
-            message = (
-                f"was edited, and {NETLIST}, which states its circuit, is missing or was "
-                f"changed; {_REMEDY}"
-            )
-            raise OutputError([Issue(str(folder / name), message) for name in present])
-
-        old = _read_circuit(old_path)
-        new = read_netlist(contents[NETLIST])
-        differences = list(describe_structure_changes(old, new))
-
-        if differences:
-            message = (
-                "was edited, and this design changes more than values "
-                f"({'; '.join(differences)}); {_REMEDY}"
-            )
-            raise OutputError([Issue(str(folder / name), message) for name in present])
-
+        old, new = _read_both_circuits(folder, manifest, present, contents[NETLIST])
         for name, data in present.items():
-            is_layout = name == LAYOUT
-            circuit = select_drawn(new, name)
+            layouts = None
+            if name == LAYOUT:
+                values = {reference: part.fields["Value"] for reference, part in old.parts.items()}
+                layouts = functools.partial(make_layout, values), contents[name]
+
             try:
-                kind = "footprint" if is_layout else "symbol"
-                before = select_drawn(old, name)
-                after, changed, problems = enter_values(data, kind, before, circuit)
-                if is_layout and changed:
-                    old_values = {
-                        reference: part.fields["Value"] for reference, part in old.parts.items()
-                    }
-                    after, is_complete = enter_texts(after, make_layout(old_values), contents[name])
-            except ValueError as error:  # a UnicodeDecodeError is one too
-                issues.append(
-                    Issue(str(folder / name), f"was edited and cannot be read ({error}); {_REMEDY}")
+                after, note, problems = _revise_file(
+                    data,
+                    select_drawn(old, name),
+                    select_drawn(new, name),
+                    layouts=layouts,
                 )
-                continue
+            except ValueError as error:  # a UnicodeDecodeError is one too
+                problems = [f"was edited and cannot be read ({error}); {_REMEDY}"]
+            else:
+                revisions[name] = Revision(data, after)
+                notes.append(f"{folder / name}: {note}")
 
             issues += [Issue(str(folder / name), problem) for problem in problems]
-            revisions[name] = Revision(data, after)
-            result = "it has the values of this design"
-            if changed:
-                result = f"the values of {join_names(changed)} are updated"
-
-            notes.append(f"{folder / name}: was edited; {result}, and nothing else changes.")
-            own = list_own_values(after, kind, circuit)
-
-            if own:
-                notes[-1] += (
-                    f" Your values of {join_names(own)} are in it alone: {BOM}, {NETLIST}, "
-                    f"{DECK}, {VALUES} and "
-                    f"{ASSEMBLY_DRAWING} have those of the design."
-                )
-            if is_layout and changed and not is_complete:
-                notes[-1] += (
-                    " This design prints more or fewer lines of values than it shows: compare them."
-                )
 
     raise_issues(OutputError, issues)
     return revisions, notes
+
+
+def _read_both_circuits(
+    folder: Path, manifest: Manifest, edited: Iterable[str], netlist: bytes
+) -> tuple[CircuitRecord, CircuitRecord]:
+    """Read the circuit of a folder and a new one, which differ in values alone.
+
+    Raises OutputError.
+    """
+    path = folder / NETLIST
+    if not has_hash(path, manifest.files.get(NETLIST)):
+        message = (
+            f"was edited, and {NETLIST}, which states its circuit, is missing or was "
+            f"changed; {_REMEDY}"
+        )
+        raise OutputError([Issue(str(folder / name), message) for name in edited])
+
+    old = _read_circuit(path)
+    new = read_netlist(netlist)
+    differences = list(describe_structure_changes(old, new))
+    if differences:
+        message = (
+            "was edited, and this design changes more than values "
+            f"({'; '.join(differences)}); {_REMEDY}"
+        )
+        raise OutputError([Issue(str(folder / name), message) for name in edited])
+
+    return old, new
+
+
+def _revise_file(
+    data: bytes,
+    old: CircuitRecord,
+    new: CircuitRecord,
+    layouts: tuple[Callable[[], bytes], bytes] | None,
+) -> tuple[bytes, str, list[str]]:
+    """Return an edited file with the new values, a note on it, and its problems.
+
+    Of a layout the generated ones are given too: what makes that of the old circuit, and the new
+    one. Raises ValueError.
+    """
+    kind = "footprint" if layouts else "symbol"
+    data, changed, problems = enter_values(data, kind, old, new)
+    is_complete = True
+    if layouts and changed:
+        make_old, new_layout = layouts
+        data, is_complete = enter_texts(data, make_old(), new_layout)
+
+    result = "it has the values of this design"
+    if changed:
+        result = f"the values of {join_names(changed)} are updated"
+
+    note = f"was edited; {result}, and nothing else changes."
+    own = list_own_values(data, kind, new)
+    if own:
+        note += (
+            f" Your values of {join_names(own)} are in it alone: {BOM}, {NETLIST}, {DECK}, "
+            f"{VALUES} and {ASSEMBLY_DRAWING} have those of the design."
+        )
+    if not is_complete:
+        note += " This design prints more or fewer lines of values than it shows: compare them."
+
+    return data, note, problems
 
 
 def _read_circuit(path: Path) -> CircuitRecord:

@@ -103,6 +103,7 @@ FIRST_LANE_MM = 9.0
 LANE_MM = 7.0
 """Distance of the first dimension line from its view, and of the next one from it."""
 _MAX_LANES = 12
+_LANE_COST = 3.0
 _ARROW_MM = 2.5
 _GAP_MM = 0.8
 _PAST_MM = 1.5
@@ -168,6 +169,24 @@ def _place_length(
 ) -> tuple[Primitive, ...]:
     """Place one length; `reserved` are the coordinates of extension lines to come."""
     best: tuple[float, tuple[Primitive, ...]] | None = None
+    for lane in range(_MAX_LANES):
+        if best and best[0] <= _LANE_COST * lane:
+            break
+
+        for cost, primitives in _propose_in_lane(placed, lane, occupancy, reserved):
+            if best is None or cost < best[0]:
+                best = cost, primitives
+
+    if best is None:
+        raise NoRoomError(placed.size.name)
+
+    return best[1]
+
+
+def _propose_in_lane(
+    placed: PlacedLength, lane: int, occupancy: Occupancy, reserved: Sequence[float]
+) -> Iterator[tuple[float, tuple[Primitive, ...]]]:
+    """List ways to draw a length in a lane, with what each costs."""
     index = 0 if placed.is_level else 1
     out = 1.0 if placed.size.side in ("above", "right") else -1.0
     low, high = sorted((placed.start[index], placed.end[index]))
@@ -176,58 +195,46 @@ def _place_length(
     def at(u: float, v: float) -> Point:
         return (u, v) if placed.is_level else (v, u)
 
-    for lane in range(_MAX_LANES):
-        v = placed.edge + out * (FIRST_LANE_MM + lane * LANE_MM)
-        if best and best[0] <= 3.0 * lane:
-            break
+    v = placed.edge + out * (FIRST_LANE_MM + lane * LANE_MM)
+    narrow = high - low < 2 * _ARROW_MM + 1.5
+    outside = _ARROW_MM + 1.5 if narrow else 0.0
+    turn = 0.0 if placed.is_level else 90.0
+    extensions = []
+    for point in (placed.start, placed.end):
+        u = point[index]
+        from_v = point[1 - index] + out * _GAP_MM
+        extensions.append((at(u, from_v), at(u, v + out * _PAST_MM)))
 
-        for middle, penalty in _text_middles(low, high, width):
-            begin = middle - width / 2
-            end = middle + width / 2
-            if any(begin - _MARGIN_MM < u < end + _MARGIN_MM for u in reserved):
-                continue
+    inwards = (
+        (at(low, v), turn + (0.0 if narrow else 180.0)),
+        (at(high, v), turn + (180.0 if narrow else 0.0)),
+    )
+    arrows = tuple(Arrow(tip, direction, _ARROW_MM) for tip, direction in inwards)
 
-            text = _text_group(
-                placed.size.text(), placed.balloon, at(begin, v), turned=not placed.is_level
-            )
-            if not all(occupancy.is_free(part.box(), _MARGIN_MM) for part in text):
-                continue
+    for middle, penalty in _text_middles(low, high, width):
+        begin = middle - width / 2
+        end = middle + width / 2
+        if any(begin - _MARGIN_MM < u < end + _MARGIN_MM for u in reserved):
+            continue
 
-            narrow = high - low < 2 * _ARROW_MM + 1.5
-            outside = _ARROW_MM + 1.5 if narrow else 0.0
-            along = (at(min(low - outside, begin), v), at(max(high + outside, end), v))
-            extensions = []
+        text = _text_group(
+            placed.size.text(), placed.balloon, at(begin, v), turned=not placed.is_level
+        )
+        if not all(occupancy.is_free(part.box(), _MARGIN_MM) for part in text):
+            continue
 
-            for point in (placed.start, placed.end):
-                u = point[index]
-                from_v = point[1 - index] + out * _GAP_MM
-                extensions.append((at(u, from_v), at(u, v + out * _PAST_MM)))
+        along = (at(min(low - outside, begin), v), at(max(high + outside, end), v))
+        if any(occupancy.crosses_text(ends) for ends in (along, *extensions)):
+            continue
 
-            if any(occupancy.crosses_text(ends) for ends in (along, *extensions)):
-                continue
+        edges, lines = occupancy.crossings(along)
+        if lines > _MAX_ALONG:
+            continue
 
-            edges, lines = occupancy.crossings(along)
-            if lines > _MAX_ALONG:
-                continue
-
-            crossed = sum(sum(occupancy.crossings(ends)) for ends in extensions)
-            cost = 3.0 * lane + penalty + 0.4 * edges + 0.6 * lines + 0.01 * crossed
-            if best and cost >= best[0]:
-                continue
-
-            turn = 0.0 if placed.is_level else 90.0
-            inwards = (
-                (at(low, v), turn + (0.0 if narrow else 180.0)),
-                (at(high, v), turn + (180.0 if narrow else 0.0)),
-            )
-            arrows = tuple(Arrow(tip, direction, _ARROW_MM) for tip, direction in inwards)
-            lines_drawn = (line(*ends, Styles.DIMENSION) for ends in (along, *extensions))
-            best = (cost, (*lines_drawn, *arrows, *text))
-
-    if best is None:
-        raise NoRoomError(placed.size.name)
-
-    return best[1]
+        crossed = sum(sum(occupancy.crossings(ends)) for ends in extensions)
+        cost = _LANE_COST * lane + penalty + 0.4 * edges + 0.6 * lines + 0.01 * crossed
+        drawn = (line(*ends, Styles.DIMENSION) for ends in (along, *extensions))
+        yield cost, (*drawn, *arrows, *text)
 
 
 def _text_middles(low: float, high: float, width: float) -> Iterator[tuple[float, float]]:

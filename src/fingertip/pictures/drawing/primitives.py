@@ -2,8 +2,8 @@
 corner.
 
 A sheet is a list of lines, rings, texts, arrows and hatching; `svg_and_pdf.py` writes it and
-decides nothing. The views are those of first-angle projection (ISO 5456-2). The front view looks
-at the finger from its side at -x, with distal to the right and dorsal up.
+decides nothing. The views are those of first-angle projection (ISO 5456-2). The front view looks at
+the finger from its side at -x, with distal to the right and dorsal up.
 """
 
 from __future__ import annotations

@@ -4,7 +4,9 @@ contracts enforce and what the source imports.
 
 from __future__ import annotations
 
+import ast
 import re
+import sys
 import tomllib
 from itertools import product
 
@@ -70,3 +72,29 @@ def test_the_contract_has_the_order_of_the_drawing() -> None:
     # Siblings of one layer must not import each other: the drawing has no arrow between them
     # either.
     assert [ranks[name] for name in DRAWN] == sorted(ranks[name] for name in DRAWN)
+
+
+def test_models_import_the_standard_library_and_themselves_alone() -> None:
+    """The scripts of `build --formats cq` carry a copy of them. What is for type checkers alone is
+    not imported there.
+    """
+    wrong = []
+    for path in (ROOT / "src/fingertip/models").glob("*.py"):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        for_types = {
+            node
+            for block in ast.walk(tree)
+            if isinstance(block, ast.If) and ast.unparse(block.test) == "TYPE_CHECKING"
+            for node in ast.walk(block)
+        }
+        allowed = {"cadquery", "OCP"} if path.name == "workplanes.py" else set()
+        for node in set(ast.walk(tree)) - for_types:
+            if isinstance(node, ast.Import):
+                found = [alias.name for alias in node.names]
+            elif isinstance(node, ast.ImportFrom) and node.level == 0:
+                found = [str(node.module)]
+            else:
+                continue
+            roots = {name.partition(".")[0] for name in found}
+            wrong += [(path.name, root) for root in roots - allowed - sys.stdlib_module_names]
+    assert not wrong

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import ast
 import re
+import sys
 import tomllib
 from collections.abc import Container, Iterable, Iterator
 from itertools import product
@@ -153,3 +154,29 @@ def test_no_module_reaches_itself_by_imports_and_names() -> None:
         if graph.chain_exists(importer=imported, imported=module)
     }
     assert in_a_circle == set()
+
+
+def test_models_import_the_standard_library_and_themselves_alone() -> None:
+    """The scripts of `build --formats cq` carry a copy of them. What is for type checkers alone is
+    not imported there.
+    """
+    wrong = []
+    for path in (ROOT / "src/fingertip/models").glob("*.py"):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        for_types = {
+            node
+            for block in ast.walk(tree)
+            if isinstance(block, ast.If) and ast.unparse(block.test) == "TYPE_CHECKING"
+            for node in ast.walk(block)
+        }
+        allowed = {"cadquery", "OCP"} if path.name == "workplanes.py" else set()
+        for node in set(ast.walk(tree)) - for_types:
+            if isinstance(node, ast.Import):
+                found = [alias.name for alias in node.names]
+            elif isinstance(node, ast.ImportFrom) and node.level == 0:
+                found = [str(node.module)]
+            else:
+                continue
+            roots = {name.partition(".")[0] for name in found}
+            wrong += [(path.name, root) for root in roots - allowed - sys.stdlib_module_names]
+    assert not wrong

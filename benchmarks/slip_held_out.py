@@ -1,7 +1,7 @@
 """Detector `fast` on signals that were drawn apart from it: every kind at both operating points.
 
     python -m benchmarks.slip_held_out [--boards S A] [--share 1.0] [--seed 1] [--report FILE.md]
-    [--json]
+        [--json]
 
 `benchmarks/held_out_signals.py` draws the signals, from published work and from assumptions,
 without knowledge of the detector and its training. They were frozen before any detector had run on

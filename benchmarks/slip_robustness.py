@@ -2,7 +2,7 @@
 nobody simulated.
 
     python benchmarks/slip_robustness.py [--design article] [--detector fast] [--seeds 5500000
-    6500000] [--trials 240]
+        6500000] [--trials 240]
 
 All seeds are held out: no detector was trained or tuned on them. The design `article` has the
 article's bridge and converter (4.41 V open, 0.4 mV of noise, 16 bits of plus and minus 10 V), to

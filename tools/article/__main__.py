@@ -1,7 +1,8 @@
 """Command `python -m tools.article`: the studies of the article.
 
-    python -m tools.article python -m tools.article DESIGN [--trials 120] [--minutes 40] [--detector
-    fast] [--jobs 2] [--out FOLDER]
+    python -m tools.article
+    python -m tools.article DESIGN [--trials 120] [--minutes 40] [--detector fast] [--jobs 2]
+        [--out FOLDER]
 
 Without a design it measures `tools/article/beside_article.json` and writes `docs/beside_article.md`
 from it, which takes some minutes: run it again after a change of simulation or detectors. With one

@@ -3,7 +3,7 @@
 Needs scikit-learn, which the package does not.
 
     python -m tools.detector_training.fit [--trials 1350] [--events 450] [--disturbances 300]
-    [--repeat 0] [--out FILE]
+        [--repeat 0] [--out FILE]
 
 The first round labels features that were computed without trees. Each further round computes them
 with the trees of the round before, and gives more weight to the false alarms and the late slips of

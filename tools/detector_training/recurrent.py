@@ -2,8 +2,8 @@
 
 Nothing else needs PyTorch.
 
-    python -m tools.detector_training.recurrent [--trials 1350] [--events 450] [--disturbances 300]
-    [--out weights.json]
+    python -m tools.detector_training.recurrent [--trials 1350] [--events 450] [--disturbances
+        300] [--out weights.json]
 
 The network is small, as those of the literature that judge one tactile signal are: one layer of
 gated recurrent units (K. Cho et al., EMNLP 2014), which is fed every 2 ms. It sees signals of the

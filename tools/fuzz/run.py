@@ -1,7 +1,8 @@
 """Command `python -m tools.fuzz.run`: run thousands of cases and report what they found.
 
     python -m tools.fuzz.run --cases 20000 --processes 1000 --computing 20000 --jobs 2 --out
-    out/fuzz --resume python -m tools.fuzz.run --only 123
+        out/fuzz --resume
+    python -m tools.fuzz.run --only 123
 
 Cases read generated and damaged inputs, in this process or as processes of their own, or compute
 all that is made of accepted designs and scenes. Those of a seed are the same each time. Each result

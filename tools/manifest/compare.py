@@ -1,9 +1,9 @@
 """Command `python -m tools.manifest.compare`: compare the outputs that this machine makes with the
 manifest.
 
-    python -m tools.manifest.compare                                        makes everything anew,
-    about a minute python -m tools.manifest.compare --made first_finger=out/first_finger --made
-    pcb=pcb    compares folders that exist
+    python -m tools.manifest.compare    makes everything anew, about a minute
+    python -m tools.manifest.compare --made first_finger=out/first_finger --made pcb=pcb
+        compares folders that exist
 
 Exit code 1: a file differs, is missing or new, or other versions are installed than the manifest is
 for.

@@ -1,8 +1,8 @@
 """Command `python -m tools.mutation.run`: change the source in one place at a time, and list what
 no test notices.
 
-    python -m tools.mutation.reach -n 2                                   once: which tests enter
-    which blocks python -m tools.mutation.run --cosmic-ray PYTHON --seed 2026 --jobs 1
+    python -m tools.mutation.reach -n 2    once: which tests enter which blocks
+    python -m tools.mutation.run --cosmic-ray PYTHON --seed 2026 --jobs 1
 
 The mutants are drawn over all lines of src (`tools/mutation/changes.py`). The first set of tests
 judges each, then the rest of the suite, as far as it was recorded (`reach` with FINGERTIP_FULL=1:

@@ -14,8 +14,8 @@ where the layer is bonded. Where it lies on the bone without friction, it is hal
 pressed from both sides (K. L. Johnson, Contact Mechanics, 1985, section 5.8), and with D(w) = sinh
 2w + 2 w
 
-    C(k) = 2 (1 - nu^2) / (E k) (cosh 2w - 1) / D,    T(k) = 2 (sinh w + w cosh w) / D,    S(k) = 2
-    w sinh w / D
+    C(k) = 2 (1 - nu^2) / (E k) (cosh 2w - 1) / D,    T(k) = 2 (sinh w + w cosh w) / D,    S(k) =
+        2 w sinh w / D
 
 Friction mu lies between: tanh mu of the bonded, the rest of the free. By finite elements (1 N on
 first_finger, tilted by 2 degrees) the share goes 0.15, 0.30, 0.55 of the way for mu = 0.15, 0.3,

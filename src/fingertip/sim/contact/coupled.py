@@ -6,11 +6,12 @@ compression of the contact expressed as its force y [N], and its rate w [N/s]. T
 = max(y, 0). With c = 1 / sqrt(N + N0) and the mean bristle deflection z = c s
 (`fingertip.sim.contact.friction`):
 
-    L     = v - alpha(v, z) sigma0 |v| z / g(v)                        plain LuGre friction: alpha =
-    1 ds/dt = N c L - r(N, z) s m dv/dt = k (X - x) + c_m (V - v) - N (sigma0 z + sigma1 c ds/dt +
-    sigma2 v) dy/dt = w dw/dt = omega^2 (d - y) - 2 zeta omega w                           touching,
-    y > 0 dw/dt = omega^2 (d - rho y) - 2 zeta sqrt(rho) omega w             in flight, where only
-    the hand pulls the pad back
+    L       = v - alpha(v, z) sigma0 |v| z / g(v)            plain LuGre friction: alpha = 1
+    ds/dt   = N c L - r(N, z) s
+    m dv/dt = k (X - x) + c_m (V - v) - N (sigma0 z + sigma1 c ds/dt + sigma2 v)
+    dy/dt   = w
+    dw/dt   = omega^2 (d - y) - 2 zeta omega w               touching, y > 0
+    dw/dt   = omega^2 (d - rho y) - 2 zeta sqrt(rho) omega w   in flight, drawn by the hand alone
 
 k and c_m are stiffness and damping of the mount, X and V position and velocity of the carriage
 (cubic between samples), d is the pressing force (linear between samples), alpha is the

@@ -1,9 +1,9 @@
 """LuGre friction under a varying normal force, and the definition of gross slip.
 
-    z     = c s,   c = 1 / sqrt(N + N0)                                 mean bristle deflection L
-    = v - alpha(v, z) sigma0 |v| z / g(v)                         rate at which motion bends
-    bristles ds/dt = N c L - r(N, z) s mu    = sigma0 z + sigma1 c ds/dt + sigma2 v,   friction
-    force N mu
+    z     = c s,   c = 1 / sqrt(N + N0)                                 mean bristle deflection
+    L    = v - alpha(v, z) sigma0 |v| z / g(v)    rate at which motion bends bristles
+    ds/dt = N c L - r(N, z) s
+    mu    = sigma0 z + sigma1 c ds/dt + sigma2 v,   friction force N mu
 
 At constant load this is the model of C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky,
 IEEE Trans. Automatic Control 40(3), 1995, doi:10.1109/9.376053, with alpha = 1. The Stribeck curve

@@ -2,7 +2,7 @@
 parallel to C.
 
     C dv/dt = i - v / R,   i = Is (exp((u - v - i Rs) / nVt) - 1)     variant article
-    C dv/dt = (max(u, 0) - v) / R                                     variants precision, comparator
+    C dv/dt = (max(u, 0) - v) / R    variants precision, comparator
 
 u is the filter's output and v the envelope. Where the diode hardly conducts, the decay of v is
 exact and the diode's current is a correction by Simpson's rule. Elsewhere v follows SDIRK4 (E.

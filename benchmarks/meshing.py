@@ -341,9 +341,8 @@ def draw(rows: list[MeshResult], path: Path) -> None:
         axis.set_xlabel("CPU time of meshing [s]")
         axis.grid(True, which="major", color="0.85")
 
-    axes[1].legend(
-        loc="upper right"
-    )  # one legend for both; in the left diagram it would cover data
+    # One legend for both; in the left diagram it would cover data.
+    axes[1].legend(loc="upper right")
     figure.suptitle(
         "Meshing the outer surface of the FSR 400 fingertip (lower and further left is better)"
     )

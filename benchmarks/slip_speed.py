@@ -61,9 +61,8 @@ def main() -> None:
     arguments = parser.parse_args()
 
     with jit.compiled():
-        memory = measure_memory(
-            arguments.stream, arguments.chunk
-        )  # first, before the process holds large arrays
+        # First, before the process holds large arrays.
+        memory = measure_memory(arguments.stream, arguments.chunk)
 
     speed = measure_speed(arguments.samples, arguments.chunk)
     print(json.dumps(speed | measure_break_even(arguments.samples) | memory, indent=2))

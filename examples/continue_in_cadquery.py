@@ -23,9 +23,8 @@ nail = (
 )
 beside = design.dimensions.bone_outline.section.half_width
 rib = cq.Workplane("XY").box(1.2, 1.2, 6.0).translate((beside, 0.0, -10.0))
-end = (
-    bone(design).faces(tag="post").workplane(centerOption="CenterOfMass")
-)  # of a clevis, tag="cheek_left"
+# Of a clevis, tag="cheek_left".
+end = bone(design).faces(tag="post").workplane(centerOption="CenterOfMass")
 logo = end.slot2D(4.0, 1.2).cutBlind(-0.8)
 made = {"skin": skin(design).union(nail), "bone": logo.union(rib)}
 steps = ((skin(design), made["skin"]), (bone(design), logo), (logo, made["bone"]))

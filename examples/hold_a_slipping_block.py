@@ -69,9 +69,8 @@ def build_scene(
         axis=[0, -1, 0],
         damping=20.0,
     )
-    body.mass = (
-        1 / finger.contact.inverse_mass_per_kg
-    )  # what moves with a finger on its hand, not the finger alone
+    # What moves with a finger on its hand, not the finger alone.
+    body.mass = 1 / finger.contact.inverse_mass_per_kg
     spec.add_actuator(name="grip", target="close", trntype=mujoco.mjtTrn.mjTRN_JOINT)
     # The face of the block is parallel to the finger, so the pad's straight part is tilted by its
     # own slope.
@@ -90,9 +89,8 @@ def build_scene(
         explicitinertial=True,
     )
 
-    for axis in np.eye(
-        3
-    ):  # it may not turn; a damper keeps its fall as slow as the article's slides
+    # It may not turn; a damper keeps its fall as slow as the article's slides.
+    for axis in np.eye(3):
         block.add_joint(type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis, damping=5.0 * axis[2])
 
     box = {"type": mujoco.mjtGeom.mjGEOM_BOX, "friction": [SURFACE.friction.mu_c, 0.005, 0.0001]}

@@ -138,9 +138,8 @@ def find_barriers(driver: Any, scheme: str, width: int) -> list[list[str]]:
         )
         time.sleep(0.3)
         assert driver.execute_script("return document.documentElement.scrollWidth <= innerWidth")
-        driver.execute_cdp_cmd(
-            "Runtime.evaluate", {"expression": axe}
-        )  # the page's policy would refuse a script
+        # The page's policy would refuse a script.
+        driver.execute_cdp_cmd("Runtime.evaluate", {"expression": axe})
         script = (
             "const done = arguments[0]; axe.run(document).then((r) => done(r.violations.map((v) => "
         )

@@ -50,9 +50,8 @@ def keep_figures() -> Iterator[list[Any]]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(FigureCanvasAgg, "print_png", keep)
         patch.setattr(FigureCanvasSVG, "print_svg", keep)
-        patch.setattr(
-            Axes, "clabel", state_labels
-        )  # where they stand depends on matplotlib and its fonts
+        # Where they stand depends on matplotlib and its fonts.
+        patch.setattr(Axes, "clabel", state_labels)
         yield kept
 
 

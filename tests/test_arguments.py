@@ -219,11 +219,12 @@ def test_functions_name_their_arguments(
 )
 def test_public_functions_refuse_other_types_of_each_argument(name: str) -> None:
     function = getattr(fingertip, name)
+    # Anything that numpy reads, a protocol, and what is known.
     unchecked = {
         "recording",
         "controller",
         "origin",
-    }  # anything that numpy reads, a protocol, and what is known
+    }
     for argument, parameter in inspect.signature(function).parameters.items():
         if argument not in unchecked:
             others = {

@@ -40,9 +40,8 @@ from tests.conftest import ROOT, run_fingertip
 from tests.tools import require_module
 
 PARAMS = ROOT / "params"
-FILES = sorted(
-    path for path in PARAMS.rglob("*.toml") if path.parent.name != "hands"
-)  # found with --hand
+# Found with --hand.
+FILES = sorted(path for path in PARAMS.rglob("*.toml") if path.parent.name != "hands")
 
 
 @pytest.fixture
@@ -253,12 +252,13 @@ def test_a_sweep_file_names_bundled_files_and_files_beside_it(folder: Path) -> N
         read_sweep_file("sweeps/unknown.toml")
     assert [issue.field for issue in caught.value.issues] == ["fsr4", "map"]
     (folder / "own.toml").write_text("[skin]\nwidth_mm = 18\n")
+    # Sent by a stranger.
     for name in (
         "../own.toml",
         str(folder / "own.toml"),
         "./own.toml",
         "x/own.toml",
-    ):  # sent by a stranger
+    ):
         (beside / "outside.toml").write_text(text.format(name, "drift"))
         with pytest.raises(SweepError, match=r"is no name of a file beside the sweep file"):
             read_sweep_file("sweeps/outside.toml")

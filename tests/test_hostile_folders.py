@@ -325,9 +325,8 @@ def test_page_of_files_that_state_nonsense_or_too_much_is_a_sentence(
     tmp_path: Path, report: bytes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     parts = {f"{name}.stl": bytes(84) for name in parts_by_name(Design())}  # without triangles
-    half = (
-        len(report) // 2 if len(report) > 1_000_000 else 0
-    )  # each file is below the limit, both together are not
+    # Each file is below the limit, both together are not.
+    half = len(report) // 2 if len(report) > 1_000_000 else 0
     PART_FILES.writer(Design(), tmp_path).write(
         {**parts, REPORT: report[half:], SHEET: report[:half]}
     )

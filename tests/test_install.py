@@ -31,9 +31,8 @@ def test_messages_name_the_extra_that_installs_each_package() -> None:
     project = read_pyproject()["project"]
     extras = project["optional-dependencies"]
     for module, extra in EXTRAS.items():
-        package = {"OCP": "cadquery", "dask": "distributed"}.get(
-            module, module
-        )  # distributed brings dask
+        # Distributed brings dask.
+        package = {"OCP": "cadquery", "dask": "distributed"}.get(module, module)
         assert package in {canonicalize_name(Requirement(line).name) for line in extras[extra]}
     assert set(EXTRAS.values()) == set(extras) - {"usual", "all", "docs", "test"}
     named = {

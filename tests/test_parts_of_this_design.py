@@ -328,17 +328,16 @@ def test_another_version_that_makes_the_same_parts_passes_and_one_that_does_not_
 
     move_mesh(folder / "bone.stl", lambda corners: corners * np.array([1.0, 1.0, 1.001]))
     manifest = json.loads((folder / MANIFEST).read_text())
-    manifest["files"]["bone.stl"] = hash_file(
-        folder / "bone.stl"
-    )  # as another version would have written it
+    # As another version would have written it.
+    manifest["files"]["bone.stl"] = hash_file(folder / "bone.stl")
     (folder / MANIFEST).write_text(json.dumps(manifest))
     done = run_fingertip("build", NAME, "--check", "--verify", "--out", folder)
     assert done.returncode == 1
     assert "bone.stl: differs from what this design gives" in done.stdout
 
 
-# --- loose meshes, without a manifest
-# ---------------------------------------------------------------------------------
+# Loose meshes, without a manifest
+# --------------------------------
 
 LOOSE = {
     "part of another design": (

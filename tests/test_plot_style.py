@@ -70,9 +70,8 @@ def test_colours_of_curves_differ_for_everybody() -> None:
     for one, other in itertools.pairwise(AREAS):
         assert abs(lightness(one) - lightness(other)) >= 15.0
     assert set(COLOURS.values()) | {OTHER_COLOUR} == set(SERIES)
-    own = {
-        name: colour for name, colour in COLOURS.items() if name != "incipient"
-    }  # a threshold of fast
+    # A threshold of fast.
+    own = {name: colour for name, colour in COLOURS.items() if name != "incipient"}
     assert len(own) + 1 == len(SERIES), "each detector has a colour of its own"
 
 

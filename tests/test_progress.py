@@ -105,9 +105,8 @@ def test_a_terminal_shows_one_bar_that_messages_replace(monkeypatch: pytest.Monk
     assert shown.endswith(f"{CLEAR_LINE}a message\n")
     assert shown.count(CLEAR_LINE) == 3
     Console(False, False).progress(ShareText("half", 0.5))
-    Console(False, False).print_issues(
-        FingertipError(Issue("field", "is wrong."))
-    )  # as the decorator does
+    # As the decorator does.
+    Console(False, False).print_issues(FingertipError(Issue("field", "is wrong.")))
     assert sys.stderr.getvalue().endswith(f"{CLEAR_LINE}error: field: is wrong.\n")
     message = ShareText("a long stage: " + "x" * 100, 0.25)
     assert format_bar(message, 80).startswith(

@@ -91,7 +91,7 @@ class BoardProblem:
     def voltage_v(self) -> Array:
         """Tactile voltage at the samples [V]: 90 Hz of 20 mV during the burst, on 4 V."""
         t = self.time_s
-        (begin, end) = self.burst_s
+        begin, end = self.burst_s
         sine = AMPLITUDE_V * np.sin(2 * math.pi * FREQUENCY_HZ * t)
 
         return np.asarray(
@@ -342,9 +342,8 @@ def _native_jobs(
         diagram.solvers[f"{name}, sine"] = (
             f"{settings}, input: the sine, restarted where it begins and ends"
         )
-        exponents = np.arange(
-            -3.0 if name == "CVODE" else -1.0, -8.1, -0.5
-        )  # coarser, CVODE runs away
+        # Coarser, CVODE runs away.
+        exponents = np.arange(-3.0 if name == "CVODE" else -1.0, -8.1, -0.5)
 
         for way in ("step <= sample", "stops at samples"):
             for e in exponents:

@@ -154,9 +154,8 @@ def _take_still(run: Run) -> Iterator[Judged]:
     moves = np.abs(run.speed_mm_s) > MOVING_MM_S
     for kind, at in (("rest", ~moves & run.touches), ("air", ~run.touches)):
         for one in intervals(np.arange(len(at)) / run.rate_hz, at):
-            if (
-                one.end_s - one.onset_s >= MIN_REST_S + 0.1
-            ):  # the transients of touch and motion are left out
+            # The transients of touch and motion are left out.
+            if one.end_s - one.onset_s >= MIN_REST_S + 0.1:
                 part = run.values[
                     round((one.onset_s + 0.05) * run.rate_hz) : round(
                         (one.end_s - 0.05) * run.rate_hz

@@ -342,9 +342,8 @@ def _read_settings(folder: Path) -> dict[str, Any]:
             continue
 
         value = tables[name]
-        if not isinstance(value, types) or isinstance(value, bool) != (
-            bool in types
-        ):  # in Python, true is a number
+        # In Python, true is a number.
+        if not isinstance(value, types) or isinstance(value, bool) != (bool in types):
             expected = {str: "a text", bool: "true or false", dict: "a table"}.get(
                 types[0], "a number"
             )

@@ -206,7 +206,7 @@ class Rig:
         inner = self.half + PLAY
         beam = top + max(1.5, self.design.skin.semi_axis_dorsal_mm + 2.0 - top)
         outer = inner + CHEEK
-        (u, w) = self.hinge
+        u, w = self.hinge
         rear, ends = min(self.rear, u - EYE), self.rear + (24.0 if self.is_post else 42.0)
         # The centre of the weights, CUP above the disc, stands above the contact.
         middle = (self.contact_x - (beam + BEAM + CUP) * math.sin(self.tilt)) / math.cos(self.tilt)
@@ -284,9 +284,8 @@ class Rig:
         ]
         found += [("z", (self.pivot_x, PIVOT_Y), HOOK_TOP + HEAD + 0.2, 1, HOOK_Z, SCREW)]
         outer = self.half + PLAY + CHEEK
-        found += [
-            ("y", (SURFACE, 0.0), outer + HEAD + 0.2, 1, THREADED, 40)
-        ]  # its nut is held by hand
+        # Its nut is held by hand.
+        found += [("y", (SURFACE, 0.0), outer + HEAD + 0.2, 1, THREADED, 40)]
         c = math.cos(self.tilt)
         s = math.sin(self.tilt)
         lift = SURFACE + self.depth

@@ -119,9 +119,8 @@ def test_hand_reads_the_weight_off_the_expected_voltage(change: str) -> None:
 
 
 def test_current_and_range_are_stated() -> None:
-    ohm = (
-        10e3 + 3.3 / 3.3 * 250
-    )  # the data sheet's 250 ohm at 10 kg; the sensor conducts less at 20 N
+    # The data sheet's 250 ohm at 10 kg; the sensor conducts less at 20 N.
+    ohm = 10e3 + 3.3 / 3.3 * 250
     assert (
         0.9 < compute_current_ratio(DESIGN) / (3.3 / ohm / (1e-3 * math.pi / 4 * 0.508**2)) <= 1.0
     )
@@ -156,9 +155,8 @@ def test_only_fast_works_on_it() -> None:
         with pytest.raises(FingertipError) as refused:
             make_detector(name, DESIGN)
         assert "use detector fast, or a board with" in str(refused.value)
-        make_detector(
-            name, Design.load("fsr400", changes=[*CHANGES, "board.variant=precision"])
-        )  # the other remedy
+        # The other remedy.
+        make_detector(name, Design.load("fsr400", changes=[*CHANGES, "board.variant=precision"]))
 
 
 def test_what_needs_a_board_is_refused(tmp_path: Path) -> None:

@@ -202,9 +202,8 @@ def test_guard_refuses_what_an_edited_file_cannot_follow(small_board: Path) -> N
     refuse_other_circuit(small_board, small_files("2k")[NETLIST], Path("beside"))
     schematic = small_board / SCHEMATIC
     schematic.write_bytes(schematic.read_bytes().replace(b'"1k"', b'"3k"', 1))
-    refuse_other_circuit(
-        small_board, others[NETLIST], Path("beside")
-    )  # what is edited is left to the other guard
+    # What is edited is left to the other guard.
+    refuse_other_circuit(small_board, others[NETLIST], Path("beside"))
     assert find_edited(small_board) == [SCHEMATIC]
     with pytest.raises(
         OutputError, match="R1 has Value '3k' by hand, and this design changes it from '1k' to '2k'"

@@ -198,9 +198,8 @@ def test_ordering_code_gives_the_numbers_that_were_found() -> None:
     for resistor in copied:
         assert codes["RT0603BRD07"].is_made(resistor.ohm)
         assert codes["RT0603BRD07"].compose(resistor.ohm).part.number == resistor.part.number
-    assert (
-        codes["RC0603FR-07"].compose(56).part.number == "RC0603FR-0756RL"
-    )  # the data sheet's ordering example
+    # The data sheet's ordering example.
+    assert codes["RC0603FR-07"].compose(56).part.number == "RC0603FR-0756RL"
 
 
 def meets(component: Component, part: Part) -> bool:

@@ -55,9 +55,8 @@ def test_elements_find_the_predicted_stress(name: str, tmp_path: Path) -> None:
     )
     low = interface_of(design).beam_begin_z(design, -np.inf)
     if design.bone.interface == "post":
-        low = (
-            -design.bone.base_length_mm - design.bone.post_length_mm / 3
-        )  # past it the model holds the post
+        # Past it the model holds the post.
+        low = -design.bone.base_length_mm - design.bone.post_length_mm / 3
     if design.bone.interface == "socket":
         low = -design.bone.base_length_mm + 0.6 * design.bone.socket_depth_mm
     predicted = weakest.stress_per_n

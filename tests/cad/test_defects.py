@@ -230,11 +230,12 @@ def test_skin_that_must_stretch_too_far_fails() -> None:
 
 def test_search_for_a_distance_that_does_not_exist_ends() -> None:
     assert 500.0 <= search_distance(lambda reach_mm: reach_mm, 1.6) <= 1000.0
+    # A limit less a coarse tolerance may be negative; the search then never ended.
     for first_mm in (
         1.6,
         0.0,
         -0.4,
-    ):  # a limit less a coarse tolerance may be negative; the search then never ended
+    ):
         assert search_distance(lambda reach_mm: min(reach_mm, 7.25), first_mm) == 7.25
 
 

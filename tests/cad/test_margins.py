@@ -29,9 +29,8 @@ def test_a_rule_turns_at_its_limit(name: str) -> None:
     assert [one.margin_percent for one in listed] == sorted(one.margin_percent for one in listed)
     listed.remove(check)
     assert len(listed) >= 5
-    assert all(
-        one.margin_percent > 1e-4 for one in listed
-    )  # bone.wall_mm of fsr400 is chosen at its limit
+    # Bone.wall_mm of fsr400 is chosen at its limit.
+    assert all(one.margin_percent > 1e-4 for one in listed)
     for one in listed:
         field = one.name.partition(":")[0]
         beyond = (-0.02 if one.relation == "at least" else 0.02) * one.limit

@@ -83,9 +83,8 @@ def test_slope_counts_above_45_degrees(run: float, overhangs: bool) -> None:
 
 def test_small_horizontal_bore_needs_no_supports() -> None:
     block = Box((-8.0, -8.0, 0.0), (8.0, 8.0, 16.0))
-    across = MAX_BRIDGE_MM * math.sqrt(
-        2.0
-    )  # of a bore whose overhanging arc is as wide as the longest bridge
+    # Of a bore whose overhanging arc is as wide as the longest bridge.
+    across = MAX_BRIDGE_MM * math.sqrt(2.0)
     assert unsupported_mm2(block.cut(cylinder("x", (0.0, 8.0), -9.0, 9.0, 0.49 * across))) == 0.0
     assert unsupported_mm2(block.cut(cylinder("x", (0.0, 8.0), -9.0, 9.0, 0.51 * across))) > 100.0
 

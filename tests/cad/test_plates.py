@@ -182,9 +182,8 @@ def test_parts_that_fit_only_behind_each_other_have_the_gap_in_the_middle_of_the
         ("b", 20.0, 35.0),
         ("c", 20.0, 67.0),
     ]
-    row, alone = arrange(
-        dict.fromkeys("abc", (45.0, 60.0)), (100.0, 90.0), 2.0
-    )  # turned, each stands alone
+    # Turned, each stands alone.
+    row, alone = arrange(dict.fromkeys("abc", (45.0, 60.0)), (100.0, 90.0), 2.0)
     assert [(part.x, part.y) for part in row] == [(4.0, 15.0), (51.0, 15.0)]
     assert [(part.name, part.x, part.y) for part in alone] == [("c", 27.5, 15.0)]
 

@@ -172,7 +172,7 @@ def test_print_time_is_estimated_within_its_error(
         "stand",
     }
     code = slice_to_gcode(slicer, tmp_path, prints.contents["plate_fdm.3mf"], design)
-    (minutes, filament_cm3) = read_estimate(code)
+    minutes, filament_cm3 = read_estimate(code)
     estimated = estimate_print(design)
     assert estimated.minutes == pytest.approx(minutes, rel=0.15)
     assert estimated.filament_cm3 == pytest.approx(filament_cm3, rel=0.06)

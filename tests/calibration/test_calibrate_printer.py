@@ -43,9 +43,8 @@ def test_scale_and_offset_are_found(scale: float, offset_mm: float) -> None:
     assert found.changes.get("printer.scale_percent", 100.0) == pytest.approx(
         100.0 / scale, abs=0.01
     )
-    again = DESIGN.with_values(
-        found.changes
-    )  # what is printed of the calibrated design changes nothing more
+    # What is printed of the calibrated design changes nothing more.
+    again = DESIGN.with_values(found.changes)
     half, plate = (scale * nominal + offset_mm for nominal in find_nominal_mm(again))
     assert calibrate_printer(again, half, plate).changes == pytest.approx(
         {"printer.offset_mm": offset_mm}

@@ -86,9 +86,8 @@ def test_a_summary_has_twelve_lines_of_a_hundred_characters(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert {*IN_FIRST_SET, *DESIGNS} <= {*BUNDLED}
-    monkeypatch.setattr(
-        workers, "count_processors", lambda: 1
-    )  # the others do not know what is replaced here
+    # The others do not know what is replaced here.
+    monkeypatch.setattr(workers, "count_processors", lambda: 1)
     monkeypatch.setattr(build_task, "_draw_steps", lambda *_: {})
     monkeypatch.setattr(
         views, "write_page", lambda design, folder, force, prepared: (folder / "index.html", 0, ())

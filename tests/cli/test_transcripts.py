@@ -80,9 +80,8 @@ def run(words: list[str]) -> str:
     names = sorted(
         name for name in before.keys() | after.keys() if before.get(name) != after.get(name)
     )
-    names = [
-        name for name in names if ".3dshapes/" not in name
-    ]  # of the packages on a board, some dozen
+    # Of the packages on a board, some dozen.
+    names = [name for name in names if ".3dshapes/" not in name]
     files = [
         f"{'-' if name not in after else '~' if name in before else '+'} {name}\n" for name in names
     ]
@@ -145,9 +144,8 @@ def test_commands_do_what_the_transcript_shows(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("fingertip.sweep.engines.ProcessEngine", InlineEngine)
-    clock = SimpleNamespace(
-        perf_counter=itertools.count(0.0, 2.0).__next__
-    )  # each sweep takes two seconds
+    # Each sweep takes two seconds.
+    clock = SimpleNamespace(perf_counter=itertools.count(0.0, 2.0).__next__)
     monkeypatch.setattr(importlib.import_module("fingertip.cli.sweep"), "time", clock)
     if name in WITHOUT_EXTRAS:
         request.getfixturevalue("core")

@@ -99,9 +99,8 @@ def test_a_load_that_no_fit_makes_a_finger_hold_is_refused_with_one_that_does() 
     with pytest.raises(
         DesignError, match=r"^strength\.grip_force_n: 30 N .* 2 \(horn of the tendon.*$"
     ) as refused:
-        fit_finger(
-            begin.with_values({"skin.bump_height_mm": 0.4}), given
-        )  # a fit lowers it: not named
+        # A fit lowers it: not named.
+        fit_finger(begin.with_values({"skin.bump_height_mm": 0.4}), given)
     (held,) = re.findall(r"at most ([\d.]*\d)", str(refused.value))
     fit = fit_finger(begin.with_values({"strength.grip_force_n": float(held)}), given)
     assert (
@@ -114,16 +113,14 @@ def test_skin_becomes_as_thick_as_a_rough_mold_asks() -> None:
     fit = fit_finger(
         tables("fsr400", **{"printer.surface_error_mm": 0.13}), ["printer.surface_error_mm"]
     )
-    assert (
-        fit.tables.value("skin.thickness_palmar_mm") == 3.6
-    )  # its core is off by 0.360 mm, a tenth at most
+    # Its core is off by 0.360 mm, a tenth at most.
+    assert fit.tables.value("skin.thickness_palmar_mm") == 3.6
 
 
 @pytest.mark.full
 def test_most_designs_near_bundled_ones_are_fitted_and_remedies_pass() -> None:
     found = [judge(number, "few", 11)[0] for number in range(20)]
     assert found.count("fitted") >= 16
-    found += [
-        judge(number, "begun", 20261129)[0] for number in (377, 416, 472)
-    ]  # checks failed that no rule foresaw
+    # Checks failed that no rule foresaw.
+    found += [judge(number, "begun", 20261129)[0] for number in (377, 416, 472)]
     assert set(found) <= {"fitted", "sizes refused", "loads refused"}

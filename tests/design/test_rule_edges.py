@@ -272,9 +272,8 @@ def check_typed_remedies(tables: DesignTables) -> None:
     changes: list[str] = []
     for _ in range(3):
         issues = refuse(tables, changes)
-        values = [
-            issue for issue in issues if issue.field != "bone.adapter_file"
-        ]  # no value mends a file
+        # No value mends a file.
+        values = [issue for issue in issues if issue.field != "bone.adapter_file"]
         assert not values or read_remedy(values[0]), issues
         changes += (
             as_changes(values)

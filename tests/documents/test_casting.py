@@ -217,7 +217,7 @@ def test_sheet_states_what_the_parts_and_the_silicone_give() -> None:
     """Heights are measured on meshes; the mixture is that of the
     container's ratio, and fills the cup.
     """
-    (design, sheet) = load("first_finger")
+    design, sheet = load("first_finger")
     evaluator = MeshEvaluator(0.05)
     boxes = {
         name: evaluator.manifold(PARTS[name].solid(design)).bounding_box()

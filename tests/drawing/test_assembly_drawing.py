@@ -33,8 +33,8 @@ def test_every_part_is_drawn_once_with_its_value_and_no_text_covers_another(vari
     sheet, values = draw(variant)
     placement = load_project(variant).placement
     frame = next(p for p in sheet.primitives if isinstance(p, Polyline) and p.style.name == "board")
-    (left, bottom) = frame.points[0]
-    (right, top) = frame.points[2]
+    left, bottom = frame.points[0]
+    right, top = frame.points[2]
     assert (right - left, top - bottom) == pytest.approx(
         (SCALE * placement.width, SCALE * placement.height)
     )
@@ -59,7 +59,7 @@ def test_every_part_is_drawn_once_with_its_value_and_no_text_covers_another(vari
     for a, b in combinations((t.box() for t in texts), 2):
         assert a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]
     for hole in (p for p in sheet.primitives if isinstance(p, Ring) and p.style.name == "pad"):
-        (x, y) = hole.centre
+        x, y = hole.centre
         r = hole.radius
         covered = [
             t.text

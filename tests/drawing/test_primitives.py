@@ -95,9 +95,8 @@ def test_views_are_in_first_angle_projection() -> None:
     assert PROJECTIONS["palmar"].towards == (0.0, -1.0, 0.0)
     assert PROJECTIONS["end"].towards == (0.0, 0.0, -1.0)
     near = (-1.0, 0.0, 0.0)
-    assert (
-        PROJECTIONS["dorsal"].flatten(near)[1] < 0.0
-    )  # below the front view: the near side is farther from it
+    # Below the front view: the near side is farther from it.
+    assert PROJECTIONS["dorsal"].flatten(near)[1] < 0.0
     assert PROJECTIONS["palmar"].flatten(near)[1] > 0.0  # above it
     assert PROJECTIONS["end"].flatten(near)[0] > 0.0  # on its right
 

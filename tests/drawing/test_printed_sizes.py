@@ -99,8 +99,8 @@ def test_tolerances_of_two_mating_parts_leave_half_of_their_play(
     else:
         mates.append((bone["hole of the cross bolt"], 3.0))
     for hole, shaft in mates:
-        (least, stated_hole, _) = limits_mm(hole)
-        (_, stated_shaft, largest) = limits_mm(shaft)
+        least, stated_hole, _ = limits_mm(hole)
+        _, stated_shaft, largest = limits_mm(shaft)
         assert least - largest >= (stated_hole - stated_shaft) / 2 - 1e-9 > 0.0, (hole, shaft)
 
 

@@ -102,9 +102,8 @@ def test_every_size_stands_on_its_sheet_once_and_checks_have_a_row(drawn: Drawn)
         for number, size in enumerate(drawing.checked, 1):
             tolerance = (size.tolerance or general(size.printed)).text()
             nominal = size.text().removesuffix(f" {tolerance}")
-            wanted.update(
-                [str(number), str(number), nominal, tolerance]
-            )  # in its balloon, and its row of the table
+            # In its balloon, and its row of the table.
+            wanted.update([str(number), str(number), nominal, tolerance])
         assert {text: found[text] for text in wanted} == wanted, drawing.part
 
 

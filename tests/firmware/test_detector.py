@@ -173,9 +173,8 @@ def test_float_does_not_depend_on_the_force_at_which_it_begins(library: Library)
         for offset in (0.0, 16.0)
     )
     assert near[3].any()
-    for values, others in zip(
-        near[:-1], far[:-1], strict=True
-    ):  # 16 V is no voltage that a force gives
+    # 16 V is no voltage that a force gives.
+    for values, others in zip(near[:-1], far[:-1], strict=True):
         assert np.array_equal(values, others)
 
 

@@ -259,9 +259,8 @@ def test_the_example_of_a_hand_tells_which_finger_slips_and_which_has_a_fault(
     told = {
         (match[2], match[3].split(":")[0]): float(match[1]) for match in reversed(found) if match
     }
-    told.pop(
-        ("ring", "has lost or wrong samples"), None
-    )  # the wire's break may look like a glitch first
+    # The wire's break may look like a glitch first.
+    told.pop(("ring", "has lost or wrong samples"), None)
     assert set(told) == {
         ("index", "slips"),
         ("ring", "has a voltage that no force gives"),
@@ -297,10 +296,11 @@ def test_a_scan_that_the_converter_did_not_finish_is_lost_and_the_next_one_is_no
         command, input=given, capture_output=True, text=True, check=True
     ).stdout.splitlines()
     lost = [line for line in told if line.endswith("has lost or wrong samples")]
+    # Once: the report lasts from one to the next.
     assert [line.split()[2] for line in lost] == [
         "thumb",
         "index",
-    ]  # once: the report lasts from one to the next
+    ]
     assert all(1.0 <= float(line.split()[0]) <= 1.02 for line in lost)
     assert any(line.endswith("index slips") for line in told)
     assert not any("no force gives" in line or "silent" in line for line in told)

@@ -60,9 +60,8 @@ def test_errors_of_meshes_and_the_pad_are_those_of_a_second_computation() -> Non
     coarse, fine = (
         MeshEvaluator(mm).mesh(PARTS["skin"].solid(DESIGN)).volume() for mm in (0.004, 0.002)
     )
-    exact = fine + (fine - coarse) * 0.002 / (
-        0.004 - 0.002
-    )  # a mesh's volume is off in proportion to its tolerance
+    # A mesh's volume is off in proportion to its tolerance.
+    exact = fine + (fine - coarse) * 0.002 / (0.004 - 0.002)
     assert volumes.errors["skin_volume_mm3"][1] == pytest.approx(
         exact - volumes.values["skin_volume_mm3"], rel=0.15
     )

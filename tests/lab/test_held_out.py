@@ -95,10 +95,11 @@ def test_drawn_signals_have_their_labels_within_them(design: Design, kind: str) 
         last = round(slide.end_s * signal.rate_hz)
         inside = signal.voltage_v[first:last]
         quiet = signal.voltage_v[:800]
+        # Their vibration may be weaker than noise, their friction is not.
         if kind in (
             SLOW_SLIDES,
             "slide after load",
-        ):  # their vibration may be weaker than noise, their friction is not
+        ):
             assert inside.std() > quiet.std()
         else:
             assert np.diff(inside).std() > np.diff(quiet).std()

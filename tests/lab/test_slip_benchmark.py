@@ -262,9 +262,8 @@ def test_public_sets_are_read_in_their_published_form(
 
 def test_a_folded_pressure_is_unfolded() -> None:
     found = unfold(np.abs(WAVE))
-    assert (
-        min(np.count_nonzero(found != WAVE), np.count_nonzero(found != -WAVE)) < 10
-    )  # samples at a crossing
+    # Samples at a crossing.
+    assert min(np.count_nonzero(found != WAVE), np.count_nonzero(found != -WAVE)) < 10
 
 
 def test_a_set_that_begins_in_the_slide_is_refused(tmp_path: Path) -> None:

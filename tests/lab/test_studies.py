@@ -213,9 +213,8 @@ def test_a_finer_step_changes_little() -> None:
     errors, shifts_samples = compare_grids(Design(), Case("slip", SHORT, 3), ("fast",), 4)
     assert set(errors) == set(COMPARED)
     assert 0.0 < errors["force_n"] < 1e-4
-    assert (
-        errors["voltage_v"] <= 1.001 * Design().detector.adc_step_v
-    )  # a rounding that falls to the other side
+    # A rounding that falls to the other side.
+    assert errors["voltage_v"] <= 1.001 * Design().detector.adc_step_v
     assert 0.0 < errors["envelope_v"] < 2e-3
     assert shifts_samples["fast"] < 4.5  # one tick of the trees
     same, _ = compare_grids(Design(), Case("slip", SHORT, 3), ("fast",), 1)
@@ -227,9 +226,8 @@ MOVE = TrapezoidalMove.with_speed(1.2345, 0.04, 0.04)
 
 def test_zero_is_the_first_reading_that_shows_the_motion() -> None:
     """At 1 m/s2, 10 um have passed after 4.5 ms and 100 um after 14.1 ms."""
-    assert find_encoder_zero_s(MOVE, 0.0, 0.0) == pytest.approx(
-        1.2345 + 0.01
-    )  # nothing has moved at the start
+    # Nothing has moved at the start.
+    assert find_encoder_zero_s(MOVE, 0.0, 0.0) == pytest.approx(1.2345 + 0.01)
     assert find_encoder_zero_s(MOVE, 0.003, 0.0) == pytest.approx(1.2345 + 0.003)
     assert find_encoder_zero_s(MOVE, 0.003, 1e-5) == pytest.approx(1.2345 + 0.013)
     assert find_encoder_zero_s(MOVE, 0.005, 1e-5) == pytest.approx(1.2345 + 0.005)
@@ -302,9 +300,8 @@ def test_a_higher_sampling_rate_does_not_lengthen_the_delay():
     )
     assert slow.found_share == own.found_share == quick.found_share == 1.0
     assert slow.median_s >= own.median_s >= quick.median_s - 0.002
-    assert (
-        max(slow.alarms_per_minute, own.alarms_per_minute, quick.alarms_per_minute) < 0.6
-    )  # at most one alarm
+    # At most one alarm.
+    assert max(slow.alarms_per_minute, own.alarms_per_minute, quick.alarms_per_minute) < 0.6
     wide = article_design(detector={"window_samples": 1200})  # 12 000 at 20 kHz would be too many
     assert [
         row.sample_rate_hz for row in study_sampling_rates(wide, 1, 0.5, rates_hz=(20_000.0,))

@@ -15,9 +15,8 @@ def arc_area(w: float) -> float:
     where d = 1 - w^2 is positive for ellipses and negative for hyperbolas.
     """
     d = 1.0 - w * w
-    if (
-        abs(d) < 1e-4
-    ):  # Both forms cancel here. The series about their common limit, the parabola, does not.
+    # Both forms cancel here. The series about their common limit, the parabola, does not.
+    if abs(d) < 1e-4:
         return 0.5 + 0.5 * (2.0 / 3.0 + 2.0 / 15.0 * 2.0 * (w - 1.0))
     integral = (
         w / d * (math.acos(w) / math.sqrt(d) - w)

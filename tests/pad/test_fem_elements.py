@@ -121,9 +121,8 @@ def test_bonded_strip_in_compression_follows_its_closed_form() -> None:
     width = 8.0
     height = 2.0
     travel = 0.01
-    grid = (
-        0.5 * width * np.sin(np.linspace(0, 0.5 * math.pi, 13))
-    )  # half of it, closer towards the free side
+    # Half of it, closer towards the free side.
+    grid = 0.5 * width * np.sin(np.linspace(0, 0.5 * math.pi, 13))
     mesh = block(grid, np.array([0.0, 0.5]), height, 4)
     rigid = np.isin(mesh.nodes[:, PALM], (0.0, height))
     is_fixed = np.repeat(rigid[:, None], 3, axis=1)

@@ -34,8 +34,8 @@ def solve_layer(w, nu, normal, tangential, is_bonded):
         f2 = np.array([c, 2 * s + y * c, s, 2 * c + y * s])
         f3 = np.array([s, 3 * c + y * s, c, 3 * s + y * c])
         at[y] = f, f1, (1 - nu) * f2 + nu * f, (1 - nu) * f3 + (nu - 2) * f1
-    (f0, sheared, along, across) = at[0.0]
-    (f, f1, _, top) = at[w]
+    f0, sheared, along, across = at[0.0]
+    f, f1, _, top = at[w]
     held = along if is_bonded else sheared
     x = np.linalg.solve(np.array([held, across, -f, -f1]), np.array([0.0, 0.0, normal, tangential]))
     return float(-(f0 @ x)), float(top @ x)
@@ -169,6 +169,5 @@ def test_the_map_of_shares_is_what_small_balls_give():
             int(np.abs(line - at).argmin())
             for line, at in zip((x, dz), ball.centre_mm, strict=True)
         )
-        assert ball.share == pytest.approx(
-            shares[i, j], abs=0.05
-        )  # the ball meets thinner silicone there
+        # The ball meets thinner silicone there.
+        assert ball.share == pytest.approx(shares[i, j], abs=0.05)

@@ -187,9 +187,8 @@ def test_own_mode_is_that_of_a_sheared_layer_by_finite_elements():
         np.linspace(0.0, form.over_sensor_mm, layers + 1)[:, None] * np.ones(len(points)),
     )
     free = np.flatnonzero(mesh.nodes[:, 2] > 0.0)
-    matrix = stiffness(mesh, form.young_mpa, form.poisson)[0].toarray()[3 * free][
-        :, 3 * free
-    ]  # shear along x alone
+    # Shear along x alone.
+    matrix = stiffness(mesh, form.young_mpa, form.poisson)[0].toarray()[3 * free][:, 3 * free]
     # A plane moves as one: its springs add up, and so do its masses, 1 : 2 : 1 in the levels of a
     # layer.
     planes = np.unique(mesh.nodes[free, 2], return_inverse=True)[1]

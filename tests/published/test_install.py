@@ -83,9 +83,8 @@ def test_install_script_brings_what_the_tests_need(
     )
     assert " passed" in tests.stdout
     assert " failed" not in tests.stdout
-    run(
-        "sh", "tools/pack_release", "dist", "first_finger", cwd=clone
-    )  # as the job of a release does
+    # As the job of a release does.
+    run("sh", "tools/pack_release", "dist", "first_finger", cwd=clone)
     packed = {path.name for path in (clone / "dist").iterdir()}
     assert packed == {"first_finger.zip", f"fingertip_kit-{fingertip.__version__}-py3-none-any.whl"}
 

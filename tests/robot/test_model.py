@@ -160,9 +160,8 @@ def test_urdf_and_mjcf_hold_the_same_finger_for_three_readers(
     assert len(link.visuals) == len(figures["parts"]) == len(robot.scene.geometry) - is_held
     assert is_held == (f"{name}_hand_stub" in parsed.link_map)
     scene = robot.scene.bounds
-    assert scene[1, 2] == pytest.approx(
-        figures["tip_m"][2], abs=1e-4
-    )  # meshes in metres, in their place
+    # Meshes in metres, in their place.
+    assert scene[1, 2] == pytest.approx(figures["tip_m"][2], abs=1e-4)
     for frame in ("tip", "sensor"):
         assert robot.get_transform(f"{name}_{frame}", name)[:3, 3] == pytest.approx(
             figures[f"{frame}_m"], abs=1e-7

@@ -139,9 +139,8 @@ def test_a_plate_meets_the_force_applied_and_the_depth_of_the_pad(
             force_n, rel=0.03
         )
     contacts = find_contacts(PadForm.of_design(model.design), Pose(tilt_deg), FORCES_N, math.inf)
-    of_pad = np.polyfit(
-        np.log([c.depth_mm for c in contacts]), np.log(FORCES_N), 3
-    )  # the pad's force over its depth
+    # The pad's force over its depth.
+    of_pad = np.polyfit(np.log([c.depth_mm for c in contacts]), np.log(FORCES_N), 3)
     of_pad_n = math.exp(float(np.polyval(of_pad, math.log(depth_mm))))
     assert of_pad_n == pytest.approx(force_n, rel=model.figures["contact_error"] + 0.01)
 
@@ -202,9 +201,8 @@ def test_a_set_is_one_model_whose_fingers_stand_side_by_side_and_feel_by_themsel
     bodies = [loaded.body(i).name for i in range(1, loaded.nbody)]
     assert bodies == [body for name in names for body in (name, f"{name}_hand_stub")]
     places = [float(data.body(name).xpos[0]) for name in names]
-    assert places == sorted(
-        places, reverse=side == "right"
-    )  # seen from the palm, the right thumb is on the right
+    # Seen from the palm, the right thumb is on the right.
+    assert places == sorted(places, reverse=side == "right")
     assert list(figures["places_m"].values()) == pytest.approx(places)
     assert sum(places) == pytest.approx(0.0, abs=1e-6)
     assert data.ncon == 0

@@ -187,10 +187,11 @@ def test_fingers_that_differ_in_their_sensors_share_a_mold_and_keep_their_force_
         "index": curve
     }
     board, fingers = plan_set(found, "teensy40")
+    # The ring has the fourth place.
     assert (board.board.channels, fingers.names) == (
         4,
         ("thumb", "index", "ring"),
-    )  # the ring has the fourth place
+    )
     assert fingers.designs == (THUMB, found.calibrated["index"], FINGER)
     source = library_sources(board, fingers)[GRIP_SOURCE].decode()
     assert "slip_curve_of[SLIP_FINGERS] = {0, 1, 2}" in source

@@ -80,9 +80,8 @@ def test_manipulation_converges_with_order_2(kind, mass, knock):
     scene = ManipulationFile(
         object=target, grasp=grasp, knock=knock, sensing={"noise": False}, outputs=outputs
     )
-    with (
-        compiled()
-    ):  # errors of the object change their sign between grids, so a fit to four of them is too few
+    # Errors of the object change their sign between grids, so a fit to four of them is too few.
+    with compiled():
         runs = {
             n: run_manipulation(DESIGN, scene, None, 1, grid=Grid(n)) for n in (1, 2, 4, 8, 16, 256)
         }

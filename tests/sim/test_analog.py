@@ -508,20 +508,20 @@ def test_netlist_in_ngspice_switches_at_the_same_moments(tmp_path):
     """The deck has real diodes, amplifiers of 3 MHz and a
     switch; a source replaces its first stage.
     """
-    voltage = (
-        np.concatenate((np.full(700, 4.3), slip_voltage())) - 2.0
-    )  # ngspice takes 0.35 s to settle
+    # Ngspice takes 0.35 s to settle.
+    voltage = np.concatenate((np.full(700, 4.3), slip_voltage())) - 2.0
     program = require_tool(
         "ngspice", "run `sh .ci/install-ngspice` as root on Debian, or install ngspice"
     )
     design = article_design(board={"variant": "comparator", "supply_v": 3.3})
     values = board_values(design)
     deck = spice_deck(board_circuit(values), find_gain_bandwidth_hz(design.board), 3.3).decode()
+    # The transimpedance stage leaves for the source in its place.
     starts = (
         ".ac",
         ".print",
         "XU2a ",
-    )  # the transimpedance stage leaves for the source in its place
+    )
     lines = [line for line in deck.splitlines() if not (line.startswith(starts) or line == ".end")]
     points = "\n".join(f"+ {i * STEP_S:.9g} {v:.15g}" for i, v in enumerate(voltage.tolist()))
     lines += [

@@ -217,9 +217,8 @@ def test_simulated_board_is_as_noisy_as_its_noise_budget(variant):
         {"article": 20.1e-3, "precision": 0.132e-3, "comparator": 0.098e-3}[variant], rel=0.1
     )
     filtered = simulate_hold(design, "filtered_v")["filtered_v"]
-    assert np.std(filtered) == pytest.approx(
-        budget, rel=0.03
-    )  # 40 000 samples of a band of a kilohertz: within 1 %
+    # 40 000 samples of a band of a kilohertz: within 1 %.
+    assert np.std(filtered) == pytest.approx(budget, rel=0.03)
     assert compute_input_noise_v(design) * compute_noise_gain(design) == pytest.approx(budget)
 
 

@@ -157,9 +157,8 @@ def test_stiff_bristles_and_light_pads_slide_steadily(stiff, mass_kg, elastic):
     assert found.evaluations < 300_000
     assert np.isfinite(found.position_m).all()
     assert np.abs(found.velocity_m_s).max() < 0.15
-    if stiff != {
-        "sigma0": 1.0
-    }:  # such soft bristles deflect by 0.5 m, so they never break loose within 4 cm
+    # Such soft bristles deflect by 0.5 m, so they never break loose within 4 cm.
+    if stiff != {"sigma0": 1.0}:
         assert found.velocity_m_s[middle - 400 : middle + 400].mean() == pytest.approx(
             0.04, rel=0.02
         )
@@ -188,9 +187,8 @@ def test_impulse_response_matches_the_linear_resonance(tolerance):
     from scipy.signal import fftconvolve
 
     time = grid(0.3)
-    knock = FORCE_N + np.where(
-        np.abs(time - 0.1) < 0.75e-3, 100.0, 0.0
-    )  # 3 samples: a trapezoid of 1.5 ms area
+    # 3 samples: a trapezoid of 1.5 ms area.
+    knock = FORCE_N + np.where(np.abs(time - 0.1) < 0.75e-3, 100.0, 0.0)
     still = np.zeros_like(time)
     with compiled():
         found = integrate(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, still, still, knock, tolerance)

@@ -127,9 +127,8 @@ def test_processes_of_pink_noise_have_the_spectrum_and_the_steady_state_of_indep
         independent, rel=1e-10
     )
     matrix = np.array([row + [0.0] * (len(steady) - len(row)) for row in steady])
-    after = np.outer(decays, decays) * (matrix @ matrix.T) + np.outer(
-        gains, gains
-    )  # covariance, one step later
+    # Covariance, one step later.
+    after = np.outer(decays, decays) * (matrix @ matrix.T) + np.outer(gains, gains)
     assert matrix @ matrix.T == pytest.approx(after, rel=1e-10)
     first = [
         PinkNoise(Grid(), 1.0, open_stream(seed, "test")).process(1)[0] for seed in range(1000)
@@ -213,9 +212,8 @@ def test_average_over_the_patch_is_the_pressure_weighted_mean():
     pad = Pad.from_design(Design())
     radius = pad.patch_radius_m(1.0)
     (contact,) = find_contacts(PadForm.of_design(Design()), REFERENCE_POSE, [1.0])
-    assert radius == pytest.approx(
-        1e-3 * math.sqrt(contact.area_mm2 / math.pi), rel=0.02
-    )  # whole cells
+    # Whole cells.
+    assert radius == pytest.approx(1e-3 * math.sqrt(contact.area_mm2 / math.pi), rel=0.02)
     x, y = np.meshgrid(np.linspace(-1, 1, 801), np.linspace(-1, 1, 801))
     weight = np.sqrt(np.clip(1 - x * x - y * y, 0.0, None))
     for wavelength in (0.2e-3, 0.8e-3, 3e-3, 50e-3):

@@ -49,9 +49,8 @@ def test_motors_follow_with_lag_and_limited_velocity():
     assert np.diff(turns[:8]).mean() * H == pytest.approx(1 / 45, rel=0.03)
     assert np.abs(shaking).max() == pytest.approx(0.01, rel=0.01)
     assert closing[0][-1] == pytest.approx(0.02, abs=2e-9)
-    assert (
-        not slow.follow(np.full((2, 400), 0.02)).vibration_n[:, 300:].any()
-    )  # a motor at rest does not vibrate
+    # A motor at rest does not vibrate.
+    assert not slow.follow(np.full((2, 400), 0.02)).vibration_n[:, 300:].any()
 
 
 def test_ring_and_little_finger_share_a_motor():
@@ -381,9 +380,8 @@ def test_robot_pulls_the_object_one_second_after_the_voltage_of_the_thumb_has_ch
     volts = run.output("voltage_v")[0]
     moves_s = run.plan.knock_s
     changes_s = run.time_s[np.flatnonzero(np.abs(volts - volts[0]) >= 0.01)[0]]
-    assert moves_s - 1.0 == pytest.approx(
-        changes_s, abs=3e-3
-    )  # the poles ahead of the ADC, and the contact, lag
+    # The poles ahead of the ADC, and the contact, lag.
+    assert moves_s - 1.0 == pytest.approx(changes_s, abs=3e-3)
     assert 0.5 <= run.force_n <= 3.5
     before = run.time_s < moves_s
     slides = (run.time_s > moves_s + 0.1) & (run.time_s < moves_s + 1.0)

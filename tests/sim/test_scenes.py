@@ -89,21 +89,18 @@ def test_bridge_of_the_design_gives_nearly_the_voltages_of_the_article():
             sensing={"bridge": bridge},
         )
         voltages[bridge] = run_scene(DESIGN, scene).columns["voltage_v"][-200:].mean()
-    assert voltages["article"] == pytest.approx(
-        4.0, abs=0.01
-    )  # the pose of its curve has the share of 1 N
+    # The pose of its curve has the share of 1 N.
+    assert voltages["article"] == pytest.approx(4.0, abs=0.01)
     sensed_n = Pad.from_design(DESIGN).sensed_n(np.array([0.8]))
     assert voltages["board"] == pytest.approx(compute_bridge_v(DESIGN, sensed_n)[0], abs=1e-3)
-    assert compute_bridge_v(DESIGN, np.array([0.8]))[0] == pytest.approx(
-        4.0, abs=0.02
-    )  # a bare sensor
+    # A bare sensor.
+    assert compute_bridge_v(DESIGN, np.array([0.8]))[0] == pytest.approx(4.0, abs=0.02)
     other = run_scene(
         article_design(board={"series": "E12"}),
         scene.model_copy(update={"sensing": load_scene("contact").sensing}),
     )
-    assert (
-        abs(other.columns["voltage_v"][-200:].mean() - voltages["board"]) > 1e-3
-    )  # other components, other voltage
+    # Other components, other voltage.
+    assert abs(other.columns["voltage_v"][-200:].mean() - voltages["board"]) > 1e-3
 
 
 @pytest.mark.parametrize("rise", [0.002, 0.010])

@@ -220,11 +220,10 @@ def test_force_in_the_middle_of_a_step_keeps_the_area_of_the_curve():
     """Of a sine with play, whose points are 2 ms apart: by hand
     with points that are 100 times as close.
     """
-    force_n = 1.0 + 0.2 * np.sin(
-        np.arange(100_000) / 3183.1
-    )  # 20 Hz where a hundred points take 0.5 ms
+    # 20 Hz where a hundred points take 0.5 ms.
+    force_n = 1.0 + 0.2 * np.sin(np.arange(100_000) / 3183.1)
     fine = ForceSensor(1e-5).process(force_n)[0]
-    (shown, middle) = ForceSensor(1e-3).process(force_n[::100])
+    shown, middle = ForceSensor(1e-3).process(force_n[::100])
     exact = fine[:99_900].reshape(-1, 100).sum(axis=1) + 0.5 * (
         fine[100:100_000:100] - fine[:99_900:100]
     )
@@ -248,9 +247,8 @@ def test_the_sensor_gets_its_share_of_the_force_and_what_shear_adds():
     forces = np.array([0.0, 0.1, 0.3, 1.0, 3.0, 8.0])
     contacts = find_contacts(PadForm.of_design(DESIGN), Pose(10.0), forces[1:].tolist())
     pad = Pad.from_design(DESIGN, Pose(10.0))
-    rest_n = find_rest_n(
-        PadForm.of_design(DESIGN)
-    )  # the bump inside the skin presses without a touch
+    # The bump inside the skin presses without a touch.
+    rest_n = find_rest_n(PadForm.of_design(DESIGN))
     assert rest_n > 0.01
     wanted = [rest_n + contact.share * contact.force_n for contact in contacts]
     assert pad.sensed_n(forces) == pytest.approx([rest_n, *wanted], rel=0.04, abs=0.004)

@@ -88,9 +88,8 @@ def test_slips_with_pauses_are_as_many_as_moves() -> None:
     assert moved == pytest.approx([0.0, 0.04])
     speed = scene.slide.speed_m_s
     acceleration = scene.slide.acceleration_m_s2
-    period_s = (
-        0.01 / speed + speed / acceleration + 0.3
-    )  # a quarter of the way, ramps included, and the pause
+    # A quarter of the way, ramps included, and the pause.
+    period_s = 0.01 / speed + speed / acceleration + 0.3
     starts_s = [move.start_s - run.timeline.slide.start_s for move in run.timeline.slide.moves]
     assert starts_s == pytest.approx([0.0, period_s, 2 * period_s, 3 * period_s])
     result = run_scene(DESIGN, scene, 3)

@@ -215,9 +215,8 @@ def test_page_needs_the_token_and_the_host(server: StudioServer) -> None:
         assert "terminal" in locked.data.decode()
     assert ask(server, "GET", path, Host="evil.example").status == 403
     assert [ask(server, "GET", path).status for path in ("/etc/passwd", "*")] == [404, 404]
-    assert (
-        ask(server, "OPTIONS", "/api/parts").status == 501
-    )  # no other page may ask whether it may ask
+    # No other page may ask whether it may ask.
+    assert ask(server, "OPTIONS", "/api/parts").status == 501
 
 
 def test_a_port_that_cannot_be_used_is_one_sentence(server: StudioServer) -> None:

@@ -189,7 +189,7 @@ def test_outputs_have_the_units_of_their_names() -> None:
         evaluator.mesh(PARTS[f"mold_{half}"].solid(design)).vertices
         for half in ("palmar", "dorsal")
     ]
-    (width, height, _) = np.ptp(np.vstack([halves[0], halves[1][halves[1][:, 1] > 0]]), axis=0)
+    width, height, _ = np.ptp(np.vstack([halves[0], halves[1][halves[1][:, 1] > 0]]), axis=0)
     assert [values["mold_width_mm"], values["mold_height_mm"]] == pytest.approx(
         [width, height], abs=1e-4
     )

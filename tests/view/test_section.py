@@ -121,9 +121,8 @@ def test_a_section_has_no_speckles() -> None:
     rows = [row for row in picture if len({tuple(pixel) for pixel in row[100:700:5]}) >= 2]
     middle = rows[len(rows) // 2]
     changes = np.flatnonzero((middle[1:] != middle[:-1]).any(axis=1))
-    assert (
-        len(changes) <= 9
-    )  # white, edge, bone, edge, skin, edge, white, with a blended pixel beside each edge
+    # White, edge, bone, edge, skin, edge, white, with a blended pixel beside each edge.
+    assert len(changes) <= 9
     assert len(colours) < 400
 
 

@@ -94,7 +94,7 @@ def draw_points(points: int = POINTS, seed: int = SEED) -> Iterator[tuple[str, f
         *boxes,
         (BUILT, FINER_UM, FINER_EXPONENTS, min(points, FINER_POINTS)),
     ]:
-        (low, high) = map(math.log, levels_um)
+        low, high = map(math.log, levels_um)
         rng = random.Random(
             f"level:{seed}:{diode}{count if diode == BUILT and count != points else ''}"
         )

@@ -110,9 +110,8 @@ def _run(command: str, root: Path) -> Any:
         check=False,
     )
 
-    if done.returncode > (
-        1 if first == "fingertip" else 0
-    ):  # 1: a requirement failed, which is a result too
+    # 1: a requirement failed, which is a result too.
+    if done.returncode > (1 if first == "fingertip" else 0):
         raise RenewalError(f"{command}: exit status {done.returncode}\n{done.stdout}")
     if done.stdout.startswith(("{", "[")):
         return json.loads(done.stdout)

@@ -234,9 +234,8 @@ def reading_cases(draw: st.DrawFn) -> Case:
     if draw(st.integers(0, 2)) == 0:
         command = ("new", "mine", "--hand", "a.toml", "--out", "b.toml")
         file = draw(damaged(draw(st.sampled_from(originals.hands()))))
-        return Case(
-            "hand", command, {"a.toml": file}, limit_s=_FITTED_S
-        )  # `new` fits a finger and checks it
+        # `new` fits a finger and checks it.
+        return Case("hand", command, {"a.toml": file}, limit_s=_FITTED_S)
 
     words, valid = draw(
         st.sampled_from(

@@ -140,9 +140,8 @@ def change(
 
     try:
         code = mutate_code(source, kinds[name](), occurrence)
-        if code is None or ast.dump(ast.parse(code)) == ast.dump(
-            ast.parse(source)
-        ):  # 1e300 and 1e+300 are one number
+        # 1e300 and 1e+300 are one number.
+        if code is None or ast.dump(ast.parse(code)) == ast.dump(ast.parse(source)):
             return None
     except (
         SyntaxError,

@@ -79,7 +79,7 @@ def seam_cuts(finger: Finger) -> tuple[Solid, ...]:
     the slots in which a blade parts the halves.
     """
     m = finger.mold_layout
-    (height, depth, half) = PRY_MM
+    height, depth, half = PRY_MM
     far = 2 * m.half_width
     low = m.foot_z - FOOT_CHAMFER_MM
     past = m.foot_z + PAST_MM
@@ -144,7 +144,7 @@ def belts(finger: Finger) -> tuple[Solid, ...]:
     with sides at 45 degrees that print upright.
     """
     m = finger.mold_layout
-    (height, depth) = BELT_MM
+    height, depth = BELT_MM
     far = 2 * (m.half_width + m.dorsal_height)
     faces: tuple[tuple[Axis, float], ...] = (
         ("y", m.half_width),
@@ -171,7 +171,7 @@ def strap_seats(finger: Finger) -> tuple[Solid, ...]:
     the foot, and in both lips of the plate.
     """
     m = finger.mold_layout
-    (width, depth) = BELT_MM
+    width, depth = BELT_MM
     low = STRAP_Y_MM - width / 2
     high = STRAP_Y_MM + width / 2
     far = 2 * m.half_width
@@ -213,8 +213,8 @@ def key_sockets(finger: Finger) -> tuple[Solid, ...]:
 def label(finger: Finger) -> tuple[Prism, ...]:
     """Build the letters that name the palmar half, upright on the standing cup."""
     m = finger.mold_layout
-    (low, high) = m.belts_z
-    (height, depth) = BELT_MM
+    low, high = m.belts_z
+    height, depth = BELT_MM
     free = high - low - height - 2 * depth
 
     return engrave(

@@ -52,9 +52,10 @@ def arc_abscissa(y: float, w: float) -> float:
         return 0.0
 
     b = 2.0 * y + 4.0 * w * w * (1.0 - y)
+    # The form of the root that does not cancel.
     return 1.0 - 2.0 * y * y / (
         b + math.sqrt(b * b - 4.0 * y * y)
-    )  # the form of the root that does not cancel
+    )
 
 
 def weight_of_fullness(fullness: float) -> float:
@@ -173,7 +174,7 @@ def lay_groove(
     a body; its flanks rise at 45 degrees [mm].
     """
     (base, (z_a, s_a), (z_b, s_b)) = stations
-    (distance, depth, width) = groove
+    distance, depth, width = groove
     taper = (s_a - s_b) / (z_b - z_a)
     rise = 1.0 / radius  # slope of a flank: scale per mm
     z0 = distance + depth
@@ -272,8 +273,8 @@ def lay_spans(stations: Sequence[tuple[float, float]], tip: Tip | None = None) -
     if not tip:
         return spans
 
-    (z, scale) = stations[-1]
-    (apex, weight) = tip
+    z, scale = stations[-1]
+    apex, weight = tip
     control = tip_control(stations, tip)
     return (*spans, Span((z, apex, apex), (scale, control, 0.0), (scale, control, 0.0), weight))
 
@@ -309,13 +310,14 @@ def lay_crown(
     and the weight is the cosine of half the angle. On the tip the weights are those of the scale's
     conic, cut at the end of the crown, so the profile there only continues the tangents.
     """
-    (apex, radius, drop, slope_at_end) = crown
-    (taper, tip) = lay_spans(stations, tip_at)
+    apex, radius, drop, slope_at_end = crown
+    taper, tip = lay_spans(stations, tip_at)
     begin, _, join = taper.z
     cosine = 1.0 - drop * height / (2.0 * radius)
+    # Of the steepest slope between the crown and its base.
     sine = math.sqrt(
         max(0.0, 1.0 - cosine * cosine)
-    )  # of the steepest slope between the crown and its base
+    )
     flank = slope_at_end / math.hypot(1.0, slope_at_end)
     # Knots on the taper: position, and sine of the profile's slope there (rising towards the apex
     # is positive).
@@ -391,8 +393,8 @@ def _taper_span(
         length = (z1 - z0) / (cosines[0] + cosines[1])
         middle = z0 + length * cosines[0]
 
-    (begin, _, end) = taper.z
-    (low, _, high) = taper.scale
+    begin, _, end = taper.z
+    low, _, high = taper.scale
     scale = tuple(low + (high - low) * (z - begin) / (end - begin) for z in (z0, middle, z1))
     rise = slopes[0] * (middle - z0), slopes[1] * (z1 - middle)
 

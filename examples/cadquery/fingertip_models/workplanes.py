@@ -249,7 +249,7 @@ def cone(
     """Make the frustum of a cone with radii at `low` and `high`, or a cylinder."""
     base = point(axis, centre, low)
     direction = point(axis, (0.0, 0.0), 1.0)
-    (low_radius, high_radius) = radii
+    low_radius, high_radius = radii
     if low_radius == high_radius:  # the kernel's cones reject equal radii
         return cq.Workplane(cq.Solid.makeCylinder(low_radius, high - low, base, direction))
 

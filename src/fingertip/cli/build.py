@@ -161,7 +161,7 @@ def _format_build(result: Build) -> list[str]:
     sheet = result.casting
 
     if sheet:
-        (least, most, in_all) = add_prices(sheet.things)
+        least, most, in_all = add_prices(sheet.things)
         batch = sheet.batch
         lines += [
             f"print: {sheet.printed_g:g} g of {sheet.material}, some {sheet.print_h:g} h",

@@ -156,8 +156,8 @@ def check(
     console.result(data, "\n\n".join(texts), passed)
 
 
-# --- arguments
-# --------------------------------------------------------------------------------------------------
+# Arguments
+# ---------
 
 
 @dataclass(frozen=True)
@@ -255,8 +255,8 @@ def _label_designs(loaded: Sequence[NamedDesign]) -> dict[str, tuple[Path, Desig
     }
 
 
-# --- designs
-# --------------------------------------------------------------------------------------------------
+# Designs
+# -------
 
 
 def _check_designs(
@@ -351,8 +351,8 @@ def _list_findings(file: Path, checks: Sequence[Check]) -> Iterator[Finding]:
             yield Finding.make(file, issue, check.change[0] if check.change else "")
 
 
-# --- folders and meshes
-# --------------------------------------------------------------------------------------------------
+# Folders and meshes
+# ------------------
 
 
 def _check_files(
@@ -402,8 +402,8 @@ def _refusing(path: Path, refused: dict[Path, list[Issue]]) -> Iterator[None]:
         refused[path] = issues
 
 
-# --- reports
-# --------------------------------------------------------------------------------------------------
+# Reports
+# -------
 
 
 def _report(

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from fingertip.design import Design
 
 
-# --- mesh files
-# --------------------------------------------------------------------------------------------------
+# Mesh files
+# ----------
 
 
 def check_mesh(
@@ -95,8 +95,8 @@ def _read_tolerance_beside(path: Path) -> float:
     return tolerance_mm if isinstance(tolerance_mm, float) and 0.0 < tolerance_mm <= 1.0 else 0.0
 
 
-# --- folders
-# --------------------------------------------------------------------------------------------------
+# Folders
+# -------
 
 
 def check_folder(

@@ -145,8 +145,8 @@ def _read(side: _Side, console: Console) -> Version:
     return make_version(side.label, side.version, console.progress)
 
 
-# --- output
-# --------------------------------------------------------------------------------------------------
+# Output
+# ------
 
 
 def _plan_output(folder: Path, new: Path, force: bool) -> SetWriter:

@@ -453,7 +453,7 @@ class _Search:
         for name, factor in self._holds.stronger.items():
             is_used = name in self._free and ("post" not in name or tables.bone.interface == "post")
             for share in _SHARES if is_used else ():
-                (low, high) = self._free[name]
+                low, high = self._free[name]
                 present = tables.value(name)
                 end = min(max(present * factor, low), high)
                 trial = {**strong, name: _round(name, present + share * (end - present))}

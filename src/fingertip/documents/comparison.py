@@ -213,8 +213,8 @@ def _list_formats(report: Mapping[str, Any]) -> set[str]:
     return set.intersection(*of_parts) if of_parts else set()
 
 
-# --- figures of a report
-# ----------------------------------------------------------------------------------------------
+# Figures of a report
+# -------------------
 
 
 def _find(data: Any, *keys: str, kind: type) -> Any:

@@ -319,9 +319,8 @@ def lock(folder: Path, *, shared: bool = False) -> Iterator[None]:
 
     while True:
         try:
-            with contextlib.suppress(
-                PermissionError
-            ):  # a folder that may not be listed cannot be locked either
+            # A folder that may not be listed cannot be locked either.
+            with contextlib.suppress(PermissionError):
                 handle = lock_folder(folder, shared=shared)
 
             break

@@ -75,9 +75,8 @@ def sensor_recess(finger: Finger) -> Solid:
     """
     dims = finger.dimensions
     gap = finger.sensor.clearance_mm
-    outside = (
-        -dims.collar.section.palmar - dims.bone_outline.section.palmar
-    )  # below the palmar surface of every solid
+    # Below the palmar surface of every solid.
+    outside = -dims.collar.section.palmar - dims.bone_outline.section.palmar
     radius = dims.sensor.head_diameter_mm / 2 + gap
     floor = dims.pocket_depth - dims.platform_depth
     pocket = cylinder(

@@ -87,8 +87,8 @@ def bars(finger: Finger) -> tuple[Box, Box]:
 
 def without_ways(finger: Finger) -> Solid:
     joint = joint_of(finger)
-    (shoulder, bar) = bars(finger)
-    (half, dorsal, root) = shoulder.high
+    shoulder, bar = bars(finger)
+    half, dorsal, root = shoulder.high
     y = joint.axis_y
     z = joint.axis_z
     reach = 4 * joint.radius

@@ -120,9 +120,9 @@ def ramp_slab(
     """Build a slab between two distances y from a flat and from
     the platform to which a ramp leads [mm].
     """
-    (low, high) = y
-    (begin, end) = z
-    (flat, platform) = depths
+    low, high = y
+    begin, end = z
+    flat, platform = depths
     knots = [each for each in ramp if platform > flat and begin < each < end]
     line = [(-ramp_depth(each, flat, platform, ramp[1]), each) for each in (begin, *knots, end)]
     if not knots:

@@ -55,7 +55,7 @@ def _wedge_derivatives(points: Array, heights: Array) -> Array:
     """Local derivatives of a wedge's shape functions at all pairs of points and heights, of shape
     (pairs, 18, 3).
     """
-    (plan, by_plan) = triangle_shapes(points)
+    plan, by_plan = triangle_shapes(points)
     t = heights
     up = np.stack([0.5 * t * (t - 1), 1 - t * t, 0.5 * t * (t + 1)], axis=1)
     by_up = np.stack([t - 0.5, -2 * t, t + 0.5], axis=1)

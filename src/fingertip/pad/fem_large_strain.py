@@ -189,9 +189,8 @@ class LargeStrainSolver:
                 unknown = start.copy()
                 unknown[free] -= pace * way
                 residual, matrix, forces = self._assemble(unknown, load)
-                error = float(
-                    np.linalg.norm(residual[free])
-                )  # NaN: an element is turned inside out
+                # NaN: an element is turned inside out.
+                error = float(np.linalg.norm(residual[free]))
                 if error < (math.inf if step < _FULL_STEPS else (1.0 - 0.1 * pace) * before):
                     break
 

@@ -164,9 +164,9 @@ def _ends(item: Node) -> tuple[Point, Point]:
 
 def _bend(start: Point, mid: Point, end: Point) -> list[Point]:
     """Divide an arc through three points into straight pieces."""
-    (ax, ay) = start
-    (bx, by) = mid
-    (cx, cy) = end
+    ax, ay = start
+    bx, by = mid
+    cx, cy = end
     d = 2 * (ax * (by - cy) + bx * (cy - ay) + cx * (ay - by))
     if d == 0.0:
         return [start, mid, end]

@@ -142,8 +142,8 @@ def render_schematic(sheet: Node, title: str) -> Markup:
 
 
 def _draw_sheet(ink: _Ink, sheet: Node) -> None:
-    (x, y, _) = find_place(sheet)
-    (width, height) = numbers(first(sheet, "size"))
+    x, y, _ = find_place(sheet)
+    width, height = numbers(first(sheet, "size"))
     ink.line(
         [(x, y), (x + width, y), (x + width, y + height), (x, y + height), (x, y)], _SYMBOL, 0.25
     )
@@ -233,8 +233,8 @@ def _draw_body(
         ink.line([place(*spot) for spot in points(outline)], _SYMBOL, 0.25, fill)
 
     for rectangle in body.children("rectangle"):
-        (x0, y0) = numbers(first(rectangle, "start"))
-        (x1, y1) = numbers(first(rectangle, "end"))
+        x0, y0 = numbers(first(rectangle, "start"))
+        x1, y1 = numbers(first(rectangle, "end"))
         corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)]
         ink.line([place(*corner) for corner in corners], _SYMBOL, 0.25)
 

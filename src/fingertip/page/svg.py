@@ -132,8 +132,8 @@ class Frame:
         opacity: float = 0.18,
     ) -> Markup:
         """Fill a range of x over the whole height."""
-        (x0, y0) = self.point(start, self.y.high)
-        (x1, y1) = self.point(end, self.y.low)
+        x0, y0 = self.point(start, self.y.high)
+        x1, y1 = self.point(end, self.y.low)
         return element(
             "rect",
             x=number(x0),
@@ -197,8 +197,8 @@ def line(
     width: float,
     dashes: str = "",
 ) -> Markup:
-    (x0, y0) = start
-    (x1, y1) = end
+    x0, y0 = start
+    x1, y1 = end
     return element(
         "line",
         x1=number(x0),

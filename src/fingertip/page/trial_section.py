@@ -154,8 +154,8 @@ def _draw(
 
 def _mark_delay(upper: Frame, lower: Frame, onset_s: float, detected_s: float) -> Iterator[Markup]:
     for time_s, colour in ((onset_s, "var(--slip)"), (detected_s, "var(--series-2)")):
-        (x, low) = lower.point(time_s, 0.0)
-        (_, high) = upper.point(time_s, upper.y.high)
+        x, low = lower.point(time_s, 0.0)
+        _, high = upper.point(time_s, upper.y.high)
         yield line(
             (x, high),
             end=(x, low),

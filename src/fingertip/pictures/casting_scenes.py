@@ -75,7 +75,7 @@ def print_parts(workbench: Workbench, sheet: CastingSheet) -> Scene:
     layout = workbench.design.mold_layout
     bone = workbench.design.bone
     middle = workbench.dims.sensor_z
-    (_, head_y, head_z) = workbench.head
+    _, head_y, head_z = workbench.head
     ring = (
         workbench.dims.bone_outline.section.half_width - bone.groove_depth_mm,
         0.0,
@@ -137,7 +137,7 @@ def _cup(workbench: Workbench, *, cut: bool = False) -> list[PaintedMesh]:
 def _banded_cup(workbench: Workbench) -> list[PaintedMesh]:
     """Show the closed cup with its two rubber bands."""
     layout = workbench.design.mold_layout
-    (height, depth) = BELT_MM
+    height, depth = BELT_MM
     meshes = _cup(workbench)
     x = layout.half_width
     low = -layout.palmar_height
@@ -179,7 +179,7 @@ def try_core(workbench: Workbench, sheet: CastingSheet) -> Scene:
     x = 4.0 - layout.half_width
     low = face + 3.5
     high = face + 6.5
-    (least, most) = sheet.height_mm
+    least, most = sheet.height_mm
     beam = x - 14.0
     reading = f"{least:g} to {most:g} mm"
     calipers = Box((beam - 6.0, low, top - 16.0), (beam, high, foot + 10.0)).union(
@@ -237,7 +237,7 @@ def solder(workbench: Workbench, sheet: CastingSheet) -> Scene:
     thickness = 0.3
     half = _TAB_PITCH_MM / 2
     wire = 0.5
-    (_, y, z) = workbench.head
+    _, y, z = workbench.head
     end = dims.tail_end_z
     tail = dims.sensor.tail_width_mm / 2
     legs_end = end - workbench.design.sensor.tab_length_mm
@@ -281,7 +281,7 @@ def solder(workbench: Workbench, sheet: CastingSheet) -> Scene:
 
 def lay_in(workbench: Workbench, sheet: CastingSheet) -> Scene:
     """Show the knot over its hole, and the sensor as far from its bed as the wires let it."""
-    (x, y, z) = workbench.head
+    x, y, z = workbench.head
     half = _TAB_PITCH_MM / 2
     back = workbench.dims.pocket_depth
     dims = workbench.dims
@@ -332,7 +332,7 @@ def lay_in(workbench: Workbench, sheet: CastingSheet) -> Scene:
 
 
 def mix(workbench: Workbench, sheet: CastingSheet) -> Scene:
-    (first, second) = sheet.batch.components
+    first, second = sheet.batch.components
     batch = sheet.batch
     level = 1000.0 * batch.total_g / batch.density_g_cm3 / (math.pi * CUP_RADIUS_MM**2)
     first_level = batch.a_g / batch.total_g * level
@@ -374,7 +374,7 @@ def coat(workbench: Workbench, sheet: CastingSheet) -> Scene:
     bone = workbench.design.bone
     wall = workbench.design.mold.wall_mm
     lift = _LIFT_MM + layout.foot_z
-    (_, y, z) = workbench.head
+    _, y, z = workbench.head
     waist = workbench.dims.bone_outline.section.half_width
     groove = (
         bone.groove_depth_mm - waist,
@@ -512,7 +512,7 @@ def open_cup(workbench: Workbench, sheet: CastingSheet) -> Scene:
 def pull_on(workbench: Workbench, sheet: CastingSheet) -> Scene:
     dims = workbench.dims
     bone = workbench.design.bone
-    (_, y, z) = workbench.head
+    _, y, z = workbench.head
     out = workbench.design.skin.length_mm * 1.15
     groove = bone.groove_distance_mm + bone.groove_width_mm / 2
     fold = groove + 2.5

@@ -227,7 +227,7 @@ def tendon(workbench: Workbench, sheet: CastingSheet) -> Scene:
 
 
 def band(workbench: Workbench, sheet: CastingSheet) -> Scene:
-    (half, back, _) = bars(workbench.design)[1].high
+    half, back, _ = bars(workbench.design)[1].high
     low = bars(workbench.design)[1].low[1]
     z = _joint(workbench).low_z - NOTCHES_MM[0] - BAND_NOTCH_MM / 2
     begin = _anchor(workbench).z
@@ -268,7 +268,7 @@ def zero(workbench: Workbench, sheet: CastingSheet) -> Scene:
 
 def travel(workbench: Workbench, sheet: CastingSheet) -> Scene:
     joint = _joint(workbench)
-    (knot, pull) = _pull(workbench) if workbench.dims.anchor else ([], [])
+    knot, pull = _pull(workbench) if workbench.dims.anchor else ([], [])
     meshes = (
         *_finger(workbench, bent_deg=sheet.mount.travel_deg),
         workbench.part("hand_stub"),

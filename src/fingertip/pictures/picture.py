@@ -180,7 +180,7 @@ def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[Place
     strength = assess_strength(design, evaluator)
     weakest = strength.weakest
     vertices = evaluator.mesh(PARTS["bone"].solid(design)).vertices
-    (dx, dy, dz) = next(item.offset_mm for item in exploded if item.label == "bone")
+    dx, dy, dz = next(item.offset_mm for item in exploded if item.label == "bone")
     joint = design.dimensions.joint
     anchor = design.dimensions.anchor
 
@@ -271,8 +271,8 @@ def _draw_panel(
     for item in placed:
         if item.label in labels:
             corners = (item.mesh.vertices - centre) @ camera.axes.T * scale
-            (left, low) = corners.min(axis=0)[:2]
-            (right, high) = corners.max(axis=0)[:2]
+            left, low = corners.min(axis=0)[:2]
+            right, high = corners.max(axis=0)[:2]
             box = (
                 width_px / 2 + left,
                 height_px / 2 - high,

@@ -209,8 +209,8 @@ class Canvas:
         height, width = self._depth.shape
         picture = np.full((height // k, width // k, 3), 255, dtype=np.uint8)
         # What was drawn, with room for its outline: the rest stays white.
-        (top, left) = np.maximum(self._first // k - 1, 0)
-        (bottom, right) = self._last // k + 2
+        top, left = np.maximum(self._first // k - 1, 0)
+        bottom, right = self._last // k + 2
         window = np.s_[top * k : bottom * k, left * k : right * k]
         light = self._light[window].astype(np.float32)
         light[_outline(self._depth[window], self._scale)] *= 0.45

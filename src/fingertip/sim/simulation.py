@@ -142,7 +142,7 @@ def load_simulation(
     Raises FingertipError.
     """
     named_file = file
-    (file, design_file) = _find_files(file, design_file)
+    file, design_file = _find_files(file, design_file)
     kind = identify_kind(file) if file else None
     is_scene = kind in (SCENE, MANIPULATION)
     scene_changes, design_changes = split_changes(changes, [kind] if kind and is_scene else [])

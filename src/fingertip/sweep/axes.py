@@ -80,9 +80,8 @@ class Axis:
             return self.array[
                 np.minimum((fractions * len(self.values)).astype(np.int64), len(self.values) - 1)
             ]
-        if (
-            self.integer and self.spacing == "linear"
-        ):  # gives every integer, the ends too, the same probability
+        # Gives every integer, the ends too, the same probability.
+        if self.integer and self.spacing == "linear":
             return (self.low + np.floor(fractions * (self.high - self.low + 1.0))).astype(np.int64)
 
         return self._interpolate(fractions)

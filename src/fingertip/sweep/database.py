@@ -199,9 +199,8 @@ class SweepDatabase:
                 "holds no sweep; give the folder of a sweep with --out, or run the sweep first.",
             )
 
-        return cls(
-            folder, connect(folder / FILE, "rw")
-        )  # what a killed sweep has begun is undone before it is read
+        # What a killed sweep has begun is undone before it is read.
+        return cls(folder, connect(folder / FILE, "rw"))
 
     def close(self) -> None:
         """Close the file and release the folder."""

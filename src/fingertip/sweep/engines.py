@@ -81,10 +81,11 @@ class DaskEngine:
     def __init__(self, address: str) -> None:
         distributed = extras.load("distributed", "--cluster", alternative="leave --cluster out")
         dask = extras.load("dask", "--cluster", alternative="leave --cluster out")
+        # An error is reported once, as this class's own message.
         for name in (
             "distributed",
             "distributed.client",
-        ):  # an error is reported once, as this class's own message
+        ):
             logging.getLogger(name).setLevel(logging.CRITICAL)
 
         _check_listening(address)

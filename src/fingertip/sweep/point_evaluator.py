@@ -178,9 +178,8 @@ class PointEvaluator:
             return record()
 
         key = (seed, *(changes[name] for name in self._trace_axes))
-        return self._trials.get(
-            key, record, lambda trace: 40.0 * len(trace.time_s)
-        )  # five columns of 8 bytes
+        # Five columns of 8 bytes.
+        return self._trials.get(key, record, lambda trace: 40.0 * len(trace.time_s))
 
 
 @lru_cache(maxsize=1)

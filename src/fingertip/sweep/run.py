@@ -82,7 +82,7 @@ class RunState:
     @property
     def points_per_s(self) -> float:
         """Rate of the last `RATE_WINDOW_S` [1/s]; the slow start of the workers drops out soon."""
-        (start_s, before) = self.history[0]
+        start_s, before = self.history[0]
         now = time.perf_counter()
         return (self.written - before) / max(1e-9, now - start_s)
 
@@ -220,9 +220,8 @@ class _Run:
     """Breakdowns in a row that could not be attributed to a point."""
     _pending_rows: list[StoredRow] = field(default_factory=list)
     _answered_at_s: float = field(default_factory=lambda: time.perf_counter())
-    _written_at_s: float = (
-        -math.inf
-    )  # the first row is written at once, to show that the folder is writable
+    # The first row is written at once, to show that the folder is writable.
+    _written_at_s: float = -math.inf
 
     def compute(self, chunks: Iterator[Chunk]) -> None:
         """Compute all chunks, then the points of the retry queue one by one."""

@@ -238,9 +238,8 @@ class SweepPlan:
         self._require_samplers()
         from scipy.stats import qmc  # noqa: PLC0415
 
-        sampler = (
-            qmc.Sobol if self.file.sampling == "sobol" else qmc.LatinHypercube
-        )  # both scramble by default
+        # Both scramble by default.
+        sampler = qmc.Sobol if self.file.sampling == "sobol" else qmc.LatinHypercube
 
         return np.asarray(sampler(len(self.axes), rng=self.file.seed).random(self.size))
 

@@ -217,8 +217,8 @@ def _doubt(folder: Path) -> str:
     )
 
 
-# --- parameters
-# --------------------------------------------------------------------------------------------------
+# Parameters
+# ----------
 
 
 def _find_other_parameters(
@@ -254,8 +254,8 @@ def _read_parameters(folder: Path) -> Mapping[str, Any]:
         return {}
 
 
-# --- files as they lie on the bed
-# -------------------------------------------------------------------------------------
+# Files as they lie on the bed
+# ----------------------------
 
 
 def _find_other_prints(folder: Path) -> Iterator[str]:

@@ -209,9 +209,8 @@ def _bridge_amplifier_margin_v(volts: dict[str, float], supply: Supply, supply_v
     output_v = volts[TACTILE]
     lower_v = volts[supply.negative_rail]
     common_v = (reference_v + sensor_v) / 2.0
-    half_v = (
-        abs(output_v - volts[supply.signal_ground]) / 2.0
-    )  # the amplified difference of its inputs
+    # The amplified difference of its inputs.
+    half_v = abs(output_v - volts[supply.signal_ground]) / 2.0
 
     return min(
         supply_v - _INTERNAL_MARGIN_V - (common_v + _INPUT_SHIFT_V + half_v),

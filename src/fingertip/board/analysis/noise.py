@@ -120,9 +120,8 @@ def _sources(circuit: Circuit, network: Network) -> Iterator[Source]:
             own = [
                 t.equation for t in network.terms if t.quantity == reference and t.equation == t.net
             ]
-            entries = dict(
-                zip(own, (1.0, -1.0), strict=False)
-            )  # a current from one net to the other
+            # A current from one net to the other.
+            entries = dict(zip(own, (1.0, -1.0), strict=False))
             yield Source(reference, entries, _thermal_noise(float(network.values[reference])))
 
         for name, _, out, _, data in (

@@ -100,7 +100,7 @@ def find_sheet(circuit: Circuit, channel: int) -> tuple[str, str, str]:
 
 def _component(circuit: Circuit, component: Component) -> Expression:
     symbol = component.symbol
-    (channel, own_name) = find_symbol(component.reference)
+    channel, own_name = find_symbol(component.reference)
     sheet, tstamps, file = find_sheet(circuit, channel)
     return (
         "comp",

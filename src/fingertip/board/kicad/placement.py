@@ -40,7 +40,7 @@ class Pad:
     @property
     def box(self) -> Box:
         """Edges as it is turned."""
-        (x, y) = self.centre
+        x, y = self.centre
         width = self.width
         height = self.height
         if self.turned_deg % 180.0 == 90.0:

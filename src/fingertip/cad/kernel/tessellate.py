@@ -82,11 +82,12 @@ def _chord_deviation(first: Control, second: Control, weight: float, n: int) -> 
         dy = end[1] - start[1]
         length = math.hypot(dx, dy)
 
+        # A short conic arc is farthest from its chord near the middle.
         for fraction in (
             0.35,
             0.5,
             0.65,
-        ):  # a short conic arc is farthest from its chord near the middle
+        ):
             mx, my = conic_point((i - 1 + fraction) / n, weight, first, second)
             worst = max(worst, abs((mx - start[0]) * dy - (my - start[1]) * dx) / length)
 
@@ -168,9 +169,8 @@ def _superconic(body: ConicBody, tolerance: float) -> tuple[Array, Triangles]:
     largest = max(scale for _, scale in body.stations)
     a = section.half_width * largest
     halves = ((section.palmar, section.palmar_weight), (section.dorsal, section.dorsal_weight))
-    share = (
-        tolerance / 2 if body.tip else tolerance
-    )  # on the tip the deviations of both directions add up
+    # On the tip the deviations of both directions add up.
+    share = tolerance / 2 if body.tip else tolerance
     n = max(arc_segments(a, b * largest, w, share) for b, w in halves)
     dorsal = list_arc_points(n, section.dorsal_weight)
     palmar = list_arc_points(n, section.palmar_weight)

@@ -56,7 +56,7 @@ def build_volume_excess(design: Design, mesh: Mesh, rotate_x_deg: float = 0.0) -
     It is negative if the part fits.
     """
     printer = design.printer
-    (x, y, height) = bed_pose(mesh, rotate_x_deg).size(mesh)
+    x, y, height = bed_pose(mesh, rotate_x_deg).size(mesh)
     bed = sorted((printer.bed_x_mm, printer.bed_y_mm))
     excess = [size - limit for size, limit in zip(sorted((x, y)), bed, strict=True)]
 

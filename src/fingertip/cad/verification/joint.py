@@ -140,9 +140,8 @@ def _check_travel(
     allowed = VOLUME_TOLERANCE_MM3 + 0.05 * contact_mm2 * solids.evaluator.tolerance_mm
     yield Check(f"{name}.travel_overlap", float(worst), allowed, "mm3")
     halfway = [turn_about_pin(part, joint, travel / 2) for part in finger]
-    ahead = hand.trim_by_plane(
-        (0.0, 0.0, 1.0), joint.axis_z
-    )  # without the shoulder, which the stops meet
+    # Without the shoulder, which the stops meet.
+    ahead = hand.trim_by_plane((0.0, 0.0, 1.0), joint.axis_z)
     gap = search_distance(
         lambda reach: min(part.min_gap(ahead, reach) for part in halfway), 2 * joint.clearance
     )

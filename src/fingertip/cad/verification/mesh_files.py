@@ -115,8 +115,8 @@ def _read_stl(path: Path, data: bytes) -> Mesh | None:
         return None
 
 
-# --- two halves of one mold
-# -------------------------------------------------------------------------------------------
+# Two halves of one mold
+# ----------------------
 
 
 def _check_halves(path: Path, mesh: Mesh) -> Iterator[Check]:
@@ -169,8 +169,8 @@ def _close_gaps(section: Any) -> Any:
     return grown.offset(-_KEY_GAP_MM, JoinType.Miter, 2.0)
 
 
-# --- a part of a design
-# -----------------------------------------------------------------------------------------------
+# A part of a design
+# ------------------
 
 
 def _part_like(design: Design, name: str, mesh: Mesh, tolerance_mm: float) -> Mesh:
@@ -221,8 +221,8 @@ def _compare_with_part(mesh: Mesh, part: Mesh, tolerance_mm: float) -> Iterator[
     )
 
 
-# --- what to do about it
-# ----------------------------------------------------------------------------------------------
+# What to do about it
+# -------------------
 
 
 def describe_mesh_cause(file: MeshFile, check: Check) -> str:

@@ -83,11 +83,10 @@ def check_mold(design: Design, solids: Solids) -> Iterator[Check]:
         "mold.core_bending", design.mold_layout.core_bending_mm(pressure), MAX_BENDING_MM, "mm"
     )
     layout = design.mold_layout
-    (width, depth) = NOTCH_MM
+    width, depth = NOTCH_MM
     dorsal = layout.dorsal_height - design.skin.semi_axis_dorsal_mm
-    notches_mm3 = (
-        2 * width * (depth + GAP_MM) * (dorsal + design.mold.wall_mm)
-    )  # flows back where some is lost
+    # Flows back where some is lost.
+    notches_mm3 = 2 * width * (depth + GAP_MM) * (dorsal + design.mold.wall_mm)
     yield Check("mold.creep", seam_mm3(design, pressure), notches_mm3, "mm3")
     yield Check("mold.seat_film", seat_film_mm(design), _MAX_FILM_MM, "mm")
     # The wall between the cavity and everything else that is open, but for rim and seam, where it

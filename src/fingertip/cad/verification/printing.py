@@ -207,9 +207,8 @@ def _may_be_supported(
         is_inside = ((points >= low) & (points <= high)).all(axis=1)
         far = float(np.linalg.norm(high - low)) * _RAY
 
-        for i in is_inside.nonzero()[
-            0
-        ]:  # a ray from a point inside leaves the region once more than it enters
+        # A ray from a point inside leaves the region once more than it enters.
+        for i in is_inside.nonzero()[0]:
             is_inside[i] = (
                 len(region.ray_cast(points[i].tolist(), (points[i] + far).tolist())) % 2 == 1
             )

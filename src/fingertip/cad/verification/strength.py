@@ -196,9 +196,8 @@ class BoneStrength:
         stated = self.stated
         loads = dict[str, float]()
 
-        if (
-            self.grip_safety_factor < stated.min_grip_factor <= self.breaks_n
-        ):  # the least grip of a design is 1 N
+        # The least grip of a design is 1 N.
+        if self.grip_safety_factor < stated.min_grip_factor <= self.breaks_n:
             loads["strength.grip_force_n"] = _round_down(self.breaks_n / stated.min_grip_factor)
         if self.knock_safety_factor < stated.min_knock_factor:
             loads["strength.knock_speed_m_s"] = _round_down(self.held_speed_m_s)

@@ -80,8 +80,8 @@ def _fill(outlines: list[Array], x: Array, y: Array) -> Mask:
     """Find the places inside outlines by the even-odd rule, within a border of places outside."""
     flips = np.zeros((len(x) + 2, len(y) + 2), dtype=np.int64)
     for ring in outlines:
-        (ax, ay) = np.asarray(ring).T
-        (bx, by) = np.roll(ring, -1, axis=0).T
+        ax, ay = np.asarray(ring).T
+        bx, by = np.roll(ring, -1, axis=0).T
         edge, row = np.nonzero((ax[:, None] <= x) != (bx[:, None] <= x))
         at = ay[edge] + (x[row] - ax[edge]) / (bx - ax)[edge] * (by - ay)[edge]
         np.add.at(flips, (row + 1, np.searchsorted(y, at) + 1), 1)

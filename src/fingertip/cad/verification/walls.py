@@ -70,7 +70,7 @@ def find_thin_walls(design: Design, evaluator: MeshEvaluator, part: str) -> Thin
         return walls
 
     dims = design.dimensions
-    (_, y, z) = walls.points.T
+    _, y, z = walls.points.T
     beside_sensor = (z > 0.0) & (y < dims.pocket_depth - dims.flat_depth)
     is_rim = beside_sensor & (walls.thickness_mm > 0.95 * design.bone.rim_mm - slack)
     is_shown = ~is_rim

@@ -64,9 +64,8 @@ class Clevis(JointInterface):
 
     def depth(self, design: DesignTables) -> float:
         joint = _joint_of(design)
-        step = (
-            0.0 if joint.travel_deg else joint.foot
-        )  # without stops the base ends dorsal to the eyes too
+        # Without stops the base ends dorsal to the eyes too.
+        step = 0.0 if joint.travel_deg else joint.foot
         return joint.radius + joint.clearance + step
 
     def low_z(self, design: DesignTables) -> float:

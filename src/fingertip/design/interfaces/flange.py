@@ -142,7 +142,7 @@ class Flange(JointInterface):
         base.
         """
         bone = design.bone
-        (base_width, base_height) = interface.base_size(design.dimensions)
+        base_width, base_height = interface.base_size(design.dimensions)
         arm = load_z + bone.base_length_mm
         modulus = bone.flange_thickness_mm**2 / 6
         per_n = []
@@ -178,7 +178,7 @@ class Flange(JointInterface):
 def flange_bolts_clear_of_base(design: DesignTables) -> Limit | None:
     """The heads of the flange's bolts lie beside the base and its fillet, or above and below it."""
     bone = design.bone
-    (width, height) = interface.base_size(design.dimensions)
+    width, height = interface.base_size(design.dimensions)
     # The heads of machine screws are as wide as the nuts across flats (ISO 4762).
     head = select_thread(bone.flange_hole_diameter_mm).nut_flats_mm / 2 + max(
         _HEAD_CLEARANCE, bone.foot_radius_mm

@@ -163,9 +163,9 @@ def pin_drawing(design: Design) -> PartDrawing:
 
 def hand_stub_drawing(design: Design) -> PartDrawing:
     joint = joint_of(design)
-    (shoulder, bar) = bars(design)
+    shoulder, bar = bars(design)
     tendon_guide = guide(design)
-    (side, _, root) = shoulder.high
+    side, _, root = shoulder.high
     y = joint.axis_y
     half = design.hand.width_mm / 2
     name = "width of the tongue"

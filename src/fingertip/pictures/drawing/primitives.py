@@ -263,8 +263,8 @@ class Projection:
     @property
     def towards(self) -> Point3:
         """Direction towards the viewer: the cross product of both."""
-        (a, b, c) = self.right
-        (d, e, f) = self.up
+        a, b, c = self.right
+        d, e, f = self.up
         return b * f - c * e, c * d - a * f, a * e - b * d
 
     def flatten(self, point: Point3) -> Point:

@@ -192,9 +192,8 @@ def _drag_loop(
 
     load = N[first]
     c = 1 / math.sqrt(load + N0)
-    unloaded = (
-        relax_per_s * (1 - load / N0) if load < N0 else 0.0
-    )  # relaxation without load, the first part of r
+    # Relaxation without load, the first part of r.
+    unloaded = relax_per_s * (1 - load / N0) if load < N0 else 0.0
     per_mu_s = 1 / (curve[0] + curve[1])
 
     for i in range(first, len(X) - 1):

@@ -565,9 +565,8 @@ class ManipulationFile(PathTables, _ManipulationTables):
             yield Issue("knock.speed_m_s", message), {"knock.speed_m_s"}
 
         minimum = knock.speed_m_s**2 / (1 if knock.attached else 2) / ACCELERATION_M_S2
-        if knock.stroke_m < minimum * (
-            1 - 1e-9
-        ):  # the least that the message names passes, whatever its rounding
+        # The least that the message names passes, whatever its rounding.
+        if knock.stroke_m < minimum * (1 - 1e-9):
             verb = "reach" if knock.attached else "stop from"
             what = f"{knock.stroke_m:g} m is too short to {verb} {knock.speed_m_s:g} m/s"
             message = f"{what}; at least {round_up(minimum):g} m."

@@ -208,9 +208,8 @@ def find_trigger_s(
     volts = Bridge.select(design, sensing.bridge).voltage_v(sensed_n)
     changes = np.maximum.accumulate(np.abs(volts - volts[0]))
 
-    return round(
-        float(np.interp(change_v, changes, time_s)), 6
-    )  # the power of the bridge differs in its last digit
+    # The power of the bridge differs in its last digit.
+    return round(float(np.interp(change_v, changes, time_s)), 6)
 
 
 def build_timeline(design: Design, scene: SceneFile, pad: Pad, force_n: float) -> Timeline:

@@ -283,9 +283,8 @@ def _readout_loop(
     middle_n = rows[8]
     bend_v = rows[9]
     states = len(steady)
-    first = (
-        1 if is_new else 0
-    )  # the interval before a chunk's first point begins at the last one before
+    # The interval before a chunk's first point begins at the last one before.
+    first = 1 if is_new else 0
     end = points + 1
     board_v = rows[4, first:end]
     filtered_v = rows[5, first:end]

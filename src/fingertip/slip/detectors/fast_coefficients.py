@@ -215,9 +215,8 @@ def noise_energies(sample_rate_hz: float) -> tuple[float, float]:
     wide, upper = design_filters(sample_rate_hz).impulse_responses(
         math.ceil(8 * sample_rate_hz / LOW_HZ)
     )
-    return math.fsum(wide * wide), math.fsum(
-        upper * upper
-    )  # a dot product differs between processors
+    # A dot product differs between processors.
+    return math.fsum(wide * wide), math.fsum(upper * upper)
 
 
 def _third_order(sample_rate_hz: float, cutoff_hz: float) -> ThirdOrder:

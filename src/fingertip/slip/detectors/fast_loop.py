@@ -118,8 +118,8 @@ def _fast_loop(
     levels: MutableFloats,
     flags: MutableFloats,
 ) -> None:
-    (p_b, _, p_a1) = c.board_1
-    (q_b0, q_b1, q_a1) = c.restore_1
+    p_b, _, p_a1 = c.board_1
+    q_b0, q_b1, q_a1 = c.restore_1
     board = c.board
     restore = c.restore
     edge = c.edge

@@ -210,8 +210,7 @@ def format_front(table: SweepTable, selection: Selection) -> bytes:
     front = (
         [c[row].item() if c.dtype != object else c[row] for c in columns] for row in selection.front
     )
-    rows = (
-        ["" if value != value else value for value in values] for values in front
-    )  # only NaN differs from itself
+    # Only NaN differs from itself.
+    rows = (["" if value != value else value for value in values] for values in front)
 
     return format_csv(["point", *table.axes, *table.outputs], rows)

@@ -131,9 +131,8 @@ def histogram_edges(
     if scale.log:
         distinct = np.log(distinct)
 
-    cuts = np.arange(
-        group, len(distinct) - group // 2, group
-    )  # a short last group joins the one before
+    # A short last group joins the one before.
+    cuts = np.arange(group, len(distinct) - group // 2, group)
     inner = (distinct[cuts - 1] + distinct[cuts]) / 2
     ends = np.array(
         [1.5 * distinct[0] - 0.5 * distinct[1], 1.5 * distinct[-1] - 0.5 * distinct[-2]]

@@ -139,7 +139,7 @@ def format_text(summary: SweepSummary) -> str:
 def describe_sample(trials: int) -> str:
     """Say how far shares and delays of so many trials can be off."""
     least = binomial_interval(trials, trials)[0]
-    (low, high) = quantile_ranks(trials, 0.5)
+    low, high = quantile_ranks(trials, 0.5)
     bounds = "are not bounded by so few"
     if low >= 0 and high < trials:
         bounds = f"lie between delays {low + 1} and {high + 1} of {trials} in order"
@@ -334,9 +334,8 @@ def _format_sensitivities(sensitivities: Sequence[statistics.OutputSensitivity])
         for axis in sensitivity.axes:
             if axis.first_order_index > 0:
                 direction = ""
-                if (
-                    abs(axis.rank_correlation) >= _MIN_CORRELATION
-                ):  # false for NaN, of a categorical axis
+                # False for NaN, of a categorical axis.
+                if abs(axis.rank_correlation) >= _MIN_CORRELATION:
                     direction = " +" if axis.rank_correlation > 0 else " -"
 
                 axes.append(f"{axis.axis} {format_percent(axis.first_order_index)}{direction}")

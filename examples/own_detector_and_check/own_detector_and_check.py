@@ -12,7 +12,7 @@ import numpy as np
 from fingertip.cad.verification.check import Check, Solids
 from fingertip.design import Design
 from fingertip.slip.detectors.detector import Detector, DetectorOutput
-from fingertip.slip.detectors.input_noise import input_noise_v
+from fingertip.slip.detectors.noise_and_threshold import input_noise_v
 from fingertip.slip.detectors.registry import DetectorType
 
 MEAN_S = 0.01

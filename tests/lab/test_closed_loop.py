@@ -22,7 +22,7 @@ from fingertip.pad.response import Pad
 from fingertip.sim import Observation
 from fingertip.sim.runs.grip import ForceCurve, GripController, GripLaw, GripSettings
 from fingertip.sim.signal.converter import SimulatedBoardDetector, compute_bridge_v
-from fingertip.slip.detectors.input_noise import input_noise_v
+from fingertip.slip.detectors.noise_and_threshold import input_noise_v
 
 DESIGN = Design()
 PERIOD = 20  # samples per control period

@@ -33,7 +33,7 @@ from fingertip.sim.signal.grid import (
     draw_noise,
     open_stream,
 )
-from fingertip.slip.detectors.input_noise import DEVIATIONS
+from fingertip.slip.detectors.noise_and_threshold import DEVIATIONS
 from tests.designs import ARTICLE, article_design, load_article
 from tests.oracles.filter_formulas import envelope_pin_transfer, tactile_pin_transfer
 

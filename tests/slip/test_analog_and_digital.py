@@ -26,7 +26,7 @@ from fingertip.slip.detectors.analog_and_digital import (
     high_pass,
     noise_level,
 )
-from fingertip.slip.detectors.input_noise import NoiseLevel
+from fingertip.slip.detectors.noise_and_threshold import NoiseLevel
 from fingertip.slip.detectors.registry import make_detector
 from fingertip.slip.scored_detection import detect
 from fingertip.slip.traces.trace import Trace

@@ -18,7 +18,7 @@ from fingertip.foundation import jit
 from fingertip.foundation.errors import TraceError
 from fingertip.slip.detectors.analog_and_digital import ChainSettings, SlipChain
 from fingertip.slip.detectors.fft import ALARMS_PER_HOUR, EXCURSION_S, FftDetector, tail_probability
-from fingertip.slip.detectors.input_noise import quantised_noise_v
+from fingertip.slip.detectors.noise_and_threshold import quantised_noise_v
 from fingertip.slip.detectors.registry import DETECTORS, make_detector
 
 DESIGN = Design()

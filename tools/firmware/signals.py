@@ -17,7 +17,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.campaign import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.lab.campaign.run import simulate_trace
 from fingertip.slip.detectors.fast_coefficients import design_board_filter
-from fingertip.slip.detectors.input_noise import input_noise_v
+from fingertip.slip.detectors.noise_and_threshold import input_noise_v
 
 QUIET_V = 2.0
 """Voltage of a constant force [V]: within the range of any design's converter."""

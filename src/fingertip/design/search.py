@@ -15,7 +15,7 @@ from typing import Any
 
 from fingertip.design import interfaces
 from fingertip.design.geometry import DesignTables
-from fingertip.design.interfaces import adapter, clevis_rules, flange, rigid
+from fingertip.design.interfaces import adapter, clevis_rules, flange, post_and_socket
 from fingertip.design.parameters import ELECTRONIC_TABLES, PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit
 from fingertip.design.rules import amplifiers, board, bone, skin
@@ -29,7 +29,7 @@ PART_RULES = (
     *interfaces.LENGTH_RULES,
     *clevis_rules.LENGTH_RULES,
     *bone.RULES,
-    *rigid.RULES,
+    *post_and_socket.RULES,
     *flange.RULES,
     *clevis_rules.RULES,
     *adapter.RULES,

@@ -21,7 +21,7 @@ from fingertip.foundation.errors import Issue, TraceError, join_words, shorten
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.analog_and_digital import measure_noise_level
 from fingertip.slip.detectors.fast import Floors
-from fingertip.slip.detectors.input_noise import NoiseLevel
+from fingertip.slip.detectors.noise_and_threshold import NoiseLevel
 from fingertip.slip.force import ForceScale
 from fingertip.slip.scored_detection import MAX_NOISE_RATIO, Detection
 from fingertip.slip.scored_detection import detect as detect_in_trace

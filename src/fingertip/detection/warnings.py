@@ -13,7 +13,7 @@ from fingertip.foundation.errors import join_words
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.detector import Detector, DetectorOutput
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
-from fingertip.slip.detectors.input_noise import NoiseLevel
+from fingertip.slip.detectors.noise_and_threshold import NoiseLevel
 from fingertip.slip.detectors.registry import DEFAULT, find_detector_type
 from fingertip.slip.scored_detection import BEGIN_RATIO, BEGIN_S, MAX_NOISE_RATIO, Detection
 from fingertip.slip.traces.trace import Trace

@@ -17,7 +17,7 @@ from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.settings import FDM
 from fingertip.casting.sheet import CastingSheet
 from fingertip.design import Design
-from fingertip.design.interfaces.rigid import Post, Socket
+from fingertip.design.interfaces.post_and_socket import Post, Socket
 from fingertip.foundation.progress import Work
 from fingertip.models.dimensions import KNOT_WIRES
 from fingertip.models.mold import cavity

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.slip.detectors.input_noise import NoiseLevel
+from fingertip.slip.detectors.noise_and_threshold import NoiseLevel
 from fingertip.slip.scored_detection import Detection, find_ratio
 from fingertip.slip.traces.truth import (
     ENCODER_HZ,

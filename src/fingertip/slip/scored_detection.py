@@ -16,7 +16,7 @@ from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.analog_and_digital import SlipChain, noise_level
 from fingertip.slip.detectors.detector import Detector, DetectorOutput
 from fingertip.slip.detectors.fast import FastDetector, FastOutput, Floors
-from fingertip.slip.detectors.input_noise import NoiseLevel
+from fingertip.slip.detectors.noise_and_threshold import NoiseLevel
 from fingertip.slip.force import MEAN_S, Force, ForceScale
 from fingertip.slip.traces.trace import RawTrace, Trace
 from fingertip.slip.traces.truth import Interval, Score, intervals, score

@@ -24,7 +24,7 @@ from fingertip.cad.verification.walls import NEGLIGIBLE_MM2, SPACING_MM, measure
 from fingertip.catalogues.hardware import select_thread
 from fingertip.design import Design
 from fingertip.design.interfaces import interface_of
-from fingertip.design.interfaces.rigid import Post
+from fingertip.design.interfaces.post_and_socket import Post
 from fingertip.models import bone as bone_model
 from fingertip.models.bone import filled_bone, flat_slab
 from fingertip.models.dimensions import HEAD_MM, LONGER_MM, TAIL_MM

@@ -19,7 +19,7 @@ from fingertip.design.interfaces.adapter import Adapter
 from fingertip.design.interfaces.clevis import Clevis
 from fingertip.design.interfaces.flange import Flange
 from fingertip.design.interfaces.interface import JointInterface
-from fingertip.design.interfaces.rigid import Post, Socket
+from fingertip.design.interfaces.post_and_socket import Post, Socket
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least
 
 INTERFACES: Mapping[str, JointInterface] = {

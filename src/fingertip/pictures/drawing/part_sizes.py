@@ -30,7 +30,7 @@ from fingertip.design.geometry.sizes import (
 )
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.interface import bolt_clearance
-from fingertip.design.interfaces.rigid import Post
+from fingertip.design.interfaces.post_and_socket import Post
 from fingertip.models import mold_layout as mold
 from fingertip.models.hand_stub import bars, guide, stub_bore_radius
 from fingertip.models.joint import joint_of

@@ -49,7 +49,7 @@ from fingertip.sim.signal.grid import (
 )
 from fingertip.slip.detectors.analog_and_digital import AnalogDetector, measure_noise_level
 from fingertip.slip.detectors.detector import Detector, DetectorOutput
-from fingertip.slip.detectors.input_noise import NoiseLevel, input_noise_v
+from fingertip.slip.detectors.noise_and_threshold import NoiseLevel, input_noise_v
 
 _FIRST, _SECOND, _INPUT = range(3)
 """Indices of the filter's state: voltages of the first and the second capacitor, and the previous

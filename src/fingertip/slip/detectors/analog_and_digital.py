@@ -28,7 +28,7 @@ from fingertip.foundation.errors import Issue, TraceError, checked
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats, as_samples
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.detector import Detector, DetectorOutput
-from fingertip.slip.detectors.input_noise import DEVIATIONS, NoiseLevel, input_noise_v
+from fingertip.slip.detectors.noise_and_threshold import DEVIATIONS, NoiseLevel, input_noise_v
 
 
 @dataclass(frozen=True)

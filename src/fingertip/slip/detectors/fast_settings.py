@@ -11,7 +11,7 @@ from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
 from fingertip.slip.detectors import fast_coefficients
 from fingertip.slip.detectors.fast_decision_and_floors import SILENT_RATIO
-from fingertip.slip.detectors.input_noise import input_noise_v
+from fingertip.slip.detectors.noise_and_threshold import input_noise_v
 
 SHORT_S = 0.006
 LONG_S = 0.02

@@ -23,7 +23,7 @@ from fingertip.design import Design
 from fingertip.foundation.jit import as_samples
 from fingertip.foundation.numerics import Array, bisect
 from fingertip.slip.detectors.detector import Detector, DetectorOutput
-from fingertip.slip.detectors.input_noise import input_noise_v
+from fingertip.slip.detectors.noise_and_threshold import input_noise_v
 
 # Thresholds for an energy detector in Gaussian noise, from a permitted false alarm rate.
 #

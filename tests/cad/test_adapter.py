@@ -21,6 +21,7 @@ from fingertip.design.interfaces import adapter
 from fingertip.foundation.errors import DesignError
 from fingertip.models import bone as finger
 from fingertip.models.adapter import place_adapter
+from fingertip.models.sensor_pocket import sensor_recess
 from fingertip.tasks.build import build
 
 cq = pytest.importorskip("cadquery")
@@ -60,9 +61,7 @@ def test_the_bone_has_the_volume_of_base_and_adapter(
     tmp_path: Path, suffix: str, sunk_mm: float
 ) -> None:
     design = load(save(draw(), tmp_path / f"bar{suffix}"), adapter_y_mm=POINT[1] + sunk_mm)
-    base = finger.filled_bone(design).cut(
-        finger.sensor_recess(design), finger.cable_channel(design)
-    )
+    base = finger.filled_bone(design).cut(sensor_recess(design), finger.cable_channel(design))
     shared = sunk_mm * SIZE[0] * SIZE[1]
     mesh = MeshEvaluator(0.01)
     bone = mesh.manifold(finger.bone(design))

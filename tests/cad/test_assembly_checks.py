@@ -26,9 +26,10 @@ from fingertip.cad.verification.printing import (
     part_genus,
 )
 from fingertip.design import Design
-from fingertip.models.bone import bone, filled_bone, sensor_recess
+from fingertip.models.bone import bone, filled_bone
 from fingertip.models.interfaces import shapes_of
 from fingertip.models.parts import PARTS, Part, parts_by_name
+from fingertip.models.sensor_pocket import sensor_recess
 from fingertip.models.solids import (
     Box,
     Solid,

@@ -14,10 +14,10 @@ from fingertip.design import Design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.fitting.new_design import PRESETS
-from fingertip.models.bone import bone, filled_bone, sensor_recess
+from fingertip.models.bone import bone, filled_bone
 from fingertip.models.conic import ConicBody
 from fingertip.models.outlines import RAMP_SLOPE
-from fingertip.models.sensor import sensor_body
+from fingertip.models.sensor_pocket import sensor_body, sensor_recess
 from fingertip.models.solids import Box, SuperconicSolid
 from tests.conftest import DESIGNS, design_file
 from tests.oracles.conic_area import section_area

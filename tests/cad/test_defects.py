@@ -19,7 +19,7 @@ from fingertip.design import Design
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.models import bone as finger
 from fingertip.models import clevis as clevis_models
-from fingertip.models import interfaces, parts
+from fingertip.models import interfaces, parts, sensor_pocket
 from fingertip.models.solids import Box, cylinder
 from fingertip.pad.survey import GRASP_DEG, WIDE_DEG, survey_pad
 from tests.cad.part_checks import SOCKET, TOLERANCE, failed_checks, run_checks
@@ -69,25 +69,25 @@ DEFECTS = {
         {"bone.wall.channel_to_outside"},
     ),
     "pocket without a rim": Defect(
-        finger,
+        sensor_pocket,
         "sensor_recess",
         add(Box((-5.3, -9.0, 20.0), (5.3, -4.0, 25.0))),
         {"bone.wall.sensor_to_outside"},
     ),
     "pocket without clearance": Defect(
-        finger,
+        sensor_pocket,
         "sensor_recess",
         cut(Box((3.85, -9.0, 20.0), (4.5, 9.0, 25.0))),
         {"sensor.pocket_clearance", "sensor.room_overlap"},
     ),
     "burr on the seat": Defect(
-        finger,
+        sensor_pocket,
         "sensor_recess",
         cut(Box((-0.3, -4.3, 22.0), (0.3, 0.0, 22.6))),
         {"sensor.pocket_clearance", "overlap.bone.sensor", "sensor.room_overlap"},
     ),
     "hole in the seat": Defect(
-        finger,
+        sensor_pocket,
         "sensor_recess",
         add(cylinder("y", (21.0, 1.0), -5.0, -1.5, 0.5)),
         {"sensor.unsupported_area"},
@@ -275,8 +275,8 @@ def find_failed(design: Design) -> set[str]:
 @pytest.mark.parametrize("name", OPEN_TROUGHS)
 def test_defect_of_an_open_trough_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     change, failed = OPEN_TROUGHS[name]
-    original = finger.sensor_recess
-    monkeypatch.setattr(finger, "sensor_recess", lambda design: change(original(design)))
+    original = sensor_pocket.sensor_recess
+    monkeypatch.setattr(sensor_pocket, "sensor_recess", lambda design: change(original(design)))
     assert find_failed(Design.load("first_finger")) == failed
 
 

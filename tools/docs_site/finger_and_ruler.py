@@ -18,7 +18,7 @@ from fingertip import Design
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.foundation.numerics import Array
 from fingertip.models.parts import PARTS
-from fingertip.models.sensor import sensor_body
+from fingertip.models.sensor_pocket import sensor_body
 from fingertip.models.solids import Box, union
 from fingertip.pictures.raster import Camera, Canvas, Colour, bounds, to_png
 

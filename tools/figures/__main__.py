@@ -1,8 +1,7 @@
 """Command `python -m tools.figures`: list figures of the pages that are old, or renew them.
 
-python -m tools.figures                    lists what is old, with what renews it; exit code 1 if
-anything is python -m tools.figures renew NAME...      runs the commands of these entries, and
-corrects pages and manifest
+python -m tools.figures                   lists what is old; exit code 1 if anything is
+python -m tools.figures renew NAME...     runs the commands of entries, corrects pages and manifest
 """
 
 from __future__ import annotations

@@ -1,12 +1,16 @@
-"""Bone with pocket and trough for the sensor, and the channel for its cables."""
+"""Bone with the channel for its cables, its flat, platform and collar.
+
+The pocket of the sensor is `sensor_pocket`, the joint or post one of `interfaces`.
+"""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from . import sensor_pocket
 from .conic import ConicBody, add_groove, inset_body
 from .interfaces import shapes_of
-from .outlines import LEDGE_MM, ramp_slab
+from .outlines import LEDGE_MM
 from .profile import farthest_corner
 from .solids import (
     Box,
@@ -53,53 +57,7 @@ def bone(finger: Finger) -> Solid:
     return (
         filled_bone(finger)
         .union(*added)
-        .cut(sensor_recess(finger), cable_channel(finger), *removed)
-    )
-
-
-def sensor_recess(finger: Finger) -> Solid:
-    r"""Build the recess of the sensor, open to the palm: head pocket, and trough of the tail to the
-    wires' hole.
-
-    Seen from the palm, tip to the right; both are pocket_depth deep:
-
-                                        _____
-                                      .'     '.
-           __________________________/         \
-          |                         |           |
-          |  trough,                |     +     |   pocket, radius:
-          |  2 tail_half_width      |           |   head_diameter_mm / 2 + clearance_mm
-          |__________________________\         /
-          |                           '._____.'
-          trough_end_z                 sensor_z
-    """
-    dims = finger.dimensions
-    gap = finger.sensor.clearance_mm
-    # Below the palmar surface of every solid.
-    outside = (
-        -dims.collar.section.palmar - dims.bone_outline.section.palmar
-    )
-    radius = dims.sensor.head_diameter_mm / 2 + gap
-    floor = dims.pocket_depth - dims.platform_depth
-    pocket = cylinder(
-        "y",
-        centre=(dims.sensor_z, 0.0),
-        low=outside,
-        high=floor,
-        radius=radius,
-        around_radius=dims.platform_radius,
-    )
-    top = dims.sensor_z + gap  # also clears a tail that is wider than the head
-
-    return pocket.union(
-        flat_slab(
-            finger,
-            low_mm=outside,
-            high_mm=dims.pocket_depth,
-            half_width=dims.tail_half_width,
-            begin=dims.trough_end_z,
-            end=top,
-        )
+        .cut(sensor_pocket.sensor_recess(finger), cable_channel(finger), *removed)
     )
 
 
@@ -194,7 +152,7 @@ def platform(finger: Finger, body: ConicBody, inset_mm: float) -> tuple[Solid, .
         high=0.0,
         radius=radius,
     )
-    neck = flat_slab(
+    neck = sensor_pocket.flat_slab(
         finger,
         low_mm=inset_mm,
         high_mm=dims.platform_depth,
@@ -204,27 +162,6 @@ def platform(finger: Finger, body: ConicBody, inset_mm: float) -> tuple[Solid, .
     )
 
     return (SuperconicSolid(body).intersect(disc.union(neck)),)
-
-
-def flat_slab(
-    finger: Finger,
-    low_mm: float,
-    high_mm: float,
-    half_width: float,
-    begin: float,
-    end: float,
-) -> Solid:
-    """Build what lies between two distances from the bone's palmar
-    side, positive into the bone, from z to z [mm].
-    """
-    dims = finger.dimensions
-    return ramp_slab(
-        (low_mm, high_mm),
-        half_width=half_width,
-        z=(begin, end),
-        depths=(dims.flat_depth, dims.platform_depth),
-        ramp=dims.ramp,
-    )
 
 
 def collar(finger: Finger) -> Solid:

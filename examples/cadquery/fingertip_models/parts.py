@@ -16,7 +16,7 @@ from .core import core
 from .hand_stub import hand_stub
 from .mold import mold_dorsal, mold_palmar
 from .pin import pin
-from .sensor import sensor_body
+from .sensor_pocket import sensor_body
 from .skin import skin
 from .solids import Point3, Solid, cylinder
 from .stand import stand

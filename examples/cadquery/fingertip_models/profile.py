@@ -53,9 +53,7 @@ def arc_abscissa(y: float, w: float) -> float:
 
     b = 2.0 * y + 4.0 * w * w * (1.0 - y)
     # The form of the root that does not cancel.
-    return 1.0 - 2.0 * y * y / (
-        b + math.sqrt(b * b - 4.0 * y * y)
-    )
+    return 1.0 - 2.0 * y * y / (b + math.sqrt(b * b - 4.0 * y * y))
 
 
 def weight_of_fullness(fullness: float) -> float:
@@ -315,9 +313,7 @@ def lay_crown(
     begin, _, join = taper.z
     cosine = 1.0 - drop * height / (2.0 * radius)
     # Of the steepest slope between the crown and its base.
-    sine = math.sqrt(
-        max(0.0, 1.0 - cosine * cosine)
-    )
+    sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
     flank = slope_at_end / math.hypot(1.0, slope_at_end)
     # Knots on the taper: position, and sine of the profile's slope there (rising towards the apex
     # is positive).

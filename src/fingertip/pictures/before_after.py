@@ -13,7 +13,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.models.parts import parts_by_name
-from fingertip.models.sensor import sensor_body
+from fingertip.models.sensor_pocket import sensor_body
 from fingertip.models.solids import Solid
 from fingertip.pictures.raster import Pen, to_png
 from fingertip.pictures.section import draw_scale_bar, slice_solid

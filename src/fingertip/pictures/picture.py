@@ -25,7 +25,7 @@ from fingertip.foundation.progress import Work
 from fingertip.models.clevis import knuckle
 from fingertip.models.joint import Joint
 from fingertip.models.parts import PARTS, parts_by_name
-from fingertip.models.sensor import sensor_body
+from fingertip.models.sensor_pocket import sensor_body
 from fingertip.models.solids import Point3, Solid
 from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
 from fingertip.pictures.section import SENSOR_COLOUR, draw_scale_bar, draw_section, list_sections

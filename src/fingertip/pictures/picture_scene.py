@@ -19,7 +19,7 @@ from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.models.parts import PARTS
-from fingertip.models.sensor import sensor_body
+from fingertip.models.sensor_pocket import sensor_body
 from fingertip.models.solids import Box, Point3, Solid, cylinder
 from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
 from fingertip.pictures.section import spread

@@ -24,7 +24,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.models import mold
 from fingertip.models.mold_layout import GAP_MM, PLATE_MM
 from fingertip.models.parts import PARTS, parts_by_name
-from fingertip.models.sensor import sensor_body
+from fingertip.models.sensor_pocket import sensor_body
 from fingertip.models.solids import Solid
 from fingertip.pictures.raster import Colour, Font, Pen
 

@@ -9,6 +9,7 @@ from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, bed_pose
 from fingertip.design import Design
 from fingertip.design.interfaces import interface_of
 from fingertip.models import bone as bone_model
+from fingertip.models import sensor_pocket
 from fingertip.models.parts import PARTS, print_scale
 from fingertip.models.solids import Box, Solid
 from fingertip.models.stand import socket_ceiling_mm
@@ -97,7 +98,7 @@ def supports_by_part(design: Design) -> dict[str, Supports]:
     )
     below = interface.low_z(design) - design.bone.post_length_mm - reach
     outside = Box((-reach, -reach, below), (reach, reach, 0.0)).cut(
-        bone_model.sensor_recess(design), bone_model.cable_channel(design)
+        sensor_pocket.sensor_recess(design), bone_model.cable_channel(design)
     )
     none_on = "anything else above the collar; the seat of the sensor; the channel of the cables"
 

@@ -26,11 +26,12 @@ from fingertip.design import Design
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.post_and_socket import Post
 from fingertip.models import bone as bone_model
-from fingertip.models.bone import filled_bone, flat_slab
+from fingertip.models import sensor_pocket
+from fingertip.models.bone import filled_bone
 from fingertip.models.dimensions import HEAD_MM, LONGER_MM, TAIL_MM
 from fingertip.models.interfaces import shapes_of
 from fingertip.models.outlines import MATING_PLAY_MM, RAMP_SLOPE
-from fingertip.models.sensor import sensor_body
+from fingertip.models.sensor_pocket import flat_slab, sensor_body
 from fingertip.models.solids import Box, cylinder
 
 CHECKS = Checks()
@@ -61,7 +62,7 @@ def check_bone(design: Design, solids: Solids) -> Iterator[Check]:
     wall = design.printer.min_wall_mm - evaluator.tolerance_mm
     whole = evaluator.manifold(filled_bone(design))
     outside = complement(evaluator, filled_bone(design))
-    recess = evaluator.manifold(bone_model.sensor_recess(design))
+    recess = evaluator.manifold(sensor_pocket.sensor_recess(design))
     yield from _check_channel_walls(design, evaluator, outside, wall)
 
     # Pocket and slot open in the flat, so only what lies above flat, ramp and platform is measured.

@@ -25,8 +25,8 @@ from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.numerics import Array
-from fingertip.sim.runs.hand import Observation
 from fingertip.sim.runs.manipulation import run_manipulation
+from fingertip.sim.runs.manipulation_plan import Observation
 from fingertip.sim.runs.scene import run_scene
 from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from fingertip.sim.signal.analog_circuit import AnalogBoard

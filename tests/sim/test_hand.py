@@ -18,7 +18,7 @@ from fingertip.sim import ManipulationFile, article_manipulations, run_manipulat
 from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
 from fingertip.sim.contact.tangential import Mount
 from fingertip.sim.runs.grasp_loop import Grasp, HeldObject, Pin, refine
-from fingertip.sim.runs.hand import Motors, delay_commands, plan_motion, thumb_force_n
+from fingertip.sim.runs.manipulation_plan import Motors, delay_commands, plan_motion, thumb_force_n
 from fingertip.sim.runs.scene_and_manipulation_files import Hand
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.signal.converter import compute_bridge_v

@@ -11,7 +11,7 @@ from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.runs.scene import SceneRun
-from fingertip.sim.runs.tremor import HandMotion, Servo, Tremor, largest_factor
+from fingertip.sim.runs.tremor_and_servo import HandMotion, Servo, Tremor, largest_factor
 
 DESIGN = Design()
 TIME_S = np.arange(40_000) * 1e-3
@@ -48,7 +48,7 @@ def test_tremor_has_its_level_and_its_band(
 def test_points_of_a_tremor_are_close_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     tremor = Tremor(share=0.1, frequency_hz=14.0)
     coarse = draw(tremor).factor(TIME_S)
-    monkeypatch.setattr("fingertip.sim.runs.tremor._SPACING_S", 2e-4)
+    monkeypatch.setattr("fingertip.sim.runs.tremor_and_servo._SPACING_S", 2e-4)
     assert coarse == pytest.approx(draw(tremor).factor(TIME_S), abs=2e-6)
 
 

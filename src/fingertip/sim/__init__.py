@@ -9,8 +9,8 @@ in; signals, true slips and a trace for a detector go out. `load_simulation` rea
 20000.0
 """
 
-from fingertip.sim.runs.hand import Controller, Observation
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
+from fingertip.sim.runs.manipulation_plan import Controller, Observation
 from fingertip.sim.runs.scene import SceneRecord, SceneResult, run_scene
 from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
 from fingertip.sim.signal.grid import Grid

@@ -42,8 +42,8 @@ from fingertip.sim.contact.surface_files import (
     SurfaceFile,
     find_profile_warnings,
 )
-from fingertip.sim.runs.hand import Controller
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
+from fingertip.sim.runs.manipulation_plan import Controller
 from fingertip.sim.runs.scene import (
     SceneRecord,
     SceneResult,

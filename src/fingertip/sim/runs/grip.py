@@ -25,7 +25,7 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
-from fingertip.sim.runs.hand import Observation
+from fingertip.sim.runs.manipulation_plan import Observation
 from fingertip.sim.signal.bridge import reads_whole_finger
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.slip.detectors.registry import find_detector_type, make_detector, select_inputs

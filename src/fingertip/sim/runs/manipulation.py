@@ -30,7 +30,7 @@ from fingertip.foundation.errors import Issue, TraceError, checked, raise_issues
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import round_down, round_up
 from fingertip.pad.response import Pad
-from fingertip.sim.runs.hand import (
+from fingertip.sim.runs.manipulation_plan import (
     Controller,
     MotionPlan,
     Observation,

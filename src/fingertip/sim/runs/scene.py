@@ -36,7 +36,7 @@ from fingertip.sim.runs.timeline import (
     build_timeline,
     mount_pad,
 )
-from fingertip.sim.runs.tremor import HandMotion, largest_factor
+from fingertip.sim.runs.tremor_and_servo import HandMotion, largest_factor
 from fingertip.sim.signal.grid import CostMeter, Grid, StageCost, count_samples, report_share
 from fingertip.sim.signal.parameters import FILTER_OUTPUTS
 from fingertip.sim.signal.simulated_finger import (

@@ -33,7 +33,7 @@ from fingertip.sim.contact.surface_files import (
     find_surface_issues,
 )
 from fingertip.sim.runs.pose import MountTable, ScenePose
-from fingertip.sim.runs.tremor import Servo, Tremor
+from fingertip.sim.runs.tremor_and_servo import Servo, Tremor
 from fingertip.sim.signal.parameters import (
     ACCELERATION_M_S2,
     PathTables,

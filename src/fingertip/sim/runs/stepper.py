@@ -16,7 +16,7 @@ from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.runs.grasp_loop import Grasp, GraspMotion, HeldObject, Pin, refine
-from fingertip.sim.runs.hand import MotionPlan, Motors, put_on_object
+from fingertip.sim.runs.manipulation_plan import MotionPlan, Motors, put_on_object
 from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile
 from fingertip.sim.runs.timeline import mount_pad
 from fingertip.sim.signal.grid import BASE_HZ, CostMeter, Grid, SampleClock, Sampler

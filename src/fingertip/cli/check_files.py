@@ -1,4 +1,4 @@
-"""What `fingertip check` and `build --check` find in folders and mesh files."""
+"""Findings of `fingertip check` and `build --check` in folders and mesh files."""
 
 from __future__ import annotations
 

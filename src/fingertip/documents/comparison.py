@@ -20,7 +20,7 @@ from fingertip.documents.template import render_page
 from fingertip.foundation.errors import join_words
 
 _NOTHING = "-"
-"""What stands for a figure that a report does not state."""
+"""Word for a figure that a report does not state."""
 _FORMATS = ("stl", "3mf", "step")
 _HASH = re.compile("[0-9a-f]{64}")
 _LARGEST = 1e300
@@ -57,7 +57,7 @@ class Change:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What differs between two versions of a finger."""
+    """Differences between two versions of a finger."""
 
     before: str
     after: str
@@ -261,7 +261,7 @@ def _read_pad(version: Version, key: str, unit: str, scale: float = 1.0) -> str:
 
 @dataclass(frozen=True)
 class _Priced:
-    """What a shopping list states of a thing's price."""
+    """Statement of a shopping list about the price of a thing."""
 
     price_usd: str
     reason: str

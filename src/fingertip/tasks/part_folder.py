@@ -48,7 +48,7 @@ class FolderComparison:
     files: int
     """Number of files whose checksums were compared."""
     faults: tuple[str, ...]
-    """What is wrong and what to do; empty if these are the design's files."""
+    """Problems and their remedies; empty if these are the design's files."""
     design: Design | FingerSet | None = None
     """Design or set that the folder was compared with; None if it is that of none."""
     command: str = ""
@@ -56,7 +56,7 @@ class FolderComparison:
     words: tuple[str, ...] = ()
     """Options with which the folder was made, and --force if files in it were changed."""
     doubt: str = ""
-    """Why this program might make other parts despite equal checksums; empty if not."""
+    """Reason why this program might make other parts despite equal checksums; empty if none."""
 
 
 def compare_folder(

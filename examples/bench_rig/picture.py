@@ -5,7 +5,7 @@ lifted from it, with the things to buy.
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh, to_canonical_mesh
-from fingertip.pictures.picture_scene import Label, PaintedMesh, Scene, draw_scene
+from fingertip.pictures.labelled_scene import Label, PaintedMesh, Scene, draw_scene
 from fingertip.pictures.raster import Camera
 
 COLOURS = {

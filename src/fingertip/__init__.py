@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from fingertip.foundation.errors import FingertipError
     from fingertip.lab.campaign.campaign import CampaignPlan
     from fingertip.lab.validation import validate
-    from fingertip.pictures.picture import picture
+    from fingertip.pictures.design_picture import picture
     from fingertip.sim import (
         ManipulationFile,
         SceneFile,
@@ -84,7 +84,7 @@ _NAMES = {
     "foundation.errors": "FingertipError",
     "lab.campaign.campaign": "CampaignPlan",
     "lab.validation": "validate",
-    "pictures.picture": "picture",
+    "pictures.design_picture": "picture",
     "sim": "ManipulationFile SceneFile Trial run_manipulation run_scene simulate",
     "sim.signal.readout": "Readout",
     "slip.plots": "plot_detection plot_trace",

@@ -23,7 +23,7 @@ from tests.conftest import run_fingertip
 FILES = (
     ("board", "--bode", ".csv", "fingertip.tasks.board_files.write_board"),
     ("sweep board", "--csv", ".csv", "fingertip.sweep.run.compute_rows"),
-    ("picture fsr400", "--out", ".png", "fingertip.pictures.picture.draw"),
+    ("picture fsr400", "--out", ".png", "fingertip.pictures.design_picture.draw"),
     ("sheet fsr400", "--out", ".md", "fingertip.casting.sheet.casting_sheet"),
     ("acceptance fsr400", "--out", ".md", "fingertip.documents.acceptance.acceptance_sheet"),
     ("check fsr400", "--junit", ".xml", "fingertip.cad.verification.verify.verify"),

@@ -24,7 +24,8 @@ from fingertip.documents.wiring import wiring_diagram
 from fingertip.fitting.new_design import PRESETS
 from fingertip.models.parts import PARTS
 from fingertip.pictures.casting_scenes import SCENES, draw_steps
-from fingertip.pictures.picture_scene import Scene, Workbench
+from fingertip.pictures.labelled_scene import Scene
+from fingertip.pictures.workbench import Workbench
 from fingertip.tasks.board_files import board_files
 from fingertip.tasks.firmware_files import firmware_files
 from tests.conftest import ROOT, design_file

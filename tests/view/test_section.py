@@ -19,9 +19,8 @@ from fingertip import Design
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.models.parts import parts_by_name
 from fingertip.models.solids import Box
-from fingertip.pictures import picture, section
-from fingertip.pictures.picture import draw, find_free_place, place_on_hand
-from fingertip.pictures.picture_scene import View
+from fingertip.pictures import cameras, design_picture, section
+from fingertip.pictures.design_picture import draw, find_free_place, place_on_hand
 from fingertip.pictures.section import Section, draw_section, list_sections, slice_solid, spread
 from tests.approved import check_figures
 from tests.figures import sum_up
@@ -78,7 +77,7 @@ def test_picture_is_drawn_as_approved(monkeypatch: pytest.MonkeyPatch) -> None:
     The parts are coarse.
     """
     pen = PenRecord(monkeypatch)
-    monkeypatch.setattr(picture, "_TOLERANCE_MM", 0.3)
+    monkeypatch.setattr(design_picture, "_TOLERANCE_MM", 0.3)
     monkeypatch.setattr(section, "_dash", lambda pen, line: pen.polygon(line, outline="dashed"))
     drawn = draw(
         load("fork")[0],
@@ -157,7 +156,7 @@ def test_views_show_the_side_that_they_name() -> None:
 
     A finger bends to its palm.
     """
-    for camera, side in ((View.DORSAL, 1.0), (View.PALMAR, -1.0)):
+    for camera, side in ((cameras.DORSAL, 1.0), (cameras.PALMAR, -1.0)):
         right, up, towards = camera.axes
         assert right[2] > 0.8
         assert up[1] > 0.7

@@ -23,8 +23,9 @@ from fingertip.documents.finger_sheets import list_steps
 from fingertip.models.solids import Point3
 from fingertip.pictures.casting_scenes import SCENES
 from fingertip.pictures.joint_scenes import JOINT_SCENES
-from fingertip.pictures.picture_scene import MARGIN_PX, Scene, Workbench, draw_scene
+from fingertip.pictures.labelled_scene import MARGIN_PX, Scene, draw_scene
 from fingertip.pictures.raster import Canvas
+from fingertip.pictures.workbench import Workbench
 from tests.conftest import design_file, run_fingertip
 
 

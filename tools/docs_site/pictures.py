@@ -11,7 +11,7 @@ from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design import Design
 from fingertip.documents.finger_sheets import list_steps as steps_of
 from fingertip.pictures.casting_scenes import draw_steps
-from fingertip.pictures.picture import draw
+from fingertip.pictures.design_picture import draw
 
 WIDTH_PX = 1200
 """Width of a design's picture in the gallery [pixels]."""

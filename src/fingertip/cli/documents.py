@@ -163,7 +163,7 @@ def picture(
     from fingertip.documents.finger_sheets import draw_hand_sizes
     from fingertip.page.pad_section import draw_pad
     from fingertip.page.svg import write_svg
-    from fingertip.pictures.picture import draw, find_width_issues
+    from fingertip.pictures.design_picture import draw, find_width_issues
 
     refuse(
         find_file_issues("--out", out, ".svg" if pad or measure else ".png"),

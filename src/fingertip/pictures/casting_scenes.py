@@ -36,19 +36,11 @@ from fingertip.models.solids import (
     cylinder,
     union,
 )
+from fingertip.pictures import cameras, colours
 from fingertip.pictures.joint_scenes import JOINT_SCENES
-from fingertip.pictures.picture_scene import (
-    CUP_RADIUS_MM,
-    Arrow,
-    Label,
-    Paint,
-    PaintedMesh,
-    Scene,
-    View,
-    Workbench,
-    draw_scene,
-)
+from fingertip.pictures.labelled_scene import Arrow, Label, PaintedMesh, Scene, draw_scene
 from fingertip.pictures.raster import Camera, Canvas, bounds, to_png
+from fingertip.pictures.workbench import CUP_RADIUS_MM, Workbench
 
 _UP = (0.0, 0.0, -1.0)
 _FROM_BELOW = Camera.looking_from((0.4, -1.0, 0.12), _UP)
@@ -188,7 +180,7 @@ def try_core(workbench: Workbench, sheet: CastingSheet) -> Scene:
     )
 
     return Scene(
-        (*_banded_cup(workbench), workbench.part("core"), workbench.solid(calipers, Paint.STEEL)),
+        (*_banded_cup(workbench), workbench.part("core"), workbench.solid(calipers, colours.STEEL)),
         _FROM_BELOW,
         Label(
             f"calipers, from the foot\nto the top of the plate:\n{reading}",
@@ -265,10 +257,10 @@ def solder(workbench: Workbench, sheet: CastingSheet) -> Scene:
     return Scene(
         (
             workbench.solid(
-                head.union(Box((-tail, y, end), (tail, y + thickness, z))), Paint.SENSOR
+                head.union(Box((-tail, y, end), (tail, y + thickness, z))), colours.SENSOR
             ),
-            workbench.solid(_legs(workbench, y), Paint.STEEL),
-            workbench.solid(red, Paint.WIRE),
+            workbench.solid(_legs(workbench, y), colours.STEEL),
+            workbench.solid(red, colours.WIRE),
             workbench.solid(black, _BLACK),
         ),
         Camera.from_angles(20, 55),
@@ -317,8 +309,8 @@ def lay_in(workbench: Workbench, sheet: CastingSheet) -> Scene:
         (
             workbench.part("bone"),
             workbench.sensor(low),
-            workbench.solid(_legs(workbench, back), Paint.STEEL, low),
-            workbench.solid(knot, Paint.WIRE),
+            workbench.solid(_legs(workbench, back), colours.STEEL, low),
+            workbench.solid(knot, colours.WIRE),
             workbench.solid(black, _BLACK),
         ),
         _FROM_PALM,
@@ -345,14 +337,14 @@ def mix(workbench: Workbench, sheet: CastingSheet) -> Scene:
             high=level,
             radius=CUP_RADIUS_MM - 0.5,
         ),
-        Paint.PAPER,
+        colours.PAPER,
     )
 
     return Scene(
         (
-            *workbench.cup(first_level),
+            *workbench.mixing_cup(first_level),
             added,
-            workbench.solid(scale, Paint.STEEL),
+            workbench.solid(scale, colours.STEEL),
             _stick(workbench, (8.0, 10.0), 2.0, 90.0),
         ),
         Camera.looking_from((0.15, -1.0, 0.22), (0.0, 0.0, 1.0)),
@@ -385,7 +377,7 @@ def coat(workbench: Workbench, sheet: CastingSheet) -> Scene:
     return Scene(
         (
             *_cup(workbench, cut=True),
-            workbench.solid(_coated(workbench), Paint.SILICONE, cut=True),
+            workbench.solid(_coated(workbench), colours.SILICONE, cut=True),
             workbench.part("core", (0.0, 0.0, -lift)),
             _stick(workbench, (0.5, 3.0), -24.0, layout.foot_z - wall - 2.0),
         ),
@@ -414,11 +406,11 @@ def pour(workbench: Workbench, sheet: CastingSheet) -> Scene:
             high=z + 0.5,
             radius=0.8,
         ),
-        Paint.SILICONE,
+        colours.SILICONE,
     )
 
     return Scene(
-        (*_cup(workbench, cut=True), workbench.solid(silicone, Paint.SILICONE, cut=True), stream),
+        (*_cup(workbench, cut=True), workbench.solid(silicone, colours.SILICONE, cut=True), stream),
         _CUT,
         Label("thin stream, down the\nhalf without PAD", (0.5, y, -25.0)),
         Label(f"until the scale reads\n{sheet.batch.in_cup_g:g} g more", (0.0, 0.0, z)),
@@ -459,7 +451,7 @@ def lower(workbench: Workbench, sheet: CastingSheet) -> Scene:
     )
     meshes = (
         workbench.part("core"),
-        workbench.solid(drops, Paint.SILICONE),
+        workbench.solid(drops, colours.SILICONE),
         workbench.solid(band, _BAND),
     )
 
@@ -491,7 +483,7 @@ def open_cup(workbench: Workbench, sheet: CastingSheet) -> Scene:
             workbench.part("mold_dorsal", (0.0, apart / 2, 0.0)),
             workbench.part("core", lifted),
             workbench.part("skin", lifted),
-            workbench.solid(fins, Paint.SILICONE, lifted),
+            workbench.solid(fins, colours.SILICONE, lifted),
         ),
         Camera.looking_from((1.0, -0.4, -0.25), _UP),
         Label("skin, still on the core", (0.0, -2.0, tip - 7.0)),
@@ -522,7 +514,7 @@ def pull_on(workbench: Workbench, sheet: CastingSheet) -> Scene:
 
     return Scene(
         (*workbench.assembled_bone(), *workbench.turned_up_skin(out + fold, out)),
-        View.CUT_FROM_BELOW,
+        cameras.CUT_FROM_BELOW,
         Label("edge turned up\n(skin drawn cut)", (0.0, dorsal, out + fold)),
         Label("inner rib, comes to lie\nin the ring groove", rib),
         Label("bump, comes to lie\non the sensor's head", (0.0, y, out + z)),
@@ -559,7 +551,7 @@ def connect(workbench: Workbench, sheet: CastingSheet) -> Scene:
         (
             *workbench.assembled_bone(),
             *mount,
-            workbench.solid(red, Paint.WIRE),
+            workbench.solid(red, colours.WIRE),
             workbench.solid(black, _BLACK),
         ),
         Camera.from_angles(18, -55),
@@ -591,7 +583,7 @@ def _show_mount(workbench: Workbench, sheet: CastingSheet) -> tuple[list[Painted
         case "socket":
             z = Socket().cross_bolt_z(design)
             post = (end - 25.0, end + 6.0, sheet.mount.post_mm[0] / 2)
-            holder = workbench.solid(cylinder("z", (0.0, y), *post), Paint.PAPER)
+            holder = workbench.solid(cylinder("z", (0.0, y), *post), colours.PAPER)
             text = "post of your hand"
             at = (0.0, y, end - 20.0)
         case "flange":
@@ -613,9 +605,11 @@ def _show_mount(workbench: Workbench, sheet: CastingSheet) -> tuple[list[Painted
                     for side in (-x, x)
                 )
             )
-            plate = workbench.solid(Box((-half, y - deep, low), (half, y + deep, end)), Paint.PAPER)
+            plate = workbench.solid(
+                Box((-half, y - deep, low), (half, y + deep, end)), colours.PAPER
+            )
             labels = [Label("your hand", (0.0, y, low + 2.0)), Label("bolt", (-x, row, top))]
-            return [plate, workbench.solid(heads, Paint.STEEL)], labels
+            return [plate, workbench.solid(heads, colours.STEEL)], labels
         case _:
             return [], []
 
@@ -627,7 +621,7 @@ def _show_mount(workbench: Workbench, sheet: CastingSheet) -> tuple[list[Painted
             high=half + 6.0,
             radius=1.5,
         ),
-        Paint.STEEL,
+        colours.STEEL,
     )
     return [holder, bolt], [Label("bolt with nut", (-half - 5.0, y, z)), Label(text, at)]
 
@@ -678,7 +672,7 @@ def draw_finger(design: Design, width_px: int = 640) -> bytes:
     meshes = [*workbench.assembled_bone(), workbench.part("skin")]
     views = []
 
-    for camera in (View.DORSAL, View.PALMAR):
+    for camera in (cameras.DORSAL, cameras.PALMAR):
         centre, size = bounds([item.mesh for item in meshes], camera)
         scale = (width_px - 2 * _EDGE_PX) / float(size[0])
         canvas = Canvas(width_px, int(size[1] * scale) + 2 * _EDGE_PX, scale, camera)

@@ -12,8 +12,9 @@ from fingertip.models.hand_stub import BAND_NOTCH_MM, BAR_MM, NOTCH_DEPTH_MM, NO
 from fingertip.models.joint import Joint, TendonAnchor
 from fingertip.models.parts import PARTS
 from fingertip.models.solids import Box, Prism, cylinder
-from fingertip.pictures.picture_scene import Arrow, Label, PaintedMesh, Scene, Workbench
+from fingertip.pictures.labelled_scene import Arrow, Label, PaintedMesh, Scene
 from fingertip.pictures.raster import Camera
+from fingertip.pictures.workbench import Workbench
 
 _FROM_BACK = Camera.from_angles(28, 30)
 _FROM_PALM = Camera.from_angles(28, -35)

@@ -26,13 +26,13 @@ from fingertip.models.mold_layout import GAP_MM, PLATE_MM
 from fingertip.models.parts import PARTS, parts_by_name
 from fingertip.models.sensor_pocket import sensor_body
 from fingertip.models.solids import Solid
-from fingertip.pictures.raster import Colour, Font, Pen
+from fingertip.pictures import colours
+from fingertip.pictures.raster import Font, Pen
 
 Point = tuple[float, float]
 """Point of the plane: along the finger (z) and dorsal (y) [mm]."""
 Feature = tuple[str, Point]
 """Name of a feature of a part, and the point where its line ends."""
-SENSOR_COLOUR: Colour = (0.86, 0.68, 0.24)
 _FINE = 3
 """Factor by which the picture is drawn finer than it is returned."""
 _PLANE_MM = 1e-3
@@ -122,7 +122,7 @@ def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> N
         return _FINE * (left + (z - low[0]) * scale), _FINE * (top + (high[1] - y) * scale)
 
     for name, rings in cuts.items():
-        base = PARTS[name].colour if name in PARTS else SENSOR_COLOUR
+        base = PARTS[name].colour if name in PARTS else colours.SENSOR
         red, green, blue = (round(255 * _CUT_SHADE * part) for part in base)
         _fill(picture, [[*map(to_pixel, ring)] for ring in rings], (red, green, blue))
 

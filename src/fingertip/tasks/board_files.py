@@ -34,7 +34,7 @@ from fingertip.foundation.output_set import (
     hash_parameters,
     write_attributes,
 )
-from fingertip.pictures.assembly_drawing import draw_assembly
+from fingertip.pictures.board_assembly import draw_assembly
 from fingertip.pictures.drawing.svg_and_pdf import render_pdf, render_svg
 from fingertip.tasks.edited_board import find_edited, refuse_other_circuit, revise_edited
 from fingertip.tasks.manifest_comparison import compare_with_design

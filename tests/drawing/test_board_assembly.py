@@ -14,7 +14,8 @@ from fingertip.board.circuits.board_circuit import SUPPRESSOR
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.fabrication.bom import purchased_components
 from fingertip.board.kicad.project import load_project
-from fingertip.pictures.assembly_drawing import SCALE, draw_assembly
+from fingertip.pictures.board_assembly import draw_assembly
+from fingertip.pictures.board_sheet import SCALE
 from fingertip.pictures.drawing.primitives import Polyline, Ring, Sheet, Text
 from tests.approved import check_text
 from tests.designs import load_article

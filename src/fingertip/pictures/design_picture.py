@@ -27,8 +27,9 @@ from fingertip.models.joint import Joint
 from fingertip.models.parts import PARTS, parts_by_name
 from fingertip.models.sensor_pocket import sensor_body
 from fingertip.models.solids import Point3, Solid
+from fingertip.pictures import cameras, colours
 from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
-from fingertip.pictures.section import SENSOR_COLOUR, draw_scale_bar, draw_section, list_sections
+from fingertip.pictures.section import draw_scale_bar, draw_section, list_sections
 
 HAND = "hand"
 """Name of the hand's part of the joint."""
@@ -77,7 +78,7 @@ _THIN_COLOUR = (0.85, 0.1, 0.1)
 _LABELS = (*PARTS, "sensor", _THIN)
 _COLOURS: Mapping[str, Colour] = {
     **{name: part.colour for name, part in PARTS.items()},
-    "sensor": SENSOR_COLOUR,
+    "sensor": colours.SENSOR,
     HAND: (0.80, 0.80, 0.78),
 }
 _MARK_REACH_MM = 1.0
@@ -122,12 +123,9 @@ def draw(
         "", dict.fromkeys(("dorsal view", "palmar view", "sections", "on the hand"), 1.0), progress
     )
     work.begin("dorsal view")
-    dorsal = _draw_panel(
-        "dorsal view", exploded, Camera.from_angles(28, 24), half, labels=_LABELS, mark=mark
-    )
+    dorsal = _draw_panel("dorsal view", exploded, cameras.DORSAL, half, labels=_LABELS, mark=mark)
     work.begin("palmar view")
-    camera = Camera.from_angles(28, -38)
-    palmar = _draw_panel("palmar view", exploded, camera, width_px - half, labels=_LABELS)
+    palmar = _draw_panel("palmar view", exploded, cameras.PALMAR, width_px - half, labels=_LABELS)
     top = np.full((max(len(dorsal), len(palmar)), width_px, 3), 255, dtype=np.uint8)
     top[: len(dorsal), :half] = dorsal
     top[: len(palmar), half:] = palmar

@@ -117,8 +117,9 @@ _ALL_PARTS = (
         is_tool=True,
     ),
 )
+"""Parts of all designs, in the order in which they are listed and built."""
 PARTS: dict[str, Part] = {part.name: part for part in _ALL_PARTS}
-"""Parts of all designs by name, in the order in which they are listed and built."""
+"""Parts of all designs by name, in the same order."""
 
 
 def parts_by_name(finger: Finger) -> dict[str, Part]:

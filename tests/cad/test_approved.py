@@ -23,8 +23,9 @@ from fingertip.catalogues.electronics import load_controllers
 from fingertip.catalogues.hardware import THREADS
 from fingertip.design import Design
 from fingertip.design.interfaces import interface_of
+from fingertip.models.hardware import hardware
 from fingertip.models.mold import cavity
-from fingertip.models.parts import hardware, parts_by_name
+from fingertip.models.parts import parts_by_name
 from tests.approved import check_figures
 from tests.cad.part_checks import run_all_checks
 from tests.conftest import design_file, some_of

@@ -22,7 +22,8 @@ from fingertip.cad.files.cadquery_scripts import write_models, write_parameters,
 from fingertip.catalogues.output_files import MODELS_FOLDER
 from fingertip.design.geometry import DesignTables
 from fingertip.models import finger
-from fingertip.models.parts import hardware, parts_by_name
+from fingertip.models.hardware import hardware
+from fingertip.models.parts import parts_by_name
 from tests.conftest import ROOT, run_python
 from tools import examples
 
@@ -35,7 +36,8 @@ sys.path.insert(0, sys.argv[1])
 from pathlib import Path
 from runpy import run_path
 from fingertip_models.finger import Finger, ParameterError
-from fingertip_models.parts import hardware, parts_by_name
+from fingertip_models.hardware import hardware
+from fingertip_models.parts import parts_by_name
 
 def describe(finger):
     solids = {name: part.solid(finger) for name, part in parts_by_name(finger).items()}

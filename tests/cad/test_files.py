@@ -23,7 +23,8 @@ from fingertip.cad.verification.printing import part_genus
 from fingertip.cli.check_reports import to_junit
 from fingertip.design import Design
 from fingertip.foundation.errors import GeometryError
-from fingertip.models.parts import PARTS, hardware
+from fingertip.models.hardware import hardware
+from fingertip.models.parts import PARTS
 from fingertip.models.solids import Box, Solid
 from tests.conftest import design_file, run_fingertip
 

@@ -13,7 +13,8 @@ folder = Path(globals().get("__file__", "script.py")).absolute().parent  # the c
 sys.path[:0] = [str(folder), str(folder.parent)]  # one of them holds fingertip_models
 
 from fingertip_models.finger import read_finger  # noqa: E402
-from fingertip_models.parts import hardware, parts_by_name, print_scale  # noqa: E402
+from fingertip_models.hardware import hardware  # noqa: E402
+from fingertip_models.parts import parts_by_name, print_scale  # noqa: E402
 from fingertip_models.workplanes import make_part  # noqa: E402
 
 finger = read_finger(folder, __name__)

@@ -19,7 +19,8 @@ from fingertip.catalogues.output_files import ASSEMBLY, PRINT_FOLDER
 from fingertip.design import Design
 from fingertip.foundation.display import html_table, to_dataframe
 from fingertip.foundation.files import round_for_output
-from fingertip.models.parts import PARTS, Part, hardware
+from fingertip.models.hardware import hardware
+from fingertip.models.parts import PARTS, Part
 from fingertip.pad.survey import survey_pad
 
 if TYPE_CHECKING:

@@ -22,7 +22,10 @@ from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation import extras
 from fingertip.foundation.errors import ArgumentError, DesignError, Issue
-from fingertip.models.parts import find_frames, find_solid, hardware, parts_by_name
+from fingertip.models.frames import find_frames
+from fingertip.models.hardware import hardware
+from fingertip.models.named_solids import find_solid
+from fingertip.models.parts import parts_by_name
 from fingertip.models.solids import Solid
 
 if TYPE_CHECKING:

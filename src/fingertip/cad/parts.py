@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping
 
 from fingertip.design import Design
 from fingertip.design.rules.ruleset import record_reads
-from fingertip.models.parts import hardware, parts_by_name
+from fingertip.models.hardware import hardware
+from fingertip.models.parts import parts_by_name
 
 
 def exact_parts(design: Design, names: Iterable[str]) -> tuple[str, ...]:

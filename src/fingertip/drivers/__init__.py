@@ -23,8 +23,8 @@ from typing import Any
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.detection.live import open_stream
 from fingertip.detection.recordings import find_force_scale
+from fingertip.detection.stream_lines import open_stream
 from fingertip.foundation.errors import Issue, TraceError, checked
 from fingertip.slip.detectors import fast_state
 from fingertip.slip.detectors.fast import FastDetector
@@ -151,12 +151,12 @@ class SampleReader:
         self._lines = lines
 
     def __iter__(self) -> Iterator[tuple[float, ...]]:
-        header, rows = open_stream(
+        header, numbered_lines = open_stream(
             self._note_version(), ColumnMap(), name=str(getattr(self._lines, "name", "stream"))
         )
         names = list(header.names)
-        for _, line in rows:
-            cells = split_cells(line, header.delimiter)
+        for line in numbered_lines:
+            cells = split_cells(line.text, header.delimiter)
             if len(cells) != len(names):
                 continue
 

@@ -23,7 +23,8 @@ from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
 from OCP.TColStd import TColStd_Array1OfReal, TColStd_Array2OfReal
 from OCP.TopoDS import TopoDS
 
-from .parts import UnknownPartError, find_solid, list_tagged_planes, list_tagged_points
+from .cad_tags import list_tagged_planes, list_tagged_points
+from .named_solids import UnknownPartError, find_solid
 from .solids import (
     Box,
     Cone,

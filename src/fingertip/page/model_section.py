@@ -19,7 +19,8 @@ from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
-from fingertip.models.parts import PARTS, hardware, parts_by_name, print_scale
+from fingertip.models.hardware import hardware
+from fingertip.models.parts import PARTS, parts_by_name, print_scale
 from fingertip.models.solids import Solid
 from fingertip.page.html import Markup, button, element, join
 

@@ -18,8 +18,10 @@ from fingertip.catalogues.hardware import STEEL_G_CM3
 from fingertip.design import Design
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.interface import CrossBolted
+from fingertip.models.frames import find_frames
 from fingertip.models.hand_stub import guide as tendon_guide
-from fingertip.models.parts import PARTS, find_frames, hardware, parts_by_name
+from fingertip.models.hardware import hardware
+from fingertip.models.parts import PARTS, parts_by_name
 from fingertip.models.solids import Point3, cylinder
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.robot.collision_pieces import cut_skin

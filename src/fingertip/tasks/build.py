@@ -32,7 +32,8 @@ from fingertip.foundation.errors import DesignError, Issue, raise_issues
 from fingertip.foundation.output_set import SetWriter, read_manifest
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.foundation.workers import in_background
-from fingertip.models.parts import PARTS, hardware, parts_by_name, print_scale
+from fingertip.models.hardware import hardware
+from fingertip.models.parts import PARTS, parts_by_name, print_scale
 from fingertip.pictures.drawing.draw import file_names, render_sheets, sheet_jobs
 
 

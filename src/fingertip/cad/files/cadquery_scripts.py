@@ -24,7 +24,9 @@ from fingertip.design.geometry.letters import outline_letters
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, list_choices
 from fingertip.design.ranges import find_range, passes
-from fingertip.models.parts import hardware, list_tagged_planes, list_tagged_points, parts_by_name
+from fingertip.models.cad_tags import list_tagged_planes, list_tagged_points
+from fingertip.models.hardware import hardware
+from fingertip.models.parts import parts_by_name
 
 _MODELS = Path(fingertip.models.__file__).parent
 _TABLES = ("skin", "sensor", "custom_sensor", "bone", "hand", "mold", "printer", "strength")

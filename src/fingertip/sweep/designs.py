@@ -20,8 +20,9 @@ from fingertip.design.search import ELECTRONIC_RULES
 from fingertip.fitting.fitting import fit_finger
 from fingertip.foundation.errors import DesignError, raise_issues
 from fingertip.models.solids import Solid
-from fingertip.sweep.axes import Value, is_of_parts, select_changes
+from fingertip.sweep.axes import Value
 from fingertip.sweep.sweep_plan import SweepPlan
+from fingertip.sweep.swept_parameters import is_of_parts, select_changes
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

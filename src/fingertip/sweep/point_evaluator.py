@@ -25,10 +25,11 @@ from fingertip.foundation.errors import FingertipError, Issue, gather, raise_iss
 from fingertip.foundation.files import round_for_output
 from fingertip.foundation.workers import report_step
 from fingertip.sweep import designs
-from fingertip.sweep.axes import Value, is_of_parts
+from fingertip.sweep.axes import Value
 from fingertip.sweep.compute import GROUP_FUNCTIONS, ISSUE, OutputValues, PointContext
 from fingertip.sweep.outputs import TRACES, OutputGroup
 from fingertip.sweep.sweep_plan import FITTED, SweepPlan
+from fingertip.sweep.swept_parameters import is_of_parts
 
 if TYPE_CHECKING:
     from fingertip.sim.runs.scene_and_manipulation_files import SceneFile

@@ -30,9 +30,11 @@ from fingertip.foundation.errors import Issue, SweepError, gather
 from fingertip.foundation.files import round_for_output
 from fingertip.slip.detectors.registry import find_detector_type
 from fingertip.sweep import sweep_file
-from fingertip.sweep.axes import Axis, Value, find_repeats, flatten_axes, read_axis, select_changes
+from fingertip.sweep.axes import Axis, Value, find_repeats
+from fingertip.sweep.axis_parser import flatten_axes, read_axis
 from fingertip.sweep.outputs import TRACES, OutputGroup, check_outputs, find_groups
 from fingertip.sweep.sweep_file import MAX_POINTS, MAX_SAMPLED_VALUES, SweepFile
+from fingertip.sweep.swept_parameters import select_changes
 
 if TYPE_CHECKING:
     from fingertip.sim.runs.scene_and_manipulation_files import SceneFile

@@ -17,7 +17,6 @@ import numpy as np
 from fingertip.design.design import Design
 from fingertip.foundation.errors import DesignError, escape_control
 from fingertip.foundation.numerics import binomial_interval, quantile_ranks
-from fingertip.sweep.axes import select_changes
 from fingertip.sweep.database import STATUSES, SweepTable
 from fingertip.sweep.designs import apply_changes
 from fingertip.sweep.outputs import load_outputs
@@ -30,6 +29,7 @@ from fingertip.sweep.report.best_design_file import (
 )
 from fingertip.sweep.sweep_file import SweepFile
 from fingertip.sweep.sweep_plan import SweepPlan
+from fingertip.sweep.swept_parameters import select_changes
 
 _MAX_RULES = 12
 _MIN_CORRELATION = 0.1

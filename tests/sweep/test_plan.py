@@ -108,3 +108,8 @@ def test_changes_apply_to_sweep_file_design_and_scene() -> None:
     assert plan.scene is not None
     assert plan.scene.slide.distance_m == 0.03
     assert plan.axes[0].values == (50.0, 60.0)
+
+
+def test_a_number_beyond_the_floats_is_refused() -> None:
+    with pytest.raises(SweepError, match=r"axes.skin.width_mm: lists a number of more than 308"):
+        SweepPlan.from_tables({"outputs": ["q"], "axes": {"skin.width_mm": [10**400, 17.0]}})

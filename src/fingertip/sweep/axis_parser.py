@@ -7,6 +7,7 @@ all that is wrong with it.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, get_args
 
@@ -124,6 +125,8 @@ def _find_list_fault(entry: Sequence[Any]) -> str:
     for value in entry:
         if not isinstance(value, float | int | str):
             return f"{quote_value(value)} is no value of a parameter; list numbers or texts."
+        if isinstance(value, int) and abs(value) > sys.float_info.max:
+            return "lists a number of more than 308 digits; list smaller ones."
 
     earlier_values = set[Value]()
     for value in entry:

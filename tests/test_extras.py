@@ -202,8 +202,8 @@ def test_only_the_exact_kernel_needs_an_extra_to_be_imported() -> None:
         [
             "fingertip.cad.files.step_writer: ModuleNotFoundError",
             "fingertip.cad.kernel.brep: MissingLibraryError",
-            "fingertip.models.workplanes: ModuleNotFoundError",
             "fingertip.cad.kernel.occ: ModuleNotFoundError",
+            "fingertip.models.workplanes: ModuleNotFoundError",
             "fingertip.pictures.drawing.hidden_lines: ModuleNotFoundError",
         ]
     )

@@ -57,7 +57,7 @@ def add_surface(house: Path) -> None:
 
 
 def add_format(house: Path) -> None:
-    row = '    "mine": PartFormat(".mine", stl, is_default=False),\n    "cq": '
+    row = '    "mine": PartFormat(".mine", load_stl, is_default=False),\n    "cq": '
     edit(house / "src/fingertip/cad/files/part_formats.py", '    "cq": ', row)
 
 

@@ -293,6 +293,12 @@ HEAVY = {
     "reportlab",
 }
 LIGHT_WORK = {
+    "help pages": (
+        "import typer.main\nfrom fingertip.cli import app\n"
+        "for name in typer.main.get_command(app).commands:\n"
+        "    app([name, '--help'], standalone_mode=False)",
+        {"manifold3d", "numpy", "pydantic"},
+    ),
     "board": (
         "from fingertip.cli import app; app(['board', 'fsr400', '-q'], standalone_mode=False)",
         {"manifold3d"},

@@ -1,12 +1,16 @@
-"""Formats of a part's files: their endings, and the modules that write and read meshes."""
+"""Formats of a part's files: their endings, and the modules that write and read meshes.
+
+A module is imported when its format is written, so that help pages list the formats without numpy.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from fingertip.cad.files import stl, threemf
-from fingertip.cad.kernel.mesh import Mesh
+if TYPE_CHECKING:
+    from fingertip.cad.kernel.mesh import Mesh
 
 
 class MeshFormat(Protocol):
@@ -20,15 +24,27 @@ class MeshFormat(Protocol):
 @dataclass(frozen=True)
 class PartFormat:
     suffix: str
-    mesh: MeshFormat | None = None
-    """Module for a format of meshes; None for one of solids."""
+    load: Callable[[], MeshFormat] | None = None
+    """Function that imports the module of a format of meshes; None for a format of solids."""
     is_default: bool = True
     """False if it is written only where it is named."""
 
 
+def load_stl() -> MeshFormat:
+    from fingertip.cad.files import stl  # noqa: PLC0415
+
+    return stl
+
+
+def load_3mf() -> MeshFormat:
+    from fingertip.cad.files import threemf  # noqa: PLC0415
+
+    return threemf
+
+
 PART_FORMATS = {
-    "stl": PartFormat(".stl", stl),
-    "3mf": PartFormat(".3mf", threemf),
+    "stl": PartFormat(".stl", load_stl),
+    "3mf": PartFormat(".3mf", load_3mf),
     "step": PartFormat(".step"),
     "cq": PartFormat(".cq.py", is_default=False),
 }

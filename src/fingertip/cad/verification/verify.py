@@ -83,9 +83,8 @@ def verify(
 
     Raises GeometryError.
     """
-    mesh_formats = {
-        name: mesh_format for name in formats if (mesh_format := PART_FORMATS[name].mesh)
-    }
+    loaders = {name: PART_FORMATS[name].load for name in formats}
+    mesh_formats = {name: loader() for name, loader in loaders.items() if loader}
     solids = Solids.of(design, evaluator, parts)
     stages = {f"mesh of {name}": 1.0 for name in solids.parts} | {"checks": 2.0 * len(solids.parts)}
     meshes = {}

@@ -23,14 +23,13 @@ import warnings
 from collections import Counter
 
 from fingertip.cad.verification.verify import check
-from fingertip.catalogues.file_kinds import DESIGN, find_file
+from fingertip.catalogues.file_kinds import DESIGN, PRESETS, find_file
 from fingertip.design import Design
 from fingertip.design.design_file import flatten, load_tables
 from fingertip.design.fit import DERIVED
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.fitting.fitting import fit_finger
-from fingertip.fitting.new_design import PRESETS
 from fingertip.foundation.errors import DesignError
 from tools.fuzz.remedies import as_changes
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from fingertip import Design, board_values
+from fingertip.catalogues.file_kinds import PRESETS
 from fingertip.documents.acceptance import (
     SPREAD,
     acceptance_sheet,
@@ -18,7 +19,6 @@ from fingertip.documents.acceptance import (
     render_acceptance,
 )
 from fingertip.documents.board.divider import list_readings
-from fingertip.fitting.new_design import PRESETS
 from tests.conftest import ROOT, design_file, run_fingertip
 
 NAMES = ("fsr400", "fsr402", *PRESETS)

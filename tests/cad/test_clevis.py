@@ -13,10 +13,10 @@ from manifold3d import CrossSection
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.verification.strength import assess_strength
+from fingertip.catalogues.file_kinds import PRESETS
 from fingertip.design import Design
 from fingertip.design.formulas.stress_and_knock import OF_CHORDS, pin_peak, shoulder_in_bending
 from fingertip.design.interfaces import clevis, clevis_rules, interface_of
-from fingertip.fitting.new_design import PRESETS
 from fingertip.models import clevis as clevis_models
 from fingertip.models.outlines import eye_corners
 from fingertip.models.parts import PARTS, parts_by_name

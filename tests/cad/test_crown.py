@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.catalogues.file_kinds import PRESETS
 from fingertip.design import Design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
-from fingertip.fitting.new_design import PRESETS
 from fingertip.models.bone import bone, filled_bone
 from fingertip.models.conic import ConicBody
 from fingertip.models.outlines import RAMP_SLOPE

@@ -37,9 +37,9 @@ from fingertip.cad.printing.settings import (
     slicer_settings,
 )
 from fingertip.cad.verification.printing import check_print_files
+from fingertip.catalogues.file_kinds import PRESETS
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.design import Design
-from fingertip.fitting.new_design import PRESETS
 from fingertip.models.mold_layout import LIP_GAP_MM
 from fingertip.models.parts import PARTS, parts_by_name, print_scale
 from fingertip.tasks.build import build

@@ -18,10 +18,10 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.printing import check_brep_solid
 from fingertip.cad.verification.verify import verify
+from fingertip.catalogues.file_kinds import PRESETS
 from fingertip.design import Design
 from fingertip.design.design_file import list_parameters
 from fingertip.fitting.fitting import fit_finger
-from fingertip.fitting.new_design import PRESETS
 from fingertip.foundation.errors import DesignError
 from fingertip.models.parts import parts_by_name
 from tests.conftest import DESIGNS, design_file

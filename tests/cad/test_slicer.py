@@ -17,8 +17,8 @@ from fingertip.cad.printing.orientations import print_orientations, supports_by_
 from fingertip.cad.printing.overhang import Pose
 from fingertip.cad.printing.settings import FDM, PROFILE, estimate_print, slicer_settings
 from fingertip.cad.verification.verify import verify
+from fingertip.catalogues.file_kinds import PRESETS
 from fingertip.design import Design
-from fingertip.fitting.new_design import PRESETS
 from fingertip.models.parts import parts_by_name
 from tests.conftest import DESIGNS, design_file
 from tests.tools import require_tool

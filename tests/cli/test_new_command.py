@@ -10,9 +10,10 @@ from pathlib import Path
 import pytest
 
 from fingertip.catalogues.electronics import SENSORS
+from fingertip.catalogues.file_kinds import PRESETS
 from fingertip.design import Design
 from fingertip.design.design_file import list_parameters
-from fingertip.fitting.new_design import PRESETS, write_new_design
+from fingertip.fitting.new_design import write_new_design
 from tests.conftest import ROOT, run_fingertip
 
 CHOICES = (*SENSORS, "custom")

@@ -9,6 +9,7 @@ import pytest
 from benchmarks.fit_near_presets import draw, judge
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.verification.strength import assess_strength
+from fingertip.catalogues.file_kinds import PRESETS
 from fingertip.design import Design
 from fingertip.design.design_file import load_tables
 from fingertip.design.fit import DERIVED, fit_lengths
@@ -17,7 +18,7 @@ from fingertip.design.hand_sizes import find_hand
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import PART_RULES
 from fingertip.fitting.fitting import fit_finger
-from fingertip.fitting.new_design import PRESETS, write_new_design
+from fingertip.fitting.new_design import write_new_design
 from fingertip.foundation.errors import DesignError, TomlFileError
 from tests.conftest import design_file
 

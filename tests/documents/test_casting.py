@@ -17,11 +17,11 @@ from fingertip.board import board_circuit, board_values
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.casting.sheet import CastingSheet, casting_sheet
 from fingertip.casting.shopping import add_prices
+from fingertip.catalogues.file_kinds import PRESETS
 from fingertip.design import Design
 from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
 from fingertip.documents.finger_sheets import FirstScreen, list_steps, render_sheet, render_start
 from fingertip.documents.wiring import wiring_diagram
-from fingertip.fitting.new_design import PRESETS
 from fingertip.models.parts import PARTS
 from fingertip.pictures.casting_scenes import SCENES, draw_steps
 from fingertip.pictures.labelled_scene import Scene

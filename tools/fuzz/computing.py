@@ -20,13 +20,12 @@ import tomlkit
 from pydantic.fields import FieldInfo
 
 from fingertip.catalogues.electronics import NAMES, load_controllers
-from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, list_bundled_files
+from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, PRESETS, SCENE, list_bundled_files
 from fingertip.design import Design
 from fingertip.design.design_file import to_toml
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, list_choices
 from fingertip.fitting.fitting import fit_design
-from fingertip.fitting.new_design import PRESETS
 from fingertip.foundation.errors import FingertipError, TraceError, raise_issues
 from fingertip.models.parts import parts_by_name
 from fingertip.sim import ManipulationFile, SceneFile, Simulation, load_simulation

@@ -148,6 +148,15 @@ def _find_kinds(tables: Mapping[str, Any]) -> dict[FileKind, set[str]]:
 _IN_WHEEL = Path(__file__).parents[1] / "params"
 _IN_CHECKOUT = Path(__file__).parents[3] / "params"
 PARAMS = _IN_WHEEL if _IN_WHEEL.is_dir() else _IN_CHECKOUT
+PRESETS = (
+    "adult_finger",
+    "adult_thumb",
+    "youth_finger",
+    "youth_thumb",
+    "child_finger",
+    "child_thumb",
+)
+"""Bundled designs of anatomical size, each with a clevis."""
 _FOLDERS = ("", "scenes", "sets", "surfaces", "sweeps")
 _BARE_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*")
 _MAX_SUGGESTIONS = 3

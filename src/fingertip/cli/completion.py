@@ -119,7 +119,7 @@ COMPLETIONS: Mapping[str, Callable[..., Iterable[str]]] = {
     "sensor": _choices("sensor.model"),
     "hand": _table("design.hand_sizes:list_hands"),
     "finger": lambda: [f"{name}=" for name in NAMES],
-    "preset": _table("fitting.new_design:PRESETS"),
+    "preset": _table("catalogues.file_kinds:PRESETS"),
     "formats": _sets_of_formats,
     "parts": _table("models.parts:PARTS"),
     "material": _choices("silicone.product"),

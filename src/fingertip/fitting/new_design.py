@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.catalogues.electronics import SENSORS, explain_sensor
+from fingertip.catalogues.file_kinds import PRESETS
 from fingertip.design.design import Design
 from fingertip.design.design_file import load_tables, merge
 from fingertip.design.design_text import write_design
@@ -18,15 +19,6 @@ from fingertip.fitting.fitting import fit_tables
 from fingertip.foundation.errors import DesignError, Issue, gather, raise_issues
 from fingertip.foundation.tables import read_toml
 
-PRESETS = (
-    "adult_finger",
-    "adult_thumb",
-    "youth_finger",
-    "youth_thumb",
-    "child_finger",
-    "child_thumb",
-)
-"""Bundled designs of anatomical size, each with a clevis."""
 _SENSORS = (*SENSORS, "custom")
 _PLACE = "sensor.distance_from_tip_mm"
 

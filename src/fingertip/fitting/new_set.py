@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fingertip.catalogues.electronics import NAMES
+from fingertip.catalogues.file_kinds import PRESETS
 from fingertip.design.design import Design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters.declaration import parse_tables, suggest_name
@@ -191,7 +192,7 @@ def _choose_preset(finger: str, sizes: Mapping[str, Size], preset: str | None) -
 
         return difference_mm
 
-    nearest = min(map(_read_age, new_design.PRESETS), key=measure_difference)
+    nearest = min(map(_read_age, PRESETS), key=measure_difference)
     return _name_preset(nearest, finger)
 
 

@@ -11,15 +11,15 @@ from fingertip_models.finger import Finger, Table
 name = "article"  # engraved into the mold
 
 skin = Table(
-    # Full width at the proximal end [16.807 to 23.194]
+    # Full width at the proximal end [16.9 to 23.1 mm]
     width_mm=17.0,
-    # Height of the pad, at the apex of a crown, from the parting plane [7.18 to 7.623]
+    # Height of the pad, at the apex of a crown, from the parting plane [7.18 to 7.62 mm]
     semi_axis_palmar_mm=7.4,
-    # Height of the dorsal side, measured from the parting plane [7.756 to 24.844]
+    # Height of the dorsal side, measured from the parting plane [7.76 to 24.8 mm]
     semi_axis_dorsal_mm=8.1,
-    # Length from the proximal end to the tip [31.664 to 36.478]
+    # Length from the proximal end to the tip [31.7 to 36.4 mm]
     length_mm=34.0,
-    # Length of the rounded tip, part of the length [6.033 to 11.099]
+    # Length of the rounded tip, part of the length [6.04 to 11.1 mm]
     tip_length_mm=10.0,
     # Size of the cross-section where the tip begins, relative to the proximal end [0.936 to 1]
     taper_ratio=0.94,
@@ -31,31 +31,31 @@ skin = Table(
     # Size of the cross-section halfway along the rounded tip, relative to where the tip begins
     # [0.825 to 0.982]
     tip_fullness=0.875,
-    # Radius of the pad's crown along the finger; 0: a straight pad, without a crown [7.429 to
-    # 26.963, or 0]
+    # Radius of the pad's crown along the finger; 0: a straight pad, without a crown [0 or 7.43
+    # to 26.9 mm]
     crown_radius_mm=10.0,
-    # Distance from the sensor's centre to the apex of the crown, towards the base [-1.056 to
-    # 1.655]
+    # Distance from the sensor's centre to the apex of the crown, towards the base [-1.05 to
+    # 1.65 mm]
     crown_offset_mm=0.9,
-    # Height by which the pad at its base lies below the apex of the crown [0 to 2.22]
+    # Height by which the pad at its base lies below the apex of the crown [0 to 2.22 mm]
     crown_drop_mm=2.0,
-    # Skin thickness at the sides [1.572 to 1.932]
+    # Skin thickness at the sides [1.58 to 1.93 mm]
     thickness_side_mm=1.9,
     # Skin thickness over the centre of the sensor, from its platform or flat to the pad's
-    # surface [2.955 to 5.158]
+    # surface [2.96 to 5.15 mm]
     thickness_palmar_mm=3.0,
-    # Skin thickness on the dorsal side [0.799 to 1.843]
+    # Skin thickness on the dorsal side [0.799 to 1.84 mm]
     thickness_dorsal_mm=1.5,
-    # Skin thickness at the tip, distal to the bone [2.083 to 3.751]
+    # Skin thickness at the tip, distal to the bone [2.09 to 3.75 mm]
     thickness_tip_mm=2.6,
-    # Minimum skin thickness anywhere, measured from bone to surface [0.2 to 1.045]
+    # Minimum skin thickness anywhere, measured from bone to surface [0.2 to 1.04 mm]
     min_thickness_mm=0.8,
     # true: the skin counts as bonded to the bone, for comparison; as it is made, it lies on it
     # [False, True]
     bonded=False,
-    # Radius of the bump inside the skin, which presses on the sensor [1 to 30]
+    # Radius of the bump inside the skin, which presses on the sensor [1 to 30 mm]
     bump_radius_mm=3.2,
-    # Height by which this bump is proud of the bone's shape; 0: no bump [0 to 1]
+    # Height by which this bump is proud of the bone's shape; 0: no bump [0 to 1 mm]
     bump_height_mm=0.2,
 )
 
@@ -64,96 +64,96 @@ sensor = Table(
     # outline [fsr400, fsr400_short, fsr402, fsr402_short, fsr05, fsr04, fsr07, fsr06, rp_c7.6,
     # rp_c7.6_short, custom]
     model="fsr400",
-    # Distance from the tip of the skin to the centre of the active area [10.929 to 12.151]
+    # Distance from the tip of the skin to the centre of the active area [11 to 12.1 mm]
     distance_from_tip_mm=11.5,
-    # Length by which the crimped tabs stick out of the film. (unverified) [0 to 6.635]
+    # Length by which the crimped tabs stick out of the film. (unverified) [0 to 6.63 mm]
     tab_length_mm=4.3,
-    # Outer diameter of the wires on the sensor's tabs [0.934 to 1.3]
+    # Outer diameter of the wires on the sensor's tabs [0.934 to 1.3 mm]
     wire_diameter_mm=1.0,
-    # Gap around the sensor in its pocket and trough [0.25 to 0.373]
+    # Gap around the sensor in its pocket and trough [0.25 to 0.373 mm]
     clearance_mm=0.3,
     # Thickness of the adhesive film under the sensor; it deepens the pocket. (unverified) [0 to
-    # 0.5]
+    # 0.5 mm]
     adhesive_thickness_mm=0.13,
 )
 
 custom_sensor = Table(
-    # Diameter of the active area [1 to 40]
+    # Diameter of the active area [1 to 40 mm]
     active_diameter_mm=5.08,
-    # Diameter of the round head [2 to 50]
+    # Diameter of the round head [2 to 50 mm]
     head_diameter_mm=7.62,
-    # Thickness of head and tail [0.05 to 3]
+    # Thickness of head and tail [0.05 to 3 mm]
     thickness_mm=0.3,
-    # Length from the far edge of the head to the end of the tail [5 to 150]
+    # Length from the far edge of the head to the end of the tail [5 to 150 mm]
     length_mm=38.0,
-    # Width of the tail [1 to 30]
+    # Width of the tail [1 to 30 mm]
     tail_width_mm=6.4,
 )
 
 bone = Table(
     # Length of the base from the skin's proximal end to the interface, or to the joint axis of
-    # a clevis [19.667 to 60]
+    # a clevis [19.7 to 60 mm]
     base_length_mm=22.0,
     # Width of the bone at half its palmar height, before the flat is cut, relative to its full
     # width [0.964 to 0.983]
     palmar_fullness=0.966,
     # Design width of the rim around the sensor; checks require 95 % of it or, if less, of
-    # printer.min_wall_mm [0.2 to 0.673]
+    # printer.min_wall_mm [0.2 to 0.673 mm]
     rim_mm=0.6,
     # Height of the platform under the sensor's head above the flat of the bone, down to which
-    # the tail runs [1.278 to 3.858]
+    # the tail runs [1.28 to 3.85 mm]
     platform_mm=1.7,
     # Design wall between cable channel, trough and outer surface; checks require
-    # printer.min_wall_mm [0.8 to 1.287]
+    # printer.min_wall_mm [0.8 to 1.28 mm]
     wall_mm=0.8,
     # Diameter of the hole for both wires, from the trough of the tail to the back of the base
-    # [2.2 to 3]
+    # [2.2 to 3 mm]
     channel_diameter_mm=2.8,
-    # Bend radius of the channel's centre line [1.7 to 8.827]
+    # Bend radius of the channel's centre line [1.7 to 8.82 mm]
     channel_bend_radius_mm=3.0,
-    # Length of the collar on which the skin ends [0.8 to 10]
+    # Length of the collar on which the skin ends [0.8 to 10 mm]
     collar_length_mm=2.0,
-    # Inset of the collar from the outline of the skin [0.1 to 0.42]
+    # Inset of the collar from the outline of the skin [0.1 to 0.42 mm]
     collar_inset_mm=0.3,
-    # Depth of the groove around the bone that retains the skin; 0: no groove [0 to 1.826]
+    # Depth of the groove around the bone that retains the skin; 0: no groove [0 to 1.82 mm]
     groove_depth_mm=0.8,
-    # Width of the groove at its floor [0.5 to 10.737]
+    # Width of the groove at its floor [0.5 to 10.7 mm]
     groove_width_mm=1.6,
-    # Distance from the collar to the groove [0.5 to 10.33]
+    # Distance from the collar to the groove [0.5 to 10.3 mm]
     groove_distance_mm=1.2,
     # Interface to the proximal phalanx. post: a post on the bone, with two flats; socket: a
     # hole for the phalanx's post; flange: a plate with bolt holes; clevis: a joint with a pin,
     # whose sizes stand in [hand]; file: an adapter of your own [post, socket, flange, clevis]
     interface="post",
-    # Diameter of the post, which is its width (interface post) [4.802 to 11.014]
+    # Diameter of the post, which is its width (interface post) [4.8 to 11 mm]
     post_width_mm=10.8,
     # Height of the post between its two flats, which lock rotation; from post_width_mm on it is
-    # round [4.8 to 8.206]
+    # round [4.8 to 8.21 mm]
     post_height_mm=7.5,
-    # Length of the post (interface post) [7.688 to 40]
+    # Length of the post (interface post) [7.69 to 40 mm]
     post_length_mm=14.5,
-    # Diameter of the socket (interface socket) [2 to 25]
+    # Diameter of the socket (interface socket) [2 to 25 mm]
     socket_diameter_mm=5.0,
-    # Depth of the socket (interface socket) [2 to 40]
+    # Depth of the socket (interface socket) [2 to 40 mm]
     socket_depth_mm=8.0,
     # Radius of the fillet where post, flange or eyes stand on the base; none where they are as
-    # wide [0.2 to 5]
+    # wide [0.2 to 5 mm]
     foot_radius_mm=2.5,
-    # Diameter of the cross bolt's hole through post or socket [1.7 to 5.9]
+    # Diameter of the cross bolt's hole through post or socket [1.7 to 5.9 mm]
     cross_bolt_diameter_mm=3.2,
-    # Width of the flange (interface flange) [4 to 80]
+    # Width of the flange (interface flange) [4 to 80 mm]
     flange_width_mm=28.0,
-    # Height of the flange [4 to 80]
+    # Height of the flange [4 to 80 mm]
     flange_height_mm=14.0,
-    # Thickness of the flange, the proximal part of the base [1 to 15]
+    # Thickness of the flange, the proximal part of the base [1 to 15 mm]
     flange_thickness_mm=4.0,
-    # Distance between the flange's bolt holes across the finger [4 to 70]
+    # Distance between the flange's bolt holes across the finger [4 to 70 mm]
     flange_spacing_x_mm=22.0,
-    # Distance of their two rows from dorsal to palmar; 0: one row of two holes [0 to 70]
+    # Distance of their two rows from dorsal to palmar; 0: one row of two holes [0 to 70 mm]
     flange_spacing_y_mm=0.0,
-    # Diameter of the flange's bolt holes (3.2: M3) [1.7 to 9]
+    # Diameter of the flange's bolt holes (3.2: M3) [1.7 to 9 mm]
     flange_hole_diameter_mm=3.2,
-    # Gap between bone and hand on every side of the joint (interface clevis) [0.05 to 2]
+    # Gap between bone and hand on every side of the joint (interface clevis) [0.05 to 2 mm]
     joint_clearance_mm=0.3,
 )
 
@@ -161,71 +161,72 @@ hand = Table(
     # The hand's part of the joint: a tongue between the cheeks of the bone, or a fork around
     # its tongue [tongue, fork]
     knuckle="tongue",
-    # Width of the hand's tongue, or between the cheeks of its fork [2 to 30]
+    # Width of the hand's tongue, or between the cheeks of its fork [2 to 30 mm]
     width_mm=6.5,
     # Height of the joint axis above the palmar side of the finger, at the base of its pad [1 to
-    # 60]
+    # 60 mm]
     axis_height_mm=7.0,
     # Pin of the joint: of steel, such as a dowel pin; or printed of the bone's material, which
     # is weaker [steel, printed]
     pin="steel",
-    # Diameter of the bore for the joint's pin [1 to 8]
+    # Diameter of the bore for the joint's pin [1 to 8 mm]
     pin_diameter_mm=2.0,
     # Radius about the joint axis within which the hand's tongue or fork is round; its shoulder
-    # begins there [1.5 to 20]
+    # begins there [1.5 to 20 mm]
     clearance_radius_mm=4.0,
-    # Distance of the tendon from the joint axis, on the palmar side; 0: no tendon [0 to 30]
+    # Distance of the tendon from the joint axis, on the palmar side; 0: no tendon [0 to 30 mm]
     tendon_distance_mm=4.5,
-    # Diameter of the tendon, a loop around the bone [0.1 to 3]
+    # Diameter of the tendon, a loop around the bone [0.1 to 3 mm]
     tendon_diameter_mm=0.8,
-    # Travel of the joint from straight to bent, between hard stops; 0: no stops [0 to 110]
+    # Travel of the joint from straight to bent, between hard stops; 0: no stops [0 to 110
+    # degrees]
     travel_deg=80.0,
     # Maximum length from the tip to the joint axis, or to the shoulder of another interface; 0:
-    # no limit [0 to 150]
+    # no limit [0 or 56 to 150 mm]
     length_limit_mm=0.0,
 )
 
 mold = Table(
-    # Inset of the core from the bone on every side, so that the skin fits tightly [0 to 1]
+    # Inset of the core from the bone on every side, so that the skin fits tightly [0 to 1 mm]
     core_inset_mm=0.0,
-    # Linear shrinkage of the silicone, by which cavity and core are enlarged [0 to 5]
+    # Linear shrinkage of the silicone, by which cavity and core are enlarged [0 to 5 %]
     silicone_shrinkage_percent=0.1,
-    # Thickness of the mold on the palmar, dorsal and distal sides of the cavity [1.8 to 30]
+    # Thickness of the mold on the palmar, dorsal and distal sides of the cavity [1.8 to 30 mm]
     wall_mm=4.0,
-    # Height of the engraved letters, where they fit [3 to 20]
+    # Height of the engraved letters, where they fit [3 to 20 mm]
     engraving_height_mm=5.0,
-    # Depth of the engraved letters; 0: no engraving [0 to 2]
+    # Depth of the engraved letters; 0: no engraving [0 to 2 mm]
     engraving_depth_mm=0.5,
 )
 
 printer = Table(
     # Scale of the printed parts in STL and 3MF, relative to the design; STEP stays at 100 [95
-    # to 105]
+    # to 105 %]
     scale_percent=100.0,
-    # Error of each printed surface that locates bone or core in the mold [0 to 0.5]
+    # Error of each printed surface that locates bone or core in the mold [0 to 0.5 mm]
     surface_error_mm=0.05,
     # Length by which printed solids are too long and hollows too short; gaps of the design
-    # close by as much [-0.5 to 0.5]
+    # close by as much [-0.5 to 0.5 mm]
     offset_mm=0.0,
-    # Width of the bed [20 to 2000]
+    # Width of the bed [20 to 2000 mm]
     bed_x_mm=180.0,
-    # Depth of the bed [20 to 2000]
+    # Depth of the bed [20 to 2000 mm]
     bed_y_mm=180.0,
-    # Maximum height of a print [20 to 2000]
+    # Maximum height of a print [20 to 2000 mm]
     bed_z_mm=180.0,
     # Minimum wall that prints (SLA 0.6 to 0.8, FDM 0.8 to 1); checks of walls allow the mesh
-    # tolerance less [0.1 to 0.8]
+    # tolerance less [0.1 to 0.8 mm]
     min_wall_mm=0.8,
 )
 
 strength = Table(
-    # Force of a firm grip, at the pad, the apex and the side, in any direction [1 to 200]
+    # Force of a firm grip, at the pad, the apex and the side, in any direction [1 to 200 N]
     grip_force_n=8.0,
     # Minimum safety factor of the bone at grip_force_n [0 to 20]
     min_grip_factor=2.0,
-    # Mass that moves with the fingertip when it knocks against something hard [0.01 to 10]
+    # Mass that moves with the fingertip when it knocks against something hard [0.01 to 10 kg]
     hand_mass_kg=0.4,
-    # Speed of that knock, at the same places [0.01 to 10]
+    # Speed of that knock, at the same places [0.01 to 10 m/s]
     knock_speed_m_s=0.13,
     # Minimum safety factor of the bone at that knock [0 to 20]
     min_knock_factor=1.5,
@@ -234,9 +235,9 @@ strength = Table(
     print_material="petg",
     # Its printer: filament, resin or powder bed [fdm, sla, powder]
     own_process="fdm",
-    # Tensile strength across the layers [1 to 500]
+    # Tensile strength across the layers [1 to 500 MPa]
     own_strength_mpa=25.0,
-    # Young's modulus [50 to 50000]
+    # Young's modulus [50 to 50000 MPa]
     own_modulus_mpa=2000.0,
 )
 

@@ -23,7 +23,7 @@ from fingertip.design import Design
 from fingertip.design.geometry.letters import outline_letters
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, list_choices
-from fingertip.design.ranges import find_range, passes
+from fingertip.design.search import describe_bands, find_bands
 from fingertip.models.cad_tags import list_tagged_planes, list_tagged_points
 from fingertip.models.hardware import hardware
 from fingertip.models.parts import parts_by_name
@@ -124,7 +124,7 @@ def write_parameters(design: Design) -> bytes:
     for path, field in _list_fields():
         table, _, key = path.partition(".")
         value = design.value(path)
-        allowed = ", ".join(map(str, _choices(field))) or _describe_range(design, path, field)
+        allowed = _describe_allowed(design, path, field)
         meaning = f"{str(field.description).rstrip('.')} [{allowed}]"
         tables[table] += textwrap.wrap(
             meaning, _WIDTH, initial_indent="    # ", subsequent_indent="    # "
@@ -140,7 +140,10 @@ def write_parameters(design: Design) -> bytes:
     )
 
 
-def _describe_range(design: Design, path: str, field: FieldInfo) -> str:
-    low, high = find_range(design, path, _ends(field))
-    is_apart = low > 0.0 and _ends(field)[0] == 0.0 and passes(design, path, 0.0)
-    return f"{low:g} to {high:g}{', or 0' if is_apart else ''}"
+def _describe_allowed(design: Design, path: str, field: FieldInfo) -> str:
+    """Describe the choices of a parameter, or where the rules allow its number."""
+    choices = _choices(field)
+    if choices:
+        return ", ".join(map(str, choices))
+
+    return describe_bands(path, find_bands(design, path))

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from fingertip.catalogues.output_files import DETECTION, SIGNAL_FOLDER, TRACE
-from fingertip.detection.recordings import detect_file
+from fingertip.detection.recordings import FileDetection, detect_file
 from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.numerics import Array
 from fingertip.page.html import Markup, element, figure, join, note
@@ -256,23 +256,14 @@ def render_trial(sources: Sources) -> Markup:
         path.write_bytes(trace)
         result = detect_file(path, sources.design, detector, origin=parse_origin(detection))
 
+    return draw_trial(result)
+
+
+def draw_trial(result: FileDetection) -> Markup:
+    """Draw a trial and its detection: the onset of the slip, and the whole."""
     onset = draw_onset(result.trace, result.detection)
     parts = [element("h3", "The onset of the slip"), onset] if onset else []
-    begin = float(result.trace.time_s[0])
-    end = float(result.trace.time_s[-1])
-    title = "Simulated trial: tactile voltage, detector and slip over time"
-    whole = figure(
-        _draw(
-            result.trace,
-            detection=result.detection,
-            begin=begin,
-            end=end,
-            title=title,
-        ),
-        _describe(result.detection),
-        "whole trial",
-        "wide",
-    )
+    whole = figure(draw_whole(result), _describe(result.detection), "whole trial", "wide")
 
     return join(
         (
@@ -281,4 +272,15 @@ def render_trial(sources: Sources) -> Markup:
             whole,
             *(note(warning) for warning in result.warnings),
         )
+    )
+
+
+def draw_whole(result: FileDetection) -> Markup:
+    """Draw voltage, statistic with threshold, slip and ON over the time of a trial."""
+    return _draw(
+        result.trace,
+        detection=result.detection,
+        begin=float(result.trace.time_s[0]),
+        end=float(result.trace.time_s[-1]),
+        title="Simulated trial: tactile voltage, detector and slip over time",
     )

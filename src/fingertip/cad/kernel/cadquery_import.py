@@ -1,0 +1,77 @@
+"""Import of CadQuery without the libraries that a process of the B-rep kernel does not need.
+
+CadQuery imports a viewer (vtk), two optimisers (casadi, nlopt) and a library for DXF files (ezdxf)
+together with its solids. They take two thirds of the time of its import, and nothing here uses
+them. A process that only makes solids gets placeholders in their place.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+from typing import Any
+
+_LEFT_OUT = ("casadi", "ezdxf", "nlopt", "vtkmodules", "OCP.IVtkOCC", "OCP.IVtkVTK")
+
+
+def import_without_viewer() -> None:
+    """Import CadQuery with placeholders for its viewer, optimisers and DXF files.
+
+    Only for a process of its own: the placeholders stay. A CadQuery that needs more of them than
+    names is imported whole. Raises ImportError.
+    """
+    finder = _PlaceholderFinder()
+    sys.meta_path.insert(0, finder)
+    try:
+        import cadquery  # noqa: PLC0415
+    except (AttributeError, TypeError):
+        finder.remove()
+        import cadquery  # noqa: F401, PLC0415
+    else:
+        sys.meta_path.remove(finder)
+
+
+class _PlaceholderName(type):
+    """Class that stands for a class, constant or function of a library that is left out."""
+
+    def __getattr__(cls, name: str) -> int:
+        if name.startswith("__"):
+            raise AttributeError(name)
+
+        return 0
+
+
+class _Placeholder(ModuleType):
+    """Module in which every name is found."""
+
+    def __getattr__(self, name: str) -> type:
+        if name.startswith("__"):
+            raise AttributeError(name)
+
+        return _PlaceholderName(name, (), {})
+
+
+class _PlaceholderFinder(MetaPathFinder, Loader):
+    """Finder that answers for the libraries that are left out."""
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        is_left_out = any(f"{fullname}.".startswith(f"{name}.") for name in _LEFT_OUT)
+        return ModuleSpec(fullname, self, is_package=True) if is_left_out else None
+
+    def create_module(self, spec: ModuleSpec) -> Any:
+        return _Placeholder(spec.name)
+
+    def exec_module(self, module: ModuleType) -> None:
+        pass
+
+    def remove(self) -> None:
+        """Take the placeholders away, and what was imported with them."""
+        sys.meta_path.remove(self)
+        for name, module in list(sys.modules.items()):
+            if isinstance(module, _Placeholder) or name.partition(".")[0] == "cadquery":
+                del sys.modules[name]

@@ -18,7 +18,7 @@ from typing import Any
 
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import temporary_folder
-from fingertip.foundation.workers import Worker, WorkerDiedError, report_step
+from fingertip.foundation.workers import Worker, WorkerDiedError, can_fork, report_step
 from fingertip.models.solids import Solid
 
 TIME_LIMIT_S = 180.0
@@ -86,7 +86,7 @@ class StepProcess:
     def start(cls, job: StepJob) -> Iterator[StepProcess]:
         """Start a job in a process that ends with the block."""
         # ezdxf and Open CASCADE read settings of the current folder.
-        with temporary_folder() as folder, Worker(folder) as worker:
+        with temporary_folder() as folder, Worker(folder, is_fork=can_fork()) as worker:
             worker.send(run_job, job, folder)
             yield cls(job, folder, worker)
 

@@ -109,6 +109,8 @@ class MeshEvaluator:
                 result = Manifold.batch_boolean(
                     [self.manifold(s) for s in solids], OpType.Intersect
                 )
+            case Difference(Difference(first, before), subtracted):
+                return self.manifold(Difference(first, (*before, *subtracted)))
             case Difference(first, subtracted):
                 result = Manifold.batch_boolean(
                     [self.manifold(s) for s in (first, *subtracted)], OpType.Subtract

@@ -21,7 +21,7 @@ from fingertip.models.parts import PARTS, parts_by_name
 from fingertip.models.solids import Solid
 from fingertip.pictures.drawing import part_sizes
 from fingertip.pictures.drawing.layout import lay_out
-from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView, Sheet
+from fingertip.pictures.drawing.primitives import ProjectedView, Sheet
 from fingertip.pictures.drawing.svg_and_pdf import render_pdf, render_svg
 from fingertip.pictures.drawing.title_block import Heading
 
@@ -98,8 +98,7 @@ def project_part(
     """Project a part in its views. Raises GeometryError."""
     from fingertip.pictures.drawing.hidden_lines import project  # noqa: PLC0415
 
-    shape = evaluator.solid(solid)
-    return {view: project(shape, view) for view in PROJECTIONS if view in views}
+    return project(evaluator.solid(solid), views)
 
 
 def run_job(job: Job[T]) -> dict[str, T]:

@@ -6,12 +6,14 @@ where that fails.
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Collection, Iterator
 from typing import Any
 
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
 from OCP.BRepLib import BRepLib
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
-from OCP.BRepTools import BRepTools_WireExplorer
+from OCP.BRepTools import BRepTools, BRepTools_WireExplorer
 from OCP.GCPnts import GCPnts_TangentialDeflection
 from OCP.GeomAbs import GeomAbs_Plane
 from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
@@ -44,30 +46,54 @@ _DECIMALS = 4
 _IN_PLANE_MM = 1e-5
 
 
-def project(solid: TopoDS_Shape, view: ViewName) -> ProjectedView:
-    """Project a solid. The section removes the half at x < 0 first."""
-    if view != "section":
-        return ProjectedView(*_remove_hidden_lines(solid, PROJECTIONS[view]))
+def project(solid: TopoDS_Shape, views: Collection[ViewName]) -> dict[ViewName, ProjectedView]:
+    """Project a solid in its views. The section removes the half at x < 0 first."""
+    half = _cut_half(solid) if "section" in views else None
+    projected: dict[ViewName, ProjectedView] = {}
 
+    with _faceted(solid):
+        for view, projection in PROJECTIONS.items():
+            if view in views and view != "section":
+                projected[view] = ProjectedView(*_remove_hidden_lines(solid, projection))
+
+        if half is not None:
+            projection = PROJECTIONS["section"]
+            with _faceted(half):
+                visible, _ = _remove_hidden_lines(half, projection)
+
+            projected["section"] = ProjectedView(visible, (), _cut_outlines(half, projection))
+
+    return projected
+
+
+def _cut_half(solid: TopoDS_Shape) -> TopoDS_Shape:
     (x, y, z), (_, far_y, far_z) = occ.bounds(solid)
     removed = box((x - 1.0, y - 1.0, z - 1.0), (0.0, far_y + 1.0, far_z + 1.0))
-    half = occ.cut(solid, removed.val().wrapped)
-    visible, _ = _remove_hidden_lines(half, PROJECTIONS[view])
-    return ProjectedView(visible, (), _cut_outlines(half, PROJECTIONS[view]))
+    return occ.cut(solid, removed.val().wrapped)
+
+
+@contextlib.contextmanager
+def _faceted(shape: TopoDS_Shape) -> Iterator[None]:
+    """Lay facets on a shape for the length of a block.
+
+    None stay, because a boolean of faces with facets may not end.
+    """
+    BRepLib.EncodeRegularity_s(shape, _SMOOTH_RAD)
+    BRepMesh_IncrementalMesh(shape, DEFLECTION_MM, False, _ANGLE_RAD, False)
+    yield
+    BRepTools.Clean_s(shape)
 
 
 def _remove_hidden_lines(
-    shape: TopoDS_Shape, projection: Projection
+    faceted: TopoDS_Shape, projection: Projection
 ) -> tuple[tuple[Line2, ...], tuple[Line2, ...]]:
     """Compute the visible and the hidden edges of a shape's facets.
 
     Smooth edges between faces are neither.
     """
-    BRepLib.EncodeRegularity_s(shape, _SMOOTH_RAD)
-    BRepMesh_IncrementalMesh(shape, DEFLECTION_MM, False, _ANGLE_RAD, False)
     axes = gp_Ax2(gp_Pnt(0.0, 0.0, 0.0), gp_Dir(*projection.towards), gp_Dir(*projection.right))
     algorithm = HLRBRep_PolyAlgo()
-    algorithm.Load(shape)
+    algorithm.Load(faceted)
     algorithm.Projector(HLRAlgo_Projector(axes))
     algorithm.Update()
     result = HLRBRep_PolyHLRToShape()

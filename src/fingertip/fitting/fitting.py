@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from fingertip.cad.verification.verify import check
+from fingertip.cad.verification.verify import check as check_design
 from fingertip.design import Design
 from fingertip.design.design_file import Changes, load_tables, merge
 from fingertip.design.fit import LEAST_LOADS, Fit, Move, find_fit, fit_lengths
@@ -151,6 +151,6 @@ def find_mend(design: Design, given: Collection[str]) -> Sequence[str]:
     if not fit:
         return []
 
-    checks = check(Design.model_construct(None, **dict(fit.tables))).checks
-    passes = all(each_check.passed for each_check in checks)
+    checks = check_design(Design.model_construct(None, **dict(fit.tables))).checks
+    passes = all(check.passed for check in checks)
     return [move.name for move in fit.moves] if passes else []

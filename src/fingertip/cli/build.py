@@ -390,8 +390,9 @@ def firmware(
     """
     from fingertip.catalogues.output_files import FIRMWARE, README
     from fingertip.design.finger_set import is_set
+    from fingertip.firmware.controller_fit import find_warnings
     from fingertip.firmware.fingers import plan_fingers, plan_set
-    from fingertip.firmware.packaging import find_warnings, read_costs
+    from fingertip.firmware.measured_costs import read_costs
     from fingertip.tasks.firmware_files import firmware_differences, write_firmware
 
     if is_set(design):

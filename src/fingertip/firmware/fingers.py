@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from fingertip.catalogues.electronics import NAMES, ControllerBoard, load_controllers, plain_name
 from fingertip.design import Design
 from fingertip.design.finger_set import FingerSet
-from fingertip.firmware.packaging import read_costs
+from fingertip.firmware.measured_costs import read_costs
 from fingertip.foundation.errors import FingertipError, Issue, join_words, quote_value, raise_issues
 from fingertip.slip.detectors.fast_settings import TICK_S
 

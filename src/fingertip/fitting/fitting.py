@@ -86,9 +86,13 @@ def fit_tables(
         progress=lambda share: progress(ShareText("fitting", share)),
         provisional=provisional,
     )
-    design = Design.from_tables(fit.tables.model_dump(), before, changed, provisional)
-    design.__dict__["moves"] = fit.moves  # where a cached property keeps its value
-    return design
+    return Design.from_tables(
+        fit.tables.model_dump(),
+        before=before,
+        changed=changed,
+        provisional=provisional,
+        moves=fit.moves,
+    )
 
 
 def fit_finger(

@@ -47,8 +47,7 @@ def build(
     formats: str | None = typer.Option(
         None,
         help="File formats ({formats}), separated by commas; cq: CadQuery scripts. By default all "
-        "others, "
-        "step if it can be made.",
+        "others, step if it can be made.",
     ),
     tolerance_mm: float = typer.Option(
         0.01, help="Largest distance of a facet from the exact surface, in mm."

@@ -38,8 +38,7 @@ _MARGIN = ("name", "value", "limit", "unit", "relation", "margin_percent")
 _MESHES = (".stl", ".3mf", ".obj", ".ply")
 _NO_DESIGN = (
     "is not a design; check takes design files (.toml), bundled names, folders that a command "
-    "wrote, and meshes "
-    f"({', '.join(_MESHES)})."
+    f"wrote, and meshes ({', '.join(_MESHES)})."
 )
 _NEAREST = 10
 """Number of margins that are listed."""

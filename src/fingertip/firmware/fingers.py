@@ -219,15 +219,13 @@ def _explain_controller(design: Design, name: str, fingers: int) -> str:
         )
         reason = (
             f"{quote_value(name)} is too slow: a sample takes at least {at_rest_ms:.1f} ms at "
-            f"{board.clock_mhz:g} MHz "
-            f"without floats, {slip_ms:.1f} ms in slip, and the next one comes after "
-            f"{1e3 / rate_hz:g} ms; give"
+            f"{board.clock_mhz:g} MHz without floats, {slip_ms:.1f} ms in slip, and the next one "
+            f"comes after {1e3 / rate_hz:g} ms; give"
         )
     elif board.timer == "in the sketch":
         reason = (
             f"{board.name} converts {board.converter}, and a board gives up to "
-            f"{design.board.supply_v:g} V; give "
-            "--set board.variant=divider, which it reads, or"
+            f"{design.board.supply_v:g} V; give --set board.variant=divider, which it reads, or"
         )
     else:
         reason = f"{board.name} has no timer in the sketch of a divider; give"

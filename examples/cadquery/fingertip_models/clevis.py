@@ -8,6 +8,7 @@ the pin pulls at its bore at a knock.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from .allowances import LEDGE_MM, TANGENT_STEP_MM
@@ -298,35 +299,16 @@ def _back_way(finger: Finger, anchor: TendonAnchor, joint: Joint) -> Solid:
     return Box((-half, 0.0, low), (half, 4 * section.dorsal, high)).cut(floor)
 
 
-def strands(finger: Finger, anchor: TendonAnchor, low_z: float) -> tuple[Solid, ...]:
+def strands(finger: Finger, anchor: TendonAnchor, low_z: float) -> Iterator[Solid]:
     """Build both strands of the tendon beside the base, and straight from their horns to `low_z`,
     for checks.
     """
     radius = anchor.line / 2
-    top = finger.dimensions.bone_outline.section.dorsal_height_at(anchor.half_width)
-    beside = (anchor.z, anchor.horn_y + anchor.horn_radius)
-    along = (anchor.horn_low_z, low_z)
-
-    return tuple(
-        solid
-        for x in (-anchor.strand_x, anchor.strand_x)
-        for solid in (
-            cylinder(
-                "y",
-                centre=(beside[0], x),
-                low=beside[1],
-                high=top,
-                radius=radius,
-            ),
-            cylinder(
-                "z",
-                centre=(x, anchor.y),
-                low=along[1],
-                high=along[0],
-                radius=radius,
-            ),
-        )
-    )
+    back = finger.dimensions.bone_outline.section.dorsal_height_at(anchor.half_width)
+    horn_end = anchor.horn_y + anchor.horn_radius
+    for x in (-anchor.strand_x, anchor.strand_x):
+        yield cylinder("y", centre=(anchor.z, x), low=horn_end, high=back, radius=radius)
+        yield cylinder("z", centre=(x, anchor.y), low=low_z, high=anchor.horn_low_z, radius=radius)
 
 
 def knuckle(finger: Finger, joint: Joint, *added: Solid) -> Solid:

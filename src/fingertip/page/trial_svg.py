@@ -4,7 +4,7 @@ one below the other over the same time.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,14 +17,15 @@ from fingertip.slip.scored_detection import Detection
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import BAND_LABEL, Interval, encoder_band_s
 
+Span = tuple[float, float]
+"""Begin and end [s]."""
 _WIDTH = 760.0
 _HEIGHT = 420.0
 _LEFT = 62.0
-_RIGHT = 22.0
-"""Size of the figure, and its margins beside the plots [px]."""
+_PLOT_WIDTH = 676.0
+"""Size of the figure, and left side and width of its plots [px]."""
 _BAR_PITCH = 20.0
-_BAR_HEIGHT = 14
-"""Distance of the bars of true and of detected slip, and their height [px]."""
+"""Distance of the bars of true and of detected slip [px]."""
 _COLUMNS = 640
 """Columns to which longer lines are reduced: each keeps its lowest and highest sample."""
 
@@ -43,7 +44,7 @@ class Window:
     begin_s: float
     end_s: float
 
-    def clip(self, intervals: Sequence[Interval]) -> list[tuple[float, float]]:
+    def clip(self, intervals: Iterable[Interval]) -> list[Span]:
         """Cut intervals to the window; those outside of it are left out."""
         return [
             (max(interval.onset_s, self.begin_s), min(interval.end_s, self.end_s))
@@ -90,9 +91,7 @@ class _Plots:
     statistic: Frame
     bars: Frame
 
-    def shade(
-        self, spans: Sequence[tuple[float, float]], colour: str, opacity: float
-    ) -> Iterator[Markup]:
+    def shade(self, spans: Sequence[Span], colour: str, opacity: float) -> Iterator[Markup]:
         """Shade spans of time in the plots of voltage and statistic."""
         for frame in (self.voltage, self.statistic):
             for begin_s, end_s in spans:
@@ -122,19 +121,13 @@ def draw_trial(
         motion = Interval(*encoder_band_s(motion_s))
         parts += plots.shade(window.clip([motion]), _MOTION, 0.45)
 
-    true_label = truth.partition(" (")[0]
-    parts += [
-        *_draw_lines(plots, samples),
-        *_draw_bar(plots.bars, true_label, window.clip(slips), _TRUE),
-        *_draw_bar(
-            plots.bars,
-            DETECTED,
-            spans=window.clip(detection.intervals),
-            colour=_STATISTIC,
-            row=1,
-        ),
-        *_draw_time_axis(plots.bars),
-    ]
+    bars = (
+        (truth.partition(" (")[0], window.clip(slips), _TRUE),
+        (DETECTED, window.clip(detection.intervals), _STATISTIC),
+    )
+    parts += _draw_lines(plots, samples)
+    parts += _draw_bars(plots.bars, bars)
+    parts += _draw_time_axis(plots.bars)
     if delay:
         parts += _mark_delay(plots, delay)
 
@@ -176,7 +169,7 @@ def _place_plot(time: Axis, y: Axis, top: float, height: float) -> Frame:
         y=y,
         left=_LEFT,
         top=top,
-        width=_WIDTH - _LEFT - _RIGHT,
+        width=_PLOT_WIDTH,
         height=height,
     )
 
@@ -205,27 +198,22 @@ def reduce_line(x: Array, y: Array) -> list[tuple[float, float]]:
     return points
 
 
-def _draw_bar(
-    frame: Frame,
-    name: str,
-    spans: Sequence[tuple[float, float]],
-    colour: str,
-    row: int = 0,
-) -> Iterator[Markup]:
-    """Draw the intervals of one kind as a bar with its name before it."""
-    top = frame.top + _BAR_PITCH * row
-    yield text(frame.left - 6, top + 12, name, "end")
-    for begin_s, end_s in spans:
-        left = frame.point(begin_s, 0.0)[0]
-        right = frame.point(end_s, 0.0)[0]
-        yield element(
-            "rect",
-            x=f"{left:.1f}",
-            y=top + 2,
-            width=f"{right - left:.1f}",
-            height=_BAR_HEIGHT,
-            fill=colour,
-        )
+def _draw_bars(frame: Frame, bars: Iterable[tuple[str, Sequence[Span], str]]) -> Iterator[Markup]:
+    """Draw bars of slip, each by its name, the spans in which slip lasts, and its colour."""
+    for row, (name, spans, colour) in enumerate(bars):
+        top = frame.top + _BAR_PITCH * row
+        yield text(frame.left - 6, top + 12, name, "end")
+        for begin_s, end_s in spans:
+            left = frame.point(begin_s, 0.0)[0]
+            right = frame.point(end_s, 0.0)[0]
+            yield element(
+                "rect",
+                x=f"{left:.1f}",
+                y=top + 2,
+                width=f"{right - left:.1f}",
+                height=14,
+                fill=colour,
+            )
 
 
 def _draw_time_axis(frame: Frame) -> Iterator[Markup]:

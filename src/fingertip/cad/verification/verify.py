@@ -93,7 +93,7 @@ def verify(
 
     work.begin("checks")
     checks = (
-        *_check_files(design, files, mesh_formats),
+        *_check_files(design, files),
         *check_print_files(design, meshes, encoded, prints),
         *run_checks(design, solids),
     )
@@ -121,7 +121,8 @@ class _MeshFile:
 
     name: str
     part: str
-    file_format: str
+    format_name: str
+    mesh_format: MeshFormat
     data: bytes
 
 
@@ -133,7 +134,8 @@ def _encode_files(
         _MeshFile(
             name=part_file(part, name),
             part=part,
-            file_format=name,
+            format_name=name,
+            mesh_format=mesh_format,
             data=mesh_format.to_bytes(mesh, part, PARTS[part].note),
         )
         for part, mesh in meshes.items()
@@ -141,13 +143,11 @@ def _encode_files(
     )
 
 
-def _check_files(
-    design: Design, files: Iterable[_MeshFile], mesh_formats: Mapping[str, MeshFormat]
-) -> Iterator[Check]:
+def _check_files(design: Design, files: Iterable[_MeshFile]) -> Iterator[Check]:
     """Read the mesh of each file back, and check it."""
     for file in files:
-        mesh = mesh_formats[file.file_format].from_bytes(file.data)
-        yield from check_mesh_file(design, PARTS[file.part], mesh, file.file_format)
+        mesh = file.mesh_format.from_bytes(file.data)
+        yield from check_mesh_file(design, PARTS[file.part], mesh, file.format_name)
 
 
 def run_checks(design: Design, solids: Solids) -> Iterator[Check]:

@@ -49,8 +49,7 @@ def build(
     formats: str | None = typer.Option(
         None,
         help="File formats ({formats}), separated by commas; cq: CadQuery scripts. By default all "
-        "others, "
-        "step if it can be made.",
+        "others, step if it can be made.",
     ),
     tolerance_mm: float = typer.Option(
         0.01, help="Largest distance of a facet from the exact surface, in mm."
@@ -430,8 +429,9 @@ def firmware(
     """
     from fingertip.catalogues.output_files import FIRMWARE, README
     from fingertip.design.finger_set import is_set
+    from fingertip.firmware.controller_fit import find_warnings
     from fingertip.firmware.fingers import plan_fingers, plan_set
-    from fingertip.firmware.packaging import find_warnings, read_costs
+    from fingertip.firmware.measured_costs import read_costs
     from fingertip.tasks.firmware_files import firmware_differences, write_firmware
 
     if is_set(design):

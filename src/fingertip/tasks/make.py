@@ -30,7 +30,7 @@ from fingertip.foundation.workers import in_background
 from fingertip.page.pad_section import render_pad
 from fingertip.page.page import Prepared, prepare_page
 from fingertip.page.svg import write_svg
-from fingertip.page.trial_section import draw_trial, draw_whole
+from fingertip.page.trial_section import draw_whole, render_detection
 from fingertip.pictures.drawing.draw import file_names
 from fingertip.sim.runs.scene import run_scene
 from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
@@ -278,7 +278,7 @@ def _make_trial(design: Design, has_page: bool) -> Trial:
         return trial
 
     prepared = replace(
-        prepare_page(design), pad=render_pad(design), trial=draw_trial(trial.detection)
+        prepare_page(design), pad=render_pad(design), trial=render_detection(trial.detection)
     )
     return replace(trial, prepared=prepared)
 
@@ -301,6 +301,6 @@ def simulate_and_detect(design: Design) -> Trial:
     files = {
         output_files.TRACE: trace,
         output_files.DETECTION: encode_json(as_data(detected.detection, detected.noise)),
-        output_files.PLOT: write_svg(draw_whole(detected)),
+        output_files.PLOT: write_svg(draw_whole(detected.trace, detected.detection)),
     }
     return Trial(files, detected, None)

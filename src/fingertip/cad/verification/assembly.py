@@ -19,9 +19,8 @@ from fingertip.models import mold
 from fingertip.models.core import core_within_skin
 from fingertip.models.mold import cavity
 from fingertip.models.mold_layout import RIDGE_HEIGHT_MM
-from fingertip.models.outlines import signed_area
 from fingertip.models.parts import PARTS
-from fingertip.models.solids import Box, Cone, Solid, intersection, union
+from fingertip.models.solids import Box, Cone, Solid, intersection, signed_area, union
 
 CHECKS = Checks()
 

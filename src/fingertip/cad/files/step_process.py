@@ -137,9 +137,7 @@ def run_job(job: StepJob, folder: Path) -> Measured:
     report_step("loading Open CASCADE")
     from fingertip.cad.kernel.cadquery_import import import_without_viewer  # noqa: PLC0415
 
-    with contextlib.suppress(ImportError):  # which the next import explains
-        import_without_viewer()
-
+    import_without_viewer()
     from fingertip.cad.kernel import brep  # raises MissingLibraryError if OCP cannot be loaded  # noqa: PLC0415
 
     own_job, other_job = (

@@ -21,17 +21,22 @@ def import_without_viewer() -> None:
     """Import CadQuery with placeholders for its viewer, optimisers and DXF files.
 
     Only for a process of its own: the placeholders stay. A CadQuery that needs more of them than
-    names is imported whole. Raises ImportError.
+    names, or is not installed, is left to the import of `brep`, which says what is missing.
     """
     finder = _PlaceholderFinder()
     sys.meta_path.insert(0, finder)
     try:
-        import cadquery  # noqa: PLC0415
-    except (AttributeError, TypeError):
-        finder.remove()
         import cadquery  # noqa: F401, PLC0415
-    else:
+    except (AttributeError, ImportError, TypeError):
+        _forget_placeholders()
+    finally:
         sys.meta_path.remove(finder)
+
+
+def _forget_placeholders() -> None:
+    for name, module in list(sys.modules.items()):
+        if isinstance(module, _Placeholder) or name.partition(".")[0] == "cadquery":
+            del sys.modules[name]
 
 
 class _PlaceholderName(type):
@@ -68,10 +73,3 @@ class _PlaceholderFinder(MetaPathFinder, Loader):
 
     def exec_module(self, module: ModuleType) -> None:
         pass
-
-    def remove(self) -> None:
-        """Take the placeholders away, and what was imported with them."""
-        sys.meta_path.remove(self)
-        for name, module in list(sys.modules.items()):
-            if isinstance(module, _Placeholder) or name.partition(".")[0] == "cadquery":
-                del sys.modules[name]

@@ -13,7 +13,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fingertip.design.design import Design
-from fingertip.design.geometry.sections import sensor_rim_margin
 from fingertip.foundation.errors import Issue
 from fingertip.sweep.outputs import load_outputs
 from fingertip.sweep.sweep_file import SweepFile
@@ -53,7 +52,7 @@ def compute_lengths(context: PointContext) -> OutputValues:
     design = context.design
     return {
         "finger_length_mm": design.skin.length_mm + design.bone.base_length_mm,
-        "sensor_rim_mm": sensor_rim_margin(design, design.dimensions),
+        "sensor_rim_mm": design.sensor_rim_margin,
         "mold_width_mm": 2 * m.half_width,
         "mold_height_mm": m.palmar_height + m.dorsal_height,
         "mold_length_mm": m.overall_height,

@@ -33,7 +33,6 @@ def min_skin_thickness(design: Tables, dims: Dimensions) -> float:
     sections of their own. On the tip the skin is thinnest beside the rounded end of the flat.
     """
     inner = dims.bone_outline
-    inset = design.mold.core_inset_mm
     join, _, apex = inner.spans[-1].z
     flat_end, _ = bisect(
         lambda z: inner.section.palmar * inner.scale_at(z) > dims.flat_depth,
@@ -43,11 +42,14 @@ def min_skin_thickness(design: Tables, dims: Dimensions) -> float:
     )
     bends = [*_bends(dims), *(join + share * (flat_end - join) for share in _FLAT_SHARES)]
     middle = (join + apex) / 2
-    straight = Quarters(dims, inset, (0.0, join), (0.0, join, *(z for z in bends if z < join)))
-    sloping = Quarters(dims, inset, (0.0, join, middle), (0.0, join, middle, *bends))
-    across, _ = _measure(straight, _OUTLINE_POINTS, _OUTLINE_CHORDS)
+    dorsal = (0.0, join, middle)
+    quarters = Quarters(dims, design.mold.core_inset_mm, dorsal, (*dorsal, *bends))
 
-    return min(design.skin.thickness_tip_mm, float(across.min()), _min_across_slope(sloping))
+    return min(
+        design.skin.thickness_tip_mm,
+        _min_in_sections(quarters, join),
+        _min_across_slope(quarters),
+    )
 
 
 def _bends(dims: Dimensions) -> list[float]:
@@ -67,11 +69,20 @@ def _bends(dims: Dimensions) -> list[float]:
     return sorted({z for z in knots if 0.0 < z < dims.outer.spans[-1].z[2]})
 
 
+def _min_in_sections(quarters: Quarters, join: float) -> float:
+    """Compute the minimum thickness in the planes of the sections up to the tip [mm]."""
+    core, surface = _outline(quarters, _OUTLINE_POINTS, _OUTLINE_CHORDS)
+    straight = [row for row, z in enumerate(quarters.heights) if z <= join]
+    thickness, _ = measure_gaps(core[:, straight], surface[:, straight])
+
+    return float(thickness.min())
+
+
 def _min_across_slope(quarters: Quarters) -> float:
     """Compute the minimum thickness across the outer surface, which narrows along z [mm]."""
     import numpy as np  # noqa: PLC0415
 
-    thickness, support = _measure(quarters, _POINTS, _SURFACE_CHORDS)
+    thickness, support = measure_gaps(*_outline(quarters, _POINTS, _SURFACE_CHORDS))
     dorsal = [z + _STEP_MM for z in quarters.dorsal]
     palmar = [z + _STEP_MM for z in quarters.palmar]
     beyond = replace(quarters, dorsal=dorsal, palmar=palmar)
@@ -82,8 +93,8 @@ def _min_across_slope(quarters: Quarters) -> float:
     return float((thickness / np.sqrt(1.0 + slope * slope)).min())
 
 
-def _measure(quarters: Quarters, points: int, chords: int) -> tuple[Array, Array]:
-    """Measure the silicone between core and surface in each section, as `measure_gaps` does."""
+def _outline(quarters: Quarters, points: int, chords: int) -> tuple[Array, Array]:
+    """List points of the core, cut at its flat and its platform, and of the surface around it."""
     import numpy as np  # noqa: PLC0415
 
     edge = quarters.flat_edges[..., None]
@@ -91,4 +102,4 @@ def _measure(quarters: Quarters, points: int, chords: int) -> tuple[Array, Array
     corner = np.where(platform[0] > 0.0, platform, edge)
     core = np.concatenate((quarters.core(points), edge, corner), axis=2)
 
-    return measure_gaps(core, quarters.surface(chords))
+    return core, quarters.surface(chords)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.sections import half_widths_along, sensor_rim_margin
+from fingertip.design.geometry.sections import half_widths_along
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 from fingertip.models.dimensions import TAB_WIDTH_MM
@@ -173,7 +173,7 @@ def sensor_fits_flat(design: DesignTables) -> Violation | None:
     rim = design.bone.rim_mm
     clearance = design.sensor.clearance_mm
     sensor = design.dimensions.sensor
-    margin = sensor_rim_margin(design, design.dimensions)
+    margin = design.sensor_rim_margin
     if margin >= 0:
         return None
 

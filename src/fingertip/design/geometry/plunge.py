@@ -71,7 +71,7 @@ def _outline_core(quarters: Quarters) -> Array:
 
     arc = quarters.core(_ARC_POINTS)
     edge = quarters.flat_edges[:, _SECTIONS:, None]
-    half_width, depth = quarters.platform_edges[:, _SECTIONS:, None]
+    half_width, depth = quarters.platform_edges[:, _SECTIONS:, None] - quarters.inset
     raised = np.minimum(half_width, edge[0])
     # The middle of the flat is raised by a platform.
     x = np.where(raised > 0.0, raised, edge[0])

@@ -94,12 +94,12 @@ class Quarters:
 
     @cached_property
     def platform_edges(self) -> Array:
-        """Edge of platform or ramp of the core, a point for each section; x = 0 without one."""
+        """Edge of the bone's platform or ramp, a point for each section; x = 0 without one."""
         import numpy as np  # noqa: PLC0415
 
         dims = self.dims
-        half_widths = [max(0.0, dims.platform_half_width_at(z) - self.inset) for z in self.palmar]
-        depths = [dims.flat_depth_at(z) - self.inset for z in self.palmar]
+        half_widths = [dims.platform_half_width_at(z) for z in self.palmar]
+        depths = [dims.flat_depth_at(z) for z in self.palmar]
         without = [0.0] * len(self.dorsal)
         return np.array(([*without, *half_widths], [*without, *depths]))
 
@@ -181,11 +181,12 @@ def sensor_rim_margin(design: Tables, dims: Dimensions) -> float:
 
 
 def measure_gaps(points: Array, surface: Array) -> tuple[Array, Array]:
-    """Measure the gap between each point and its section's surface, and the distance of the nearest
-    chord from the middle of the finger, across the gap [mm].
+    """Measure the distance of each point from its section's surface, and that of the nearest chord
+    from the middle of the finger, across the gap [mm].
 
-    A convex outline bounds the intersection of half planes x n_x + y n_y <= h, one for each chord
-    in counter-clockwise order. A point within it is h - x n_x - y n_y from the edge of each.
+    A convex outline bounds the half planes x n_x + y n_y <= h, one for each chord in
+    counter-clockwise order. A point within it is h - x n_x - y n_y from each. Bones that rules
+    refuse reach beyond it.
     """
     import numpy as np  # noqa: PLC0415
 
@@ -196,9 +197,28 @@ def measure_gaps(points: Array, surface: Array) -> tuple[Array, Array]:
     ny = -dx / length
     h = ax * nx + ay * ny
     px, py = points[..., None]
-    gaps = h[:, None] - px * nx[:, None] - py * ny[:, None]
+    distances = h[:, None] - px * nx[:, None] - py * ny[:, None]
+    if distances.min() < 0.0 or np.any(points.min(axis=2) < surface.min(axis=2)):
+        distances = _measure_to_chords(points, surface)
 
-    nearest = gaps.argmin(axis=2)
+    nearest = distances.argmin(axis=2)
     row = np.arange(len(nearest))[:, None]
     column = np.arange(nearest.shape[1])
-    return gaps[row, column, nearest], h[row, nearest]
+    return distances[row, column, nearest], h[row, nearest]
+
+
+def _measure_to_chords(points: Array, surface: Array) -> Array:
+    """Measure the distance of each point from each chord, between its ends [mm]."""
+    import numpy as np  # noqa: PLC0415
+
+    px, py = points[..., None]
+    ax, ay = starts = surface[:, :, None, :-1]
+    dx, dy = surface[:, :, None, 1:] - starts
+    # Foot of the perpendicular, clamped to the chord.
+    t = ((px - ax) * dx + (py - ay) * dy) / np.maximum(dx * dx + dy * dy, _LEAST)
+    t = t.clip(0.0, 1.0)
+    x = ax + t * dx - px
+    y = ay + t * dy - py
+
+    distances: Array = np.sqrt(x * x + y * y)
+    return distances

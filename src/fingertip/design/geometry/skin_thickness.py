@@ -99,7 +99,7 @@ def _outline(quarters: Quarters, points: int, chords: int) -> tuple[Array, Array
 
     edge = quarters.flat_edges[..., None]
     platform = quarters.platform_edges[..., None]
-    corner = np.where(platform[0] > 0.0, platform, edge)
+    corner = np.where(platform[0] > 0.0, platform - quarters.inset, edge)
     core = np.concatenate((quarters.core(points), edge, corner), axis=2)
 
     return core, quarters.surface(chords)

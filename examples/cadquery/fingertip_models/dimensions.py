@@ -56,8 +56,8 @@ _SHARP = 0.8
 """Thickness over height, or height over thickness, below which an edge counts as sharp: 51 degrees
 on the average.
 """
-_RIM_POINTS = 64
-"""Intervals at which the flat's margin around the sensor is sampled."""
+_CORNER_POINTS = 64
+"""Intervals of a height at which an outline's distance from the axis is sampled."""
 
 
 class Dimensions(SkinDimensions):
@@ -145,7 +145,7 @@ class Dimensions(SkinDimensions):
         line = hand.tendon_diameter_mm
         half = self.joint_base_half_width - 1.5 * hand.tendon_diameter_mm
         corner = farthest_side(
-            section.half_width, section.dorsal, section.dorsal_weight, _RIM_POINTS
+            section.half_width, section.dorsal, section.dorsal_weight, _CORNER_POINTS
         )
         share = (half + LEDGE_MM) / section.half_width
         high = -self._finger.bone.collar_length_mm - corner * (1.0 - min(1.0, share))
@@ -341,19 +341,3 @@ class Dimensions(SkinDimensions):
     @cached_property
     def shrinkage(self) -> float:
         return 1.0 / (1.0 - self._finger.mold.silicone_shrinkage_percent / 100.0)
-
-    def sensor_rim_margin(self, rim_mm: float, clearance_mm: float) -> float:
-        """Compute the least margin along x [mm] between the flat's edge and the circle of sensor
-        head and rim.
-        """
-        r = self.sensor.head_diameter_mm / 2 + clearance_mm + rim_mm
-        margins = []
-
-        for i in range(_RIM_POINTS + 1):
-            phi = math.pi * (i / _RIM_POINTS - 0.5)
-            z = self.sensor_z + r * math.sin(phi)
-            margins.append(
-                self.bone_outline.half_width_at(-self.platform_depth, z) - r * math.cos(phi)
-            )
-
-        return min(margins)

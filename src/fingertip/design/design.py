@@ -128,11 +128,9 @@ class Design(DesignTables):
 
         A sweep refuses thousands of designs, and needs only the reasons. Raises DesignError.
         """
-        valid = parse_tables(DesignTables, tables)
-        raise_issues(DesignError, describe_violations(valid))
-        return cls.model_construct(
-            None, **{name: getattr(valid, name) for name in cls.model_fields}
-        )
+        design = cls.model_construct(None, **dict(parse_tables(DesignTables, tables)))
+        raise_issues(DesignError, describe_violations(design))
+        return design
 
     def changes(self) -> dict[str, Any]:
         """Return the parameters that differ from the default design, by dotted name."""

@@ -31,7 +31,7 @@ weights of its palmar and dorsal arcs.
 """
 
 
-def arc_point(t: Parameter, w: float) -> tuple[Parameter, Parameter]:
+def arc_point(t: Parameter, w: Parameter | float) -> tuple[Parameter, Parameter]:
     """Return the point at t in [0, 1] of the unit arc from (1, 0) to
     (0, 1) with control point (1, 1) of weight `w`.
     """
@@ -202,7 +202,7 @@ def conic_point(t: Parameter, weight: float, *coordinates: Control) -> tuple[Par
     top = t * t
     d = side + middle + top
 
-    return tuple((side * p[0] + middle * p[1] + top * p[2]) / d for p in coordinates)
+    return tuple([(side * p[0] + middle * p[1] + top * p[2]) / d for p in coordinates])
 
 
 class Span(NamedTuple):
@@ -289,7 +289,8 @@ def palmar_scale(spans: Sequence[Span], z: float) -> float:
     """Return the scale of the palmar height at height z [mm]; 0 outside the body."""
     for span in spans:
         if span.z[0] <= z <= span.z[2] and z < spans[-1].z[2]:
-            return span.evaluate(span.parameter_at(z))[2]
+            (scale,) = conic_point(span.parameter_at(z), span.weight, span.palmar)
+            return scale
 
     return 0.0
 

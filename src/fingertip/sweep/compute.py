@@ -52,9 +52,7 @@ def compute_lengths(context: PointContext) -> OutputValues:
     design = context.design
     return {
         "finger_length_mm": design.skin.length_mm + design.bone.base_length_mm,
-        "sensor_rim_mm": design.dimensions.sensor_rim_margin(
-            design.bone.rim_mm, design.sensor.clearance_mm
-        ),
+        "sensor_rim_mm": design.sensor_rim_margin,
         "mold_width_mm": 2 * m.half_width,
         "mold_height_mm": m.palmar_height + m.dorsal_height,
         "mold_length_mm": m.overall_height,

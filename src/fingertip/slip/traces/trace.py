@@ -9,7 +9,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -222,7 +222,7 @@ class ColumnMap:
             if NANOSEC in columns:
                 time = time + 1e-9 * columns[NANOSEC]
 
-            time = time * self.time_scale
+            time = time if self.time_scale == 1.0 else time * self.time_scale
 
         volts: dict[str, Any] = {
             name: columns[name] for name in ("voltage_v", *BOARD_COLUMNS) if name in columns
@@ -345,12 +345,6 @@ _CELLS_PER_SAMPLE = 4
 _REMEDY = "cut the recording into parts"
 
 
-def max_rows(columns: int) -> int:
-    """Return the maximum number of lines of a table with this number of columns."""
-    most_cells = _CELLS_PER_SAMPLE * SAMPLES_LIMIT.value
-    return max(1, min(SAMPLES_LIMIT.value, most_cells // max(1, columns)))
-
-
 def max_table_bytes() -> int:
     """Return the maximum size of all numbers of a table [bytes]."""
     return 8 * _CELLS_PER_SAMPLE * SAMPLES_LIMIT.value
@@ -374,6 +368,24 @@ def check_trace_file(path: Path) -> None:
 def max_lines() -> int:
     """Return the maximum number of lines of a file, those without a sample included."""
     return 2 * SAMPLES_LIMIT.value + 10_000
+
+
+def bounded_blocks(file: TextIO, name: str, most: int) -> Iterator[str]:
+    """Yield a text file in blocks of whole lines, none of which is longer than `MAX_LINE`.
+
+    Raises TraceError if a line is, and where there are more than `most` lines.
+    """
+    count = 0
+    while block := file.read(MAX_LINE):
+        block += file.readline(MAX_LINE)
+        last = block.rfind("\n", 0, -1) + 1  # no other line is longer than what was read at first
+        if len(block) - last > MAX_LINE:
+            raise _too_long(name, count + block.count("\n", 0, last) + 1)
+
+        yield block if count else block.lstrip("\ufeff")
+        count += block.count("\n")
+        if count > most:
+            raise _too_many_lines(name, most)
 
 
 def bounded_lines(
@@ -408,17 +420,25 @@ def bounded_lines(
             raise ArgumentError(Issue(f"{name}, line {number}", message))
 
         if len(line) > MAX_LINE:
-            message = (
-                f"is longer than {MAX_LINE} characters; a trace has one sample per line, so "
-                "break the lines."
-            )
-            raise TraceError(Issue(f"{name}, line {number}", message))
+            raise _too_long(name, number)
 
         if most is not None and number > most:
-            message = f"has more than {most} lines; {_REMEDY}, or raise {SAMPLES_LIMIT.variable}."
-            raise TraceError(Issue(name, message))
+            raise _too_many_lines(name, most)
 
         yield line.lstrip("\ufeff") if number == 1 else line
+
+
+def _too_long(name: str, number: int) -> TraceError:
+    message = (
+        f"is longer than {MAX_LINE} characters; a trace has one sample per line, so break the "
+        "lines."
+    )
+    return TraceError(Issue(f"{name}, line {number}", message))
+
+
+def _too_many_lines(name: str, most: int) -> TraceError:
+    message = f"has more than {most} lines; {_REMEDY}, or raise {SAMPLES_LIMIT.variable}."
+    return TraceError(Issue(name, message))
 
 
 def _read_port(port: Any) -> Iterator[bytes]:

@@ -110,6 +110,9 @@ def flat_warnings(volts: Array, design: Design, detector: str = "") -> Iterator[
 def _count_flat(volts: Array, limit: float) -> int:
     """Count the samples in runs at a voltage [V] that are longer than chance explains."""
     is_flat = volts == limit
+    if np.count_nonzero(is_flat) < _LEAST_FLAT:
+        return 0
+
     edges = np.flatnonzero(np.diff(is_flat.astype(np.int8), prepend=0, append=0))
     rest = volts[~is_flat]
     blocks = (np.diff(rest) == 0.0)[: (len(rest) - 1) // _BLOCK * _BLOCK].reshape(-1, _BLOCK)
@@ -236,6 +239,8 @@ MAX_HUM_V = 1e-3
 _MAINS_HZ = (50, 60)
 _PIECE_S = 0.5
 """Length of a piece of which the hum is taken [s]: whole periods of either mains."""
+_TOGETHER = 256
+"""Pieces of which the spectra are computed together."""
 _PEAK_RATIO = 4.0
 """Ratio of a tone to the spectrum around it above which it is hum."""
 _HIGH_N = 20.0
@@ -252,10 +257,11 @@ def hum_warnings(volts: Array, rate_hz: float) -> Iterator[str]:
     if len(pieces) < 2:
         return
 
-    window = np.hanning(size + 1)[:-1]
-    spectra = np.fft.rfft((pieces - pieces.mean(axis=1, keepdims=True)) * window)
-    rms_v = np.abs(spectra) * math.sqrt(2) / window.sum()
-    spectrum_v = np.median(rms_v, axis=0)  # a slip passes, hum stays
+    parts = [
+        _measure_low_tones(part)
+        for part in np.split(pieces, range(_TOGETHER, len(pieces), _TOGETHER))
+    ]
+    spectrum_v = np.median(np.concatenate(parts), axis=0)  # a slip passes, hum stays
 
     for hertz in _MAINS_HZ:
         place = round(hertz * size / rate_hz)
@@ -268,6 +274,16 @@ def hum_warnings(volts: Array, rate_hz: float) -> Iterator[str]:
                 "for it. Shield the "
                 "sensor's cable, or power the board from a battery."
             )
+
+
+def _measure_low_tones(pieces: Array) -> Array:
+    """Measure the tones of each piece up to a little above the mains [V RMS]."""
+    size = pieces.shape[1]
+    window = np.hanning(size + 1)[:-1]
+    spectra = np.fft.rfft((pieces - pieces.mean(axis=1, keepdims=True)) * window)
+    highest = round(_PIECE_S * max(_MAINS_HZ)) + 5
+    rms_v: Array = np.abs(spectra[:, :highest]) * math.sqrt(2) / window.sum()
+    return rms_v
 
 
 def polarity_warnings(volts: Array, design: Design) -> Iterator[str]:

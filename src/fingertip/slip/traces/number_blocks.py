@@ -77,7 +77,8 @@ def _parse_by_arrow(
     except pyarrow.ArrowInvalid:
         return None
 
-    return [column.to_numpy() for column in table.columns]
+    # Its method to_numpy would import pandas.
+    return [np.asarray(np.from_dlpack(column.combine_chunks())) for column in table.columns]
 
 
 def _parse_by_numpy(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import functools
 import itertools
 import math
 import re
@@ -254,12 +255,16 @@ class RawTrace:
     @property
     def rate_hz(self) -> float | None:
         """Sampling rate by the median time step, to six digits [Hz]; None if undetermined."""
-        time = self.trace.time_s
-        if not self._times_are_valid or find_rounding(time):
+        if not self._times_are_valid or find_rounding(self.trace.time_s):
             return None
 
-        usual = float(np.median(np.diff(time)))
+        usual = self._usual_step
         return float(f"{1 / usual:.6g}") if usual > 0.0 else None
+
+    @functools.cached_property
+    def _usual_step(self) -> float:
+        """Median step of the times."""
+        return float(np.median(np.diff(self.trace.time_s), overwrite_input=True))
 
     def validate(self, detector: DetectorParameters) -> Trace:
         """Return the trace if it is valid for a detector's sampling rate, window and ADC.
@@ -275,6 +280,7 @@ class RawTrace:
             issues.extend(
                 time_issues(
                     self.trace.time_s,
+                    self._usual_step,
                     detector=detector,
                     name=self.name,
                     lines=self.lines,

@@ -145,6 +145,7 @@ class StreamWatch:
         self._recent: list[float] = []
         self._count = 0
         self._first_v = 0.0
+        self._begin_samples = round(BEGIN_S * design.detector.sample_rate_hz)
         self._checks: list[Callable[..., Iterator[str]]] = [
             flat_warnings,
             preload_warnings,
@@ -170,11 +171,18 @@ class StreamWatch:
         rests = getattr(self._instance, "threshold_v", 0.0) * BEGIN_RATIO < self._first_v
         return begin_warnings(self._count / self._design.detector.sample_rate_hz if rests else None)
 
-    def add(self, volts: float) -> Sequence[str]:
-        self._recent.append(volts)
-        self._count += 1
-        has_begun = self._count == round(BEGIN_S * self._design.detector.sample_rate_hz)
-        if has_begun and len({*self._recent}) > 2:
+    @property
+    def room(self) -> int:
+        """Number of samples after which it looks at the detector and at the voltages."""
+        room = _RECENT - len(self._recent)
+        until_begin = self._begin_samples - self._count
+        return min(room, until_begin) if until_begin > 0 else room
+
+    def add(self, volts: Sequence[float]) -> Sequence[str]:
+        """Add voltages, no more than there is room for [V]."""
+        self._recent += volts
+        self._count += len(volts)
+        if self._count == self._begin_samples and len({*self._recent}) > 2:
             self._first_v = getattr(self._instance, "threshold_v", 0.0)
         if len(self._recent) < _RECENT:
             return ()

@@ -7,7 +7,7 @@ import functools
 import itertools
 import math
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
@@ -445,6 +445,51 @@ def _too_long(name: str, number: int) -> TraceError:
 def _too_many_lines(name: str, most: int) -> TraceError:
     message = f"has more than {most} lines; {_REMEDY}, or raise {SAMPLES_LIMIT.variable}."
     return TraceError(Issue(name, message))
+
+
+_ARRIVAL_BYTES = 2**16
+"""Largest part of a stream that is taken at once [bytes]."""
+
+
+def arriving_blocks(lines: Iterable[str | bytes], name: str) -> Iterator[str]:
+    """Yield the lines of a stream in blocks of whole lines, as soon as they arrive.
+
+    Standard input and other buffers of bytes give blocks; lines that come one by one are a block
+    each. Raises TraceError as `bounded_lines`.
+    """
+    read = getattr(lines, "read1", None)
+    if read is None:
+        yield from bounded_lines(lines, name)
+        return
+
+    count = 0
+    rest = b""
+    while arrived := _read_arrived(read):
+        rest += arrived
+        end = rest.rfind(b"\n") + 1
+        if len(rest) > MAX_LINE and not 0 < rest.find(b"\n") + 1 <= MAX_LINE:
+            raise _too_long(name, count + 1)
+
+        if end:
+            block = rest[:end].decode("utf-8", "replace")
+            yield block if count else block.lstrip("\ufeff")
+            count += block.count("\n")
+            rest = rest[end:]
+
+    if rest:
+        block = rest.decode("utf-8", "replace")
+        yield block if count else block.lstrip("\ufeff")
+
+
+def _read_arrived(read: Callable[[int], bytes]) -> bytes:
+    """Read what has arrived; the end of a port that is unplugged is the end of the stream."""
+    try:
+        return read(_ARRIVAL_BYTES)
+    except OSError as error:
+        if error.errno not in (errno.EIO, None):
+            raise
+
+        return b""
 
 
 def _read_port(port: Any) -> Iterator[bytes]:

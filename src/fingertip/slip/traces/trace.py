@@ -466,10 +466,10 @@ def arriving_blocks(lines: Iterable[str | bytes], name: str) -> Iterator[str]:
     rest = b""
     while arrived := _read_arrived(read):
         rest += arrived
-        end = rest.rfind(b"\n") + 1
-        if len(rest) > MAX_LINE and not 0 < rest.find(b"\n") + 1 <= MAX_LINE:
+        if (rest.find(b"\n") + 1 or len(rest)) > MAX_LINE:
             raise _too_long(name, count + 1)
 
+        end = rest.rfind(b"\n") + 1
         if end:
             block = rest[:end].decode("utf-8", "replace")
             yield block if count else block.lstrip("\ufeff")

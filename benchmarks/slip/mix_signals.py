@@ -138,7 +138,7 @@ def filter_as_board(design: Design, volts: Array) -> Array | None:
     if range_v is None:
         return None
 
-    filtered_v = SlipChain(ChainSettings.from_design(design)).process(volts).filtered_v
+    filtered_v = SlipChain(ChainSettings.from_design(design)).filter(volts)
     return np.asarray(np.clip(filtered_v, -range_v, range_v))
 
 

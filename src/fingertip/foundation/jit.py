@@ -11,6 +11,7 @@ work is asked for.
 3. Elsewhere each loop runs plain until the time that its calls in this process would take in plain
    Python reaches `LOAD_S`, and compiled from then on: with a loop in the cache, at most twice as
    long as the better form.
+4. Within an `interpreted()` block every call runs plain: a live stream cannot wait for numba.
 
 The time in plain Python is a constant per sample times the number of samples, so that the same
 calls always take the same decisions. Both forms execute the same operations in the same order, and

@@ -42,8 +42,7 @@ from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.survey import GRASP_DEG, TILTS_DEG, WIDE_DEG, try_contacts
 from fingertip.pad.touch import Pose
 from fingertip.sim import run_scene
-from fingertip.sim.runs.scene import SceneRun
-from fingertip.sim.signal.grid import BASE_HZ, Grid
+from fingertip.sim.signal.grid import BASE_GRID, BASE_HZ, Grid
 from fingertip.sim.simulation import Trial, article_trials
 
 _SHARES = "0.011 rms, 0.024 worst (finite elements)"
@@ -182,9 +181,9 @@ def _refine_steps(design: Design) -> Iterator[Curve]:
     cases = [Case("slip", scene, seed) for scene, seed in trials_to_refine]
 
     def detect(step_us: float) -> Values:
-        grids = [SceneRun(design, case.scene, case.seed).grid or Grid() for case in cases]
-        finer = [Grid(grid.refinement * round(1e6 / BASE_HZ / step_us)) for grid in grids]
-        result = DetectorResult(1.0, tuple(chain(*map(partial(_detect, design), cases, finer))))
+        grid = Grid(round(1e6 / BASE_HZ / step_us))
+        trials = chain.from_iterable(_detect(design, case, grid) for case in cases)
+        result = DetectorResult(1.0, tuple(trials))
         onset_s = result.motion_delay_s(0.5) - result.delay_s(0.5)
 
         return {
@@ -196,7 +195,7 @@ def _refine_steps(design: Design) -> Iterator[Curve]:
     yield _refine("time step [us]", (100.0, 50.0, 25.0), 0, 100.0 / REFERENCE, detect)
 
 
-def _detect(design: Design, case: Case, grid: Grid | None = None) -> list[TrialResult]:
+def _detect(design: Design, case: Case, grid: Grid = BASE_GRID) -> list[TrialResult]:
     return evaluate(
         case,
         trace=simulate_trace(design, case, [DETECTOR], grid),

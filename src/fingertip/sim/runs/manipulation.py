@@ -40,7 +40,7 @@ from fingertip.sim.runs.manipulation_plan import (
 )
 from fingertip.sim.runs.scene_and_manipulation_files import GraspedObject, Hand, ManipulationFile
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
-from fingertip.sim.signal.grid import CostMeter, Grid, StageCost, report_share
+from fingertip.sim.signal.grid import BASE_GRID, CostMeter, Grid, StageCost, report_share
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import Interval, Origin, intervals
 
@@ -181,14 +181,14 @@ def run_manipulation(
     controller: Controller | None = None,
     seed: int = 0,
     progress: Callable[[str], None] | None = None,
-    grid: Grid | None = None,
+    grid: Grid = BASE_GRID,
 ) -> ManipulationResult:
     """Simulate a manipulation.
 
     The design gives the shape of the pads, the board, the ADC and its noise; all fingers are alike.
     The controller closes the loop; None keeps the planned grip. The seed is that of grip, friction,
     surfaces and noise: the same design, scene, seed and commands give the same columns. `progress`
-    and `grid` are as for `run_scene`: pads and object take more steps where the bristles need it.
+    and `grid` are as for `run_scene`.
 
     Raises TraceError if the seed is negative, the plan needs more force than a finger can press
     with, the board of this design has no such output, or a command of the controller is not valid.
@@ -237,7 +237,7 @@ def start_manipulation(
     scene: ManipulationFile,
     seed: int,
     outputs: frozenset[str],
-    grid: Grid | None,
+    grid: Grid,
     meter: CostMeter,
 ) -> ManipulationStepper:
     raise_issues(TraceError, _find_issues(design, scene, seed))
@@ -250,7 +250,7 @@ def start_manipulation(
         pad=pad,
         seed=seed,
         outputs=outputs,
-        grid=grid or Grid(),
+        grid=grid,
         meter=meter,
     )
 

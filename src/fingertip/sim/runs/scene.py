@@ -27,17 +27,22 @@ from fingertip.pad.touch import Pose
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
 from fingertip.sim.contact.surface_files import SurfaceTable
 from fingertip.sim.contact.surfaces import SurfaceProfile
-from fingertip.sim.contact.tangential import admissible_step_s
 from fingertip.sim.runs.scene_and_manipulation_files import DIRECTIONS, SceneFile
 from fingertip.sim.runs.timeline import (
     CoupledPad,
     Timeline,
     UncoupledPad,
     build_timeline,
-    mount_pad,
 )
 from fingertip.sim.runs.tremor_and_servo import HandMotion, largest_factor
-from fingertip.sim.signal.grid import CostMeter, Grid, StageCost, count_samples, report_share
+from fingertip.sim.signal.grid import (
+    BASE_GRID,
+    CostMeter,
+    Grid,
+    StageCost,
+    count_samples,
+    report_share,
+)
 from fingertip.sim.signal.parameters import FILTER_OUTPUTS
 from fingertip.sim.signal.simulated_finger import (
     OF_BRIDGE,
@@ -55,8 +60,8 @@ COMPILE_FROM_S = 3.0
 Loading numba and the loops takes 0.8 s.
 """
 _PLAIN_US = {
-    "friction": 2.5,
-    "error control": 40.0,
+    "friction": 5.0,
+    "coupled contact": 20.0,
     "shaking": 2.0,
     "bridge": 0.8,
     "ADC": 0.3,
@@ -149,29 +154,11 @@ class SceneRun:
     design: Design
     scene: SceneFile
     seed: int = 0
-    grid: Grid | None = None
+    grid: Grid = BASE_GRID
     meter: CostMeter = field(default_factory=CostMeter)
 
     def __post_init__(self) -> None:
         raise_issues(TraceError, self.scene.find_design_issues(self.design, self.seed))
-        if self.scene.slide.distance_m:
-            plain = replace(self.friction, elastic=0.0)
-            longest = admissible_step_s(plain, mount_pad(self.pad, self.force_n), self.max_load_n)
-            needed = Grid.finer_than(longest)
-            is_controlled = self.scene.contact.feedback or self.friction.elastic
-
-            if self.grid and self.grid.refinement < needed.refinement and not is_controlled:
-                what = (
-                    f"has steps of {self.grid.step_s:g} s, which are too long for a pad so "
-                    "light or stiff"
-                )
-                raise TraceError(
-                    Issue("grid", f"{what}; give Grid({needed.refinement}), or leave grid out.")
-                )
-
-            self.grid = self.grid or needed
-
-        self.grid = self.grid or Grid()
 
     @functools.cached_property
     def force_n(self) -> float:
@@ -232,14 +219,12 @@ class SceneRun:
         return highest_n * largest_factor(scene.tremor, scene.servo, self.force_n)
 
     def predict_plain_s(self) -> float:
-        assert self.grid
         contact = self.scene.contact
         outputs = frozenset(self.scene.outputs)
         slides = self.timeline.slide is not None
-        adaptive = slides and (contact.feedback or contact.bristles == "elasto_plastic")
         runs = {
             "friction": slides,
-            "error control": adaptive,
+            "coupled contact": slides and contact.feedback,
             "shaking": bool(outputs & OF_CONTACT),
             "bridge": bool(outputs & OF_BRIDGE),
             "ADC": "voltage_v" in outputs,
@@ -254,7 +239,6 @@ class SceneRun:
 
     def chunks(self, size: int = CHUNK) -> Iterator[FingerSignals]:
         """Yield the signals of one chunk after the other; the size of a chunk changes no bit."""
-        assert self.grid
         count = self.grid.count_points(
             self.timeline.duration_s, self.design.detector.sample_rate_hz
         )
@@ -334,14 +318,13 @@ def run_scene(
     scene: SceneFile,
     seed: int = 0,
     progress: Callable[[str], None] | None = None,
-    grid: Grid | None = None,
+    grid: Grid = BASE_GRID,
 ) -> SceneResult:
     """Simulate a scene, running only the parts that its outputs depend on.
 
     The design gives the shape of the pad, the board, the ADC and its noise; the seed is that of
     force, surface, motors and noise. The same design, scene and seed give the same columns.
-    `progress` receives messages of scenes longer than `progress.LONG_S`. Without a grid, the
-    computation takes the base grid, refined where the bristles need it.
+    `progress` receives messages of scenes longer than `progress.LONG_S`.
 
     Raises TraceError if the scene cannot be simulated with this design.
     """
@@ -356,7 +339,7 @@ def stream_scene(
     take: Callable[[FingerSignals], None],
     seed: int = 0,
     progress: ReportProgress | None = None,
-    grid: Grid | None = None,
+    grid: Grid = BASE_GRID,
 ) -> SceneRecord:
     """Simulate a scene and hand its signals on, chunk by chunk, so that memory does not grow with
     its length.

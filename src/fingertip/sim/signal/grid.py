@@ -37,11 +37,6 @@ class Grid:
     Noise is drawn on the base grid, so it stays the same.
     """
 
-    @classmethod
-    def finer_than(cls, longest_step_s: float) -> Grid:
-        """Coarsest grid whose step is not above a limit [s]."""
-        return cls(max(1, math.ceil(1 / (BASE_HZ * longest_step_s))))
-
     @property
     def rate_hz(self) -> float:
         return BASE_HZ * self.refinement
@@ -57,6 +52,9 @@ class Grid:
         """Number of points up to the last sample of a recording."""
         last = count_samples(duration_s, sample_rate_hz) - 1
         return math.ceil(last * self.rate_hz / sample_rate_hz - _SNAP) + 1
+
+
+BASE_GRID = Grid()
 
 
 def count_samples(duration_s: float, sample_rate_hz: float) -> int:

@@ -21,7 +21,9 @@ from fingertip.foundation.errors import FingertipError, gather
 from fingertip.foundation.files import temporary_folder
 
 if TYPE_CHECKING:
-    from fingertip.sim import ManipulationResult, SceneRecord, Simulation
+    from fingertip.sim.runs.manipulation import ManipulationResult
+    from fingertip.sim.runs.scene import SceneRecord
+    from fingertip.sim.simulation import Simulation
 
 
 def parse_simulated(typed: str) -> Path:
@@ -81,7 +83,8 @@ def simulate(
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
     from fingertip.foundation import extras
-    from fingertip.sim import load_simulation, trace_file
+    from fingertip.sim import trace_file
+    from fingertip.sim.simulation import load_simulation
 
     issues = [
         *find_file_issues("--out", out, *trace_file.SUFFIXES),

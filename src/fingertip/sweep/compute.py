@@ -93,8 +93,9 @@ def compute_board(context: PointContext) -> OutputValues:
 
 
 def compute_circuit(context: PointContext) -> OutputValues:
-    from fingertip.board import board_circuit, board_values
     from fingertip.board.analysis import gate
+    from fingertip.board.analysis.board_values import board_values
+    from fingertip.board.circuits.board_circuit import board_circuit
     from fingertip.board.fabrication.bom import list_unconfirmed
 
     values = board_values(context.design)

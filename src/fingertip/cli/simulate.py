@@ -199,7 +199,6 @@ def _simulate(
     progress: Callable[[str], None],
 ) -> tuple[SceneRecord | ManipulationResult, tuple[float, ...] | None, bytes | None]:
     """Simulate and write the trace; return the record, moments of grip, and the plot."""
-    from fingertip.sim import simulation_summary as summary
     from fingertip.sim import trace_file
 
     if grip is None and not plotted:
@@ -214,5 +213,10 @@ def _simulate(
         record, grips_s = run_with_grip(simulation, grip, progress)
 
     trace_file.write_columns(file, path, record.time_s, record.columns)
-    picture = summary.draw(record, summary.as_text(record, grips_s)[0]) if plotted else None
-    return record, grips_s, picture
+    if not plotted:
+        return record, grips_s, None
+
+    from fingertip.sim.simulation_plot import draw
+    from fingertip.sim.simulation_summary import as_text
+
+    return record, grips_s, draw(record, as_text(record, grips_s)[0])

@@ -146,12 +146,15 @@ def scale_at(stations: Sequence[tuple[float, float]], tip: Tip | None, z: float)
     """Return the scale at height z [mm] between stations, or on
     a tip after the last one; 0 outside.
     """
-    for (z0, s0), (z1, s1) in pairwise(stations):
-        if z0 <= z <= z1 and z0 < z1:
-            return s0 + (s1 - s0) * (z - z0) / (z1 - z0)
-
     z1, s1 = stations[-1]
-    if tip is None or not z1 < z < tip[0]:
+    if z <= z1:
+        for (z0, s0), (z1, s1) in pairwise(stations):
+            if z0 <= z <= z1 and z0 < z1:
+                return s0 + (s1 - s0) * (z - z0) / (z1 - z0)
+
+        return 0.0
+
+    if tip is None or z >= tip[0]:
         return 0.0
 
     # Barycentric coordinates of the conic satisfy l1^2 = 4 w^2 l0 l2. Here l2 = zeta - l1 and l0 =

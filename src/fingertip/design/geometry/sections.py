@@ -16,9 +16,6 @@ from typing import TYPE_CHECKING
 from fingertip.models.profile import arc_point
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from fingertip.design.parameters import Tables
     from fingertip.foundation.numerics import Array
     from fingertip.models.conic import ConicBody, CrossSection
@@ -26,8 +23,9 @@ if TYPE_CHECKING:
 
 _LEAST = 1e-300
 """Least divisor: it stands for the size of a section that is a point."""
-_RIM_POINTS = 64
-"""Intervals at which the flat's margin around the sensor is sampled."""
+_RIM_ANGLES = [math.pi * (i / 64 - 0.5) for i in range(65)]
+_RIM = [(math.cos(angle), math.sin(angle)) for angle in _RIM_ANGLES]
+"""Points (x, z) of a half circle at which the flat's margin around the sensor is sampled."""
 
 
 @dataclass(frozen=True)
@@ -47,10 +45,9 @@ class Quarters:
         return (*self.dorsal, *self.palmar)
 
     @cached_property
-    def is_palmar(self) -> NDArray[np.bool_]:
-        import numpy as np  # noqa: PLC0415
-
-        return np.arange(len(self.heights)) >= len(self.dorsal)
+    def sides(self) -> list[int]:
+        """0 for each dorsal quarter, 1 for each palmar one."""
+        return [0] * len(self.dorsal) + [1] * len(self.palmar)
 
     @cached_property
     def surface_rises(self) -> Array:
@@ -61,13 +58,18 @@ class Quarters:
         dorsal = map(outer.scale_at, self.dorsal)
         return np.array([*dorsal, *map(outer.palmar_scale_at, self.palmar)])
 
-    def surface(self, chords: int) -> Array:
-        """Return points of the skin's outer surface, from its side: the ends of chords."""
+    @cached_property
+    def surface_half_axes(self) -> Array:
+        """Half width and height of the skin's outer surface [mm]."""
         import numpy as np  # noqa: PLC0415
 
         outer = self.dims.outer
         scales = np.array((scales_at(outer, self.heights), self.surface_rises))
-        return self._list_arcs(outer.section, self._half_axes(outer.section) * scales, chords)
+        return self._half_axes(outer.section) * scales
+
+    def surface(self, chords: int) -> Array:
+        """Return points of the skin's outer surface, from its side: the ends of chords."""
+        return self._list_arcs(self.dims.outer.section, self.surface_half_axes, chords)
 
     @cached_property
     def core_scales(self) -> Array:
@@ -87,7 +89,7 @@ class Quarters:
         half_width, height = self.core_half_axes
         scales = self.core_scales
         cut = half_widths_at(self.dims.bone_outline.section, -flat, scales, scales)
-        is_cut = self.is_palmar & (cut > 0.0)
+        is_cut = (cut > 0.0) & np.array(self.sides, dtype=bool)
         x = np.where(is_cut, np.minimum(cut, half_width), 0.0)
 
         return np.array((x, np.where(is_cut, flat, height)))
@@ -117,23 +119,24 @@ class Quarters:
         """Return half width and height of a section for each quarter [mm]."""
         import numpy as np  # noqa: PLC0415
 
-        height = np.where(self.is_palmar, section.palmar, section.dorsal)
-        return np.array((np.full_like(height, section.half_width), height))
+        widths = (section.half_width, section.half_width)
+        return np.array((widths, (section.dorsal, section.palmar)))[:, self.sides]
 
     def _list_arcs(self, section: CrossSection, half_axes: Array, count: int) -> Array:
         """Return `count` + 1 points of an arc for each quarter, at equal steps of its parameter."""
         import numpy as np  # noqa: PLC0415
 
-        weights = np.where(self.is_palmar, section.palmar_weight, section.dorsal_weight)
+        weights = np.array((section.dorsal_weight, section.palmar_weight))
         arcs = arc_point(np.arange(count + 1) / count, weights[:, None])
-        return half_axes[..., None] * np.array(arcs)
+        return half_axes[..., None] * np.array(arcs)[:, self.sides]
 
 
 def scales_at(body: ConicBody, heights: Sequence[float]) -> Array:
     """Return the scales of a body's sections at heights z [mm]; 0 outside it."""
     import numpy as np  # noqa: PLC0415
 
-    return np.array([body.scale_at(z) for z in heights])
+    scales = {z: body.scale_at(z) for z in set(heights)}
+    return np.array([scales[z] for z in heights])
 
 
 def half_widths_at(section: CrossSection, y: float, scales: Array, palmar_scales: Array) -> Array:
@@ -169,15 +172,12 @@ def sensor_rim_margin(design: Tables, dims: Dimensions) -> float:
     """Compute the least margin along x [mm] between the flat's edge and the circle of sensor head
     and rim.
     """
-    import numpy as np  # noqa: PLC0415
 
     r = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm + design.bone.rim_mm
-    angles = [math.pi * (i / _RIM_POINTS - 0.5) for i in range(_RIM_POINTS + 1)]
-    heights = [dims.sensor_z + r * math.sin(phi) for phi in angles]
-    circle = np.array([r * math.cos(phi) for phi in angles])
+    heights = [dims.sensor_z + r * z for _, z in _RIM]
     flat = half_widths_along(dims.bone_outline, -dims.platform_depth, heights)
 
-    return float((flat - circle).min())
+    return float((flat - [r * x for x, _ in _RIM]).min())
 
 
 def measure_gaps(points: Array, surface: Array) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ from fingertip.foundation import jit
 from fingertip.sim.runs.manipulation import advance_as_planned, start_manipulation
 from fingertip.sim.runs.scene import COMPILE_FROM_S, SceneRun
 from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile
-from fingertip.sim.signal.grid import BASE_GRID, STAGES, CostMeter, StageCost
+from fingertip.sim.signal.grid import STAGES, CostMeter, StageCost
 from fingertip.sim.simulation import Simulation
 
 _COUPLED = {"friction", "profile", "contact"}
@@ -98,7 +98,7 @@ def plan_simulation(simulation: Simulation) -> SimulationPlan:
             scene=scene,
             seed=seed,
             outputs=frozenset(scene.outputs),
-            grid=BASE_GRID,
+            grid=None,
             meter=meter,
         )
         points = stepper.point_count
@@ -107,6 +107,7 @@ def plan_simulation(simulation: Simulation) -> SimulationPlan:
         is_compiled = False
     else:
         run = SceneRun(design, scene, seed, meter=meter)
+        assert run.grid
         duration_s = run.timeline.duration_s
         points = run.grid.count_points(duration_s, design.detector.sample_rate_hz)
         chunks = run.chunks(TRIED_POINTS)

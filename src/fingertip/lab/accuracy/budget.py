@@ -42,7 +42,7 @@ from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.survey import GRASP_DEG, TILTS_DEG, WIDE_DEG, try_contacts
 from fingertip.pad.touch import Pose
 from fingertip.sim.runs.scene import run_scene
-from fingertip.sim.signal.grid import BASE_GRID, BASE_HZ, Grid
+from fingertip.sim.signal.grid import BASE_HZ, Grid
 from fingertip.sim.simulation import Trial, article_trials
 
 _SHARES = "0.011 rms, 0.024 worst (finite elements)"
@@ -195,7 +195,7 @@ def _refine_steps(design: Design) -> Iterator[Curve]:
     yield _refine("time step [us]", (100.0, 50.0, 25.0), 0, 100.0 / REFERENCE, detect)
 
 
-def _detect(design: Design, case: Case, grid: Grid = BASE_GRID) -> list[TrialResult]:
+def _detect(design: Design, case: Case, grid: Grid | None = None) -> list[TrialResult]:
     return evaluate(
         case,
         trace=simulate_trace(design, case, [DETECTOR], grid),

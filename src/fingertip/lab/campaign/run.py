@@ -22,7 +22,7 @@ from fingertip.lab.campaign.campaign import (
     generate_cases,
 )
 from fingertip.sim.runs.scene import SceneRun, run_scene
-from fingertip.sim.signal.grid import BASE_GRID, Grid
+from fingertip.sim.signal.grid import Grid
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.detector import Detector, DetectorOutput
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
@@ -74,7 +74,7 @@ class TrialResult:
 
 
 def simulate_trace(
-    design: Design, case: Case, detectors: Sequence[str], grid: Grid = BASE_GRID
+    design: Design, case: Case, detectors: Sequence[str], grid: Grid | None = None
 ) -> Trace:
     """Simulate the recording of a case, through the ADC."""
     outputs = ["voltage_v", "force_n", "slip", *select_board_outputs(design, detectors)]

@@ -40,7 +40,7 @@ from fingertip.sim.runs.manipulation_plan import (
 )
 from fingertip.sim.runs.scene_and_manipulation_files import GraspedObject, Hand, ManipulationFile
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
-from fingertip.sim.signal.grid import BASE_GRID, CostMeter, Grid, StageCost, report_share
+from fingertip.sim.signal.grid import CostMeter, Grid, StageCost, report_share
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import Interval, Origin, intervals
 
@@ -181,7 +181,7 @@ def run_manipulation(
     controller: Controller | None = None,
     seed: int = 0,
     progress: Callable[[str], None] | None = None,
-    grid: Grid = BASE_GRID,
+    grid: Grid | None = None,
 ) -> ManipulationResult:
     """Simulate a manipulation.
 
@@ -237,7 +237,7 @@ def start_manipulation(
     scene: ManipulationFile,
     seed: int,
     outputs: frozenset[str],
-    grid: Grid,
+    grid: Grid | None,
     meter: CostMeter,
 ) -> ManipulationStepper:
     raise_issues(TraceError, _find_issues(design, scene, seed))
@@ -250,7 +250,7 @@ def start_manipulation(
         pad=pad,
         seed=seed,
         outputs=outputs,
-        grid=grid,
+        grid=grid or Grid(),
         meter=meter,
     )
 

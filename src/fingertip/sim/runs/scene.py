@@ -33,10 +33,11 @@ from fingertip.sim.runs.timeline import (
     Timeline,
     UncoupledPad,
     build_timeline,
+    mount_pad,
 )
 from fingertip.sim.runs.tremor_and_servo import HandMotion, largest_factor
 from fingertip.sim.signal.grid import (
-    BASE_GRID,
+    BASE_HZ,
     CostMeter,
     Grid,
     StageCost,
@@ -69,6 +70,10 @@ _PLAIN_US = {
     "comparator": 3.5,
 }
 """Time per point in plain Python of each group of stages [us], measured once."""
+MAX_PHASE = 0.5
+"""Largest angle by which a stuck pad oscillates on its bristles in one step of the grid [rad]. Its
+vibration is sampled at the points.
+"""
 CHUNK = 32_768
 """Number of points that are computed at a time: 3 s. A finger needs some 10 MB for them."""
 
@@ -154,11 +159,24 @@ class SceneRun:
     design: Design
     scene: SceneFile
     seed: int = 0
-    grid: Grid = BASE_GRID
+    grid: Grid | None = None
     meter: CostMeter = field(default_factory=CostMeter)
 
     def __post_init__(self) -> None:
         raise_issues(TraceError, self.scene.find_design_issues(self.design, self.seed))
+        self.grid = self.grid or self._choose_grid()
+
+    def _choose_grid(self) -> Grid:
+        """Choose the base grid, refined where a light or stiff pad that sticks turns by more than
+        `MAX_PHASE` in a step.
+        """
+        if not self.scene.slide.distance_m:
+            return Grid()
+
+        mount = mount_pad(self.pad, self.force_n)
+        stiffness = mount.stiffness_n_per_m + self.max_load_n * self.friction.sigma0
+        phase = math.sqrt(stiffness / mount.mass_kg) / BASE_HZ
+        return Grid(max(1, math.ceil(phase / MAX_PHASE)))
 
     @functools.cached_property
     def force_n(self) -> float:
@@ -219,6 +237,7 @@ class SceneRun:
         return highest_n * largest_factor(scene.tremor, scene.servo, self.force_n)
 
     def predict_plain_s(self) -> float:
+        assert self.grid
         contact = self.scene.contact
         outputs = frozenset(self.scene.outputs)
         slides = self.timeline.slide is not None
@@ -239,6 +258,7 @@ class SceneRun:
 
     def chunks(self, size: int = CHUNK) -> Iterator[FingerSignals]:
         """Yield the signals of one chunk after the other; the size of a chunk changes no bit."""
+        assert self.grid
         count = self.grid.count_points(
             self.timeline.duration_s, self.design.detector.sample_rate_hz
         )
@@ -318,13 +338,14 @@ def run_scene(
     scene: SceneFile,
     seed: int = 0,
     progress: Callable[[str], None] | None = None,
-    grid: Grid = BASE_GRID,
+    grid: Grid | None = None,
 ) -> SceneResult:
     """Simulate a scene, running only the parts that its outputs depend on.
 
     The design gives the shape of the pad, the board, the ADC and its noise; the seed is that of
     force, surface, motors and noise. The same design, scene and seed give the same columns.
-    `progress` receives messages of scenes longer than `progress.LONG_S`.
+    `progress` receives messages of scenes longer than `progress.LONG_S`. Without a grid, the
+    computation takes the base grid, refined where the pad needs it.
 
     Raises TraceError if the scene cannot be simulated with this design.
     """
@@ -339,7 +360,7 @@ def stream_scene(
     take: Callable[[FingerSignals], None],
     seed: int = 0,
     progress: ReportProgress | None = None,
-    grid: Grid = BASE_GRID,
+    grid: Grid | None = None,
 ) -> SceneRecord:
     """Simulate a scene and hand its signals on, chunk by chunk, so that memory does not grow with
     its length.

@@ -54,9 +54,6 @@ class Grid:
         return math.ceil(last * self.rate_hz / sample_rate_hz - _SNAP) + 1
 
 
-BASE_GRID = Grid()
-
-
 def count_samples(duration_s: float, sample_rate_hz: float) -> int:
     """Number of samples of a recording, the one at time 0 included."""
     return math.ceil(duration_s * sample_rate_hz - _SNAP) + 1

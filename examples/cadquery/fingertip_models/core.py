@@ -49,7 +49,7 @@ def core(finger: Finger) -> Solid:
     plate = Box((-half, -m.palmar_height, -PLATE_MM), (half, m.dorsal_height, 0.0))
     whole = core_within_skin(finger).union(plate, *ridges(finger))
 
-    return whole.cut(*plate_letters(finger), *strap_seats(finger)[1:])
+    return whole.cut(*strap_seats(finger)[1:]).cut(*plate_letters(finger))
 
 
 def plate_letters(finger: Finger) -> tuple[Prism, ...]:

@@ -251,7 +251,7 @@ def mold_palmar(finger: Finger) -> Solid:
     """
     whole = block(finger)
     half = Box(whole.low, (whole.high[0], 0.0, whole.high[2]))
-    return half.cut(hollow(finger), *key_sockets(finger), *label(finger))
+    return half.cut(hollow(finger), *key_sockets(finger)).cut(*label(finger))
 
 
 def mold_dorsal(finger: Finger) -> Solid:

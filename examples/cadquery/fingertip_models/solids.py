@@ -47,6 +47,10 @@ class Solid:
     def intersect(self, *others: Solid) -> Solid:
         return Intersection((self, *others)) if others else self
 
+    def hollowed(self, inside: Solid) -> Solid:
+        """Cut out a solid that is open in the plane z = 0, and lies within this one above it."""
+        return Shell(self, inside)
+
     def scaled(self, factor: float) -> Solid:
         """Scale the solid about the origin."""
         return Scaled(self, factor) if factor != 1.0 else self
@@ -190,6 +194,23 @@ class Difference(Solid):
 @dataclass(frozen=True)
 class Intersection(Solid):
     solids: tuple[Solid, ...]
+
+
+@dataclass(frozen=True)
+class Shell(Solid):
+    """Solid that ends in the plane z = 0, without what lies inside it.
+
+    Both meet in that plane alone. Their other faces stay whole, so that a kernel may take them over
+    and spare itself a boolean between curved surfaces:
+
+          |   .---------------.
+          |   |   inside       \
+          |   |_________________|___  outer
+        z = 0
+    """
+
+    outer: Solid
+    inside: Solid
 
 
 @dataclass(frozen=True)

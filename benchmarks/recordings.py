@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import multiprocessing
 import os
 import statistics
 import subprocess
@@ -85,18 +86,32 @@ def main() -> None:
     print(f"{'recording':10}{'program':12}{'CPU s':>8}{'MB':>7}{'ratio':>8}{'lines/s':>11}")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        samples = write_recordings(folder, options.minutes)
+        samples = round(60 * options.minutes * RATE_HZ)
+        write_in_process(folder, samples)
         for kind in KINDS:
             runs = measure(folder, kind, sources, options.repeats)
             print_runs(kind, runs, samples)
 
 
-def write_recordings(folder: Path, minutes: float) -> int:
-    """Write a recording with a slip of 0.2 s each minute; return the number of its samples."""
+def write_in_process(folder: Path, count: int) -> None:
+    """Write the recordings in a process of its own.
+
+    The memory of this one at its greatest counts for each that it starts.
+    """
+    process = multiprocessing.get_context("spawn").Process(
+        target=write_recordings, args=(folder, count)
+    )
+    process.start()
+    process.join()
+    if process.exitcode:
+        raise SystemExit("the recordings cannot be written")
+
+
+def write_recordings(folder: Path, count: int) -> None:
+    """Write a recording of some samples with a slip of 0.2 s each minute."""
     import pyarrow
     from pyarrow import parquet
 
-    count = round(60 * minutes * RATE_HZ)
     time_s = np.arange(count) / RATE_HZ
     slides = (time_s % 60 >= 30) & (time_s % 60 < 30.2)
     noise_v = np.random.default_rng(0).normal(0, 4e-4, count)
@@ -108,8 +123,6 @@ def write_recordings(folder: Path, minutes: float) -> int:
     with (folder / "trace.csv").open("w") as file:
         file.write("time_s,voltage_v\n")
         np.savetxt(file, np.column_stack([time_s, volts]), ["%.4f", "%.6f"], ",")
-
-    return count
 
 
 def measure(

@@ -13,6 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import fingertip
+from fingertip.detection.recordings import find_force_scale
+from fingertip.slip.force import MEAN_S
 from fingertip.slip.traces import csv_file, number_blocks, trace
 from fingertip.slip.traces.csv_file import read_csv
 from fingertip.slip.traces.number_blocks import parse_numbers
@@ -31,6 +33,9 @@ DAMAGES: dict[str, Callable[[list[str]], None]] = {
     "too many cells": lambda lines: lines.__setitem__(1500, "0.749500,2.3,2.3\n"),
     "header and units again": lambda lines: lines.__setitem__(
         slice(1000, 1000), [LINES[0], "s,V\n"]
+    ),
+    "units alone": lambda lines: lines.__setitem__(
+        slice(1000, 1000), [LINES[0], *LINES[1001:1011], "s,V\n"]
     ),
     "comment": lambda lines: lines.insert(1000, "# 5,6\n"),
     "cut off": lambda lines: lines.__setitem__(-1, "0.99"),
@@ -69,6 +74,16 @@ def test_a_block_with_another_line_is_refused(
     monkeypatch.setattr(number_blocks, "_ARROW_FROM", arrow_from)
     assert parse_numbers("1,2\n3,4\n", ",", 2, [1, 0]) is not None
     assert parse_numbers(f"1,2\n{line}\n3,4\n", ",", 2, [1, 0]) is None
+
+
+@pytest.mark.parametrize("line", ['"a,b",1,2', "#a,b,1,2"])
+def test_a_quote_or_comment_in_a_column_that_is_not_read(
+    line: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("pyarrow")
+    monkeypatch.setattr(number_blocks, "_ARROW_FROM", 0)
+    assert parse_numbers("a,b,1,2\na,b,1,2\n", ",", 4, [2, 3]) is not None
+    assert parse_numbers(f"a,b,1,2\n{line}\n", ",", 4, [2, 3]) is None
 
 
 def test_arrays_are_read_without_pandas() -> None:
@@ -128,6 +143,16 @@ def test_a_stream_in_blocks_is_judged_as_line_by_line(damaged: list[str], detect
     assert whole == follow(iter(damaged), detector)
 
 
+def test_a_stream_that_begins_in_vibration_is_warned_of_alike() -> None:
+    time_s = np.arange(10_000) / 2000.0
+    noise_v = np.random.default_rng(3).normal(0, 4e-4, len(time_s))
+    volts = 2.3 + noise_v + 0.01 * np.sin(2 * np.pi * 90 * time_s) * (time_s < 0.6)
+    lines = csv(time_s, volts).splitlines(keepends=True)
+    whole = follow(io.BytesIO("".join(lines).encode()), "fast")
+    assert whole == follow(iter(lines), "fast")
+    assert any("begins in more vibration" in line for line in whole[1])
+
+
 def test_a_long_stream_warns_at_the_same_samples() -> None:
     noise = np.random.default_rng(2).normal(0, 4e-4, 9000)
     volts = np.concatenate([V, np.full(3000, 2.5), 2.4 + noise])
@@ -159,3 +184,21 @@ def test_a_line_that_never_ends_is_refused_in_a_stream(
 def test_a_stream_is_judged_alike_however_it_arrives() -> None:
     whole = follow(io.BytesIO(PLAIN.encode()), "fast")
     assert whole == follow(Trickle(PLAIN.encode()), "fast")
+
+
+@pytest.mark.parametrize("read", [io.BytesIO, lambda data: data.splitlines(keepends=True)])
+def test_the_force_of_a_transition_is_that_of_the_mean_voltage_before_it(
+    read: Callable[[bytes], object],
+) -> None:
+    design = fingertip.Design()
+    scale = find_force_scale(design)
+    assert scale is not None
+    first = next(fingertip.detect_stream(read(PLAIN.encode()), design).transitions)  # type: ignore[arg-type]
+    volts = np.round(V, 6)[: round(first.time_s * 2000) + 1]
+    share = 1 / (MEAN_S * 2000)
+    weights = share * (1 - share) ** np.arange(len(volts))[::-1]
+    weights[0] /= share
+    assert first.force is not None
+    assert first.force.force_n == pytest.approx(
+        scale.read(float(weights @ volts)).force_n, rel=1e-9
+    )

@@ -77,6 +77,7 @@ def _parse_by_arrow(
     except pyarrow.ArrowInvalid:
         return None
 
+    pyarrow.default_memory_pool().release_unused()
     # Its method to_numpy would import pandas.
     return [np.asarray(np.from_dlpack(column.combine_chunks())) for column in table.columns]
 

@@ -133,8 +133,8 @@ def check(
         "issues": [vars(finding) for finding in findings],
     }
 
-    by_kind = {"designs": checked, "folders": folders, "meshes": meshes}
-    for kind, of_kind in by_kind.items():
+    data["designs"] = [result.data for result in checked]
+    for kind, of_kind in {"folders": folders, "meshes": meshes}.items():
         if of_kind:
             data[kind] = [result.data for result in of_kind]
 

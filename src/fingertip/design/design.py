@@ -31,7 +31,7 @@ MAX_SHOWN = 4
 
 @dataclass(frozen=True)
 class History:
-    """Where the values of a design come from; it plays no part when designs are compared."""
+    """Origin of the values of a design; it plays no part when designs are compared."""
 
     provisional: tuple[str, ...] = field(default=(), compare=False)
     moves: tuple[Move, ...] = field(default=(), compare=False)

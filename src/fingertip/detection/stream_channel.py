@@ -38,7 +38,7 @@ class Transition:
 
 @dataclass(frozen=True, eq=False)
 class StreamSettings:
-    """What all channels of a stream have in common."""
+    """Settings that all channels of a stream have in common."""
 
     header: Header
     design: Design

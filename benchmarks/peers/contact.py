@@ -16,7 +16,6 @@ from functools import partial
 from itertools import pairwise
 
 import numpy as np
-from fingertip.sim.contact.coupled import NormalContact, integrate
 
 from benchmarks.peers.native import NativeSolver, NativeSolvers
 from benchmarks.peers.options import SOLVE_IVP
@@ -27,6 +26,7 @@ from fingertip.design import Design
 from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Backing, Pad
+from fingertip.sim.contact.coupled import NormalContact, integrate
 from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
 from fingertip.sim.contact.tangential import DraggedPad, Mount
 from fingertip.sim.contact.vibration import ContactResonance

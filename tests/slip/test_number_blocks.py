@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 import fingertip
 from fingertip.detection.recordings import find_force_scale
+from fingertip.foundation import jit
 from fingertip.slip.force import MEAN_S
 from fingertip.slip.traces import csv_file, number_blocks, trace
 from fingertip.slip.traces.csv_file import read_csv
@@ -206,3 +207,21 @@ def test_the_force_of_a_transition_is_that_of_the_mean_voltage_before_it(
     assert first.force.force_n == pytest.approx(
         scale.read(float(weights @ volts)).force_n, rel=1e-9
     )
+
+
+def test_only_a_stream_that_is_behind_waits_for_numba(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("numba")
+    run_compiled = jit.CompiledLoop._run_compiled
+    compiled_loops = list[object]()
+
+    def note(loop: jit.CompiledLoop, arguments: tuple[object, ...]) -> None:
+        compiled_loops.append(loop)
+        run_compiled(loop, arguments)
+
+    monkeypatch.setattr(jit.CompiledLoop, "_run_compiled", note)
+    with jit.compiled():
+        live = follow(Trickle(PLAIN.encode()), "digital")
+        assert not compiled_loops
+        assert follow(io.BytesIO(PLAIN.encode()), "digital") == live
+
+    assert compiled_loops

@@ -14,6 +14,8 @@ from hypothesis import strategies as st
 
 import fingertip
 from fingertip.detection.recordings import find_force_scale
+from fingertip.foundation import jit
+from fingertip.slip.detectors import analog_and_digital
 from fingertip.slip.force import MEAN_S
 from fingertip.slip.traces import csv_file, number_blocks, trace
 from fingertip.slip.traces.csv_file import read_csv
@@ -25,7 +27,7 @@ LINES = PLAIN.splitlines(keepends=True)
 DAMAGES: dict[str, Callable[[list[str]], None]] = {
     "nothing": lambda lines: None,
     "empty line, then a gap": lambda lines: lines.__setitem__(slice(900, 903), ["\n"]),
-    "text": lambda lines: lines.__setitem__(900, "0.449500,12 bananas\n"),
+    "text": lambda lines: lines.__setitem__(900, "0.4495,bananas\n"),
     "empty cell": lambda lines: lines.__setitem__(1500, "0.749500,\n"),
     "quoted": lambda lines: lines.__setitem__(1500, '"0.749500","2.3"\n'),
     "sign and spaces": lambda lines: lines.__setitem__(1500, " +0.7495 , +2.3 \n"),
@@ -206,3 +208,21 @@ def test_the_force_of_a_transition_is_that_of_the_mean_voltage_before_it(
     assert first.force.force_n == pytest.approx(
         scale.read(float(weights @ volts)).force_n, rel=1e-9
     )
+
+
+def test_only_a_stream_that_is_behind_waits_for_numba(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("numba")
+    run_compiled = jit.CompiledLoop._run_compiled
+    compiled_loops = list[object]()
+
+    def note(loop: jit.CompiledLoop, arguments: tuple[object, ...]) -> None:
+        compiled_loops.append(loop)
+        run_compiled(loop, arguments)
+
+    monkeypatch.setattr(jit.CompiledLoop, "_run_compiled", note)
+    with jit.compiled():
+        live = follow(Trickle(PLAIN.encode()), "digital")
+        assert analog_and_digital._FILTER not in compiled_loops
+        assert follow(io.BytesIO(PLAIN.encode()), "digital") == live
+
+    assert analog_and_digital._FILTER in compiled_loops

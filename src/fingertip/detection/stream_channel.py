@@ -12,7 +12,6 @@ from fingertip.design import Design
 from fingertip.detection.recordings import find_force_scale
 from fingertip.detection.stream_lines import STREAM_NAME, SampleLine, line_error
 from fingertip.detection.warnings import StreamWatch
-from fingertip.foundation import jit
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.detector import Detector
@@ -154,9 +153,7 @@ class StreamChannel:
         if part.start == part.stop:
             return
 
-        with jit.interpreted():
-            on = self._detector.process(*(values[part] for values in inputs)).on
-
+        on = self._detector.process(*(values[part] for values in inputs)).on
         volts = inputs[0][part].tolist()
         done = 0
         for place in np.flatnonzero(np.diff(on, prepend=self._is_on)).tolist():

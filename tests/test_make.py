@@ -155,8 +155,12 @@ def test_step_files_and_drawings_are_added_to_what_can_be_used(
 def test_what_can_be_used_stays_where_the_kernel_fails(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    (tmp_path / "fake").mkdir()
+    (tmp_path / "fake/OCP.py").write_text("import time\ntime.sleep(600)\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "fake"))  # of a new process
+    monkeypatch.syspath_prepend(str(tmp_path / "fake"))  # of a copy of this one
     monkeypatch.setattr(StepProcess.result, "__defaults__", (0.1,))
-    with pytest.raises(GeometryError, match="use --formats stl,3mf"):
+    with pytest.raises(GeometryError, match="still loading Open CASCADE after 0.1 s"):
         make(Design.load("fsr400"), tmp_path / "a")
 
     assert verify_sets(tmp_path / "a")[1] == []

@@ -121,14 +121,21 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
         self._answers.close()
 
     def kill(self) -> None:
-        """End the process; a call that another thread waits for raises WorkerDiedError there."""
+        """End the process; a call that another thread waits for raises WorkerDiedError there.
+
+        That thread ends the process too.
+        """
         if self._process:
             self._process.kill()
             self._process.wait()
-        elif self.pid:
-            os.kill(self.pid, signal.SIGKILL)
-            os.waitpid(self.pid, 0)
-            self.pid = 0
+            return
+
+        pid = self.pid
+        self.pid = 0
+        if pid:
+            with contextlib.suppress(ChildProcessError, ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+                os.waitpid(pid, 0)
 
     def send(self, function: Callable[..., Any], *arguments: Any) -> None:
         """Send a call. If the worker has ended, `receive` raises WorkerDiedError."""

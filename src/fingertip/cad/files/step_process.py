@@ -16,9 +16,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from fingertip.cad.kernel.kernel_process import import_without_viewer, start_kernel
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import temporary_folder
-from fingertip.foundation.workers import Worker, WorkerDiedError, can_fork, report_step
+from fingertip.foundation.workers import Worker, WorkerDiedError, report_step
 from fingertip.models.solids import Solid
 
 TIME_LIMIT_S = 180.0
@@ -85,8 +86,8 @@ class StepProcess:
     @contextlib.contextmanager
     def start(cls, job: StepJob) -> Iterator[StepProcess]:
         """Start a job in a process that ends with the block."""
-        # ezdxf and Open CASCADE read settings of the current folder.
-        with temporary_folder() as folder, Worker(folder, is_fork=can_fork()) as worker:
+        # Open CASCADE reads settings of the current folder.
+        with temporary_folder() as folder, start_kernel(folder) as worker:
             worker.send(run_job, job, folder)
             yield cls(job, folder, worker)
 
@@ -135,8 +136,6 @@ def run_job(job: StepJob, folder: Path) -> Measured:
         os.nice(_NICENESS)
 
     report_step("loading Open CASCADE")
-    from fingertip.cad.kernel.cadquery_import import import_without_viewer  # noqa: PLC0415
-
     import_without_viewer()
     from fingertip.cad.kernel import brep  # raises MissingLibraryError if OCP cannot be loaded  # noqa: PLC0415
 

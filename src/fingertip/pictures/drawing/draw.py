@@ -11,12 +11,12 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, TypeVar
 
+from fingertip.cad.kernel.kernel_process import import_without_viewer, start_kernel
 from fingertip.cad.parts import exact_parts
 from fingertip.design import Design
 from fingertip.design.geometry.sizes import Length, PartDrawing, ViewName
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import temporary_folder
-from fingertip.foundation.workers import Worker, can_fork
 from fingertip.models.parts import PARTS, parts_by_name
 from fingertip.models.solids import Solid
 from fingertip.pictures.drawing import part_sizes
@@ -103,8 +103,6 @@ def project_part(
 
 def run_job(job: Job[T]) -> dict[str, T]:
     """Compute everything with one evaluator. Raises MissingLibraryError or GeometryError."""
-    from fingertip.cad.kernel.cadquery_import import import_without_viewer  # noqa: PLC0415
-
     import_without_viewer()
     from fingertip.cad.kernel import brep  # raises MissingLibraryError if OCP cannot be loaded  # noqa: PLC0415
 
@@ -117,8 +115,8 @@ TIME_LIMIT_S = 180.0
 
 def run_apart(job: Job[T]) -> dict[str, T]:
     """Run a job in a process of its own. Raises MissingLibraryError or GeometryError."""
-    # Libraries read settings of the current folder.
-    with temporary_folder() as folder, Worker(folder, is_fork=can_fork()) as worker:
+    # Open CASCADE reads settings of the current folder.
+    with temporary_folder() as folder, start_kernel(folder) as worker:
         worker.send(run_job, job)
         try:
             return worker.receive_within(TIME_LIMIT_S)  # type: ignore[no-any-return]

@@ -1,4 +1,4 @@
-"""Import of CadQuery without the libraries that a process of the B-rep kernel does not need.
+"""Start of a process for the B-rep kernel, and import of CadQuery without what it does not need.
 
 CadQuery imports a viewer (vtk), two optimisers (casadi, nlopt) and a library for DXF files (ezdxf)
 together with its solids. They take two thirds of the time of its import, and nothing here uses
@@ -11,10 +11,23 @@ import sys
 from collections.abc import Sequence
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from fingertip.foundation.workers import Worker, can_fork
+
 _LEFT_OUT = ("casadi", "ezdxf", "nlopt", "vtkmodules", "OCP.IVtkOCC", "OCP.IVtkVTK")
+
+
+def start_kernel(folder: Path) -> Worker:
+    """Start a process for the B-rep kernel in a folder: a copy of this one, which saves the time to
+    import all modules.
+
+    Where this process has loaded the kernel, it is a new one: a copy would go on with the numbers
+    of its products, which end up in STEP files, and without its threads.
+    """
+    return Worker(folder, is_fork=can_fork() and "OCP" not in sys.modules)
 
 
 def import_without_viewer() -> None:

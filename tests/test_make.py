@@ -160,7 +160,7 @@ def test_what_can_be_used_stays_where_the_kernel_fails(
     monkeypatch.setenv("PYTHONPATH", str(tmp_path / "fake"))  # of a new process
     monkeypatch.syspath_prepend(str(tmp_path / "fake"))  # of a copy of this one
     monkeypatch.setattr(StepProcess.result, "__defaults__", (0.1,))
-    with pytest.raises(GeometryError, match="still loading Open CASCADE after 0.1 s"):
+    with pytest.raises(GeometryError, match=r"still loading Open CASCADE after 0\.1 s"):
         make(Design.load("fsr400"), tmp_path / "a")
 
     assert verify_sets(tmp_path / "a")[1] == []

@@ -87,10 +87,13 @@ def _min_across_slope(quarters: Quarters) -> float:
     palmar = [z + _STEP_MM for z in quarters.palmar]
     beyond = replace(quarters, dorsal=dorsal, palmar=palmar)
     # The rates at which the surface narrows, relative to its size there [1/mm].
-    rates = (1.0 - beyond.surface_rises / quarters.surface_rises) / _STEP_MM
-    slope = support * rates[:, None]
+    rises = quarters.surface_rises
+    # A crown or a platform of a design that rules refuse may bend past the tip.
+    is_open = rises > 0.0
+    rates = (1.0 - beyond.surface_rises[is_open] / rises[is_open]) / _STEP_MM
+    slope = support[is_open] * rates[:, None]
 
-    return float((thickness / np.sqrt(1.0 + slope * slope)).min())
+    return float((thickness[is_open] / np.sqrt(1.0 + slope * slope)).min())
 
 
 def _outline(quarters: Quarters, points: int, chords: int) -> tuple[Array, Array]:

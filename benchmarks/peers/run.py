@@ -155,9 +155,8 @@ def run(
         f"controlled every 10 ms: {manipulations['cpu_s']:.2f} s of CPU time, target "
         f"{manipulations['target_s']:.1f} s",
         f"{many['boards']} boards x {many['samples']} samples: {many['cpu_s']:.2f} s of CPU time, "
-        "target "
-        f"{many['target_s']:.1f} s; the diode conducts in {100 * many['conducting_ratio']:.1f} % of "
-        "the steps",
+        f"target {many['target_s']:.1f} s; the diode conducts in "
+        f"{100 * many['conducting_ratio']:.1f} % of the steps",
     ]
 
     if first:

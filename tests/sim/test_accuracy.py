@@ -98,6 +98,7 @@ def test_manipulation_converges_with_order_2(kind, mass, knock):
     assert all(order > 1.7 for order in orders.values()), orders  # the pin hits between two points
 
 
+@pytest.mark.second
 def test_command_states_errors_that_fall_with_the_step(tmp_path: Path) -> None:
     done = run_fingertip(
         "accuracy", "article", "--cases", 40, "--jobs", 1, "--out", tmp_path / "x", "--json"

@@ -25,7 +25,7 @@ Lines between them are within 0.5 % of the force above 0.3 N, where the sensor i
 
 @dataclass(frozen=True, eq=False)
 class FingerCurve:
-    """What a hand knows of a finger."""
+    """Knowledge of a hand about a finger."""
 
     volts: Array
     """Ascending tactile voltages [V]."""

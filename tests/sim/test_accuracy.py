@@ -33,6 +33,8 @@ FLOOR = {
     "object_m": 1e-11,
 }
 """Errors that are not those of the grid: tolerance of the board, steps of the ADC, last digits."""
+BASE_ERRORS = {"force_n": 5e-5, "object_m": 5e-9, "velocity_m_s": 1e-6}
+"""Largest errors of a manipulation on the base grid; some are below the floors on the next ones."""
 
 
 def find_orders(columns: dict[int, dict[str, np.ndarray]]) -> dict[str, float]:
@@ -92,8 +94,9 @@ def test_manipulation_converges_with_order_2(kind, mass, knock):
         for n, run in runs.items()
     }
     orders = find_orders(columns)
-    assert {"force_n", "velocity_m_s"} <= set(orders)
     assert all(order > 1.7 for order in orders.values()), orders  # the pin hits between two points
+    for name, limit in BASE_ERRORS.items():
+        assert np.abs(columns[1][name] - columns[256][name]).max() < limit, name
 
 
 def test_command_states_errors_that_fall_with_the_step(tmp_path: Path) -> None:
@@ -111,7 +114,7 @@ def test_command_states_errors_that_fall_with_the_step(tmp_path: Path) -> None:
         assert forces[0] < 1e-3
         assert forces[0] / forces[2] > 8.0  # 16 with order 2, and the pin hits between two points
         assert all(one["real_time_ratio"] > 1.0 for one in steps)
-    assert [one["wrong"] for one in data["extremes"].values()] == [0, 0, 0]
+    assert [one["wrong"] for one in data["extremes"].values()] == [0, 0]
 
 
 def test_wrong_case_ends_the_command_with_1_and_is_described(

@@ -35,6 +35,8 @@ from fingertip.sim.contact import dragged_pad_loop
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, Friction
 
 MAX_STEPS = 200_000
+TOLERANCE_N = 1e-6
+"""Permitted error of one step [N]."""
 STATES = 5
 _MIN_LOAD_N = 1e-3
 """Smallest load for which errors are weighted [N]."""
@@ -136,7 +138,7 @@ class DraggedPad:
         normal: NormalContact | None,
         step_s: float,
         max_pressing_n: float,
-        tolerance_n: float = 1e-6,
+        tolerance_n: float = TOLERANCE_N,
     ) -> None:
         self._parameters = (
             (friction.mu_c, friction.mu_s, 1 / friction.stribeck_m_s, friction.elastic),
@@ -219,7 +221,7 @@ def integrate(
     carriage_m: Array,
     carriage_m_s: Array,
     pressing_n: Array,
-    tolerance_n: float = 1e-6,
+    tolerance_n: float = TOLERANCE_N,
 ) -> PadMotion:
     """Integrate from standstill, in balance with the pressing force of the first sample.
 

@@ -56,10 +56,13 @@ MIN_STEP_RATIO = 1e-12
 Such a step is accepted whatever its error.
 """
 REST = 1e-3
-"""Motion within a step, as a share of its tolerance, below which a pad has come to rest."""
+REST_S = 1e-4
+"""Motion, as a share of a step's tolerance, below which a pad has come to rest, and the time in
+which it is counted [s].
+"""
 POSITION, VELOCITY, BRISTLE, COMPRESSION, RATE, STEP, MOVED = range(7)
 """Indices of what a chunk carries to the next one: the states x, v, s, y and w, the length of the
-next step [s], and the motion within the last one as a share of the tolerance.
+next step [s], and the present motion in `REST_S` as a share of the tolerance.
 """
 ACCEPTED, REJECTED, FAILED_SAMPLE = range(3)
 """Indices of the statistics: accepted steps, of which a sample at rest counts as one; rejected
@@ -442,7 +445,7 @@ def _drag_loop(
                 dv = B1 * uv1 + B2 * uv2 + B3 * uv3 + B4 * uv4
                 ds = B1 * us1 + B2 * us2 + B3 * us3 + B4 * us4
                 moved = abs(dx) * weight_x + abs(dv) * weight_v + abs(ds) * weight_s
-                moved *= H * per_step
+                moved *= REST_S * per_step
                 x += dx
                 v += dv
                 s += ds

@@ -29,7 +29,7 @@ import numpy as np
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array
-from fingertip.sim.contact.dragged_pad import MAX_STEPS, Mount, weigh_errors
+from fingertip.sim.contact.dragged_pad import MAX_STEPS, TOLERANCE_N, Mount, weigh_errors
 from fingertip.sim.contact.dragged_pad_loop import (
     A21,
     A31,
@@ -60,6 +60,7 @@ from fingertip.sim.contact.dragged_pad_loop import (
     MIN_STEP_RATIO,
     REJECTED,
     REST,
+    REST_S,
     Bristles,
     Curve,
     bristle_rate,
@@ -77,7 +78,7 @@ PAD_STATES = 3
 """Number of states of each pad: x, v, s. The pads come first in the state."""
 OBJECT_X, OBJECT_V, HAS_LEFT, STEP, MOVED = range(5)
 """Indices of what follows the pads' states: X, V, 1 once the object has left the fingers, length of
-the next step [s], and motion within the last sample as a share of the tolerance.
+the next step [s], and present motion in `REST_S` as a share of the tolerance.
 """
 OBJECT_STATES = 5
 _PIVOT_S, _PIVOT_V, _Q, _J_SV, _J_VS, _LATE_V, _LATE_S, _DV, _DS, _A, _RX, _RS = range(12)
@@ -384,7 +385,7 @@ def _grasp_loop(
 
                 X += scratch[object_u]
                 V += scratch[object_u + STAGES]
-                moved = change * H * per_step
+                moved = change * REST_S * per_step
                 steps += 1
                 t = H if is_last else t + step
                 # A step that a sample cut short is no reason to give up a longer one.
@@ -489,7 +490,7 @@ class Grasp:
     """Held object and its pads in motion, at rest before the first chunk. Raises TraceError."""
 
     def __init__(
-        self, held: HeldObject, step_s: float, max_load_n: float, tolerance_n: float = 1e-6
+        self, held: HeldObject, step_s: float, max_load_n: float, tolerance_n: float = TOLERANCE_N
     ) -> None:
         friction = held.friction
         mounts = held.mounts

@@ -18,7 +18,7 @@ from fingertip.pad.response import Pad
 from fingertip.sim.runs.grasp_loop import Grasp, GraspMotion, HeldObject, Pin
 from fingertip.sim.runs.manipulation_plan import MotionPlan, Motors, put_on_object
 from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile
-from fingertip.sim.runs.timeline import mount_pad
+from fingertip.sim.runs.timeline import limit_error_n, mount_pad
 from fingertip.sim.signal.grid import CostMeter, Grid, SampleClock, Sampler
 from fingertip.sim.signal.simulated_finger import Finger, FingerDrive, FingerSetup, FingerSignals
 
@@ -98,7 +98,12 @@ class ManipulationStepper:
             length_m=target.length_m,
             pin=pin,
         )
-        self._grasp = Grasp(held_object, self.grid.step_s, float(plan.force_n.max()))
+        self._grasp = Grasp(
+            held_object,
+            step_s=self.grid.step_s,
+            max_load_n=float(plan.force_n.max()),
+            tolerance_n=limit_error_n(self.grid),
+        )
         self._last_load_n = np.zeros(count)
         self._points = 1
         self._clock = SampleClock(self.grid, self.design.detector.sample_rate_hz)

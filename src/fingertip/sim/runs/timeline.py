@@ -19,6 +19,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.dragged_pad import (
     STATES,
+    TOLERANCE_N,
     DraggedPad,
     Mount,
     NormalContact,
@@ -314,6 +315,16 @@ def mount_pad(pad: Pad, force_n: float) -> Mount:
     return Mount(behind.mass_kg, k, 2 * behind.damping_ratio * math.sqrt(k * behind.mass_kg))
 
 
+_ROUNDING_N = 1e-9
+
+
+def limit_error_n(grid: Grid) -> float:
+    """Return the permitted error of a step [N]: all errors fall with the step of the grid, as far as
+    rounding permits.
+    """
+    return max(TOLERANCE_N / grid.refinement**2, _ROUNDING_N)
+
+
 class UncoupledPad:
     """Pad on which vibration does not act back: the contact force follows elsewhere."""
 
@@ -331,6 +342,7 @@ class UncoupledPad:
             normal=None,
             step_s=grid.step_s,
             max_pressing_n=max_load_n,
+            tolerance_n=limit_error_n(grid),
         )
 
     def process(
@@ -372,6 +384,7 @@ class CoupledPad:
             normal=None,
             step_s=grid.step_s,
             max_pressing_n=max_load_n,
+            tolerance_n=limit_error_n(grid),
         )
         self._profile = setup.make_profile_force(grid.step_s)
         self._meter = meter
@@ -383,6 +396,7 @@ class CoupledPad:
             normal=normal,
             step_s=grid.step_s,
             max_pressing_n=max_load_n,
+            tolerance_n=limit_error_n(grid),
         )
 
     def process(

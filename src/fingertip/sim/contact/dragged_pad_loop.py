@@ -281,6 +281,7 @@ def _drag_loop(
             # stays, or bristles are straight.
             if moved < REST and X0 == X1 and V0 == V1 == 0.0 and (d0 == d1 or s == 0.0):
                 t = H
+                y = d1
                 steps += 1
 
         while t < H:

@@ -316,11 +316,13 @@ def mount_pad(pad: Pad, force_n: float) -> Mount:
 
 
 _ROUNDING_N = 1e-9
+"""Error of a step below which rounding is larger [N]."""
 
 
 def limit_error_n(grid: Grid) -> float:
-    """Return the permitted error of a step [N]: all errors fall with the step of the grid, as far as
-    rounding permits.
+    """Return the permitted error of a step [N].
+
+    All errors fall with the step of the grid, as far as rounding permits.
     """
     return max(TOLERANCE_N / grid.refinement**2, _ROUNDING_N)
 

@@ -19,11 +19,10 @@ from fingertip.pad.layer import find_contacts
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import Backing, Pad
 from fingertip.pad.touch import Pose
-from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion, admissible_step_s
+from fingertip.sim.contact.dragged_pad import PadMotion
 from tests.conftest import ROOT
 
-FIXED = "contact, fixed steps"
+CONTACT = "contact"
 
 
 def test_page_holds_the_table_of_the_command():
@@ -38,14 +37,14 @@ def test_page_holds_the_table_of_the_command():
 
 
 def test_kernel_that_returns_no_number_or_raises_is_wrong(monkeypatch):
-    monkeypatch.setattr(extremes, "FAMILIES", {FIXED: extremes.FAMILIES[FIXED]})
-    assert extremes.try_families(7)[0].is_passed  # of which 4 are of this family
+    monkeypatch.setattr(extremes, "FAMILIES", {CONTACT: extremes.FAMILIES[CONTACT]})
+    assert extremes.try_families(5)[0].is_passed  # of which 4 are of this family
     for broken in (
-        lambda *_: PadMotion(*3 * [np.full(extremes.STEPS + 1, math.nan)]),
+        lambda *_: PadMotion(*4 * [np.full(101, math.nan)], steps=100, rejected=0),
         lambda *_: 1 / 0,
     ):
-        monkeypatch.setattr(extremes.DraggedPad, "process", broken)
-        (found,) = extremes.try_families(7)
+        monkeypatch.setattr(extremes, "integrate", broken)
+        (found,) = extremes.try_families(5)
         assert not found.is_passed
         assert len(found.wrong) == 4
 
@@ -69,35 +68,10 @@ def test_a_board_driven_by_ten_volts_comes_to_what_a_finer_tolerance_gives(numbe
     assert extremes.board(Draw("board", number)) < 0.1
 
 
-def test_bristles_that_slide_within_a_step_stay_within_sliding():
-    """The relaxation of bristles far beyond breakaway once grew by 13 % per step, up to
-    no number.
-    """
-    mu = 1e-6
-    friction = Friction(mu, mu, 1e-3, 1e7)
-    mount = Mount(0.005, 1000.0, 0.5)
-    load = 2.0
-    step = admissible_step_s(friction, mount, load)
-    at = 0.1 * step * np.arange(2001)
-    loads = np.repeat((load, 0.0), (1000, 1001))
-    motion = DraggedPad(friction, mount, step).process(at, np.full_like(at, 0.1), loads)
-    assert np.abs(motion.bristle_m[1:1000] * friction.sigma0 / mu - 1).max() < 0.05
-    assert np.abs(motion.velocity_m_s).max() < 0.3
-
-
 @pytest.mark.parametrize("number", [3493, 3511, 37645])
 def test_errors_of_a_velocity_do_not_add_up(number):
     """A pad that bounces and bristles that stick were once off by 1.5 to 3.5 times the bound."""
-    assert extremes.error_control(Draw("contact, error control", number)) < 1.0
-
-
-def test_motion_that_is_no_number_is_refused():
-    pad = DraggedPad(Friction(0.6, 0.48), Mount(0.01, 1000.0, 0.5), 1e-4)
-    far = np.array([0.0, 1e308])
-    with pytest.raises(
-        TraceError, match=r"step_s: 0.0001 s leads to .* choose less than 5e-05 s, or use coupled"
-    ):
-        pad.process(far, far, np.ones(2))
+    assert extremes.contact(Draw("contact, error control", number)) < 1.0
 
 
 @pytest.mark.full

@@ -22,13 +22,11 @@ from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.workers import call_each
-from fingertip.sim.contact import coupled
+from fingertip.sim.contact.dragged_pad import Mount, NormalContact, integrate
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
-from fingertip.sim.contact.tangential import DraggedPad, Mount, admissible_step_s
 from fingertip.sim.runs.timeline import TrapezoidalMove
 from fingertip.sim.signal.analog_circuit import Amplifiers, AnalogBoard, Diode
 from fingertip.sim.signal.filter_board import simulate_board
-from fingertip.sim.signal.grid import BASE_HZ
 
 Range = tuple[float, float]
 
@@ -65,19 +63,13 @@ class Draw:
         )
 
 
-STEPS = 1000
-"""Steps of a contact."""
-PARTS = 16
-"""Steps of the reference per step of a contact."""
-FIXED_ERROR = 0.1, 0.25
-"""Bound of the error with fixed steps, inside the bounds and beyond, as a share of the largest load
-and pull: a contact that hardly damps, under a carriage that starts at once, rings with half a
-radian per step, and 0.13 remain.
-"""
-CONTROLLED_ERROR = 100.0
+CONTACT_ERROR = 100.0
 BOUNCING_ERROR = 0.1
-"""Bound of the error with error control, in tolerances; where the pad leaves the surface, also a
-share of the load, as every impact multiplies the errors before it.
+SWINGING_ERROR = 0.25
+"""Bound of the error of a contact, in tolerances. Where the pad leaves the surface, it is also a
+share of the load, as every impact multiplies the errors before it. Beyond the bounds of parameters,
+where friction falls so steeply that the pad swings by itself, it is also a share of the forces, as
+every swing does the same.
 """
 
 
@@ -129,48 +121,40 @@ def _draw_drag(draw: Draw, time_s: Array, load_n: float) -> tuple[Array, Array, 
     return at, velocity, load_n * share
 
 
-def fixed_steps(draw: Draw) -> float:
-    """Compare with steps 16 times as short, at the step that the program chooses."""
-    friction, mount = _draw_contact(draw, (1.0, 1e9))
-    load = draw.log("load [N]", (1e-3, 70.0), (1e-4, 1e3))
-    step = min(1 / BASE_HZ, admissible_step_s(friction, mount, load))
-    time_s = np.asarray(np.arange(STEPS * PARTS + 1) * (step / PARTS), dtype=np.float64)
-    columns = _draw_drag(draw, time_s, load)
-    coarse = [column[::PARTS] for column in columns]
-    motion = DraggedPad(friction, mount, step).process(*coarse)
-    fine_load = np.interp(time_s, time_s[::PARTS], coarse[2])
-    finer = DraggedPad(friction, mount, step / PARTS).process(*columns[:2], fine_load)
-    at, velocity, bristle = (values[::PARTS] for values in vars(finer).values())
-    spring_pull = mount.stiffness_n_per_m * (coarse[0] - at)
-    pull = spring_pull + mount.damping_n_s_per_m * (coarse[1] - velocity)
-    grip = friction.sigma0 * coarse[2] * np.abs(motion.bristle_m - bristle)
-    spring = mount.stiffness_n_per_m * np.abs(motion.position_m - at)
-    largest = load + float(np.abs(pull).max())
-
-    return float(np.maximum(grip, spring).max()) / largest / FIXED_ERROR[not draw.is_inside]
-
-
-def error_control(draw: Draw) -> float:
+def contact(draw: Draw) -> float:
     """Compare with a hundredth of the tolerance."""
     friction, mount = _draw_contact(draw, (1.0, 1e8))
     load = draw.log("load [N]", (1e-3, 70.0), (1e-4, 1e2))
     friction = replace(friction, elastic=draw.choose("elastic", (0.0, ELASTO_PLASTIC)))
-    normal = coupled.NormalContact(
+    resonance = NormalContact(
         draw.log("resonance [Hz]", (20.0, 500.0), (1.0, 1e4)),
         draw.log("its damping ratio", (0.05, 0.8), (0.01, 3.0)),
     )
     step = draw.log("sample time [s]", (1e-4, 1e-3), (1e-5, 1e-2))
     columns = _draw_drag(draw, np.asarray(np.arange(101) * step, dtype=np.float64), load)
+    is_given = draw.choose("normal force", ("given", "of a resonance")) == "given"
+    normal = None if is_given else resonance
     tolerance = 1e-5 * max(load, 1e-2)
     motion, finer = (
-        coupled.integrate(friction, mount, normal, step, *columns, tolerance / parts)
+        integrate(friction, mount, normal, step, *columns, tolerance / parts)
         for parts in (1.0, 100.0)
     )
     spring = mount.stiffness_n_per_m * np.abs(motion.position_m - finer.position_m)
     error = np.maximum(spring, np.abs(motion.force_n - finer.force_n))
-    bouncing = BOUNCING_ERROR * load if (finer.force_n == 0.0).any() else 0.0
+    bound = tolerance * CONTACT_ERROR
+    if (finer.force_n == 0.0).any():
+        bound += BOUNCING_ERROR * load
+    if not draw.is_inside and _swings(friction, mount, load):
+        pull = mount.stiffness_n_per_m * np.abs(columns[0] - finer.position_m)
+        bound += SWINGING_ERROR * (load + float(pull.max()))
 
-    return float(error.max()) / (tolerance * CONTROLLED_ERROR + bouncing)
+    return float(error.max()) / bound
+
+
+def _swings(friction: Friction, mount: Mount, load_n: float) -> bool:
+    """Return whether friction falls faster with speed, at its steepest, than all damping rises."""
+    steepest = 3 * math.sqrt(3) / 8 * (friction.mu_s - friction.mu_c) / friction.stribeck_m_s
+    return load_n * (steepest - friction.sigma2) > mount.damping_n_s_per_m
 
 
 TOLERANCE_V = 1e-4
@@ -232,11 +216,10 @@ def board(draw: Draw) -> float:
 
 
 FAMILIES: Mapping[str, tuple[str, float, Callable[[Draw], float]]] = {
-    "contact, fixed steps": ("steps / 16: 10 % of the forces (beyond: 25 %)", 0.57, fixed_steps),
-    "contact, error control": (
-        "tolerance / 100: 100 tolerances (bouncing: 10 % of the load)",
-        0.25,
-        error_control,
+    "contact": (
+        "tolerance / 100: 100 tolerances (bouncing: 10, swinging: 25 % of the forces)",
+        0.82,
+        contact,
     ),
     "board": ("tolerance / 10000: 10 tolerances and 5 % of the peak", 0.1, board),
 }

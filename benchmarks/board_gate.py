@@ -17,7 +17,7 @@ from collections import Counter
 from pathlib import Path
 
 from benchmarks.gate_in_ngspice import check_gate_in_ngspice
-from fingertip.board import board_values
+from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.gate import gate_warnings
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.design import Design

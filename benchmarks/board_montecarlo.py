@@ -17,9 +17,10 @@ import tempfile
 import time
 from collections.abc import Callable
 
-from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.response import model_filter
 from fingertip.board.analysis.tolerance import TolerancedFilter, component_tolerances, monte_carlo
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.selection import choose_jointly, select_filter_capacitor
 from fingertip.design import Design

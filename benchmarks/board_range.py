@@ -19,15 +19,14 @@ from unittest.mock import patch
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.board import board_values
+from fingertip.board.analysis.board_values import board_values
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.workers import call_each
 from fingertip.lab.board_comparison import with_variant
 from fingertip.lab.campaign.campaign import HELD_OUT_FROM, CampaignPlan, Case, generate_cases
 from fingertip.lab.campaign.run import evaluate, score_trial
-from fingertip.sim import run_scene
-from fingertip.sim.runs.scene import SceneResult
+from fingertip.sim.runs.scene import SceneResult, run_scene
 from fingertip.sim.signal.analog_circuit import Amplifiers
 from fingertip.sim.signal.filter_board import PIN_LOW_V
 from fingertip.sim.signal.parameters import Sensing

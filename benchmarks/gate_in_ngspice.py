@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis.board_values import BoardValues
+from fingertip.board.analysis.board_values import BoardValues, board_values
 from fingertip.board.analysis.gate import OFFSET
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.front_end import AMPLIFIERS
 from fingertip.board.components.values import SUPPLIES

@@ -31,9 +31,10 @@ from fingertip.lab.campaign.closed_loop import (
 )
 from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.pad.response import Pad
-from fingertip.sim import ManipulationFile, Observation, run_manipulation
 from fingertip.sim.runs.grip import GripController, GripSettings
-from fingertip.sim.runs.manipulation_plan import plan_motion
+from fingertip.sim.runs.manipulation import run_manipulation
+from fingertip.sim.runs.manipulation_plan import Observation, plan_motion
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile
 from fingertip.sim.runs.tremor_and_servo import HandMotion, Servo, Tremor
 
 FIRST_SEED = HELD_OUT_FROM + 9_000_000

@@ -33,8 +33,9 @@ from fingertip.design.hand_sizes import find_hand
 from fingertip.design.proportions import fill_in
 from fingertip.foundation.errors import FingertipError, SweepError
 from fingertip.foundation.output_set import SetWriter
-from fingertip.sim import ManipulationFile, SceneFile, load_simulation
 from fingertip.sim.contact.surface_files import SURFACES, SurfaceFile
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
+from fingertip.sim.simulation import load_simulation
 from fingertip.sweep.sweep_file import read_sweep_file, to_canonical_text
 from tests.conftest import ROOT, run_fingertip
 from tests.tools import require_module

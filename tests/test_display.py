@@ -15,7 +15,7 @@ from PIL import Image
 import fingertip
 from fingertip import Build, Design, Detection, Trace
 from fingertip.foundation.display import html_table
-from fingertip.sim import Trial
+from fingertip.sim.simulation import Trial
 from tests.tools import require_module
 
 

@@ -90,4 +90,4 @@ def test_the_site_holds_what_is_generated_and_asks_nothing_of_another_server(sit
     ran = (site / "python.html").read_text()
     assert ran.count("data:image/png;base64,") == 2
     assert "Detection(fast: 1 interval ON, 1 of 1 slips found" in ran
-    assert "at least 16.9 mm, or add fit=True" in ran
+    assert "at least 16.9 mm, or call fit_design(design, changes)" in ran

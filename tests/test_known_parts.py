@@ -1,5 +1,5 @@
-"""Sensors and controllers by the names that people write: found, or
-refused with the reason and what to do.
+"""Sensors and controllers by the names that people write: found, or refused with the reason and
+what to do.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ from fingertip.cad.verification.skin import check_rest_force
 from fingertip.catalogues import electronics
 from fingertip.catalogues.electronics import spell_sensor
 from fingertip.design import Design
+from fingertip.firmware.controller_fit import find_warnings
 from fingertip.firmware.fingers import plan_fingers
-from fingertip.firmware.packaging import find_warnings, read_costs
+from fingertip.firmware.measured_costs import read_costs
 from fingertip.foundation.errors import DesignError, FingertipError
 from fingertip.foundation.tables import read_rows
 from tests.conftest import ROOT, run_fingertip

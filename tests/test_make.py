@@ -5,22 +5,21 @@ from __future__ import annotations
 import json
 import os
 import zipfile
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from fingertip import Design, board_values, make
+from fingertip import Design, Made, board_values, make
+from fingertip.cad.files.step_process import StepProcess
 from fingertip.catalogues.output_files import ACCEPTANCE, PART_FILES
 from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
 from fingertip.foundation import extras
-from fingertip.foundation.errors import Issue, OutputError
+from fingertip.foundation.errors import GeometryError, Issue, OutputError
 from fingertip.foundation.files import ZIP_DATE, write_zip
 from fingertip.foundation.output_set import SetWriter, is_packed_set
 from fingertip.pictures.drawing.draw import file_names
-from fingertip.tasks import make as make_files
 from fingertip.tasks.board_files import write_board
-from fingertip.tasks.build import BuildOptions, BuildPlan, build, plan_build
+from fingertip.tasks.build import build
 from fingertip.tasks.manifest_comparison import verify_sets
 from tests.conftest import run_fingertip
 
@@ -54,7 +53,7 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
     Only `make` has a detection, and so an acceptance sheet beside the parts.
     """
     design = Design.load("fsr400")
-    build(design, tmp_path / "single", formats=["stl"], pictures=True, verify=True)
+    build(design, tmp_path / "single", formats=["stl"], pictures=True)
     write_board(design, tmp_path / "single" / "board", bring_up=True)
     page = render_acceptance(acceptance_sheet(design))
     PART_FILES.writer(design, tmp_path / "single").add({ACCEPTANCE: page.encode()})
@@ -114,26 +113,59 @@ def test_own_file_in_any_set_is_found_before_anything_is_written(
 
 
 @pytest.mark.full
-def test_drawings_come_with_step_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Both need the B-rep kernel, whose minutes this test leaves to the README's first block."""
+def test_step_files_and_drawings_are_added_to_what_can_be_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     design = Design.load("fsr400")
     messages = list[str]()
-    asked = list[bool]()
+    usable: list[Made] = []
 
-    def plan_meshes(design: Design, out: Path, options: BuildOptions) -> BuildPlan:
-        asked.append(options.drawings)
-        return plan_build(design, out, replace(options, formats=["stl"], drawings=False))
+    def look(made: Made) -> None:
+        usable.append(made)
+        assert made.parts.passed
+        assert verify_sets(tmp_path / "a")[1] == []
+        names = {path.name for path in (tmp_path / "a").iterdir()}
+        assert {"bone.3mf", "casting.md", "report.json", "index.html", "board", "signal"} <= names
+        assert not [name for name in names if name.endswith(".step") or "drawing" in name]
 
-    monkeypatch.setattr(make_files, "plan_build", plan_meshes)
-    made = make(design, tmp_path / "a", formats=["stl", "step"], progress=messages.append)
+    made = make(
+        design,
+        tmp_path / "a",
+        formats=["stl", "3mf", "step"],
+        progress=messages.append,
+        when_usable=look,
+    )
     assert made.drawings == tuple(tmp_path / "a" / name for name in file_names(design))
+    assert all(path.is_file() for path in made.drawings)
     assert verify_sets(tmp_path / "a")[1] == []
+    report = json.loads((tmp_path / "a/report.json").read_text())
+    assert report == json.loads(json.dumps(made.parts.report()))
+    assert len(made.parts.checks) > len(usable[0].parts.checks)
+    assert "drawing.pdf" in (tmp_path / "a/index.html").read_text()
+
     monkeypatch.setattr(extras, "is_installed", lambda module: module != "reportlab")
     made = make(design, tmp_path / "b", formats=["stl", "step"], progress=messages.append)
-    assert (made.drawings, asked) == ((), [True, False])
+    assert made.drawings == ()
     assert [message for message in messages if "left out" in message] == [
         f"left out: drawings; {extras.install_command('reportlab')} adds them"
     ]
+
+
+@pytest.mark.full
+def test_what_can_be_used_stays_where_the_kernel_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "fake").mkdir()
+    (tmp_path / "fake/OCP.py").write_text("import time\ntime.sleep(600)\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "fake"))  # of a new process
+    monkeypatch.syspath_prepend(str(tmp_path / "fake"))  # of a copy of this one
+    monkeypatch.setattr(StepProcess.result, "__defaults__", (0.1,))
+    with pytest.raises(GeometryError, match=r"still loading Open CASCADE after 0\.1 s"):
+        make(Design.load("fsr400"), tmp_path / "a")
+
+    assert verify_sets(tmp_path / "a")[1] == []
+    assert (tmp_path / "a/index.html").is_file()
+    assert not list((tmp_path / "a").glob("*.step"))
 
 
 @pytest.mark.full

@@ -152,7 +152,7 @@ def test_files_the_readme_promises(clone: Path) -> None:
         "acceptance.md",
         "casting.md",
     }
-    named |= {"signal/trace.csv", "signal/slip.png", "signal/detection.json", "steps/01-print.png"}
+    named |= {"signal/trace.csv", "signal/slip.svg", "signal/detection.json", "steps/01-print.png"}
     named |= {
         "print/plate_fdm.3mf",
         "print/bone.stl",

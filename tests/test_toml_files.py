@@ -30,8 +30,8 @@ from fingertip.cli.design import make_schema
 from fingertip.design import Design
 from fingertip.design.finger_set import SetFile
 from fingertip.foundation.errors import TomlFileError
-from fingertip.sim import ManipulationFile, SceneFile
 from fingertip.sim.contact.surface_files import SurfaceFile
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
 from fingertip.sweep.sweep_file import SweepFile
 from tests.approved import check_text
 from tests.conftest import ROOT, run_fingertip

@@ -17,7 +17,8 @@ import zipfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_values import board_values
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.channels import PLACES
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.netlist import CircuitRecord, Part, describe_structure_changes

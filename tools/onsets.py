@@ -13,9 +13,8 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.sim import run_scene
 from fingertip.sim.contact.friction import GROSS_SLIP_M_S
-from fingertip.sim.runs.scene import SceneRun
+from fingertip.sim.runs.scene import SceneRun, run_scene
 from tools.article.steps import generate_trials
 
 PATH = Path(__file__).resolve().parents[1] / "src/fingertip/lab/report/onsets.toml"

@@ -51,7 +51,8 @@ _COLD = """
 import time
 start = time.process_time()
 from fingertip.design import Design
-from fingertip.sim import SceneFile, run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
+from fingertip.sim.runs.scene import run_scene
 from fingertip.foundation.jit import compiled
 scene = SceneFile(slide={"distance_m": 0.01}, outputs=["voltage_v", "envelope_v"])
 with compiled():

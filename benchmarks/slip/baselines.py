@@ -95,7 +95,7 @@ def band_signal(design: Design, recording: Recording) -> Array:
         return (filtered - float(np.median(filtered))) / design.board.passband_gain
 
     chain = SlipChain(ChainSettings.from_design(design))
-    return chain.process(recording.signal.voltage_v).filtered_v / design.board.passband_gain
+    return chain.filter(recording.signal.voltage_v) / design.board.passband_gain
 
 
 NOISE_S = 2.0
@@ -196,9 +196,7 @@ def least_energy(design: Design, recording: Recording) -> float:
         noise_v = noise_level(design).mean_v * math.sqrt(2 * math.pi)
     else:
         noise_v = float(
-            np.std(
-                chain.process(recording.quiet).filtered_v[round(0.1 * recording.signal.rate_hz) :]
-            )
+            np.std(chain.filter(recording.quiet)[round(0.1 * recording.signal.rate_hz) :])
         )
 
     return max(noise_v / design.board.passband_gain, 1e-9) ** 2

@@ -26,9 +26,8 @@ from fingertip.foundation.numerics import poisson_interval
 from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.campaign import NEGATIVE_SCENES
 from fingertip.lab.campaign.run import quantile_s, separate_events
-from fingertip.sim import SceneFile
 from fingertip.sim.runs.pose import GRASP_POSE, ScenePose
-from fingertip.sim.runs.scene_and_manipulation_files import DIRECTIONS
+from fingertip.sim.runs.scene_and_manipulation_files import DIRECTIONS, SceneFile
 from fingertip.sim.signal.converter import SimulatedBoardDetector
 from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.registry import find_detector_type, make_detector, select_inputs

@@ -18,9 +18,10 @@ from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v
 from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.run import select_board_outputs
-from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.runs.grip import GripController, GripSettings
-from fingertip.sim.runs.scene_and_manipulation_files import Hand
+from fingertip.sim.runs.manipulation import run_manipulation
+from fingertip.sim.runs.scene import run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import Hand, ManipulationFile, SceneFile
 from fingertip.sim.runs.timeline import build_timeline
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.interference import HAND_BAND_HZ
@@ -138,7 +139,7 @@ def filter_as_board(design: Design, volts: Array) -> Array | None:
     if range_v is None:
         return None
 
-    filtered_v = SlipChain(ChainSettings.from_design(design)).process(volts).filtered_v
+    filtered_v = SlipChain(ChainSettings.from_design(design)).filter(volts)
     return np.asarray(np.clip(filtered_v, -range_v, range_v))
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 
 from benchmarks import held_out_signals
@@ -16,7 +15,7 @@ from benchmarks.slip.report import FILES, Report
 from benchmarks.slip.scores import measure
 from fingertip.design import Design
 from fingertip.detection.warnings import hum_warnings
-from fingertip.firmware.packaging import TABLE
+from fingertip.firmware.measured_costs import read_costs
 from fingertip.foundation import extras
 from fingertip.foundation.errors import FingertipError, Issue, gather
 from fingertip.foundation.progress import Work
@@ -139,12 +138,10 @@ def run(
 
 
 def _read_instructions(design: Design) -> int | None:
-    """Instructions a sample in slip, measured by the emulator of a
-    Cortex-M4F; None for another sampling rate.
+    """Instructions a sample in slip, measured by the emulator of a Cortex-M4F; None for another
+    sampling rate.
     """
-    import json
-
-    measured = json.loads(resources.files("fingertip.firmware").joinpath(TABLE).read_text("utf-8"))
+    measured = read_costs()
     if not math.isclose(design.detector.sample_rate_hz, measured["sample_rate_hz"]):
         return None
 

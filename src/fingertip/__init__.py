@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from fingertip.board import BoardValues, board_values
+    from fingertip.board.analysis.board_values import BoardValues, board_values
     from fingertip.cad.build_result import Build
     from fingertip.cad.convert import (
         assembly,
@@ -46,15 +46,11 @@ if TYPE_CHECKING:
     from fingertip.lab.campaign.campaign import CampaignPlan
     from fingertip.lab.validation import validate
     from fingertip.pictures.design_picture import picture
-    from fingertip.sim import (
-        ManipulationFile,
-        SceneFile,
-        Trial,
-        run_manipulation,
-        run_scene,
-        simulate,
-    )
+    from fingertip.sim.runs.manipulation import run_manipulation
+    from fingertip.sim.runs.scene import run_scene
+    from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
     from fingertip.sim.signal.readout import Readout
+    from fingertip.sim.simulation import Trial, simulate
     from fingertip.slip.detectors.analog_and_digital import SlipChain
     from fingertip.slip.plots import plot_detection, plot_trace
     from fingertip.slip.scored_detection import Detection
@@ -69,7 +65,7 @@ if TYPE_CHECKING:
     from fingertip.tasks.views import write_drawing
 
 _NAMES = {
-    "board": "BoardValues board_values",
+    "board.analysis.board_values": "BoardValues board_values",
     "cad.convert": "assembly bone frames mesh_of mold part_mesh part_solid part_trimesh "
     "part_workplane skin",
     "cad.build_result": "Build",
@@ -85,7 +81,10 @@ _NAMES = {
     "lab.campaign.campaign": "CampaignPlan",
     "lab.validation": "validate",
     "pictures.design_picture": "picture",
-    "sim": "ManipulationFile SceneFile Trial run_manipulation run_scene simulate",
+    "sim.runs.manipulation": "run_manipulation",
+    "sim.runs.scene": "run_scene",
+    "sim.runs.scene_and_manipulation_files": "ManipulationFile SceneFile",
+    "sim.simulation": "Trial simulate",
     "sim.signal.readout": "Readout",
     "slip.plots": "plot_detection plot_trace",
     "slip.scored_detection": "Detection",

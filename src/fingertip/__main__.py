@@ -3,6 +3,7 @@
 import os
 import sys
 
+from fingertip import __version__
 from fingertip.foundation import interruption
 
 
@@ -36,8 +37,13 @@ def _open_missing_streams() -> None:
 def _run() -> None:
     """Run the command line.
 
-    A program that cannot even be loaded ends with the exit code of a fault too.
+    A program that cannot even be loaded ends with the exit code of a fault too. The version alone
+    is told without loading anything.
     """
+    if sys.argv[1:] == ["--version"]:
+        print(__version__)
+        return
+
     try:
         from fingertip.cli import main as run
     except Exception as error:

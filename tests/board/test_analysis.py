@@ -18,11 +18,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.board_analysis import analyse, bode_table
+from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.loads import _find_margin_deg
 from fingertip.board.analysis.response import FilterModel, decibel, model_filter, target_response
 from fingertip.board.analysis.tolerance import COMPONENTS, QUANTITIES, TolerancedFilter, monte_carlo
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Network, Term, build_network, filter_quantities
 from fingertip.board.circuits.transfer_function import Rational, find_stages, multiply
 from fingertip.board.components.front_end import SUPPRESSOR_F

@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis.board_values import load_errata
+from fingertip.board.analysis.board_values import board_values, load_errata
 from fingertip.board.analysis.interference import DEAD_ZONE_V, compute_supply_current_a
 from fingertip.board.analysis.response import decibel
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.components.front_end import (
     ARTICLE_POINTS,
     INTERLINK_CURVE,

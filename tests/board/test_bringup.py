@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_values import board_values
 from fingertip.board.bringup import stimulus
 from fingertip.board.bringup.expected_readings import (
     PROBES,
@@ -23,6 +23,7 @@ from fingertip.board.bringup.expected_readings import (
     Limits,
     plan_bring_up,
 )
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.values import VARIANT_CHANGES

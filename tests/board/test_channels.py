@@ -16,9 +16,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis import interference
+from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.interference import compute_supply_current_a
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.channels import PLACES, list_sockets, name_part, split_name, split_net
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.fabrication.bom import list_bom, purchased_components

@@ -26,10 +26,10 @@ from fingertip.lab.board_comparison import BOARD, DIVIDER, NOISY, compare_with_b
 from fingertip.lab.campaign.campaign import CampaignPlan
 from fingertip.lab.campaign.run import run_campaign
 from fingertip.lab.validation import validate
-from fingertip.sim import Trial, simulate
 from fingertip.sim.runs.grip import ForceCurve
 from fingertip.sim.signal import readout
 from fingertip.sim.signal.bridge import Bridge
+from fingertip.sim.simulation import Trial, simulate
 from fingertip.slip.detectors.registry import DETECTORS, make_detector
 from fingertip.sweep.compute import GROUP_FUNCTIONS, PointContext
 from fingertip.tasks.board_files import board_differences, write_board

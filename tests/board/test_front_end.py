@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.interference import compute_cable_crosstalk
 from fingertip.board.analysis.loads import compute_phase_margins_deg
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.front_end import sensor_conductance_s

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from benchmarks.board_gate import random_changes
 from benchmarks.gate_in_ngspice import check_gate_in_ngspice
-from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.gate import (
     CLAMP,
     CURRENT,
@@ -33,6 +33,7 @@ from fingertip.board.analysis.gate import (
 )
 from fingertip.board.analysis.loads import compute_phase_margins_deg, compute_two_pole_gain
 from fingertip.board.analysis.thresholds import TOLERANCES
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.values import VARIANT_CHANGES

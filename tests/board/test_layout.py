@@ -15,7 +15,8 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_values import board_values
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.back_print import find_text_box, list_back_texts, list_values
 from fingertip.board.kicad.netlist import REVISION

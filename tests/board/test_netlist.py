@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_values import board_values
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.parts.circuit import format_component_value, parse_component_value
 from tests.designs import load_article

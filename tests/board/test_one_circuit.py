@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.board_analysis import analyse, bode_table
-from fingertip.board.analysis.board_values import _model_variant, compute_filter
+from fingertip.board.analysis.board_values import _model_variant, board_values, compute_filter
 from fingertip.board.circuits import board_circuit as circuits
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.kicad.netlist import kicad_netlist_file

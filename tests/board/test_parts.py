@@ -11,7 +11,8 @@ import re
 
 import pytest
 
-from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_values import board_values
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.components.selection import SOLD, capacitances_in_range, nearest_capacitance
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.fabrication.bom import (

@@ -17,8 +17,9 @@ from xml.etree import ElementTree
 
 import pytest
 
-from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.board_analysis import Analysis, analyse
+from fingertip.board.analysis.board_values import board_values
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.placement import list_pads, read_reference
 from fingertip.board.kicad.sexpr import read_expression

@@ -11,7 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_values import board_values
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.project import load_project
 from fingertip.board.parts.symbols import DUAL_AMPLIFIERS

@@ -10,11 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.limits import adc_range_warnings
 from fingertip.board.analysis.loads import compute_output_currents, load_warnings
 from fingertip.board.analysis.noise import NETS, add_noise, noise_budget
 from fingertip.board.analysis.response import decibel
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.front_end import sensor_conductance_s
 from fingertip.board.components.values import SUPPLIES, VARIANT_CHANGES

@@ -9,9 +9,9 @@ import re
 import numpy as np
 import pytest
 
-from fingertip.board import board_values
-from fingertip.board.analysis.board_values import TOUCHES
-from fingertip.sim import SceneFile, run_scene
+from fingertip.board.analysis.board_values import TOUCHES, board_values
+from fingertip.sim.runs.scene import run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from tests.conftest import ROOT
 from tests.designs import ARTICLE
 

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_values import board_values
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.fabrication.bom import assembly_bom_file, placement_file
 from fingertip.board.fabrication.fabrication_files import export_gerbers, kicad_session

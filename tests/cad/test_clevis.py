@@ -1,5 +1,5 @@
-"""Clevis: presets pass every check, the joint moves as stated, and the
-tendon lies in its groove and on its horns.
+"""Clevis: presets pass every check, the joint moves as stated, and the tendon lies in its groove
+and on its horns.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from fingertip.design import Design
 from fingertip.design.formulas.stress_and_knock import OF_CHORDS, pin_peak, shoulder_in_bending
 from fingertip.design.interfaces import clevis, clevis_rules, interface_of
 from fingertip.models import clevis as clevis_models
-from fingertip.models.outlines import eye_corners
+from fingertip.models.joint import Joint
 from fingertip.models.parts import PARTS, parts_by_name
 from fingertip.models.solids import cylinder, union
 from tests.cad.part_checks import run_all_checks
@@ -50,13 +50,22 @@ def test_preset_passes_all_mesh_checks_and_holds_its_loads_in_every_material(nam
 
 @pytest.mark.parametrize("travel_deg", [20.0, 60.0, 90.0, 110.0])
 def test_profile_between_the_stops_never_meets_the_shoulder(travel_deg: float) -> None:
-    """Every corner stays on the near side of the shoulder, in the
-    frame of the bone, at all angles of the travel.
+    """Every corner stays on the near side of the shoulder, in the frame of the bone, at all angles
+    of the travel.
     """
+    joint = Joint(
+        axis_y=0.0,
+        axis_z=0.0,
+        pin_radius=1.0,
+        radius=4.0,
+        clearance=0.3,
+        is_fork=True,
+        half_width=3.0,
+        travel_deg=travel_deg,
+        foot=0.0,
+    )
     corners = [
-        point
-        for point in eye_corners((0.0, 0.0), 4.0, 3.7, travel_deg, 20.0)
-        if math.hypot(*point) > 0.0
+        point for point in clevis_models.eye_corners(joint, 20.0) if math.hypot(*point) > 0.0
     ]
     for i in range(101):
         angle = math.radians(travel_deg * i / 100)
@@ -67,8 +76,8 @@ def test_profile_between_the_stops_never_meets_the_shoulder(travel_deg: float) -
 
 
 def test_travel_is_free_where_hand_and_finger_do_not_overlap() -> None:
-    """Base, collar and hand as quadrants of the middle plane, the
-    hand's turned about the axis of the joint.
+    """Base, collar and hand as quadrants of the middle plane, the hand's turned about the axis of
+    the joint.
     """
     whole = load("adult_finger")
     draw = random.Random(7).uniform
@@ -92,8 +101,8 @@ def test_travel_is_free_where_hand_and_finger_do_not_overlap() -> None:
 
 
 def test_forces_of_the_joint_follow_from_its_levers() -> None:
-    """41.5 mm of lever about the pin against 5.3 mm of the tendon,
-    and two thirds of the stop, beside the gap.
+    """41.5 mm of lever about the pin against 5.3 mm of the tendon, and two thirds of the stop,
+    beside the gap.
     """
     design = load("adult_finger")
     assert clevis.tendon_force_per_n(design, 25.0) == pytest.approx(41.5 / 5.3)
@@ -136,8 +145,8 @@ def test_a_steel_pin_presses_more_evenly_and_never_breaks_first() -> None:
 
 
 def test_pressure_on_a_horn_balances_the_pull_at_both_ends_of_its_strand() -> None:
-    """Summed up over the quarter circle it is half of the tendon's
-    force, along the finger and across it.
+    """Summed up over the quarter circle it is half of the tendon's force, along the finger and
+    across it.
     """
     design = load("adult_finger", "hand.tendon_diameter_mm=0.7")
     (horn,) = (
@@ -165,8 +174,8 @@ def test_eyes_without_stops_have_the_factor_of_a_shoulder_within_two_fillets_of_
 
 @pytest.mark.parametrize("name", ["adult_finger", "child_finger"])
 def test_strands_lie_in_groove_and_on_horns(name: str) -> None:
-    """Beside the base and below the horns a strand has room, and one
-    that is 0.2 mm nearer cuts into the bone.
+    """Beside the base and below the horns a strand has room, and one that is 0.2 mm nearer cuts
+    into the bone.
     """
     design = load(name)
     anchor = design.dimensions.anchor

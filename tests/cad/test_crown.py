@@ -1,6 +1,4 @@
-"""Crown of the pad and platform of the bone: the form, both kernels, the mold, the film,
-the rules.
-"""
+"""Crown of the pad and platform of the bone: the form, both kernels, mold, film and rules."""
 
 from __future__ import annotations
 
@@ -16,8 +14,8 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.models.bone import bone, filled_bone
 from fingertip.models.conic import ConicBody
-from fingertip.models.outlines import RAMP_SLOPE
 from fingertip.models.sensor_pocket import sensor_body, sensor_recess
+from fingertip.models.skin_dimensions import RAMP_SLOPE
 from fingertip.models.solids import Box, SuperconicSolid
 from tests.conftest import DESIGNS, design_file
 from tests.oracles.conic_area import section_area
@@ -53,8 +51,8 @@ def profile(body: ConicBody, z: float) -> float:
 
 @pytest.mark.parametrize("name", FORMS)
 def test_the_pad_follows_two_circles_on_its_taper(name: str) -> None:
-    """Distances from the centres, one below the apex and one beyond the
-    base, both found from three numbers by hand.
+    """Distances from the centres, one below the apex and one beyond the base, both found from three
+    numbers by hand.
     """
     body = outer(name)
     assert body.crown
@@ -141,8 +139,8 @@ def test_both_kernels_and_an_integral_agree_in_volume(name: str) -> None:
 def test_the_rule_finds_the_thinnest_place_of_the_straight_part(
     name: str, platform_mm: float | None
 ) -> None:
-    """Between the solids, the skin is no thinner than at the
-    sections and points that the rules look at.
+    """Between the solids, the skin is no thinner than at the sections and points that the rules
+    look at.
     """
     design = Design.load(design_file(name))
     evaluator = MeshEvaluator(0.02)
@@ -166,8 +164,8 @@ def test_the_rule_finds_the_thinnest_place_of_the_straight_part(
 
 @pytest.mark.parametrize("name", CROWNED)
 def test_the_film_lies_in_its_slot_along_the_ramp(name: str) -> None:
-    """Head and tail clear the bone, keep the adhesive's distance
-    from the floor, and lie below flat and ramp.
+    """Head and tail clear the bone, keep the adhesive's distance from the floor, and lie below flat
+    and ramp.
     """
     design = Design.load(design_file(name))
     evaluator = MeshEvaluator(0.01)

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from fingertip.cad.verification.check import Check
-from fingertip.cad.verification.verify import list_margins
+from fingertip.cad.verification.margins import list_margins
 from fingertip.design import Design
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import RULES

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fingertip.board import board_values
+from fingertip.board.analysis.board_values import board_values
 from fingertip.calibration.printer import apply_calibration
 from fingertip.calibration.sensor import (
     PowerLaw,

@@ -53,7 +53,8 @@ def test_hanging_step_process_is_stopped(tmp_path: Path, monkeypatch: pytest.Mon
     from fingertip.tasks import build as module
 
     fake = fake_module(tmp_path, "OCP", "import time\ntime.sleep(600)\n")
-    monkeypatch.setenv("PYTHONPATH", fake)
+    monkeypatch.setenv("PYTHONPATH", fake)  # of a new process
+    monkeypatch.syspath_prepend(str(tmp_path / "fake"))  # of a copy of this one
     monkeypatch.setattr(StepProcess.result, "__defaults__", (3.0,))
     with pytest.raises(GeometryError, match="still loading Open CASCADE after 3 s"):
         module.build(Design(), tmp_path / "out")

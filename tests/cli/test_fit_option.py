@@ -1,10 +1,11 @@
-"""`--fit`: what follows from a change moves, is listed before
-anything is written, and passes when it is typed.
+"""`--fit`: what follows from a change moves, is listed before anything is written, and passes when
+it is typed.
 """
 
 from __future__ import annotations
 
 import json
+import pickle
 import tomllib
 from pathlib import Path
 
@@ -79,6 +80,16 @@ def test_a_design_that_passes_stays_and_a_design_file_on_stdout_can_be_read() ->
     done = run_fingertip("params", "adult_finger", "--fit", "--toml", "--quiet")
     assert Design(**tomllib.loads(done.stdout)) == Design.load("adult_finger")
     assert "passes as it is" in run_fingertip("params", "adult_finger", "--fit").stderr
+
+
+def test_designs_of_the_same_values_are_equal_whatever_moved() -> None:
+    fitted = fit_design(Design.load("adult_finger"), {"skin.thickness_palmar_mm": 2.7})
+    stated = Design(**fitted.model_dump())
+    assert fitted.moves
+    assert not stated.moves
+    assert fitted == stated
+    assert hash(fitted) == hash(stated)
+    assert pickle.loads(pickle.dumps(fitted)).moves == fitted.moves
 
 
 def test_each_finger_of_a_set_is_fitted(tmp_path: Path) -> None:

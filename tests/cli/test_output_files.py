@@ -29,8 +29,8 @@ FILES = (
     ("check fsr400", "--junit", ".xml", "fingertip.cad.verification.verify.verify"),
     ("check fsr400", "--sarif", ".sarif", "fingertip.cad.verification.verify.verify"),
     ("make fsr400", "--zip", ".zip", "fingertip.tasks.build.verify"),
-    ("simulate", "--out", ".csv", "fingertip.sim.Simulation.write"),
-    ("simulate", "--plot", ".png", "fingertip.sim.Simulation.run"),
+    ("simulate", "--out", ".csv", "fingertip.sim.simulation.Simulation.write"),
+    ("simulate", "--plot", ".png", "fingertip.sim.simulation.Simulation.run"),
     ("detect trace.csv", "--plot", ".png", "fingertip.detection.recordings.detect_file"),
     ("new tip", "--out", ".toml", "fingertip.foundation.files.write_file"),
     (

@@ -19,7 +19,7 @@ from fingertip.design.fit import LEAST_LOADS
 from fingertip.design.hand_sizes import SIZES, complete_hand, list_hands
 from fingertip.design.parameters.bone_and_mold import Hand
 from fingertip.documents.finger_sheets import draw_hand_sizes, list_steps
-from fingertip.fitting.fitting import fit_tables
+from fingertip.fitting.fitting import fit_design, fit_tables
 from fingertip.fitting.new_design import write_new_design
 from fingertip.foundation.errors import DesignError, join_words
 from tests.conftest import ROOT, run_fingertip
@@ -109,8 +109,7 @@ def test_a_load_that_new_lowered_is_lowered_again_by_a_fit_unless_it_is_given(
     )
     weaker = "strength.min_grip_factor=16"
     given = f"strength.grip_force_n={held}"
-    assert Design.load(file, changes=[weaker], fit=True).strength.grip_force_n == pytest.approx(
-        float(held) / 2, 0.1
-    )
+    fitted = fit_design(Design.load(file), [weaker])
+    assert fitted.strength.grip_force_n == pytest.approx(float(held) / 2, 0.1)
     with pytest.raises(DesignError, match=r"strength\.grip_force_n: "):
-        Design.load(file, changes=[weaker, given], fit=True)
+        fit_design(Design.load(file), [weaker, given])

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_values import board_values
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.casting.sheet import CastingSheet, casting_sheet
 from fingertip.casting.shopping import add_prices

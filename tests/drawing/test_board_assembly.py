@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_circuit, board_values
-from fingertip.board.circuits.board_circuit import SUPPRESSOR
+from fingertip.board.analysis.board_values import board_values
+from fingertip.board.circuits.board_circuit import SUPPRESSOR, board_circuit
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.fabrication.bom import purchased_components
 from fingertip.board.kicad.project import load_project

@@ -113,8 +113,8 @@ def test_errors_of_the_process_are_raised_here(monkeypatch: pytest.MonkeyPatch) 
     nothing = box.cut(solids.Box((-1.0, -1.0, -1.0), (2.0, 2.0, 2.0)))
     with pytest.raises(GeometryError, match="one valid solid was expected"):
         run_apart((("nothing", partial(project_part, nothing, ("front",))),))
-    monkeypatch.setattr("fingertip.pictures.drawing.draw.TIME_LIMIT_S", 0.01)
-    with pytest.raises(GeometryError, match=r"still projecting after 0\.01 s"):
+    monkeypatch.setattr("fingertip.pictures.drawing.draw.TIME_LIMIT_S", 1e-5)
+    with pytest.raises(GeometryError, match=r"still projecting after 1e-05 s"):
         run_apart((("box", partial(project_part, box, ("front",))),))
 
 
@@ -123,8 +123,9 @@ def test_box_is_projected_exactly_with_its_hidden_bore() -> None:
     box = solids.Box((-2.0, -1.0, 0.0), (2.0, 3.0, 9.0)).cut(bore)
     views = run_apart((("box", partial(project_part, box, ("front", "dorsal", "section"))),))["box"]
     assert views["front"].bounds() == (0.0, -1.0, 9.0, 3.0)
-    hidden = {edge for edge in views["front"].hidden if len(edge) == 2 and edge[0][0] == edge[1][0]}
-    assert hidden == {((3.5, -1.0), (3.5, 3.0)), ((4.5, -1.0), (4.5, 3.0))}
+    (hidden,) = views["front"].hidden
+    corners = {(round(x, 2), round(y, 2)) for x, y in hidden}
+    assert corners == {(3.5, -1.0), (3.5, 3.0), (4.5, -1.0), (4.5, 3.0)}
     circle = max(views["dorsal"].visible, key=len)
     assert all(math.dist(point, (4.0, 0.0)) == pytest.approx(0.5, abs=2e-4) for point in circle)
     area = (

@@ -1,5 +1,5 @@
-"""The C detector against the Python one, here and on emulated
-controllers: the same bits, and limits of its costs.
+"""The C detector against the Python one, here and on emulated controllers: the same bits, and
+limits of its costs.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import pytest
 from benchmarks.slip.mix_signals import filter_as_board
 from fingertip.design import Design
 from fingertip.firmware.c_sources import SOURCE, library_settings
-from fingertip.firmware.packaging import read_costs
+from fingertip.firmware.measured_costs import read_costs
 from fingertip.foundation import jit
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from tests.firmware.conftest import Library, make_library, require_arm, require_gcc
@@ -55,8 +55,8 @@ def assert_same_bits(library: Library, *inputs: np.ndarray) -> FastOutput:
 
 
 def random_signals(design: Design, count: int, seed: int = 1) -> dict[str, Recording]:
-    """Signals of every kind: noise, bursts, steps, codes,
-    limits, a broken wire, any size, constants.
+    """Signals of every kind: noise, bursts, steps, codes, limits, a broken wire, any size,
+    constants.
     """
     random = np.random.default_rng(seed)
     tactile = 2.0 + random.normal(0.0, 4e-4, count)
@@ -161,8 +161,8 @@ def test_float_finds_the_intervals_of_the_whole_campaign(either: Library) -> Non
 
 
 def test_float_does_not_depend_on_the_force_at_which_it_begins(library: Library) -> None:
-    """A constant voltage costs no digits, as filters take
-    differences: 16 V away, decisions stay the same.
+    """A constant voltage costs no digits, as filters take differences: 16 V away, decisions stay
+    the same.
     """
     step = 2.0**-14  # voltages that single precision holds exactly, here and there
     tactile, filtered = (
@@ -232,8 +232,8 @@ def test_sanitizers_find_no_undefined_behaviour(library: Library, tmp_path: Path
 
 @pytest.mark.parametrize("share", [1.0, 0.25])
 def test_codes_are_judged_as_in_python_wherever_s_rests(share: float, tmp_path: Path) -> None:
-    """Codes of a converter whose step is exact in binary; a quarter
-    of S is one of 10 bits in a 12-bit library.
+    """Codes of a converter whose step is exact in binary; a quarter of S is one of 10 bits in a
+    12-bit library.
     """
     design = Design(detector={"adc_range_v": 4.0})
     tactile, filtered = slip_recording(design, 4.0).codes(design)
@@ -279,8 +279,8 @@ def test_incipient_slip_is_that_of_python(library: Library) -> None:
 
 by_target = pytest.mark.parametrize("target", TARGETS, ids=[target.name for target in TARGETS])
 TOLERANCE = 0.02
-"""Largest relative difference between two measurements with the same
-compiler: other samples of the same kind.
+"""Largest relative difference between two measurements with the same compiler: other samples of the
+same kind.
 """
 
 
@@ -344,8 +344,8 @@ def test_the_committed_measurements_are_within_the_limits() -> None:
 
 @pytest.mark.full
 def test_the_committed_measurements_are_measured_again(library: Library) -> None:
-    """With the compiler that made the table, the same bytes and
-    nearly the same counts; else the limits alone.
+    """With the compiler that made the table, the same bytes and nearly the same counts; else the
+    limits alone.
     """
     require_arm()
     written = read_costs()
@@ -394,8 +394,8 @@ int main(void) {
 
 
 def test_a_start_in_the_middle_of_a_slip_is_decided_with_stored_floors(tmp_path: Path) -> None:
-    """Of two equal starts in vibration, the one that recalls the
-    floors of a rest is ON; C counts as Python does.
+    """Of two equal starts in vibration, the one that recalls the floors of a rest is ON; C counts
+    as Python does.
     """
     require_gcc()
     random = np.random.default_rng(3)

@@ -13,8 +13,8 @@ from fingertip.design import Design
 from fingertip.design.design_file import load_tables
 from fingertip.documents.wiring import SKETCH_PINS
 from fingertip.firmware.c_sources import HEADER
+from fingertip.firmware.controller_fit import controller_changes, find_warnings
 from fingertip.firmware.fingers import BUFFER_SAMPLES
-from fingertip.firmware.packaging import controller_changes, find_warnings
 from fingertip.tasks.firmware_files import firmware_differences, firmware_files, write_firmware
 from fingertip.tasks.manifest_comparison import verify_sets
 from tests.conftest import ROOT, design_file, run_fingertip

@@ -1,5 +1,5 @@
-"""Several fingers on one controller: detectors with faulty inputs,
-the grip law, costs, and what is refused.
+"""Several fingers on one controller: detectors with faulty inputs, the grip law, costs, and what is
+refused.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from fingertip.catalogues.electronics import NAMES, load_controllers
 from fingertip.design import Design
 from fingertip.firmware.c_sources import GRIP_SOURCE, library_settings
 from fingertip.firmware.fingers import count_fingers, find_load, list_controllers, plan_fingers
-from fingertip.firmware.packaging import read_costs
+from fingertip.firmware.measured_costs import read_costs
 from fingertip.foundation import jit
 from fingertip.foundation.errors import FingertipError
 from fingertip.sim.runs.grip import ForceCurve, GripLaw, GripSettings
@@ -55,9 +55,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def record_hand(stride: int, seed: int) -> np.ndarray:
-    """Codes of five fingers, (samples, fingers, 2): each finger feels the trials in
-    another order.
-    """
+    """Codes of five fingers, (samples, fingers, 2): each feels the trials in another order."""
     recordings = [one.code_pairs(DESIGN) for one in campaign_recordings(DESIGN, stride)]
     order = np.random.default_rng(seed)
     fingers = [
@@ -67,8 +65,8 @@ def record_hand(stride: int, seed: int) -> np.ndarray:
 
 
 def process_in_python(codes: np.ndarray, lost: np.ndarray) -> list[FastOutput]:
-    """Outputs of the detectors of all fingers in the samples that
-    were not lost, which take the place of NaN.
+    """Outputs of the detectors of all fingers in the samples that were not lost, which take the
+    place of NaN.
     """
     low = DESIGN.detector.adc_low_v
     step = DESIGN.detector.adc_step_v
@@ -154,8 +152,8 @@ def test_what_is_no_voltage_changes_little_and_is_reported(
 def test_glitches_of_any_size_change_little_output(
     trials: list[tuple[Recording, FastOutput]],
 ) -> None:
-    """One sample off by 20 mV to 3 V in S, 1 mV to 3 V in T, or
-    both, anywhere and around onsets and ends.
+    """One sample off by 20 mV to 3 V in S, 1 mV to 3 V in T, or both, anywhere and around onsets
+    and ends.
     """
     random = np.random.default_rng(3)
     changed = []
@@ -206,9 +204,7 @@ def test_voltages_that_no_force_gives_are_reported_while_they_last() -> None:
 
 
 def test_an_open_wire_of_s_is_told_and_slip_is_found_by_t(folder: Path) -> None:
-    """Its code is 0, and now and then 1: open from the start at finger 1, from 2 s on at
-    finger 2.
-    """
+    """Its code is 0, and now and then 1: open from the start at finger 1, from 2 s at finger 2."""
     pair = slip_recording(DESIGN, 6.0).code_pairs(DESIGN)
     is_open = np.arange(len(pair))[:, None] >= [len(pair), 0, 4000, len(pair), len(pair)]
     codes = np.stack([pair] * len(NAMES), axis=1)

@@ -1,5 +1,5 @@
-"""Sketch for a finger with a divider: lamp, lines and forces, for
-each controller, and an ESP32-S3's converter.
+"""Sketch for a finger with a divider: lamp, lines and forces, for each controller, and an
+ESP32-S3's converter.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from fingertip.design import Design
 from fingertip.documents.firmware import render_readme
 from fingertip.drivers import SampleReader
 from fingertip.firmware.c_sources import library_settings
+from fingertip.firmware.controller_fit import find_warnings
 from fingertip.firmware.fingers import TASK_CONVERSIONS, find_controller, plan_fingers
-from fingertip.firmware.packaging import find_warnings
 from fingertip.foundation import jit
 from fingertip.foundation.errors import FingertipError
 from fingertip.lab.campaign.campaign import HELD_OUT_FROM, CampaignPlan, generate_cases
@@ -75,8 +75,8 @@ def decide(volts: np.ndarray) -> np.ndarray:
 
 
 def compile_lamp(folder: Path, *command: str, streams: str = "false") -> list[str]:
-    """Compile the sketch and the library beside it, without warnings,
-    against the stand-in for Arduino's headers.
+    """Compile the sketch and the library beside it, without warnings, against the stand-in for
+    Arduino's headers.
     """
     require_tool(command[0], INSTALL)
     write_firmware(DESIGN, folder)

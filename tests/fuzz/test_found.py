@@ -13,7 +13,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError, SweepError, TraceError
-from fingertip.sim import ManipulationFile, SceneFile
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
 from fingertip.sweep.axes import Axis, round_significant
 from fingertip.sweep.sweep_plan import SweepPlan
 from tests.conftest import run_fingertip

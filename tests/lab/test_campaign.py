@@ -42,7 +42,7 @@ from fingertip.lab.campaign.run import (
 )
 from fingertip.lab.report.results import ONSETS
 from fingertip.lab.validation import FILES, check_detection, find_better
-from fingertip.sim import SceneFile
+from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.registry import DETECTORS
 from fingertip.slip.traces.trace import Trace

@@ -19,8 +19,8 @@ from fingertip.lab.campaign.closed_loop import (
 )
 from fingertip.lab.validation import check_closed_loop
 from fingertip.pad.response import Pad
-from fingertip.sim import Observation
 from fingertip.sim.runs.grip import ForceCurve, GripController, GripLaw, GripSettings
+from fingertip.sim.runs.manipulation_plan import Observation
 from fingertip.sim.signal.converter import SimulatedBoardDetector, compute_bridge_v
 from fingertip.slip.detectors.noise_and_threshold import input_noise_v
 

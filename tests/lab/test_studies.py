@@ -14,7 +14,8 @@ from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.lab.campaign.campaign import NEGATIVE_SCENES, CampaignPlan, Case
 from fingertip.lab.campaign.run import find_onset_s, measure_vibration_n, median_of_known
-from fingertip.sim import SceneFile, run_scene
+from fingertip.sim.runs.scene import run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from fingertip.sim.runs.timeline import TrapezoidalMove
 from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.analog_and_digital import noise_level

@@ -10,7 +10,8 @@ import pytest
 from fingertip.design import Design
 from fingertip.pad.response import REFERENCE_POSE, Pad
 from fingertip.pad.touch import Pose
-from fingertip.sim import SceneFile, run_scene
+from fingertip.sim.runs.scene import run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from tests.pad.bonded import CROWNED
 
 ONE = np.ones(1)

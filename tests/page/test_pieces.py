@@ -28,7 +28,7 @@ from fingertip.page.model_section import Item, scene_json
 from fingertip.page.schematic_svg import find_way, first, list_bodies, numbers, points
 from fingertip.page.sources import _read_current_set
 from fingertip.page.svg import Axis, Frame, format_tick, number
-from fingertip.page.trial_section import _reduce
+from fingertip.page.trial_svg import reduce_line
 from tests.conftest import ROOT
 from tests.page.conftest import Page
 
@@ -83,8 +83,8 @@ def test_ticks_are_round_and_points_are_placed_by_their_axes() -> None:
 
 
 def test_bundled_board_is_drawn_as_large_as_in_its_file() -> None:
-    """Holes have the diameters of their drills, and pads that were
-    turned wrongly would reach into each other.
+    """Holes have the diameters of their drills, and pads that were turned wrongly would reach into
+    each other.
     """
     layout = read_expression((ROOT / "pcb" / "slip_filter.kicad_pcb").read_text())
     footprints = [*layout.children("footprint")]
@@ -111,15 +111,15 @@ def test_reduced_lines_keep_their_extremes() -> None:
     rng = np.random.default_rng(3)
     x = np.arange(50_000) / 2000
     y = rng.normal(size=50_000)
-    reduced = _reduce(x, y)
+    reduced = reduce_line(x, y)
     assert len(reduced) < 1400
     assert (min(b for _, b in reduced), max(b for _, b in reduced)) == (y.min(), y.max())
     assert [a for a, _ in reduced] == sorted(a for a, _ in reduced)
 
 
 def test_response_agrees_with_the_bode_table(design: Design) -> None:
-    """The line on the page, read back from its pixels, is the
-    gain that the network's equations give.
+    """The line on the page, read back from its pixels, is the gain that the network's equations
+    give.
     """
     svg = Page(draw_response(design))
     lines = [a for tag, a in svg.elements if tag == "path" and a.get("stroke") == "var(--series-1)"]
@@ -209,8 +209,8 @@ CHANGED = (
 @pytest.mark.full
 @pytest.mark.parametrize("path", CHANGED)
 def test_whatever_a_parameter_changes_is_highlighted(path: str, design: Design) -> None:
-    """Shapes that differ after a small change, against the
-    parameters that they were recorded to read.
+    """Shapes that differ after a small change, against the parameters that they were recorded to
+    read.
     """
     moved = set(shapes_of_parameters(design).get(path, ()))
     other = design.with_values({path: design.value(path) * 1.02})

@@ -19,7 +19,8 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.recorded_trials.trials import KINDS, PAUSE_S, kind_of
-from fingertip.sim import SceneFile, run_scene
+from fingertip.sim.runs.scene import run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 
 RING = 1024
 HEADER = b"# fingertip 9.9.9\ntime_s,voltage_v,moving\n"

@@ -21,7 +21,7 @@ from fingertip.design import Design
 from fingertip.detection.recordings import find_force_scale
 from fingertip.drivers import Finger, Port, Slip
 from fingertip.foundation.errors import TraceError
-from fingertip.sim import run_scene
+from fingertip.sim.runs.scene import run_scene
 from fingertip.slip.detectors.fast import FastDetector
 from tests.conftest import ROOT
 from tests.recorded_trials.player import slide_scene

@@ -17,7 +17,9 @@ from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.lab.accuracy import accuracy_summary, extremes, measure
 from fingertip.lab.accuracy.accuracy_summary import FILES
-from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
+from fingertip.sim.runs.manipulation import run_manipulation
+from fingertip.sim.runs.scene import run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
 from fingertip.sim.signal.grid import Grid
 from tests.conftest import run_fingertip
 

@@ -13,13 +13,16 @@ import numpy as np
 import pytest
 
 from benchmarks.peers.spice import Spice, sampled_source
-from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_values import board_values
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.parts.nets import FILTERED
 from fingertip.design.formulas.amplifiers import choose_amplifier, find_gain_bandwidth_hz
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compile_for_process, compiled
-from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
+from fingertip.sim.runs.manipulation import run_manipulation
+from fingertip.sim.runs.scene import run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
 from fingertip.sim.signal.analog_circuit import (
     Amplifiers,
     AnalogBoard,

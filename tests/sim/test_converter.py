@@ -8,14 +8,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.noise import add_noise
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.components.front_end import SUPPRESSOR_F
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.sim import SceneFile, run_scene
+from fingertip.sim.runs.scene import run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from fingertip.sim.signal.converter import (
     AdcRange,
     AntiAliasFilter,

@@ -19,10 +19,10 @@ from fingertip.foundation.jit import compiled
 from fingertip.pad.layer import find_contacts
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import REFERENCE_POSE, Pad
-from fingertip.sim import SceneFile, Trial, run_scene
 from fingertip.sim.contact.surface_files import SURFACES
 from fingertip.sim.contact.surfaces import average_over_patch, generate_profile
-from fingertip.sim.runs.scene import SceneRun, stream_scene
+from fingertip.sim.runs.scene import SceneRun, run_scene, stream_scene
+from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from fingertip.sim.signal.grid import BASE_HZ, Grid, open_stream
 from fingertip.sim.signal.interference import (
     HandVibration,
@@ -34,6 +34,7 @@ from fingertip.sim.signal.interference import (
 )
 from fingertip.sim.signal.parameters import Cable, Drift, Noise
 from fingertip.sim.signal.simulated_finger import FingerSignals
+from fingertip.sim.simulation import Trial
 from fingertip.sim.trace_file import encode_trace, open_trace
 from tests.sim.test_report import EVERYTHING
 

@@ -16,15 +16,16 @@ from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
 from fingertip.pad.response import Pad
-from fingertip.sim import ManipulationFile, article_manipulations, run_manipulation
 from fingertip.sim.contact.dragged_pad import Mount
 from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
 from fingertip.sim.runs.grasp_loop import Grasp, HeldObject, Pin
+from fingertip.sim.runs.manipulation import run_manipulation
 from fingertip.sim.runs.manipulation_plan import Motors, delay_commands, plan_motion, thumb_force_n
-from fingertip.sim.runs.scene_and_manipulation_files import Hand
+from fingertip.sim.runs.scene_and_manipulation_files import Hand, ManipulationFile
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.grid import BASE_HZ, Grid
+from fingertip.sim.simulation import article_manipulations
 from tests.conftest import ROOT
 
 PAD = Pad.from_design(Design())

@@ -17,6 +17,7 @@ from fingertip.foundation.jit import (
     MutableFloats,
     compile_for_process,
     compiled,
+    interpreted,
 )
 
 
@@ -61,6 +62,17 @@ def test_block_compiles_its_loops():
             loop(np.full(3, 2.0), out)
     assert out.tolist() == [4.0, 4.0, 4.0]
     assert not jit._always_compile
+
+
+def test_interpreted_block_compiles_nothing():
+    pytest.importorskip("numba")
+    loop = make_loop()
+    out = np.zeros(3000)
+    with compiled(), interpreted():
+        loop(np.ones(3000), out)
+
+    assert loop._compiled is None
+    assert out.tolist() == [2.0] * 3000
 
 
 def test_loop_compiles_from_its_break_even_on():

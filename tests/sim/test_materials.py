@@ -14,13 +14,6 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.numerics import Array
-from fingertip.sim import (
-    ManipulationFile,
-    ManipulationResult,
-    SceneFile,
-    load_simulation,
-    run_scene,
-)
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.surface_files import (
     ARTICLE_SURFACES,
@@ -30,6 +23,10 @@ from fingertip.sim.contact.surface_files import (
 )
 from fingertip.sim.contact.surfaces import SurfaceProfile, average_over_patch, generate_profile
 from fingertip.sim.contact.vibration import ProfileForce
+from fingertip.sim.runs.manipulation import ManipulationResult
+from fingertip.sim.runs.scene import run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
+from fingertip.sim.simulation import load_simulation
 from fingertip.sim.simulation_summary import find_warnings
 from tests.conftest import run_fingertip
 

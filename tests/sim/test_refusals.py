@@ -16,17 +16,13 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError
-from fingertip.sim import (
-    ManipulationFile,
-    SceneFile,
-    Trial,
-    load_simulation,
-    run_manipulation,
-    run_scene,
-)
 from fingertip.sim.contact.friction import Friction
+from fingertip.sim.runs.manipulation import run_manipulation
+from fingertip.sim.runs.scene import run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import AnalogStream, simulate_board
+from fingertip.sim.simulation import Trial, load_simulation
 from tests.approved import check_text
 from tests.conftest import ROOT, design_file
 from tests.designs import ARTICLE

@@ -16,10 +16,13 @@ from fingertip.catalogues.file_kinds import MANIPULATION, SCENE, list_bundled_fi
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.pad.touch import Pose
-from fingertip.sim import ManipulationFile, SceneFile, load_simulation, run_manipulation, run_scene
-from fingertip.sim.runs.scene import SceneRecord
+from fingertip.sim.runs.manipulation import run_manipulation
+from fingertip.sim.runs.scene import SceneRecord, run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
 from fingertip.sim.signal.grid import STAGES
-from fingertip.sim.simulation_summary import as_data, as_text, draw
+from fingertip.sim.simulation import load_simulation
+from fingertip.sim.simulation_plot import draw
+from fingertip.sim.simulation_summary import as_data, as_text
 from fingertip.sim.stages import plan_simulation
 from fingertip.sim.trace_file import encode_trace
 from fingertip.slip.traces.truth import intervals

@@ -15,12 +15,13 @@ from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
 from fingertip.pad.response import Pad
-from fingertip.sim import SceneFile, Trial, load_simulation, run_scene, simulate
-from fingertip.sim.runs.scene import SceneRun
+from fingertip.sim.runs.scene import SceneRun, run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.signal.grid import STAGES, CostMeter, Grid, StageCost
+from fingertip.sim.simulation import Trial, load_simulation, simulate
 from fingertip.sim.simulation_summary import find_warnings
 from fingertip.slip.scored_detection import detect
 from tests.conftest import ROOT, design_file, run_fingertip

@@ -9,8 +9,8 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
-from fingertip.sim import SceneFile, run_scene
-from fingertip.sim.runs.scene import SceneRun
+from fingertip.sim.runs.scene import SceneRun, run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from fingertip.sim.runs.tremor_and_servo import HandMotion, Servo, Tremor, largest_factor
 
 DESIGN = Design()

@@ -17,7 +17,9 @@ from fingertip.detection.recordings import detect_file
 from fingertip.detection.warnings import filtered_warnings
 from fingertip.foundation import jit
 from fingertip.lab.campaign.run import select_board_outputs
-from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
+from fingertip.sim.runs.manipulation import run_manipulation
+from fingertip.sim.runs.scene import run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.fast_settings import (
     LIMIT_SHARE,

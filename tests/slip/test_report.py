@@ -46,9 +46,7 @@ MANY = during((0.9, 1.0), (1.5, 2.0), (2.6, 2.9), (3.2, 3.4))
 which the detector is ON; a fourth is missed.
 """
 STATED = during((1.5, 2.0), (2.7, 2.9), (3.21, 3.4), (3.7, 3.75))
-FILTERED_V = (
-    1.47 + SlipChain(ChainSettings.from_design(Design())).process(record(SLIP).voltage_v).filtered_v
-)
+FILTERED_V = 1.47 + SlipChain(ChainSettings.from_design(Design())).filter(record(SLIP).voltage_v)
 CASES = {
     "digital, many": (record(MANY, STATED), "digital"),
     "analog, many": (record(MANY, STATED), "analog"),

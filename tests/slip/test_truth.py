@@ -112,7 +112,9 @@ def test_a_trace_in_memory_is_validated() -> None:
 
 @pytest.mark.full
 def test_files_of_a_set_are_simulated_unless_they_were_changed(tmp_path: Path) -> None:
-    contents, made = simulate_and_detect(Design())
+    trial = simulate_and_detect(Design())
+    contents = trial.files
+    made = trial.detection
     folder = tmp_path / "signal"
     SIGNAL.writer(Design(), folder).write(contents)
     origin = read_origin(folder / "trace.csv")

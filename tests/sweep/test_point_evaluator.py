@@ -20,8 +20,8 @@ from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ELECTRONIC_TABLES
-from fingertip.design.rules.ruleset import find_violations
-from fingertip.design.search import PART_RULES, RULES
+from fingertip.design.rules.ruleset import Rule, find_violations
+from fingertip.design.search import ELECTRONIC_RULES, PART_RULES, RULES
 from fingertip.foundation.errors import DesignError, Issue
 from fingertip.lab.campaign.campaign import Case
 from fingertip.lab.campaign.run import TrialResult
@@ -140,6 +140,13 @@ def test_rules_of_the_parts_read_no_electronic_table() -> None:
         list(find_violations(RULES, tables))
 
 
+def test_rules_of_the_electronics_read_no_table_of_the_parts() -> None:
+    part_tables = set(DesignTables.model_fields) - {*ELECTRONIC_TABLES, "name"}
+    tables = DesignTables().model_copy(update=dict.fromkeys(part_tables, ForbiddenTable()))
+    assert len(ELECTRONIC_RULES) > 20
+    assert list(find_violations(ELECTRONIC_RULES, tables)) == []
+
+
 ELECTRONIC_AXES: dict[str, Any] = {
     "board.cutoff_hz": {"low": 10.0, "high": 300.0, "spacing": "logarithmic"},
     "board.capacitor_uf": [0.1, 0.22, 0.47, 1.0, 2.2],
@@ -153,14 +160,26 @@ ELECTRONIC_AXES: dict[str, Any] = {
 }
 
 
+LENGTH_AXES: dict[str, Any] = {
+    "skin.width_mm": {"low": 16.5, "high": 19.0},
+    "skin.thickness_palmar_mm": {"low": 2.5, "high": 3.5},
+    "bone.channel_diameter_mm": {"low": 1.5, "high": 3.5},
+    "mold.wall_mm": {"low": 2.0, "high": 6.0},
+}
+
+
 @pytest.mark.full
-def test_fast_path_for_electronics_gives_the_same_designs_and_messages() -> None:
-    plan = make_plan(
-        sampling="latin_hypercube", points=150, seed=3, axes=ELECTRONIC_AXES, outputs=["q"]
-    )
+@pytest.mark.parametrize(
+    ("axes", "rules"), [(ELECTRONIC_AXES, ELECTRONIC_RULES), (LENGTH_AXES, PART_RULES)]
+)
+def test_fast_path_gives_the_same_designs_and_messages(
+    axes: dict[str, Any], rules: tuple[Rule, ...]
+) -> None:
+    plan = make_plan(sampling="latin_hypercube", points=150, seed=3, axes=axes, outputs=["q"])
     fast, complete = (DesignBuilder(plan) for _ in range(2))
-    assert fast._only_electronics_vary
+    assert fast._rules == rules
     complete._only_electronics_vary = False
+    complete._rules = RULES
     refused = 0
     for number in range(plan.size):
         changes = plan.point(number)
@@ -173,6 +192,16 @@ def test_fast_path_for_electronics_gives_the_same_designs_and_messages() -> None
         refused += isinstance(results[0], str)
         assert results[0] == results[1]
     assert 40 < refused < 150
+
+
+@pytest.mark.parametrize(
+    ("axes", "fit"), [(LENGTH_AXES | {"board.cutoff_hz": [60.0, 70.0]}, False), (LENGTH_AXES, True)]
+)
+def test_all_rules_are_checked_where_parts_and_board_vary_or_a_fit_repairs_the_base(
+    axes: dict[str, Any], fit: bool
+) -> None:
+    plan = make_plan(sampling="latin_hypercube", points=8, axes=axes, outputs=["q"], fit=fit)
+    assert DesignBuilder(plan)._rules == RULES
 
 
 def test_outputs_have_the_units_of_their_names() -> None:

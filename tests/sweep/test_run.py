@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_values
+from fingertip.board.analysis.board_values import board_values
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
 from tests.sweep.examples import read_rows, run_sweep_command

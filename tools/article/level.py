@@ -24,8 +24,8 @@ from fingertip.foundation import display as style
 from fingertip.foundation.workers import call_each
 from fingertip.lab.board_comparison import with_variant
 from fingertip.lab.campaign.run import TrialResult, evaluate
-from fingertip.sim import run_scene
 from fingertip.sim.contact.surface_files import ARTICLE_SURFACES, SURFACES, SurfaceTable
+from fingertip.sim.runs.scene import run_scene
 from fingertip.sim.signal.analog_circuit import DIODES
 from fingertip.sim.signal.converter import simulate_quiescent_level
 from fingertip.sim.signal.parameters import Sensing

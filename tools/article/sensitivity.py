@@ -20,7 +20,8 @@ from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign import run as campaign
 from fingertip.lab.campaign.campaign import HELD_OUT_FROM, CampaignPlan, Case
 from fingertip.pad.response import Backing
-from fingertip.sim import SceneFile, run_scene
+from fingertip.sim.runs.scene import run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from tools.article.steps import generate_limited_cases
 

@@ -31,7 +31,7 @@ from fingertip.lab.campaign.campaign import (
     generate_cases,
 )
 from fingertip.lab.campaign.run import evaluate, quantile_s, run_cases, select_board_outputs
-from fingertip.sim import run_scene
+from fingertip.sim.runs.scene import run_scene
 from fingertip.sim.signal.grid import Grid
 from fingertip.slip.detectors.registry import DETECTORS
 

@@ -26,10 +26,9 @@ from benchmarks.slip.mix_signals import LabelledSignal
 from fingertip.design import Design
 from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.campaign import NEGATIVE_SCENES, nominal_duration_s
-from fingertip.sim import SceneFile
 from fingertip.sim.contact.surface_files import SurfaceTable
 from fingertip.sim.runs.pose import GRASP_POSE
-from fingertip.sim.runs.scene_and_manipulation_files import DIRECTIONS
+from fingertip.sim.runs.scene_and_manipulation_files import DIRECTIONS, SceneFile
 from fingertip.sim.simulation import article_trials
 from tools.detector_training.disturbances import SLOW_SLIDES, generate_disturbances
 

@@ -9,8 +9,9 @@ import json
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.runs.pose import GRASP_POSE
+from fingertip.sim.runs.scene import run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from fingertip.slip.detectors.registry import make_detector
 
 HOLD = {

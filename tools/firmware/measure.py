@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.firmware import packaging as costs
+from fingertip.firmware import measured_costs
 from fingertip.slip.detectors.fast_settings import TICK_S
 from tools.firmware.signals import Recording, campaign_recordings, quiet_recording, slip_recording
 from tools.firmware.toolchain import (
@@ -103,8 +103,8 @@ def _measure_target(
 
 
 def _measure_hand(design: Design, folder: Path, target: Target, seconds: float) -> dict[str, Any]:
-    """Measure the detectors of five fingers, all of which slip: mean
-    of the second half, and most of a sample.
+    """Measure the detectors of five fingers, all of which slip: mean of the second half, and most
+    of a sample.
     """
     fingers = [
         slip_recording(design, seconds, 2 + 2 * i).code_pairs(design) for i in range(FIVE.count)
@@ -123,7 +123,7 @@ def _measure_hand(design: Design, folder: Path, target: Target, seconds: float) 
 
 def main() -> None:
     """Measure the default design, and replace the table in the package."""
-    path = Path(costs.__file__).with_name(costs.TABLE)
+    path = Path(measured_costs.__file__).with_name(measured_costs.TABLE)
     path.write_text(json.dumps(measure(Design()), indent=2) + "\n", encoding="utf-8")
     print(path.read_text(encoding="utf-8"))
 

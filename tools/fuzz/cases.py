@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from fingertip.catalogues.electronics import load_controllers
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, SWEEP
 from fingertip.design import Design
-from fingertip.sim import ManipulationFile, SceneFile
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
 from fingertip.sweep.sweep_file import SweepFile
 from tools.fuzz import originals
 from tools.fuzz.damage import damaged, nudged

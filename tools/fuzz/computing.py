@@ -28,8 +28,9 @@ from fingertip.design.parameters.declaration import find_bounds, list_choices
 from fingertip.fitting.fitting import fit_design
 from fingertip.foundation.errors import FingertipError, TraceError, raise_issues
 from fingertip.models.parts import parts_by_name
-from fingertip.sim import ManipulationFile, SceneFile, Simulation, load_simulation
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
 from fingertip.sim.signal.parameters import FILTER_OUTPUTS
+from fingertip.sim.simulation import Simulation, load_simulation
 from fingertip.sweep.outputs import load_outputs
 from tools.fuzz.cases import Case
 from tools.fuzz.remedies import FIT, as_changes, read_remedy

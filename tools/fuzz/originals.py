@@ -127,7 +127,7 @@ def hands() -> tuple[bytes, ...]:
 @cache
 def weighings() -> bytes:
     """File of weighings of a sensor."""
-    from fingertip.board import board_values
+    from fingertip.board.analysis.board_values import board_values
     from fingertip.design import Design
     from fingertip.sim.signal.bridge import fit_conductance_curve
 

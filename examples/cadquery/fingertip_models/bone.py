@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import sensor_pocket
+from .allowances import LEDGE_MM
 from .conic import ConicBody, add_groove, inset_body
 from .interfaces import shapes_of
-from .outlines import LEDGE_MM
 from .profile import farthest_corner
 from .solids import (
     Box,
@@ -93,9 +93,7 @@ def cable_channel(finger: Finger) -> ElbowTube:
 
 
 def filled_bone(finger: Finger, inset_mm: float = 0.0) -> Solid:
-    """Build the bone without hollows; all its surfaces but the collar's may lie deeper by
-    an inset.
-    """
+    """Build the bone without hollows; all surfaces but the collar's may lie deeper by an inset."""
     body = add_groove(finger, inset_body(finger.dimensions.bone_outline, inset_mm))
     return cut_flat(finger, body, inset_mm).union(*platform(finger, body, inset_mm), collar(finger))
 
@@ -167,8 +165,8 @@ def platform(finger: Finger, body: ConicBody, inset_mm: float) -> tuple[Solid, .
 def collar(finger: Finger) -> Solid:
     """Build the collar: the flange proximal to the skin, on which the skin ends.
 
-    Section at x = 0, back up, tip to the right; a bone on a post, which prints standing, has
-    the slope:
+    Section at x = 0, back up, tip to the right; a bone on a post, which prints standing, has the
+    slope:
 
                    |<-->|  collar_length_mm
                     ____
@@ -185,8 +183,8 @@ def collar(finger: Finger) -> Solid:
 
 
 def _sloping_collar(finger: Finger) -> Solid:
-    """Build a collar whose foot rises from the base at 45 degrees
-    or more, but for a short palmar ledge.
+    """Build a collar whose foot rises from the base at 45 degrees or more, but for a short palmar
+    ledge.
     """
     dims = finger.dimensions
     base = finger.dimensions.bone_outline.section

@@ -8,19 +8,15 @@ the pin pulls at its bore at a knock.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from .allowances import LEDGE_MM, TANGENT_STEP_MM
 from .conic import ConicBody
+from .feet import arc_foot, flat_foot
 from .joint import Joint, TendonAnchor, joint_of
-from .outlines import (
-    LEDGE_MM,
-    TANGENT_STEP_MM,
-    eye_corners,
-    flat_foot,
-    foot_line,
-    horn_corners,
-)
 from .solids import (
+    Axis,
     Box,
     Prism,
     Shapes,
@@ -34,6 +30,8 @@ if TYPE_CHECKING:
 
 _BACK_WAY_MM = 3.0
 """Half the width of the way of wires and rubber band on the back [mm]."""
+_HORN_CHORDS = 12
+"""Chords of a horn's quarter circle."""
 
 
 def shapes(finger: Finger) -> Shapes:
@@ -69,8 +67,8 @@ def shapes(finger: Finger) -> Shapes:
 
 
 def joint_base(finger: Finger, joint: Joint, top: float) -> Solid:
-    """Build the base up to a height with its hard stops; palmar it is
-    as wide down to the end of the bent stop.
+    """Build the base up to a height with its hard stops; palmar it is as wide down to the end of
+    the bent stop.
     """
     dims = finger.dimensions
     collar = finger.dimensions.collar.section
@@ -119,27 +117,25 @@ def stop_height_mm(finger: Finger) -> float:
 
 
 def space(finger: Finger, joint: Joint) -> Solid:
-    """Build the space that the hand needs: all but the eyes
-    proximal to the base, and the gap between them.
+    """Build the space that the hand needs: all but the eyes proximal to the base, and the gap
+    between them.
     """
     section = finger.dimensions.collar.section
     reach = 2 * (section.half_width + section.dorsal + section.palmar)
     low = joint.low_z - reach
     high = joint.shoulder_z
     beyond = Box((-reach, -reach, low), (reach, reach, high))
-    y = joint.axis_y
     half = joint.half_width
-    line = foot_line(joint.foot, high, 1.0) if joint.foot else []
     end = high + section.half_width
     eyes = [eye_profile(joint, reach)]
 
     if not joint.travel_deg:
         eyes.append(
-            flat_foot(
+            _eye_foot(
+                joint,
                 "x",
-                low_side=y - joint.eye_radius,
-                high_side=y + joint.eye_radius,
-                foot=line,
+                middle=joint.axis_y,
+                half=joint.eye_radius,
                 end=end,
                 reach=reach,
             )
@@ -148,28 +144,33 @@ def space(finger: Finger, joint: Joint) -> Solid:
     beside_eyes = beyond.cut(*eyes)
     if not joint.is_fork:
         tongue = Box((-half, -2 * reach, low - reach), (half, 2 * reach, end))
-        return beside_eyes.union(
-            beyond.cut(
-                tongue,
-                flat_foot(
-                    "y",
-                    low_side=-half,
-                    high_side=half,
-                    foot=line,
-                    end=end,
-                    reach=2 * reach,
-                ),
-            )
-        )
+        foot = _eye_foot(joint, "y", middle=0.0, half=half, end=end, reach=2 * reach)
+        return beside_eyes.union(beyond.cut(tongue, foot))
 
     gap = Box((-half, -reach, low), (half, reach, high))
     above_stop = Box((-reach, stop_top_y(finger, joint), low), (reach, reach, high))
     return beside_eyes.union(gap, above_stop)
 
 
+def _eye_foot(
+    joint: Joint, axis: Axis, middle: float, half: float, end: float, reach: float
+) -> Solid:
+    """Build the fillets at the root of the eyes, on two flats along an axis; they end at z =
+    `end`.
+    """
+    return flat_foot(
+        axis,
+        low_side=middle - half,
+        high_side=middle + half,
+        foot=arc_foot(joint.foot, root_z=joint.shoulder_z, way=1.0),
+        end=end,
+        reach=reach,
+    )
+
+
 def eye_profile(joint: Joint, reach: float) -> Solid:
-    """Build an eye of any width: round about the pin, and with
-    the hard stops or narrower than the base.
+    """Build an eye of any width: round about the pin, and with the hard stops or narrower than the
+    base.
     """
     y = joint.axis_y
     z = joint.axis_z
@@ -182,17 +183,40 @@ def eye_profile(joint: Joint, reach: float) -> Solid:
     )
 
     if joint.travel_deg:
-        stopped_profile = eye_corners(
-            (y, z),
-            radius=joint.radius,
-            eye_radius=joint.eye_radius,
-            travel_deg=joint.travel_deg,
-            reach=reach,
-        )
-        return Prism("x", stopped_profile, -reach, reach).union(round_eye)
+        return Prism("x", eye_corners(joint, reach), -reach, reach).union(round_eye)
 
     half = joint.eye_radius - TANGENT_STEP_MM
     return Box((-reach, y - half, z), (reach, y + half, z + reach)).union(round_eye)
+
+
+def eye_corners(joint: Joint, reach: float) -> tuple[tuple[float, float], ...]:
+    """Return the corners (y, z) of an eye between its stops, counter-clockwise, without the arc
+    about the pin [mm].
+
+    In the frame of the bone the hand's shoulder turns about the pin towards the palmar side while
+    the finger bends. The dorsal edge is the shoulder of the straight finger, the palmar one that at
+    the end of the travel. What lies between them never meets the shoulder on the way: the outline
+    is convex at the stops, and nearer to the pin on the ramps.
+    """
+    radius = joint.radius
+    angle = math.radians(joint.travel_deg)
+    ramp = math.radians(ramp_angle_deg(joint))
+    foot = (-radius * math.sin(angle), -radius * math.cos(angle))
+    along = min(reach, reach / math.sin(angle))
+    far = (foot[0] - along * math.cos(angle), foot[1] + along * math.sin(angle))
+    inside = joint.eye_radius - TANGENT_STEP_MM
+    ramps = [(-inside * math.sin(at), -inside * math.cos(at)) for at in (angle - ramp, ramp)]
+    dorsal = ((0.0, -radius), (reach, -radius), (reach, reach))
+    corners = (*dorsal, (far[0], reach), far, foot, ramps[0], (0.0, 0.0), ramps[1])
+
+    return tuple((joint.axis_y + y, joint.axis_z + z) for y, z in corners)
+
+
+def ramp_angle_deg(joint: Joint) -> float:
+    """Return the angle about the pin along which an eye rises from its own radius to that of a
+    stop.
+    """
+    return min(math.degrees(math.acos(joint.eye_radius / joint.radius)), joint.travel_deg) / 2
 
 
 def pin_bore(joint: Joint, half_length: float) -> Solid:
@@ -206,8 +230,8 @@ def pin_bore(joint: Joint, half_length: float) -> Solid:
 
 
 def collar_slope(finger: Finger, anchor: TendonAnchor) -> Solid:
-    """Build the slope of 45 degrees between the tendon's groove and
-    the collar, which prints without supports.
+    """Build the slope of 45 degrees between the tendon's groove and the collar, which prints
+    without supports.
     """
     section = finger.dimensions.collar.section
     foot = -finger.bone.collar_length_mm
@@ -230,7 +254,7 @@ def tendon_way(finger: Finger, anchor: TendonAnchor, joint: Joint) -> tuple[Soli
     inner = anchor.half_width
     low = joint.low_z - reach
     up = anchor.low_z + anchor.line / 2
-    corners = horn_corners((anchor.horn_y, anchor.horn_low_z), anchor.horn_radius, (low, up), reach)
+    corners = horn_corners(anchor, low_z=low, high_z=up, reach=reach)
     slope = collar_slope(finger, anchor)
     sides = ((inner, reach), (-reach, -inner))
     right_groove, left_groove = (
@@ -240,6 +264,24 @@ def tendon_way(finger: Finger, anchor: TendonAnchor, joint: Joint) -> tuple[Soli
     right_horn, left_horn = (Prism("x", corners, *side) for side in sides)
 
     return _back_way(finger, anchor, joint), right_groove, right_horn, left_groove, left_horn
+
+
+def horn_corners(
+    anchor: TendonAnchor, low_z: float, high_z: float, reach: float
+) -> tuple[tuple[float, float], ...]:
+    """List the corners (y, z) of what is removed below a horn, the quarter of a circle on which the
+    tendon turns [mm].
+    """
+    begin_y = anchor.horn_y
+    radius = anchor.horn_radius
+    middle_y = begin_y + radius
+    angles = [math.pi / 2 * i / _HORN_CHORDS for i in range(_HORN_CHORDS + 1)]
+    arc = [
+        (middle_y - radius * math.cos(angle), anchor.horn_low_z + radius * math.sin(angle))
+        for angle in angles
+    ]
+
+    return (-reach, low_z), (begin_y, low_z), *arc, (middle_y, high_z), (-reach, high_z)
 
 
 def _back_way(finger: Finger, anchor: TendonAnchor, joint: Joint) -> Solid:
@@ -257,40 +299,21 @@ def _back_way(finger: Finger, anchor: TendonAnchor, joint: Joint) -> Solid:
     return Box((-half, 0.0, low), (half, 4 * section.dorsal, high)).cut(floor)
 
 
-def strands(finger: Finger, anchor: TendonAnchor, low_z: float) -> tuple[Solid, ...]:
-    """Build both strands of the tendon beside the base, and straight
-    from their horns to `low_z`, for checks.
+def strands(finger: Finger, anchor: TendonAnchor, low_z: float) -> Iterator[Solid]:
+    """Build both strands of the tendon beside the base, and straight from their horns to `low_z`,
+    for checks.
     """
     radius = anchor.line / 2
-    top = finger.dimensions.bone_outline.section.dorsal_height_at(anchor.half_width)
-    beside = (anchor.z, anchor.horn_y + anchor.horn_radius)
-    along = (anchor.horn_low_z, low_z)
-
-    return tuple(
-        solid
-        for x in (-anchor.strand_x, anchor.strand_x)
-        for solid in (
-            cylinder(
-                "y",
-                centre=(beside[0], x),
-                low=beside[1],
-                high=top,
-                radius=radius,
-            ),
-            cylinder(
-                "z",
-                centre=(x, anchor.y),
-                low=along[1],
-                high=along[0],
-                radius=radius,
-            ),
-        )
-    )
+    back = finger.dimensions.bone_outline.section.dorsal_height_at(anchor.half_width)
+    horn_end = anchor.horn_y + anchor.horn_radius
+    for x in (-anchor.strand_x, anchor.strand_x):
+        yield cylinder("y", centre=(anchor.z, x), low=horn_end, high=back, radius=radius)
+        yield cylinder("z", centre=(x, anchor.y), low=low_z, high=anchor.horn_low_z, radius=radius)
 
 
 def knuckle(finger: Finger, joint: Joint, *added: Solid) -> Solid:
-    """Build the hand's part of the joint as `[hand]` describes it:
-    shoulder and knuckle, with what is added to that.
+    """Build the hand's part of the joint as `[hand]` describes it: shoulder and knuckle, with what
+    is added to that.
     """
     hand = finger.hand
     reach = 4 * joint.radius

@@ -13,8 +13,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from .outlines import PAST_MM, signed_area
-from .solids import Axis, Prism
+from .allowances import PAST_MM
+from .solids import Axis, Prism, signed_area
 
 if TYPE_CHECKING:
     from .program_types import Finger
@@ -63,8 +63,8 @@ def engrave(
     centre: float,
     face: float,
 ) -> tuple[Prism, ...]:
-    """Build letters in the face at a negative y or z, around x =
-    0; none where they are too small to read.
+    """Build letters in the face at a negative y or z, around x = 0; none where they are too small
+    to read.
     """
     unit = min(
         finger.mold.engraving_height_mm / HEIGHT,

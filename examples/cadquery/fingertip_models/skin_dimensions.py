@@ -11,15 +11,18 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from .conic import ConicBody, CrossSection
-from .outlines import RAMP_SLOPE, ramp_depth
 from .profile import Crown, Tip, largest_drop, weight_of_fullness
 
 if TYPE_CHECKING:
     from .program_types import Finger, ForceSensor
 
 CROWN_FLANK = math.tan(math.radians(25.0))
-"""Slope at which a crown's arc ends towards the tip [mm per mm]: beyond
-the largest tilt at which a finger presses.
+"""Slope at which a crown's arc ends towards the tip [mm per mm]: beyond the largest tilt at which a
+finger presses.
+"""
+RAMP_SLOPE = 0.4
+"""Slope of the ramp from the platform down to the flat [mm per mm], which the sensor's film
+follows. An assumption.
 """
 _CROWN_SLACK_MM = 1e-6
 _MIN_BEYOND_CROWN_MM = 1.0
@@ -62,8 +65,8 @@ class SkinDimensions:
 
     @cached_property
     def crown(self) -> Crown | None:
-        """Crown of the pad; None without one, or where it does not fit
-        between the skin's proximal end and its tip.
+        """Crown of the pad; None without one, or where it does not fit between the skin's proximal
+        end and its tip.
         """
         skin = self._finger.skin
         apex = self.crown_apex_z
@@ -91,8 +94,8 @@ class SkinDimensions:
 
     @cached_property
     def max_crown_drop(self) -> float:
-        """Largest drop whose two arcs fit between the crown's apex and
-        the skin's proximal end, and are not steep.
+        """Largest drop whose two arcs fit between the crown's apex and the skin's proximal end, and
+        are not steep.
         """
         skin = self._finger.skin
         return largest_drop(skin.crown_radius_mm, self.crown_apex_z, skin.semi_axis_palmar_mm)
@@ -126,8 +129,8 @@ class SkinDimensions:
 
     @cached_property
     def platform_radius(self) -> float:
-        """Radius of the platform: that of the pocket, or of a tail
-        that is wider, and of the rim around it.
+        """Radius of the platform: that of the pocket, or of a tail that is wider, and of the rim
+        around it.
         """
         clearance = self._finger.sensor.clearance_mm
         widest = max(
@@ -149,10 +152,11 @@ class SkinDimensions:
         return low, high
 
     def flat_depth_at(self, z: float) -> float:
-        """Return the depth of the flat, of the ramp, or of the
-        platform at a height z [mm], in the middle plane.
+        """Return the depth of the flat, of the ramp, or of the platform at a height z [mm], in the
+        middle plane.
         """
-        return ramp_depth(z, self.flat_depth, self.platform_depth, self.ramp[1])
+        below_end = max(0.0, self.ramp[1] - z)
+        return max(self.flat_depth, self.platform_depth - RAMP_SLOPE * below_end)
 
     def platform_half_width_at(self, z: float) -> float:
         """Return half the width of platform or ramp at a height z [mm]; 0 without one."""

@@ -9,7 +9,9 @@ and hash by value, so that a kernel evaluates equal solids once.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from .conic import ConicBody
@@ -24,8 +26,8 @@ _DECIMALS = 5
 
 
 def axis_point(axis: Axis, u: float, v: float, w: float) -> Point3:
-    """Return (x, y, z) at `w` along an axis and (`u`, `v`) across it,
-    in cyclic order: (y, z), (z, x) or (x, y).
+    """Return (x, y, z) at `w` along an axis and (`u`, `v`) across it, in cyclic order:
+    (y, z), (z, x) or (x, y).
     """
     return {"x": (w, u, v), "y": (v, w, u), "z": (u, v, w)}[axis]
 
@@ -44,6 +46,10 @@ class Solid:
 
     def intersect(self, *others: Solid) -> Solid:
         return Intersection((self, *others)) if others else self
+
+    def hollowed(self, inside: Solid) -> Solid:
+        """Cut out a solid that is open in the plane z = 0, and lies within this one above it."""
+        return Shell(self, inside)
 
     def scaled(self, factor: float) -> Solid:
         """Scale the solid about the origin."""
@@ -73,8 +79,8 @@ class Cone(Solid):
     low_radius: float
     high_radius: float
     around_radius: float = 0.0
-    """Radius of a circle around it whose division a mesh takes over,
-    so that a wall between both is even; 0: none.
+    """Radius of a circle around it whose division a mesh takes over, so that a wall between both is
+    even; 0: none.
     """
 
 
@@ -116,10 +122,25 @@ class Prism(Solid):
     holes: tuple[tuple[tuple[float, float], ...], ...] = ()
 
 
+def signed_area(ring: Sequence[tuple[float, float]]) -> float:
+    """Compute the signed area of a ring by the shoelace formula; positive if it runs
+    counter-clockwise.
+    """
+    return sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise([*ring, ring[0]])) / 2
+
+
+def extrude(axis: Axis, outline: Sequence[tuple[float, float]], low: float, high: float) -> Prism:
+    """Extrude an outline, given by heights z and distances across in either direction, along x or
+    y.
+    """
+    ring = tuple(outline) if axis == "y" else tuple((across, z) for z, across in outline)
+    return Prism(axis, ring if signed_area(ring) > 0.0 else ring[::-1], low, high)
+
+
 @dataclass(frozen=True)
 class ElbowTube(Solid):
-    """Round tube at x = 0 from (`start_y`, `start_z`) along -z, a
-    bend, then along +y to (`end_y`, `exit_z`) [mm].
+    """Round tube at x = 0 from (`start_y`, `start_z`) along -z, a bend, then along +y to (`end_y`,
+    `exit_z`) [mm].
     """
 
     start_y: float
@@ -173,6 +194,23 @@ class Difference(Solid):
 @dataclass(frozen=True)
 class Intersection(Solid):
     solids: tuple[Solid, ...]
+
+
+@dataclass(frozen=True)
+class Shell(Solid):
+    """Solid that ends in the plane z = 0, without what lies inside it.
+
+    Both meet in that plane alone. Their other faces stay whole, so that a kernel may take them over
+    and spare itself a boolean between curved surfaces:
+
+          |   .---------------.
+          |   |   inside       \
+          |   |_________________|___  outer
+        z = 0
+    """
+
+    outer: Solid
+    inside: Solid
 
 
 @dataclass(frozen=True)

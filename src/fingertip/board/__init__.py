@@ -4,13 +4,8 @@ A `Design` comes in; a `Circuit` goes out, from which all files follow, and `Boa
 figures.
 
 >>> from fingertip import Design
->>> from fingertip.board import board_circuit
+>>> from fingertip.board.circuits.board_circuit import board_circuit
 >>> from fingertip.board.components.values import select_components
 >>> board_circuit(select_components(Design())).component("R1").value
 '24k'
 """
-
-from fingertip.board.analysis.board_values import BoardValues, board_values
-from fingertip.board.circuits.board_circuit import board_circuit
-
-__all__ = ["BoardValues", "board_circuit", "board_values"]

@@ -17,12 +17,12 @@ from fingertip.design import Design
 from fingertip.design.geometry.plunge import LOWERING_S
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
+from fingertip.models.allowances import MATING_PLAY_MM
 from fingertip.models.dimensions import HEAD_MM, LONGER_MM, SHORTER_MM
-from fingertip.models.outlines import MATING_PLAY_MM
 
 _WORK_H = (4.0, 3.0)
-"""Work on both days besides printing, with what dries meanwhile [h].
-An assumption: nobody has made one.
+"""Work on both days besides printing, with what dries meanwhile [h]. An assumption: nobody has made
+one.
 """
 _FILAMENT_STEP_G = 5
 """Step to which the filament to buy is rounded up [g]."""
@@ -31,8 +31,8 @@ _LINE_STEP_N = 10.0
 _KNOT_FACTOR = 4.0
 """Strength of the line over the force of a strand: a knot takes half of it."""
 _LEAST_KNOT_MM = 8
-"""Least distance of a knot from the joints of the solder at which fingers can tie it [mm].
-An assumption.
+"""Least distance of a knot from the joints of the solder at which fingers can tie it [mm]. An
+assumption.
 """
 
 

@@ -116,7 +116,7 @@ PROVENANCE = "made_from.sha256"
 SIGNAL_FOLDER = "signal"
 SIGNAL = OutputSet("signal", SIGNAL_FOLDER)
 TRACE = "trace.csv"
-PLOT = "slip.png"
+PLOT = "slip.svg"
 DETECTION = "detection.json"
 
 ROBOT = OutputSet("robot", "robot")

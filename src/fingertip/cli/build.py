@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,6 +33,7 @@ from fingertip.foundation.files import write_zip
 
 if TYPE_CHECKING:
     from fingertip.cad.build_result import Build
+    from fingertip.tasks.make import Made
 
 
 @command
@@ -47,8 +49,7 @@ def build(
     formats: str | None = typer.Option(
         None,
         help="File formats ({formats}), separated by commas; cq: CadQuery scripts. By default all "
-        "others, "
-        "step if it can be made.",
+        "others, step if it can be made.",
     ),
     tolerance_mm: float = typer.Option(
         0.01, help="Largest distance of a facet from the exact surface, in mm."
@@ -268,16 +269,28 @@ def make(
         )
         return
 
-    from fingertip.catalogues.output_files import PRINT_FOLDER, SHEET
     from fingertip.slip.detection_results import as_data
     from fingertip.tasks.make import make as make_everything
 
     loaded = load_design(design, changes, console)
+    shown: list[Made] = []
+
+    def show_summary(finger: Made) -> None:
+        shown.append(finger)
+        console.warn(finger.detection.warnings)
+        offer = offer_fit(loaded, finger.parts.checks, changes or (), console)
+        console.show(_summarise(finger, offer))
+
     finger = make_everything(
-        loaded, out, formats=split_names(formats), force=force, progress=console.progress
+        loaded,
+        out,
+        formats=split_names(formats),
+        force=force,
+        progress=console.progress,
+        when_usable=show_summary,
     )
-    console.warn(finger.detection.warnings)
     parts = finger.parts
+    offer = offer_fit(loaded, parts.checks, changes or (), console)
     data = {
         "folder": str(parts.folder),
         "parts": parts.report(),
@@ -287,22 +300,48 @@ def make(
         "firmware": [path.as_posix() for path in finger.firmware],
         "page": None if finger.page is None else str(finger.page),
         "detection": as_data(finger.detection.detection, finger.detection.noise),
+        **offer,
     }
     if zip_file:
         write_zip(zip_file, parts.folder)
 
+    if shown:
+        console.result(data, _tell_added(finger, shown[0]), parts.passed)
+    else:
+        console.warn(finger.detection.warnings)
+        console.result(data, _summarise(finger, offer), parts.passed)
+
+
+def _summarise(finger: Made, offer: Mapping[str, Sequence[str]]) -> str:
+    """Summarise what was made for a terminal, with the next step."""
+    from fingertip.catalogues.output_files import PRINT_FOLDER, SHEET
+
+    parts = finger.parts
     prints = ""
     if parts.prints.contents:
         prints = f", {PRINT_FOLDER}/{'plate_*.3mf' if parts.prints.plates else '*.stl'}"
 
-    last = [f"look at: {finger.page or parts.folder}{' in a browser' if finger.page else ''}"]
-    lines = _format_build(parts)
     following = f"order what the page lists, print the parts{prints}, then follow {SHEET}"
-    offer = offer_fit(loaded, parts.checks, changes or (), console)
-    data |= offer
-    last += _tell_next(parts, following, offer)
+    lines = _format_build(parts)
+    last = [
+        f"look at: {finger.page or parts.folder}{' in a browser' if finger.page else ''}",
+        *_tell_next(parts, following, offer),
+    ]
     lines += [*_list_remarks(parts, _MAX_LINES - len(lines) - len(last)), *last]
-    console.result(data, "\n".join(lines), parts.passed)
+
+    return "\n".join(lines)
+
+
+def _tell_added(finger: Made, before: Made) -> str:
+    """Tell what came after the summary: the STEP files, with the checks that failed."""
+    from fingertip.cad.verification.check import count_checks
+
+    known = {check.name for check in before.parts.checks}
+    added = tuple(check for check in finger.parts.checks if check.name not in known)
+    files = "STEP files and drawings" if finger.drawings else "STEP files"
+    remarks = _list_remarks(replace(finger.parts, checks=added), _MAX_LINES)
+
+    return "\n".join([f"{files}: {count_checks(added)}", *remarks])
 
 
 def _make_set(
@@ -390,8 +429,9 @@ def firmware(
     """
     from fingertip.catalogues.output_files import FIRMWARE, README
     from fingertip.design.finger_set import is_set
+    from fingertip.firmware.controller_fit import find_warnings
     from fingertip.firmware.fingers import plan_fingers, plan_set
-    from fingertip.firmware.packaging import find_warnings, read_costs
+    from fingertip.firmware.measured_costs import read_costs
     from fingertip.tasks.firmware_files import firmware_differences, write_firmware
 
     if is_set(design):

@@ -38,8 +38,7 @@ _MARGIN = ("name", "value", "limit", "unit", "relation", "margin_percent")
 _MESHES = (".stl", ".3mf", ".obj", ".ply")
 _NO_DESIGN = (
     "is not a design; check takes design files (.toml), bundled names, folders that a command "
-    "wrote, and meshes "
-    f"({', '.join(_MESHES)})."
+    f"wrote, and meshes ({', '.join(_MESHES)})."
 )
 _NEAREST = 10
 """Number of margins that are listed."""
@@ -134,8 +133,8 @@ def check(
         "issues": [vars(finding) for finding in findings],
     }
 
-    by_kind = {"designs": checked, "folders": folders, "meshes": meshes}
-    for kind, of_kind in by_kind.items():
+    data["designs"] = [result.data for result in checked]
+    for kind, of_kind in {"folders": folders, "meshes": meshes}.items():
         if of_kind:
             data[kind] = [result.data for result in of_kind]
 
@@ -312,9 +311,9 @@ def _check_designs(
 
 def _run_checks(design: Design, tolerance_mm: float, verify: bool) -> tuple[Check, ...]:
     from fingertip.cad.verification.second_opinion import second_opinions
-    from fingertip.cad.verification.verify import check
+    from fingertip.cad.verification.verify import check as check_design
 
-    verification = check(design, tolerance_mm=tolerance_mm)
+    verification = check_design(design, tolerance_mm=tolerance_mm)
     if not verify:
         return tuple(verification.checks)
 
@@ -323,7 +322,7 @@ def _run_checks(design: Design, tolerance_mm: float, verify: bool) -> tuple[Chec
 
 
 def _list_nearest(design: Design, checks: Sequence[Check]) -> list[Comparison]:
-    from fingertip.cad.verification.verify import list_margins
+    from fingertip.cad.verification.margins import list_margins
 
     return list_margins(design, checks)[:_NEAREST]
 

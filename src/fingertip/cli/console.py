@@ -269,6 +269,12 @@ class Console:
         if not passed:
             raise typer.Exit(CHECK_FAILED)
 
+    def show(self, text: str) -> None:
+        """Print what is known before the whole result is; nothing with --json."""
+        if not self.as_json:
+            self.clear()
+            self.write(text)
+
     def write(self, text: str) -> None:
         """Write text of the result to stdout. Raises OutputError or BrokenPipeError."""
         try:

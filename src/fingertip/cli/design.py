@@ -59,8 +59,8 @@ def params(
 _MODELS = {
     "design": "design.parameters:Tables",
     "set": "design.finger_set:SetFile",
-    "scene": "sim:SceneFile",
-    "manipulation": "sim:ManipulationFile",
+    "scene": "sim.runs.scene_and_manipulation_files:SceneFile",
+    "manipulation": "sim.runs.scene_and_manipulation_files:ManipulationFile",
     "surface": "sim.contact.surface_files:SurfaceFile",
     "sweep": "sweep.sweep_file:SweepFile",
 }

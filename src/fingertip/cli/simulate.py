@@ -21,7 +21,9 @@ from fingertip.foundation.errors import FingertipError, gather
 from fingertip.foundation.files import temporary_folder
 
 if TYPE_CHECKING:
-    from fingertip.sim import ManipulationResult, SceneRecord, Simulation
+    from fingertip.sim.runs.manipulation import ManipulationResult
+    from fingertip.sim.runs.scene import SceneRecord
+    from fingertip.sim.simulation import Simulation
 
 
 def parse_simulated(typed: str) -> Path:
@@ -81,7 +83,8 @@ def simulate(
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
     from fingertip.foundation import extras
-    from fingertip.sim import load_simulation, trace_file
+    from fingertip.sim import trace_file
+    from fingertip.sim.simulation import load_simulation
 
     issues = [
         *find_file_issues("--out", out, *trace_file.SUFFIXES),
@@ -196,7 +199,6 @@ def _simulate(
     progress: Callable[[str], None],
 ) -> tuple[SceneRecord | ManipulationResult, tuple[float, ...] | None, bytes | None]:
     """Simulate and write the trace; return the record, moments of grip, and the plot."""
-    from fingertip.sim import simulation_summary as summary
     from fingertip.sim import trace_file
 
     if grip is None and not plotted:
@@ -211,5 +213,10 @@ def _simulate(
         record, grips_s = run_with_grip(simulation, grip, progress)
 
     trace_file.write_columns(file, path, record.time_s, record.columns)
-    picture = summary.draw(record, summary.as_text(record, grips_s)[0]) if plotted else None
-    return record, grips_s, picture
+    if not plotted:
+        return record, grips_s, None
+
+    from fingertip.sim.simulation_plot import draw
+    from fingertip.sim.simulation_summary import as_text
+
+    return record, grips_s, draw(record, as_text(record, grips_s)[0])

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from pydantic import ValidationError
+from pydantic import PrivateAttr, ValidationError
 
 from fingertip.design.design_file import Changes, list_parameters, load_tables, merge
 from fingertip.design.fit import list_moved
@@ -29,6 +29,14 @@ MAX_SHOWN = 4
 """Largest number of parameters in the short form of a design."""
 
 
+@dataclass(frozen=True)
+class History:
+    """Origin of the values of a design; it plays no part when designs are compared."""
+
+    provisional: tuple[str, ...] = field(default=(), compare=False)
+    moves: tuple[Move, ...] = field(default=(), compare=False)
+
+
 class Design(DesignTables):
     """One fingertip.
 
@@ -41,6 +49,8 @@ class Design(DesignTables):
         broken rule blames. `fingertip.design.remedies` states what the remedies in the messages
         promise.
     """
+
+    _history: History = PrivateAttr(default_factory=History)
 
     def __init__(self, /, **tables: Any) -> None:
         self._validate(tables)
@@ -69,16 +79,18 @@ class Design(DesignTables):
         before: Mapping[str, Any] | None = None,
         changed: Sequence[str] = (),
         provisional: Sequence[str] = (),
+        moves: Sequence[Move] = (),
     ) -> Self:
         """Make a design of tables that were changed.
 
         `before` holds the tables without the changes, the defaults if None, and `changed` the names
         of what changed, such as "skin.width_mm". If the design is refused, the cause is sought
-        among these. Raises DesignError.
+        among these. `moves` are those of the fit that made the tables. Raises DesignError.
         """
         design = cls.__new__(cls)
         design._validate(tables, before, changed)
-        design.__dict__["provisional"] = tuple(name for name in provisional if name not in changed)
+        guessed = tuple(name for name in provisional if name not in changed)
+        design._history = History(guessed, tuple(moves))
 
         return design
 
@@ -100,15 +112,15 @@ class Design(DesignTables):
 
         return self.from_tables(tables, self.model_dump(), loaded.changed, self.provisional)
 
-    @cached_property
+    @property
     def moves(self) -> tuple[Move, ...]:
         """Parameters that a fit moved, each with `name`, `before`, `after` and `reason`."""
-        return ()
+        return self._history.moves
 
-    @cached_property
+    @property
     def provisional(self) -> tuple[str, ...]:
         """Guessed sizes of the hand, and loads that `fingertip new` lowered, as the file marks."""
-        return ()
+        return self._history.provisional
 
     @classmethod
     def without_remedies(cls, /, **tables: Any) -> Design:
@@ -116,11 +128,9 @@ class Design(DesignTables):
 
         A sweep refuses thousands of designs, and needs only the reasons. Raises DesignError.
         """
-        valid = parse_tables(DesignTables, tables)
-        raise_issues(DesignError, describe_violations(valid))
-        return cls.model_construct(
-            None, **{name: getattr(valid, name) for name in cls.model_fields}
-        )
+        design = cls.model_construct(None, **dict(parse_tables(DesignTables, tables)))
+        raise_issues(DesignError, describe_violations(design))
+        return design
 
     def changes(self) -> dict[str, Any]:
         """Return the parameters that differ from the default design, by dotted name."""

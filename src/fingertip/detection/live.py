@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-import itertools
+import contextlib
+import heapq
+import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+
+import numpy as np
 
 from fingertip.design import Design
 from fingertip.design.parameters.board_and_detector import Detector as DetectorParameters
@@ -19,20 +23,28 @@ from fingertip.detection.stream_channel import (
 )
 from fingertip.detection.stream_lines import (
     STREAM_NAME,
-    NumberedLine,
+    Block,
     SampleLine,
+    SampleSplitter,
     TimeColumn,
     find_time_columns,
     open_stream,
     read_time,
-    split_sample_lines,
+    sum_times,
 )
 from fingertip.detection.stream_rate import FIRST_LINES, SampleClock, measure_rate
 from fingertip.detection.warnings import settings_warnings
+from fingertip.foundation import jit
 from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors import registry
 from fingertip.slip.traces import sampling
 from fingertip.slip.traces.trace import ColumnMap
+
+_LEAST_LINES = 16
+"""Lines from which a block is parsed at once; fewer are as quick line by line."""
+_BACKLOG = 2**15
+"""Length from which a block shows that lines wait to be read [characters]: 0.1 s at 20 kHz."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,11 +111,10 @@ def detect_stream(
 
     envelope = _select_voltage(voltage, voltage.name_in_file("envelope_v"))
     alternatives = [envelope] if kind.takes_envelope else []
-    header, numbered_lines = open_stream(lines, column_maps[0], *alternatives)
+    header, stream = open_stream(lines, column_maps[0], *alternatives)
 
     if rate_hz is None and "sample_rate_hz" not in stated.detector.model_fields_set:
-        first_lines = list(itertools.islice(numbered_lines, FIRST_LINES))
-        numbered_lines = itertools.chain(first_lines, numbered_lines)
+        first_lines = stream.peek(FIRST_LINES)
         known_hz = stated.detector.sample_rate_hz
         measured_hz = measure_rate(header, first_lines, voltage, known_hz)
         if measured_hz:
@@ -120,7 +131,7 @@ def detect_stream(
     stream_channels = [
         _begin_channel(settings, column_map, stated, floors) for column_map in column_maps
     ]
-    return _start_detection(settings, numbered_lines, stream_channels, voltage)
+    return _start_detection(settings, stream.take_blocks(), stream_channels, voltage)
 
 
 def _select_voltage(columns: ColumnMap, name: str) -> ColumnMap:
@@ -164,18 +175,18 @@ def _begin_channel(
 
 def _start_detection(
     settings: StreamSettings,
-    lines: Iterable[NumberedLine],
+    blocks: Iterable[Block],
     channels: Sequence[StreamChannel],
     columns: ColumnMap,
 ) -> StreamDetection:
-    """Start detection in the lines below the header; none of them is read yet."""
+    """Start detection in the lines below the header; none of them is judged yet."""
     time_columns = find_time_columns(settings.header, columns)
     places = _list_places(time_columns, channels)
-    sample_lines = split_sample_lines(settings.header, lines, places)
+    splitter = SampleSplitter(settings.header, places)
     has_second = len(channels[0].places) > 1
 
     return StreamDetection(
-        transitions=_follow(sample_lines, channels, time_columns, settings.design.detector),
+        transitions=_follow(blocks, splitter, channels, time_columns, settings.design.detector),
         design=settings.design,
         warnings=tuple(settings_warnings(settings.design, settings.detector)),
         signals=registry.find_signals(settings.design, settings.detector, has_second),
@@ -194,7 +205,8 @@ def _list_places(
 
 
 def _follow(
-    lines: Iterable[SampleLine],
+    blocks: Iterable[Block],
+    splitter: SampleSplitter,
     channels: Sequence[StreamChannel],
     time_columns: Sequence[TimeColumn],
     parameters: DetectorParameters,
@@ -203,31 +215,82 @@ def _follow(
 
     Raises TraceError at the first wrong line, or at the end of too few samples.
     """
-    clock = SampleClock(parameters)
-    step_s = 1 / parameters.sample_rate_hz
-    count = 0
-
-    for line in lines:
-        inputs = [channel.read_inputs(line) for channel in channels]
-        for channel, values in zip(channels, inputs, strict=True):
-            channel.check(values[0], line.number)
-
-        if time_columns:
-            time_s = read_time(line, time_columns)
-            clock.check(time_s, line.number)
-        else:
-            time_s = count * step_s
-
-        count += 1
-        for channel, values in zip(channels, inputs, strict=True):
-            transition = channel.step(values, time_s)
-            if transition:
-                yield transition
+    judge = _Judge(splitter, channels, time_columns, SampleClock(parameters), parameters)
+    for block in blocks:
+        yield from judge.process(block)
 
     for channel in channels:
         channel.end()
 
-    _refuse_few_samples(count, parameters)
+    _refuse_few_samples(judge.count, parameters)
+
+
+@dataclass
+class _Judge:
+    """Judge of the samples in blocks of lines."""
+
+    splitter: SampleSplitter
+    channels: Sequence[StreamChannel]
+    time_columns: Sequence[TimeColumn]
+    clock: SampleClock
+    parameters: DetectorParameters
+    count: int = 0
+    """Number of samples so far."""
+
+    def process(self, block: Block) -> Iterator[Transition]:
+        """Judge a block of plain samples at once, and any other line by line."""
+        is_long = block.text.count("\n") >= _LEAST_LINES
+        columns = self.splitter.parse(block) if is_long else None
+        inputs = [channel.select(columns) for channel in self.channels] if columns else []
+        times_s = self._find_times(columns) if columns else np.zeros(0)
+
+        if inputs and self._accept(inputs, times_s):
+            self.count += len(times_s)
+            parts = zip(self.channels, inputs, strict=True)
+            # Samples of a live signal do not wait for numba. Whole arrivals come of a file.
+            is_live = len(block.text) < _BACKLOG
+            with jit.interpreted() if is_live else contextlib.nullcontext():
+                found = [channel.process(values, times_s) for channel, values in parts]
+                transitions = [*heapq.merge(*found, key=operator.itemgetter(0))]
+
+            for _, transition in transitions:
+                yield transition
+        else:
+            for line in self.splitter.split(block):
+                yield from self._process_line(line)
+
+    def _find_times(self, columns: Mapping[int, Array]) -> Array:
+        """Find the times of plain samples [s]."""
+        if not self.time_columns:
+            samples = self.count + np.arange(len(next(iter(columns.values()))))
+            return np.asarray(samples * (1 / self.parameters.sample_rate_hz), np.float64)
+
+        return sum_times(columns, self.time_columns)
+
+    def _accept(self, inputs: Sequence[Sequence[Array]], times_s: Array) -> bool:
+        """Return whether nothing is wrong with samples; else their lines are named one by one."""
+        pairs = zip(self.channels, inputs, strict=True)
+        if not all(channel.accepts(values[0]) for channel, values in pairs):
+            return False
+
+        return not self.time_columns or self.clock.accept(times_s)
+
+    def _process_line(self, line: SampleLine) -> Iterator[Transition]:
+        inputs = [channel.read_inputs(line) for channel in self.channels]
+        for channel, values in zip(self.channels, inputs, strict=True):
+            channel.check(values[0], line.number)
+
+        if self.time_columns:
+            time_s = read_time(line, self.time_columns)
+            self.clock.check(time_s, line.number)
+        else:
+            time_s = self.count * (1 / self.parameters.sample_rate_hz)
+
+        self.count += 1
+        for channel, values in zip(self.channels, inputs, strict=True):
+            transition = channel.step(values, time_s)
+            if transition:
+                yield transition
 
 
 def _refuse_few_samples(count: int, parameters: DetectorParameters) -> None:

@@ -7,7 +7,7 @@ sampling rate, derive thresholds from a quiet part, and simulate the analog boar
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NoReturn
@@ -276,7 +276,9 @@ def detect_file(
         columns=column_map,
         quiet=quiet,
     )
-    doubts = [*raw.notes, *_doubt_signals(recording)]
+    flat = [*warnings.flat_warnings(trace.voltage_v, design)] if column_map.in_volts else []
+    doubts = [*raw.notes, *_doubt_signals(recording, flat)]
+    del raw  # with the lines of all samples
     level = None
     noise_v = None
     stored = None
@@ -299,7 +301,7 @@ def detect_file(
         if column_map.in_volts:
             doubts += warnings.calibration_warnings(
                 noise_v,
-                before=detect_in_trace(trace, design, detector),
+                before=detect_in_trace(trace, design, detector, is_valid=True),
                 quiet=quiet.samples,
                 design=design,
                 part=quiet.describe(),
@@ -311,13 +313,14 @@ def detect_file(
         detector=detector,
         noise_v=noise_v,
         floors=stored,
+        is_valid=not kind.takes_envelope,  # the output of the board may be simulated
     )
     detection = _state_scale(detection, recording, takes_envelope=kind.takes_envelope)
     if quiet:
         quiet.refuse_slip(detection)
 
     level = level or detection.noise
-    doubts += _doubt_result(recording, detection, noise_v, level)
+    doubts += _doubt_result(recording, detection, noise_v, level, is_flat=bool(flat))
     return FileDetection(
         detection=detection,
         trace=recording.trace,
@@ -344,8 +347,11 @@ class _Recording:
     quiet: QuietPart | None
 
 
-def _doubt_signals(recording: _Recording) -> Iterator[str]:
-    """Warn of signals that are wrong or do not suit the design; of a force nothing is known."""
+def _doubt_signals(recording: _Recording, flat: Sequence[str]) -> Iterator[str]:
+    """Warn of signals that are wrong or do not suit the design; of a force nothing is known.
+
+    `flat` are the warnings of a signal at its limits.
+    """
     design = recording.design
     volts = recording.trace.voltage_v
     trace = recording.trace
@@ -358,7 +364,6 @@ def _doubt_signals(recording: _Recording) -> Iterator[str]:
     if np.ptp(volts) == 0.0 and volts[0] < below_limit_v:
         yield f"the voltage is constant at {volts[0]:g} V; is a sensor connected?"
     else:
-        flat = list(warnings.flat_warnings(volts, design))
         yield from flat or warnings.polarity_warnings(volts, design)
 
     yield from warnings.settings_warnings(design, recording.detector)
@@ -491,7 +496,12 @@ def _measure_noise(recording: _Recording, quiet: QuietPart) -> float:
 
 
 def _doubt_result(
-    recording: _Recording, detection: Detection, noise_v: float | None, level: NoiseLevel | None
+    recording: _Recording,
+    detection: Detection,
+    noise_v: float | None,
+    level: NoiseLevel | None,
+    *,
+    is_flat: bool,
 ) -> Iterator[str]:
     """Warn of noise, thresholds and quiet parts that make the result doubtful."""
     trace = recording.trace
@@ -502,7 +512,7 @@ def _doubt_result(
         # Noise jumps, too.
         noisy = list(warnings.noise_warnings(detection.learned_noise_v, design, noise_v))
         # A clipped signal jumps, and is named as such.
-        if not any(warnings.flat_warnings(trace.voltage_v, design)):
+        if not is_flat:
             undecided = detection.undecided
             if undecided and undecided.end_s < trace.time_s[-1]:
                 yield from warnings.begin_warnings(undecided.end_s)

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from fingertip.design import Design
 from fingertip.detection.recordings import find_force_scale
 from fingertip.detection.stream_lines import STREAM_NAME, SampleLine, line_error
 from fingertip.detection.warnings import StreamWatch
+from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.detector import Detector
 from fingertip.slip.detectors.fast import FastDetector, Floors
@@ -34,7 +37,7 @@ class Transition:
 
 @dataclass(frozen=True, eq=False)
 class StreamSettings:
-    """What all channels of a stream have in common."""
+    """Settings that all channels of a stream have in common."""
 
     header: Header
     design: Design
@@ -108,7 +111,7 @@ class StreamChannel:
         """
         self._has_whole_numbers = self._has_whole_numbers and volts % 1 == 0
         if self._watch is not None:
-            self._warn(self._watch.add(volts))
+            self._warn(self._watch.add((volts,)))
 
         if not self._parameters.adc_low_v <= volts <= self._parameters.adc_range_v:
             message = sampling.range_message(volts, "", self._has_whole_numbers, self._parameters)
@@ -116,18 +119,67 @@ class StreamChannel:
 
     def step(self, inputs: Sequence[float], time_s: float) -> Transition | None:
         """Process the detector's inputs [V] at a time [s]; return the transition, if one occurs."""
-        volts = inputs[0]
-        if math.isnan(self._mean_v):
-            self._mean_v = volts
-        else:
-            self._mean_v = self._mean_v + self._mean_share * (volts - self._mean_v)
+        self._average(inputs[:1])
+        return None if self._detector.step(*inputs) == self._is_on else self._turn(time_s)
 
-        if self._detector.step(*inputs) == self._is_on:
-            return None
+    def select(self, columns: Mapping[int, Array]) -> list[Array]:
+        """Return the detector's inputs of several lines, of which the columns are given [V]."""
+        return [columns[place] * self._unit_v for place in self.places]
 
+    def accepts(self, volts: Array) -> bool:
+        """Return whether voltages are within the range of the ADC [V]."""
+        low_v = self._parameters.adc_low_v
+        return bool(low_v <= volts.min() and volts.max() <= self._parameters.adc_range_v)
+
+    def process(self, inputs: Sequence[Array], times_s: Array) -> Iterator[tuple[int, Transition]]:
+        """Process inputs that it accepts [V], at times [s]; yield the transitions by sample."""
+        self._has_whole_numbers = self._has_whole_numbers and bool((inputs[0] % 1 == 0).all())
+        begin = 0
+        while begin < len(times_s):
+            room = len(times_s) if self._watch is None else self._watch.room
+            end = min(len(times_s), begin + room)
+
+            # The watch looks at the detector between a sample's arrival and its step.
+            yield from self._judge(inputs, times_s, slice(begin, end - 1))
+            if self._watch is not None:
+                self._warn(self._watch.add(inputs[0][begin:end].tolist()))
+
+            yield from self._judge(inputs, times_s, slice(end - 1, end))
+            begin = end
+
+    def _judge(
+        self, inputs: Sequence[Array], times_s: Array, part: slice
+    ) -> Iterator[tuple[int, Transition]]:
+        if part.start == part.stop:
+            return
+
+        on = self._detector.process(*(values[part] for values in inputs)).on
+        volts = inputs[0][part].tolist()
+        done = 0
+        for place in np.flatnonzero(np.diff(on, prepend=self._is_on)).tolist():
+            self._average(volts[done : place + 1])
+            done = place + 1
+            yield part.start + place, self._turn(float(times_s[part.start + place]))
+
+        self._average(volts[done:])
+
+    def _turn(self, time_s: float) -> Transition:
         self._is_on = not self._is_on
         force = self._scale.read(self._mean_v) if self._scale else None
         return Transition(self._is_on, time_s, force, self.name)
+
+    def _average(self, volts: Sequence[float]) -> None:
+        """Follow the mean of which the force is read [V]."""
+        if math.isnan(self._mean_v) and volts:
+            self._mean_v = volts[0]
+            volts = volts[1:]
+
+        mean_v = self._mean_v
+        share = self._mean_share
+        for value in volts:
+            mean_v = mean_v + share * (value - mean_v)
+
+        self._mean_v = mean_v
 
     def end(self) -> None:
         """Report what the last samples are warned of."""

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import itertools
 import math
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections import deque
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from fingertip.foundation.errors import Issue, TraceError, shorten
-from fingertip.slip.traces.cells import bare_lines, parse_number, split_cells
+from fingertip.foundation.numerics import Array
+from fingertip.slip.traces.cells import bare_line, bare_lines, parse_number, split_cells
 from fingertip.slip.traces.csv_header import Header, find_header
-from fingertip.slip.traces.trace import NANOSEC, ColumnMap, bounded_lines
+from fingertip.slip.traces.number_blocks import parse_numbers
+from fingertip.slip.traces.trace import NANOSEC, ColumnMap, arriving_blocks
 
 STREAM_NAME = "standard input"
 """Name of a stream in messages, unless it has its own."""
@@ -27,6 +32,20 @@ class NumberedLine(NamedTuple):
     number: int
     """Number of the line, from 1."""
     text: str
+
+
+class Block(NamedTuple):
+    """Whole lines of a stream that arrived together."""
+
+    number: int
+    """Number of the first line, from 1."""
+    text: str
+
+    def read_lines(self) -> Iterator[NumberedLine]:
+        """Yield the lines that are not empty, without the names of their values."""
+        for number, line in enumerate(bare_lines(io.StringIO(self.text)), self.number):
+            if line.strip():
+                yield NumberedLine(number, line)
 
 
 @dataclass(frozen=True)
@@ -71,26 +90,77 @@ class TimeColumn:
     """Seconds per unit of its numbers."""
 
 
+class LineStream:
+    """Lines of a stream that are not empty, without the names of their values.
+
+    They are taken one by one, or in the blocks in which they arrive.
+    """
+
+    def __init__(self, blocks: Iterable[str]) -> None:
+        self._blocks = iter(blocks)
+        self._lines = deque[str]()
+        self._taken = 0
+        """Number of lines that were taken."""
+
+    def __iter__(self) -> Iterator[NumberedLine]:
+        return self
+
+    def __next__(self) -> NumberedLine:
+        while True:
+            line = NumberedLine(self._taken + 1, bare_line(self.take()))
+            if line.text.strip():
+                return line
+
+    def take(self) -> str:
+        """Take the next line, which may be empty."""
+        if not self._lines:
+            self._lines.extend(io.StringIO(next(self._blocks)))
+
+        self._taken += 1
+        return self._lines.popleft()
+
+    def peek(self, count: int) -> list[NumberedLine]:
+        """Return the next lines that are not empty, which are not taken."""
+        before = self._taken
+        taken = list[str]()
+        found = list[NumberedLine]()
+        with contextlib.suppress(StopIteration):
+            while len(found) < count:
+                taken.append(self.take())
+                if taken[-1].strip():
+                    found.append(NumberedLine(self._taken, bare_line(taken[-1])))
+
+        self._lines.extendleft(reversed(taken))
+        self._taken = before
+        return found
+
+    def take_blocks(self) -> Iterator[Block]:
+        """Take all further lines in blocks."""
+        number = self._taken + 1
+        # The last line may have come without line break.
+        rest = "".join(line if line.endswith("\n") else f"{line}\n" for line in self._lines)
+        for text in itertools.chain([rest] if rest else [], self._blocks):
+            yield Block(number, text)
+            number += text.count("\n") + (not text.endswith("\n"))
+
+
 def open_stream(
     lines: Iterable[str | bytes],
     columns: ColumnMap,
     *alternatives: ColumnMap,
     name: str = STREAM_NAME,
-) -> tuple[Header, Iterator[NumberedLine]]:
-    """Read the header and the line of units; return it and all lines below that are not empty.
+) -> tuple[Header, LineStream]:
+    """Read the header and the line of units; return it and the lines below.
 
     Raises TraceError if the lines have no header with these columns.
     """
-    remaining = bare_lines(bounded_lines(lines, name))
-    header = find_header(name, remaining, columns, *alternatives)
-    numbered = itertools.starmap(NumberedLine, enumerate(remaining, start=header.line + 1))
-    below = (line for line in numbered if line.text.strip())
+    stream = LineStream(arriving_blocks(lines, name))
+    header = find_header(name, bare_lines(iter(stream.take, None)), columns, *alternatives)
+    first = stream.peek(1)
+    if first and header.is_unit_line(first[0].text):
+        next(stream)
 
-    first = next(below, None)
-    if first is None or header.is_unit_line(first.text):
-        return header, below
-
-    return header, itertools.chain([first], below)
+    return header, stream
 
 
 def split_line(header: Header, line: NumberedLine) -> SampleLine:
@@ -98,44 +168,52 @@ def split_line(header: Header, line: NumberedLine) -> SampleLine:
     return SampleLine(line.number, line.text, split_cells(line.text, header.delimiter))
 
 
-def split_sample_lines(
-    header: Header,
-    lines: Iterable[NumberedLine],
-    places: Collection[int],
-) -> Iterator[SampleLine]:
-    """Split each line that holds a sample, as soon as it arrives.
+class SampleSplitter:
+    """Splitter of lines into cells, with the number of cells that each line must have.
 
     Comments and repetitions of the header are left out: a controller sends its header, with its
     version, each second.
-
-    Parameters
-    ----------
-    places
-        Places of the columns that are read; columns after them may be missing.
-
-    Raises
-    ------
-    TraceError
-        At the first line whose number of cells is wrong.
     """
-    width = 0
 
-    for line in lines:
-        if header.is_repeated(line.text) or line.text.startswith("#"):
-            continue
+    def __init__(self, header: Header, places: Collection[int]) -> None:
+        """Begin; `places` are those of the columns that are read: later ones may be missing."""
+        self._header = header
+        self._places = sorted(places)
+        self._width = 0
 
-        sample_line = split_line(header, line)
-        cell_count = len(sample_line.cells)
-        width = width or header.count_cells(cell_count, places)
+    def parse(self, block: Block) -> dict[int, Array] | None:
+        """Return the columns that are read, by place; None if it may hold more than samples."""
+        first_line = block.text.partition("\n")[0]
+        width = self._width or len(split_cells(first_line, self._header.delimiter))
+        if width != self._header.count_cells(width, self._places):
+            return None
 
-        if cell_count != width:
-            message = (
-                f"has {cell_count} cells, but the header has {len(header.names)}; give one "
-                "per column."
-            )
-            raise line_error(line.number, f"{message} {_quote(line.text)}")
+        columns = parse_numbers(block.text, self._header.delimiter, width, self._places)
+        if columns is None:
+            return None
 
-        yield sample_line
+        self._width = width
+        return dict(zip(self._places, columns, strict=True))
+
+    def split(self, block: Block) -> Iterator[SampleLine]:
+        """Split the lines of samples. Raises TraceError at one whose number of cells is wrong."""
+        header = self._header
+        for line in block.read_lines():
+            if header.is_repeated(line.text) or line.text.startswith("#"):
+                continue
+
+            sample_line = split_line(header, line)
+            cell_count = len(sample_line.cells)
+            self._width = self._width or header.count_cells(cell_count, self._places)
+
+            if cell_count != self._width:
+                message = (
+                    f"has {cell_count} cells, but the header has {len(header.names)}; give one "
+                    "per column."
+                )
+                raise line_error(line.number, f"{message} {_quote(line.text)}")
+
+            yield sample_line
 
 
 def find_time_columns(header: Header, columns: ColumnMap) -> list[TimeColumn]:
@@ -154,6 +232,16 @@ def find_time_columns(header: Header, columns: ColumnMap) -> list[TimeColumn]:
 def read_time(line: SampleLine, time_columns: Iterable[TimeColumn]) -> float:
     """Return the time of a sample [s]. Raises TraceError if a cell of it holds no number."""
     return sum(column.unit_s * line.read_number(column.place) for column in time_columns)
+
+
+def sum_times(columns: Mapping[int, Array], time_columns: Sequence[TimeColumn]) -> Array:
+    """Return the times of samples of which the columns are given, by place [s]."""
+    first, *others = time_columns
+    times_s: Array = first.unit_s * columns[first.place]
+    for column in others:
+        times_s = times_s + column.unit_s * columns[column.place]
+
+    return times_s
 
 
 def line_error(number: int, message: str) -> TraceError:

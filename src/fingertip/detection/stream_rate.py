@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Sequence
+
+import numpy as np
 
 from fingertip.design.parameters.board_and_detector import Detector as DetectorParameters
 from fingertip.detection.stream_lines import (
@@ -14,6 +17,7 @@ from fingertip.detection.stream_lines import (
     split_line,
 )
 from fingertip.foundation.errors import TraceError
+from fingertip.foundation.numerics import Array
 from fingertip.slip.traces import sampling
 from fingertip.slip.traces.csv_header import Header
 from fingertip.slip.traces.trace import ColumnMap
@@ -87,6 +91,37 @@ class SampleClock:
         self._steps += 1
         if self._steps % self._parameters.window_samples == 0:
             self._check_mean(time_s, line_number)
+
+    def accept(self, times_s: Array) -> bool:
+        """Check the times of the next samples [s]; False, and no change, if any is wrong."""
+        after = copy.copy(self)
+        try:
+            after._check_all(times_s)
+        except TraceError:
+            return False
+
+        vars(self).update(vars(after))
+        return True
+
+    def _check_all(self, times_s: Array) -> None:
+        steps_s = np.diff(times_s, prepend=self._previous_s)  # the first of all is NaN
+        wrong = np.abs(steps_s * self._parameters.sample_rate_hz - 1) > sampling.STEP_TOLERANCE
+        if wrong.any():
+            raise line_error(0, "has a wrong step.")
+
+        done = 0
+        if math.isnan(self._previous_s):
+            self._start_s = float(times_s[0])
+            done = 1
+
+        window = self._parameters.window_samples
+        while (missing := window - self._steps % window) <= len(times_s) - done:
+            done += missing
+            self._steps += missing
+            self._check_mean(float(times_s[done - 1]), 0)
+
+        self._steps += len(times_s) - done
+        self._previous_s = float(times_s[-1])
 
     def _check_mean(self, time_s: float, line_number: int) -> None:
         """Check the mean rate at the end of a window. Raises TraceError."""

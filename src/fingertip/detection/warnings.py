@@ -110,6 +110,9 @@ def flat_warnings(volts: Array, design: Design, detector: str = "") -> Iterator[
 def _count_flat(volts: Array, limit: float) -> int:
     """Count the samples in runs at a voltage [V] that are longer than chance explains."""
     is_flat = volts == limit
+    if np.count_nonzero(is_flat) < _LEAST_FLAT:
+        return 0
+
     edges = np.flatnonzero(np.diff(is_flat.astype(np.int8), prepend=0, append=0))
     rest = volts[~is_flat]
     blocks = (np.diff(rest) == 0.0)[: (len(rest) - 1) // _BLOCK * _BLOCK].reshape(-1, _BLOCK)
@@ -142,6 +145,7 @@ class StreamWatch:
         self._recent: list[float] = []
         self._count = 0
         self._first_v = 0.0
+        self._begin_samples = round(BEGIN_S * design.detector.sample_rate_hz)
         self._checks: list[Callable[..., Iterator[str]]] = [
             flat_warnings,
             preload_warnings,
@@ -167,11 +171,18 @@ class StreamWatch:
         rests = getattr(self._instance, "threshold_v", 0.0) * BEGIN_RATIO < self._first_v
         return begin_warnings(self._count / self._design.detector.sample_rate_hz if rests else None)
 
-    def add(self, volts: float) -> Sequence[str]:
-        self._recent.append(volts)
-        self._count += 1
-        has_begun = self._count == round(BEGIN_S * self._design.detector.sample_rate_hz)
-        if has_begun and len({*self._recent}) > 2:
+    @property
+    def room(self) -> int:
+        """Number of samples after which it looks at the detector and at the voltages."""
+        room = _RECENT - len(self._recent)
+        until_begin = self._begin_samples - self._count
+        return min(room, until_begin) if until_begin > 0 else room
+
+    def add(self, volts: Sequence[float]) -> Sequence[str]:
+        """Add voltages, no more than there is room for [V]."""
+        self._recent += volts
+        self._count += len(volts)
+        if self._count == self._begin_samples and len({*self._recent}) > 2:
             self._first_v = getattr(self._instance, "threshold_v", 0.0)
         if len(self._recent) < _RECENT:
             return ()
@@ -236,6 +247,8 @@ MAX_HUM_V = 1e-3
 _MAINS_HZ = (50, 60)
 _PIECE_S = 0.5
 """Length of a piece of which the hum is taken [s]: whole periods of either mains."""
+_TOGETHER = 256
+"""Pieces of which the spectra are computed together."""
 _PEAK_RATIO = 4.0
 """Ratio of a tone to the spectrum around it above which it is hum."""
 _HIGH_N = 20.0
@@ -252,10 +265,11 @@ def hum_warnings(volts: Array, rate_hz: float) -> Iterator[str]:
     if len(pieces) < 2:
         return
 
-    window = np.hanning(size + 1)[:-1]
-    spectra = np.fft.rfft((pieces - pieces.mean(axis=1, keepdims=True)) * window)
-    rms_v = np.abs(spectra) * math.sqrt(2) / window.sum()
-    spectrum_v = np.median(rms_v, axis=0)  # a slip passes, hum stays
+    parts = [
+        _measure_low_tones(part)
+        for part in np.split(pieces, range(_TOGETHER, len(pieces), _TOGETHER))
+    ]
+    spectrum_v = np.median(np.concatenate(parts), axis=0)  # a slip passes, hum stays
 
     for hertz in _MAINS_HZ:
         place = round(hertz * size / rate_hz)
@@ -268,6 +282,16 @@ def hum_warnings(volts: Array, rate_hz: float) -> Iterator[str]:
                 "for it. Shield the "
                 "sensor's cable, or power the board from a battery."
             )
+
+
+def _measure_low_tones(pieces: Array) -> Array:
+    """Measure the tones of each piece up to a little above the mains [V RMS]."""
+    size = pieces.shape[1]
+    window = np.hanning(size + 1)[:-1]
+    spectra = np.fft.rfft((pieces - pieces.mean(axis=1, keepdims=True)) * window)
+    highest = round(_PIECE_S * max(_MAINS_HZ)) + 5
+    rms_v: Array = np.abs(spectra[:, :highest]) * math.sqrt(2) / window.sum()
+    return rms_v
 
 
 def polarity_warnings(volts: Array, design: Design) -> Iterator[str]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from fingertip.catalogues.electronics import NAMES, ControllerBoard, load_controllers, plain_name
 from fingertip.design import Design
 from fingertip.design.finger_set import FingerSet
-from fingertip.firmware.packaging import read_costs
+from fingertip.firmware.measured_costs import read_costs
 from fingertip.foundation.errors import FingertipError, Issue, join_words, quote_value, raise_issues
 from fingertip.slip.detectors.fast_settings import TICK_S
 
@@ -219,15 +219,13 @@ def _explain_controller(design: Design, name: str, fingers: int) -> str:
         )
         reason = (
             f"{quote_value(name)} is too slow: a sample takes at least {at_rest_ms:.1f} ms at "
-            f"{board.clock_mhz:g} MHz "
-            f"without floats, {slip_ms:.1f} ms in slip, and the next one comes after "
-            f"{1e3 / rate_hz:g} ms; give"
+            f"{board.clock_mhz:g} MHz without floats, {slip_ms:.1f} ms in slip, and the next one "
+            f"comes after {1e3 / rate_hz:g} ms; give"
         )
     elif board.timer == "in the sketch":
         reason = (
             f"{board.name} converts {board.converter}, and a board gives up to "
-            f"{design.board.supply_v:g} V; give "
-            "--set board.variant=divider, which it reads, or"
+            f"{design.board.supply_v:g} V; give --set board.variant=divider, which it reads, or"
         )
     else:
         reason = f"{board.name} has no timer in the sketch of a divider; give"

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from fingertip.cad.verification.verify import check
+from fingertip.cad.verification.verify import check as check_design
 from fingertip.design import Design
 from fingertip.design.design_file import Changes, load_tables, merge
 from fingertip.design.fit import LEAST_LOADS, Fit, Move, find_fit, fit_lengths
@@ -86,9 +86,13 @@ def fit_tables(
         progress=lambda share: progress(ShareText("fitting", share)),
         provisional=provisional,
     )
-    design = Design.from_tables(fit.tables.model_dump(), before, changed, provisional)
-    design.__dict__["moves"] = fit.moves  # where a cached property keeps its value
-    return design
+    return Design.from_tables(
+        fit.tables.model_dump(),
+        before=before,
+        changed=changed,
+        provisional=provisional,
+        moves=fit.moves,
+    )
 
 
 def fit_finger(
@@ -151,6 +155,6 @@ def find_mend(design: Design, given: Collection[str]) -> Sequence[str]:
     if not fit:
         return []
 
-    checks = check(Design.model_construct(None, **dict(fit.tables))).checks
-    passes = all(each_check.passed for each_check in checks)
+    checks = check_design(Design.model_construct(None, **dict(fit.tables))).checks
+    passes = all(check.passed for check in checks)
     return [move.name for move in fit.moves] if passes else []

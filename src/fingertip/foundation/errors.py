@@ -208,8 +208,9 @@ _OPTION = re.compile(
 def as_arguments(text: str) -> str:
     """Write options as arguments, such as `--rate-hz 2000` as `rate_hz=2000`.
 
-    Commands in backquotes stay as they are.
+    A fit is a function of its own. Commands in backquotes stay as they are.
     """
+    text = text.replace("add --fit,", "call fit_design(design, changes),")
     pieces = re.split(r"(`[^`]*`)", text) if "--" in text else [text]
     return "".join(
         piece if piece.startswith("`") else _OPTION.sub(_argue, piece) for piece in pieces

@@ -11,6 +11,7 @@ work is asked for.
 3. Elsewhere each loop runs plain until the time that its calls in this process would take in plain
    Python reaches `LOAD_S`, and compiled from then on: with a loop in the cache, at most twice as
    long as the better form.
+4. Within an `interpreted()` block every call runs plain: a live stream cannot wait for numba.
 
 The time in plain Python is a constant per sample times the number of samples, so that the same
 calls always take the same decisions. Both forms execute the same operations in the same order, and
@@ -46,6 +47,7 @@ CALL_S = 5e-6
 
 _FLOAT64 = np.dtype(np.float64)
 _always_compile = False
+_never_compile = False
 
 
 @functools.cache
@@ -69,6 +71,19 @@ def compiled() -> Iterator[None]:
         yield
     finally:
         _always_compile = before
+
+
+@contextlib.contextmanager
+def interpreted() -> Iterator[None]:
+    """Run every loop plain within this block: samples that arrive do not wait for numba."""
+    global _never_compile
+    before = _never_compile
+    _never_compile = True
+
+    try:
+        yield
+    finally:
+        _never_compile = before
 
 
 def as_samples(voltage_v: Iterable[float]) -> list[float] | Array:
@@ -107,8 +122,9 @@ class CompiledLoop:
         """Run the loop over one chunk, in the form that the module's policy selects."""
         work_s = self._plain_s * len(arguments[self._samples])
         self._asked_s += work_s
+        is_long = _always_compile or (self._asked_s >= LOAD_S and available())
 
-        if work_s >= CALL_S and (_always_compile or (self._asked_s >= LOAD_S and available())):
+        if is_long and work_s >= CALL_S and not _never_compile:
             self._run_compiled(arguments)
             return
 

@@ -65,9 +65,9 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
     def __init__(self, folder: Path | None = None, *, is_fork: bool = False) -> None:
         """Start a process in a folder, or in the current one.
 
-        Libraries may look for settings in the current folder. A fork of this process saves the time
-        to import all modules once more. It is safe on Linux, without other threads of Python; those
-        of numpy's BLAS stop for it.
+        Libraries may look for settings in the current folder. A fork of this process, where
+        `can_fork` allows it, saves the time to import all modules once more; the threads of numpy's
+        BLAS stop for it.
         """
         self.steps: list[Any] = []
         """Steps of the present call that the worker reported."""
@@ -77,7 +77,7 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
         self._process: subprocess.Popen[bytes] | None = None
 
         if is_fork:
-            self.pid, self._calls, self._answers = _fork()
+            self.pid, self._calls, self._answers = _fork(folder)
             return
 
         # Where this package is found by a path of the script alone, the worker finds it too.
@@ -121,14 +121,21 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
         self._answers.close()
 
     def kill(self) -> None:
-        """End the process; a call that another thread waits for raises WorkerDiedError there."""
+        """End the process; a call that another thread waits for raises WorkerDiedError there.
+
+        That thread ends the process too.
+        """
         if self._process:
             self._process.kill()
             self._process.wait()
-        elif self.pid:
-            os.kill(self.pid, signal.SIGKILL)
-            os.waitpid(self.pid, 0)
-            self.pid = 0
+            return
+
+        pid = self.pid
+        self.pid = 0
+        if pid:
+            with contextlib.suppress(ChildProcessError, ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+                os.waitpid(pid, 0)
 
     def send(self, function: Callable[..., Any], *arguments: Any) -> None:
         """Send a call. If the worker has ended, `receive` raises WorkerDiedError."""
@@ -315,9 +322,14 @@ def in_background(function: Callable[..., T], *arguments: Any) -> Iterator[Calla
 
         return function(*arguments)
 
-    with Worker(is_fork=sys.platform == "linux" and threading.active_count() == 1) as worker:
+    with Worker(is_fork=can_fork()) as worker:
         worker.send(function, *arguments)
         yield receive
+
+
+def can_fork() -> bool:
+    """Tell whether a copy of this process is safe, which saves the time to import all modules."""
+    return sys.platform == "linux" and threading.active_count() == 1
 
 
 def call_within_limits(
@@ -402,8 +414,11 @@ def serve_parent(parent: int) -> None:
     os._exit(0)  # unloading the libraries of the B-rep kernel would take a third of a second
 
 
-def _fork() -> tuple[int, IO[bytes], IO[bytes]]:
-    """Copy this process; return the number of the copy, the pipe of calls, and that of answers."""
+def _fork(folder: Path | None) -> tuple[int, IO[bytes], IO[bytes]]:
+    """Copy this process; return the number of the copy, the pipe of calls, and that of answers.
+
+    The copy works in the folder, if one is given, and writes its messages there.
+    """
     calls, calling = os.pipe()
     answering, answers = os.pipe()
     parent = os.getpid()
@@ -419,9 +434,14 @@ def _fork() -> tuple[int, IO[bytes], IO[bytes]]:
 
     try:
         os.setsid()
-        null = os.open(os.devnull, os.O_RDWR)
-        for stream in range(3):
-            os.dup2(null, stream)
+        os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+        messages = os.open(os.devnull, os.O_WRONLY)
+        if folder:
+            os.chdir(folder)
+            messages = os.open(_MESSAGES, os.O_WRONLY | os.O_CREAT)
+
+        for stream in (1, 2):
+            os.dup2(messages, stream)
 
         # All other open files belong to the other process, which closes pipes to end this one.
         bounds = (2, *sorted((calls, answers)), os.sysconf("SC_OPEN_MAX"))

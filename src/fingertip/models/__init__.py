@@ -12,5 +12,5 @@ The package stands alone: it imports the standard library and itself, and CadQue
 >>> from fingertip import Design
 >>> from fingertip.models.skin import skin
 >>> type(skin(Design())).__name__
-'Difference'
+'Shell'
 """

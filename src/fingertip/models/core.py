@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from .allowances import PAST_MM
 from .bone import cut_flat, platform
 from .conic import add_groove, inset_body
 from .engraving import engrave
@@ -17,7 +18,6 @@ from .mold_layout import (
     RIDGE_HEIGHT_MM,
     RIDGE_LENGTH_MM,
 )
-from .outlines import PAST_MM
 from .skin import bump_recess
 from .solids import Box, Prism, Solid
 
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from .program_types import Finger
 
 _INTO_COLLAR_MM = 0.2
-"""Depth to which the body of a core reaches into its plate [mm]:
-solids that only touch have coincident faces.
+"""Depth to which the body of a core reaches into its plate [mm]: solids that only touch have
+coincident faces.
 """
 
 
@@ -49,12 +49,12 @@ def core(finger: Finger) -> Solid:
     plate = Box((-half, -m.palmar_height, -PLATE_MM), (half, m.dorsal_height, 0.0))
     whole = core_within_skin(finger).union(plate, *ridges(finger))
 
-    return whole.cut(*plate_letters(finger), *strap_seats(finger)[1:])
+    return whole.cut(*strap_seats(finger)[1:]).cut(*plate_letters(finger))
 
 
 def plate_letters(finger: Finger) -> tuple[Prism, ...]:
-    """Build the design's name in the top of the plate, and over the
-    label of the pad's half the same on its edge.
+    """Build the design's name in the top of the plate, and over the label of the pad's half the
+    same on its edge.
     """
     m = finger.mold_layout
     depth = m.dorsal_height + m.palmar_height
@@ -88,8 +88,8 @@ def ridges(finger: Finger) -> tuple[Solid, ...]:
 
 
 def core_within_skin(finger: Finger) -> Solid:
-    """Build what of a core lies inside the skin, enlarged by the
-    shrinkage; it reaches into the plate.
+    """Build what of a core lies inside the skin, enlarged by the shrinkage; it reaches into the
+    plate.
     """
     inset = finger.mold.core_inset_mm
     body = inset_body(finger.dimensions.bone_outline, inset)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from functools import cached_property
 
+from .allowances import LEDGE_MM
 from .conic import ConicBody, CrossSection
 from .joint import (
     BESIDE_LINE_MM,
@@ -18,7 +19,6 @@ from .joint import (
     Joint,
     TendonAnchor,
 )
-from .outlines import LEDGE_MM, RAMP_SLOPE
 from .profile import (
     Tip,
     depth_with_step,
@@ -27,15 +27,15 @@ from .profile import (
     height_with_width,
     weight_of_fullness,
 )
-from .skin_dimensions import SkinDimensions
+from .skin_dimensions import RAMP_SLOPE, SkinDimensions
 
 KNOT_WIRES = 3.0
 """Least thickness of a knot in both wires, in diameters of one of them. An assumption."""
 SHORTER_MM = 2.0
 HEAD_MM = 0.2
 TAIL_MM = 0.5
-"""Sizes by which a laid-in sensor may be shorter, and wider at
-head and tail than in its catalogue [mm].
+"""Sizes by which a laid-in sensor may be shorter, and wider at head and tail than in its catalogue
+[mm].
 """
 LONGER_MM = 3.0
 """Length by which a laid-in sensor may be longer than in its catalogue [mm]."""
@@ -48,17 +48,16 @@ _PIN_ENDS_MM = 2.0
 _MIN_COLLAR_STEP_MM = 0.4
 """Least step from the base of a bone below a crown to its collar [mm]."""
 MAX_PROUD_MM = 1.5
-"""Height by which horns and the stop of a bent finger may stand out of the collar's
-outline [mm].
+"""Height by which horns and the stop of a bent finger may stand out of the collar's outline [mm].
 """
 _HORN_RESERVE = 1.04
 """Reserve of the horns' radius over what their pressure at a grip needs."""
 _SHARP = 0.8
-"""Thickness over height, or height over thickness, below which an edge
-counts as sharp: 51 degrees on the average.
+"""Thickness over height, or height over thickness, below which an edge counts as sharp: 51 degrees
+on the average.
 """
-_RIM_POINTS = 64
-"""Intervals at which the flat's margin around the sensor is sampled."""
+_CORNER_POINTS = 64
+"""Intervals of a height at which an outline's distance from the axis is sampled."""
 
 
 class Dimensions(SkinDimensions):
@@ -100,8 +99,8 @@ class Dimensions(SkinDimensions):
 
     @cached_property
     def pin_length(self) -> float:
-        """Length of the joint's pin through the eyes [mm]: it
-        stands out on both sides, to be pushed out.
+        """Length of the joint's pin through the eyes [mm]: it stands out on both sides, to be
+        pushed out.
         """
         section = self.eyes
         joint = self.joint
@@ -112,8 +111,8 @@ class Dimensions(SkinDimensions):
 
     @cached_property
     def stops_top_z(self) -> float | None:
-        """Height up to which the base of a joint is as wide and
-        high as the collar; None without a joint.
+        """Height up to which the base of a joint is as wide and high as the collar; None without a
+        joint.
         """
         if self.joint is None:
             return None
@@ -146,7 +145,7 @@ class Dimensions(SkinDimensions):
         line = hand.tendon_diameter_mm
         half = self.joint_base_half_width - 1.5 * hand.tendon_diameter_mm
         corner = farthest_side(
-            section.half_width, section.dorsal, section.dorsal_weight, _RIM_POINTS
+            section.half_width, section.dorsal, section.dorsal_weight, _CORNER_POINTS
         )
         share = (half + LEDGE_MM) / section.half_width
         high = -self._finger.bone.collar_length_mm - corner * (1.0 - min(1.0, share))
@@ -173,8 +172,8 @@ class Dimensions(SkinDimensions):
 
     @cached_property
     def joint_depth(self) -> float:
-        """Depth of the palmar side of a joint's base: that of the
-        collar, or what horns and the bent stop need.
+        """Depth of the palmar side of a joint's base: that of the collar, or what horns and the
+        bent stop need.
         """
         collar = self.collar.section.palmar
         joint = self.joint
@@ -192,8 +191,8 @@ class Dimensions(SkinDimensions):
 
     @property
     def joint_base_half_width(self) -> float:
-        """Half the width of a joint's base at its palmar corners,
-        which stand out of the collar's outline.
+        """Half the width of a joint's base at its palmar corners, which stand out of the collar's
+        outline.
         """
         return self.collar.section.half_width_at(-self.base_flat_depth)
 
@@ -222,8 +221,8 @@ class Dimensions(SkinDimensions):
 
     @cached_property
     def max_platform(self) -> float:
-        """Largest height of a platform whose ramp begins on the
-        flat: past collar, end of the tail and groove.
+        """Largest height of a platform whose ramp begins on the flat: past collar, end of the tail
+        and groove.
         """
         bone = self._finger.bone
         low = max(0.0, self.tail_end_z)
@@ -259,8 +258,8 @@ class Dimensions(SkinDimensions):
         return max(self.flat_depth, deepest)
 
     def collar_step_at(self, depth: float) -> float:
-        """Return the step from the base's outline out to the
-        collar's at a depth below the parting plane [mm].
+        """Return the step from the base's outline out to the collar's at a depth below the parting
+        plane [mm].
         """
         return self.collar.section.half_width_at(-depth) - self.bone_outline.section.half_width_at(
             -depth
@@ -288,8 +287,8 @@ class Dimensions(SkinDimensions):
 
     @cached_property
     def trough_end_z(self) -> float:
-        """Proximal end of the trough of the tail, behind the hole of
-        the wires: a knot in both lies on its mouth.
+        """Proximal end of the trough of the tail, behind the hole of the wires: a knot in both lies
+        on its mouth.
         """
         return self.channel_exit_z - self._finger.bone.channel_diameter_mm / 2 - _PAST_HOLE_MM
 
@@ -342,19 +341,3 @@ class Dimensions(SkinDimensions):
     @cached_property
     def shrinkage(self) -> float:
         return 1.0 / (1.0 - self._finger.mold.silicone_shrinkage_percent / 100.0)
-
-    def sensor_rim_margin(self, rim_mm: float, clearance_mm: float) -> float:
-        """Compute the least margin along x [mm] between the flat's
-        edge and the circle of sensor head and rim.
-        """
-        r = self.sensor.head_diameter_mm / 2 + clearance_mm + rim_mm
-        margins = []
-
-        for i in range(_RIM_POINTS + 1):
-            phi = math.pi * (i / _RIM_POINTS - 0.5)
-            z = self.sensor_z + r * math.sin(phi)
-            margins.append(
-                self.bone_outline.half_width_at(-self.platform_depth, z) - r * math.cos(phi)
-            )
-
-        return min(margins)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .conic import ConicBody, CrossSection
-from .outlines import flat_foot, foot_line
+from .feet import Foot, arc_foot, flat_foot
 from .solids import Box, Shapes, Solid, SuperconicSolid, cylinder
 
 if TYPE_CHECKING:
@@ -49,22 +49,23 @@ def shapes(finger: Finger) -> Shapes:
     section = finger.dimensions.bone_outline.section
     flat = finger.dimensions.base_flat_depth
     into = top - radius
-    line = foot_line(bone.foot_radius_mm, top, -1.0)
+    foot = arc_foot(bone.foot_radius_mm, top, -1.0)
     reach = 2 * x
     sides = flat_foot(
         "x",
         low_side=-flat,
         high_side=reach,
-        foot=line,
+        foot=foot,
         end=into - radius,
         reach=reach,
     )
     above = Box((-x, y - half, end), (x, y + half, top + reach))
 
-    return (plate, _conic_foot(section, line, into).intersect(sides, above)), holes
+    return (plate, _conic_foot(section, foot, into).intersect(sides, above)), holes
 
 
-def _conic_foot(section: CrossSection, foot: list[tuple[float, float]], end: float) -> Solid:
+def _conic_foot(section: CrossSection, foot: Foot, end: float) -> Solid:
     """Build the foot of a superconic section; it ends at z = `end` [mm]."""
-    stations = [(z, 1.0 + out / section.half_width) for z, out in (*foot, (end, foot[-1][1]))]
+    line = [*foot.line, (end, foot.line[-1][1])]
+    stations = [(z, 1.0 + out / section.half_width) for z, out in line]
     return SuperconicSolid(ConicBody(section, tuple(stations[::-1])))

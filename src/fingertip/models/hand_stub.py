@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from .allowances import TANGENT_STEP_MM
 from .clevis import knuckle, stop_top_y
 from .joint import Joint, joint_of
-from .outlines import TANGENT_STEP_MM
 from .solids import Box, Cone, Prism, Solid, cylinder
 
 if TYPE_CHECKING:
@@ -51,8 +51,8 @@ class Guide:
 
 
 def guide(finger: Finger) -> Guide | None:
-    """Place the guide behind the shoulder, whose palmar side may lie
-    beside the tendon; None without a tendon.
+    """Place the guide behind the shoulder, whose palmar side may lie beside the tendon; None
+    without a tendon.
     """
     anchor = finger.dimensions.anchor
     if not anchor:
@@ -124,8 +124,8 @@ def without_ways(finger: Finger) -> Solid:
 
 
 def stub_bore_radius(joint: Joint) -> float:
-    """Radius of the stub's bore: the pin wedges in a cheek, and
-    turns in the tongue between both [mm].
+    """Radius of the stub's bore: the pin wedges in a cheek, and turns in the tongue between both
+    [mm].
     """
     return joint.pin_radius + (LOOSE_MM if joint.is_fork else 0.0)
 
@@ -148,8 +148,8 @@ def hand_stub(finger: Finger) -> Solid:
 
 
 def _ways(finger: Finger) -> Iterator[Solid]:
-    """Build what the strands pass: the guide with its mouth, and
-    slots open to the palm on both sides of it.
+    """Build what the strands pass: the guide with its mouth, and slots open to the palm on both
+    sides of it.
     """
     way = guide(finger)
     if not way:

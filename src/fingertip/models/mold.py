@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
+from .allowances import PAST_MM
 from .conic import ConicBody, offset_section
 from .engraving import engrave
 from .mold_layout import (
@@ -22,9 +24,8 @@ from .mold_layout import (
     RIDGE_LENGTH_MM,
     STRAP_Y_MM,
 )
-from .outlines import PAST_MM, belt_seat, extrude
 from .skin import skin_outline
-from .solids import Axis, Box, Cone, Prism, Solid, SuperconicSolid
+from .solids import Axis, Box, Cone, Prism, Solid, SuperconicSolid, extrude
 
 if TYPE_CHECKING:
     from .program_types import Finger
@@ -58,8 +59,8 @@ def hollow(finger: Finger) -> Solid:
 
 
 def cavity(finger: Finger, inset_mm: float = 0.0) -> Solid:
-    """Build the cavity of the mold: the outer surface, enlarged
-    to allow for the silicone's shrinkage.
+    """Build the cavity of the mold: the outer surface, enlarged to allow for the silicone's
+    shrinkage.
     """
     return skin_outline(finger, inset_mm).scaled(finger.dimensions.shrinkage)
 
@@ -75,8 +76,8 @@ def _above_rim(finger: Finger) -> Solid:
 
 
 def seam_cuts(finger: Finger) -> tuple[Solid, ...]:
-    """Build the chamfer of the seam at the foot, and at its corners
-    the slots in which a blade parts the halves.
+    """Build the chamfer of the seam at the foot, and at its corners the slots in which a blade
+    parts the halves.
     """
     m = finger.mold_layout
     height, depth, half = PRY_MM
@@ -112,8 +113,8 @@ def grooves(finger: Finger) -> tuple[Solid, ...]:
 def along_spokes(
     finger: Finger, profile: tuple[tuple[float, float], ...], begin: float, end: float
 ) -> tuple[Solid, ...]:
-    """Extrude an outline, given by heights z and half widths,
-    along the spokes at 3, 9 and 12 o'clock.
+    """Extrude an outline, given by heights z and half widths, along the spokes at 3, 9 and 12
+    o'clock.
     """
     ring = [(z, -half) for z, half in profile] + [(z, half) for z, half in reversed(profile)]
     side, dorsal = finger.mold_layout.ridge_begins
@@ -125,9 +126,7 @@ def along_spokes(
 
 
 def notches(finger: Finger) -> tuple[Solid, ...]:
-    """Build the overflow notches: two cuts across the rim, which open in all four
-    quarters of it.
-    """
+    """Build the overflow notches: two cuts across the rim, which open in all its quarters."""
     m = finger.mold_layout
     half = NOTCH_MM[0] / 2
     far = 2 * (m.palmar_height + m.dorsal_height)
@@ -140,11 +139,10 @@ def notches(finger: Finger) -> tuple[Solid, ...]:
 
 
 def belts(finger: Finger) -> tuple[Solid, ...]:
-    """Build the seats of the rubber bands around the closed cup,
-    with sides at 45 degrees that print upright.
+    """Build the seats of the rubber bands around the closed cup, with sides at 45 degrees that
+    print upright.
     """
     m = finger.mold_layout
-    height, depth = BELT_MM
     far = 2 * (m.half_width + m.dorsal_height)
     faces: tuple[tuple[Axis, float], ...] = (
         ("y", m.half_width),
@@ -153,22 +151,29 @@ def belts(finger: Finger) -> tuple[Solid, ...]:
         ("x", -m.palmar_height),
     )
 
-    return tuple(
-        belt_seat(
-            axis,
-            face=face,
-            z=z,
-            size=(height, depth),
-            far=far,
-        )
-        for z in m.belts_z
-        for axis, face in faces
+    return tuple(_belt_seat(axis, face, z, far) for z in m.belts_z for axis, face in faces)
+
+
+def _belt_seat(axis: Axis, face: float, z: float, far: float) -> Prism:
+    """Build the seat of a band in a face of the cup, at a height z."""
+    height, depth = BELT_MM
+    inner = face - math.copysign(depth, face)
+    outer = face + math.copysign(PAST_MM, face)
+    floor = height / 2
+    opening = height / 2 + depth + PAST_MM
+    profile = (
+        (z - opening, outer),
+        (z - floor, inner),
+        (z + floor, inner),
+        (z + opening, outer),
     )
+
+    return extrude(axis, profile, -far, far)
 
 
 def strap_seats(finger: Finger) -> tuple[Solid, ...]:
-    """Build the seats of the band that holds the core down: across
-    the foot, and in both lips of the plate.
+    """Build the seats of the band that holds the core down: across the foot, and in both lips of
+    the plate.
     """
     m = finger.mold_layout
     width, depth = BELT_MM
@@ -246,7 +251,7 @@ def mold_palmar(finger: Finger) -> Solid:
     """
     whole = block(finger)
     half = Box(whole.low, (whole.high[0], 0.0, whole.high[2]))
-    return half.cut(hollow(finger), *key_sockets(finger), *label(finger))
+    return half.cut(hollow(finger), *key_sockets(finger)).cut(*label(finger))
 
 
 def mold_dorsal(finger: Finger) -> Solid:

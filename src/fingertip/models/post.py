@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from .allowances import LEDGE_MM, TANGENT_STEP_MM
 from .conic import ConicBody, offset_section
 from .cross_bolt import bolt_hole
-from .outlines import LEDGE_MM, TANGENT_STEP_MM, flat_foot, foot_length, foot_line, round_foot
+from .feet import Foot, arc_foot, flat_foot, sloping_foot
 from .profile import farthest_corner
 from .solids import (
     Box,
@@ -18,6 +20,7 @@ from .solids import (
     SuperconicSolid,
     cylinder,
     intersection,
+    union,
 )
 
 if TYPE_CHECKING:
@@ -27,6 +30,8 @@ _OUTLINE_POINTS = 16
 _CHAMFER_MM = 0.6
 _MIN_FLAT_MM = 0.02
 """Depth of a post's flat below which it is left out [mm]: both kernels fail on slivers."""
+_CONE_OVERLAP_MM = 0.05
+"""Length by which the cones of a round foot reach into each other [mm]."""
 
 
 def shapes(finger: Finger) -> Shapes:
@@ -61,9 +66,7 @@ def low_z(finger: Finger) -> float:
 
 
 def post_body(finger: Finger, width: float, height: float, length: float) -> Solid:
-    """Build a round post with a dorsal and a palmar flat, or
-    without them if it is as high as wide.
-    """
+    """Build a round post with a dorsal and a palmar flat, or without if it is as high as wide."""
     y = finger.dimensions.base_middle_y
     low = -finger.bone.base_length_mm - length
     high = finger.bone.wall_mm / 2
@@ -108,8 +111,8 @@ def _chamfer(
     radius: float,
     half: float,
 ) -> tuple[Solid, Solid]:
-    """Build what is left of the post by a chamfer of its end, on
-    which it prints: the first layers spread.
+    """Build what is left of the post by a chamfer of its end, on which it prints: the first layers
+    spread.
     """
     least = radius - _CHAMFER_MM
     flat = half - _CHAMFER_MM
@@ -139,8 +142,8 @@ def _foot(finger: Finger) -> Solid:
     top = end + bone.wall_mm / 2
     half = bone.post_height_mm / 2
     margin = dims.bone_outline.section.half_width
-    line = foot_line(bone.foot_radius_mm, end, 1.0, _foot_reach(finger))
-    low = end - post_foot_length(finger) - margin
+    foot = _foot_section(finger)
+    low = end - foot.length - margin
     # A step inside the outline, because both run along z and would share a face.
     section = offset_section(dims.bone_outline.section, -TANGENT_STEP_MM)
     flat = dims.base_flat_depth
@@ -150,30 +153,62 @@ def _foot(finger: Finger) -> Solid:
             (2 * margin, TANGENT_STEP_MM - flat, top + 2 * margin),
         )
     )
-    foot = [outline, round_foot((0.0, y), bone.post_width_mm / 2, line, top)]
+    solids = [outline, _round_foot(finger, foot, top)]
 
     if half <= bone.post_width_mm / 2 - _MIN_FLAT_MM:
-        foot.append(
+        solids.append(
             flat_foot(
                 "x",
                 low_side=y - half,
                 high_side=y + half,
-                foot=line,
+                foot=foot,
                 end=top + margin,
                 reach=2 * margin,
             )
         )
 
-    return intersection(*foot)
+    return intersection(*solids)
+
+
+def _round_foot(finger: Finger, foot: Foot, top: float) -> Solid:
+    """Build the foot all around the post without its flats; it ends at z = `top` [mm]."""
+    radius = finger.bone.post_width_mm / 2
+    cones = []
+    for (low, inner), (high, outer) in pairwise(foot.line):
+        slope = (outer - inner) / (high - low)
+        begin = low - _CONE_OVERLAP_MM
+        low_radius, high_radius = (radius + inner + slope * (z - low) for z in (begin, top))
+        cones.append(
+            Cone(
+                axis="z",
+                centre=(0.0, finger.dimensions.base_middle_y),
+                low=begin,
+                high=top,
+                low_radius=low_radius,
+                high_radius=high_radius,
+            )
+        )
+
+    return union(*cones)
+
+
+def _foot_section(finger: Finger) -> Foot:
+    """Make the section of the fillet at the post's root: an arc, or the slope on which the base
+    prints.
+    """
+    radius = finger.bone.foot_radius_mm
+    end = -finger.bone.base_length_mm
+    reach = _foot_reach(finger) if finger.dimensions.prints_without_supports else 0.0
+    if reach:
+        return sloping_foot(radius, root_z=end, way=1.0, reach=reach)
+
+    return arc_foot(radius, root_z=end, way=1.0)
 
 
 def _foot_reach(finger: Finger) -> float:
-    """Return how far a foot without supports stands out: to the
-    base's corners, but for a short ledge [mm].
+    """Return how far a foot without supports stands out: to the base's corners, but for a short
+    ledge [mm].
     """
-    if not finger.dimensions.prints_without_supports:
-        return 0.0
-
     dims = finger.dimensions
     middle = dims.base_middle_y
     section = dims.bone_outline.section
@@ -191,7 +226,7 @@ def _foot_reach(finger: Finger) -> float:
 
 
 def post_foot_length(finger: Finger) -> float:
-    """Return the length of the fillet at the post's root [mm],
-    with the slope on which the base prints.
+    """Return the length of the fillet at the post's root [mm], with the slope on which the base
+    prints.
     """
-    return foot_length(finger.bone.foot_radius_mm, _foot_reach(finger))
+    return _foot_section(finger).length

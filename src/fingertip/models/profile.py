@@ -31,7 +31,7 @@ weights of its palmar and dorsal arcs.
 """
 
 
-def arc_point(t: Parameter, w: float) -> tuple[Parameter, Parameter]:
+def arc_point(t: Parameter, w: Parameter | float) -> tuple[Parameter, Parameter]:
     """Return the point at t in [0, 1] of the unit arc from (1, 0) to
     (0, 1) with control point (1, 1) of weight `w`.
     """
@@ -146,12 +146,15 @@ def scale_at(stations: Sequence[tuple[float, float]], tip: Tip | None, z: float)
     """Return the scale at height z [mm] between stations, or on
     a tip after the last one; 0 outside.
     """
-    for (z0, s0), (z1, s1) in pairwise(stations):
-        if z0 <= z <= z1 and z0 < z1:
-            return s0 + (s1 - s0) * (z - z0) / (z1 - z0)
-
     z1, s1 = stations[-1]
-    if tip is None or not z1 < z < tip[0]:
+    if z <= z1:
+        for (z0, s0), (z1, s1) in pairwise(stations):
+            if z0 <= z <= z1 and z0 < z1:
+                return s0 + (s1 - s0) * (z - z0) / (z1 - z0)
+
+        return 0.0
+
+    if tip is None or z >= tip[0]:
         return 0.0
 
     # Barycentric coordinates of the conic satisfy l1^2 = 4 w^2 l0 l2. Here l2 = zeta - l1 and l0 =
@@ -202,7 +205,7 @@ def conic_point(t: Parameter, weight: float, *coordinates: Control) -> tuple[Par
     top = t * t
     d = side + middle + top
 
-    return tuple((side * p[0] + middle * p[1] + top * p[2]) / d for p in coordinates)
+    return tuple([(side * p[0] + middle * p[1] + top * p[2]) / d for p in coordinates])
 
 
 class Span(NamedTuple):
@@ -289,7 +292,8 @@ def palmar_scale(spans: Sequence[Span], z: float) -> float:
     """Return the scale of the palmar height at height z [mm]; 0 outside the body."""
     for span in spans:
         if span.z[0] <= z <= span.z[2] and z < spans[-1].z[2]:
-            return span.evaluate(span.parameter_at(z))[2]
+            (scale,) = conic_point(span.parameter_at(z), span.weight, span.palmar)
+            return scale
 
     return 0.0
 

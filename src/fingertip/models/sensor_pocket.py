@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .outlines import ramp_slab
-from .solids import Solid, cylinder
+from .solids import Box, Prism, Solid, cylinder
 
 if TYPE_CHECKING:
     from .program_types import Finger
@@ -94,14 +93,28 @@ def flat_slab(
     begin: float,
     end: float,
 ) -> Solid:
-    """Build what lies between two distances from the bone's palmar
-    side, positive into the bone, from z to z [mm].
+    """Build what lies between two distances from the bone's palmar side, positive into the bone,
+    from z to z [mm].
+
+    Section at x = 0, back up, tip to the right:
+
+                         ramp[0]   ramp[1]
+             high_mm  ______:         :
+                            `'--..____:_____   high_mm
+             low_mm   ______          :
+                            `'--..____:_____   low_mm
+             flat     ______          :
+                            `'--..____:_____   platform
+                   begin                  end
     """
     dims = finger.dimensions
-    return ramp_slab(
-        (low_mm, high_mm),
-        half_width=half_width,
-        z=(begin, end),
-        depths=(dims.flat_depth, dims.platform_depth),
-        ramp=dims.ramp,
-    )
+    has_ramp = dims.platform_depth > dims.flat_depth
+    bends = [z for z in dims.ramp if has_ramp and begin < z < end]
+    surface = [(-dims.flat_depth_at(z), z) for z in (begin, *bends, end)]
+    if not bends:
+        y = surface[0][0]
+        return Box((-half_width, y + low_mm, begin), (half_width, y + high_mm, end))
+
+    high_line = [(y + high_mm, z) for y, z in surface]
+    low_line = [(y + low_mm, z) for y, z in surface]
+    return Prism("x", (*high_line, *reversed(low_line)), -half_width, half_width)

@@ -36,7 +36,7 @@ def skin(finger: Finger) -> Solid:
                      ``---....__________....--''                  apex, crown_radius_mm
           z = 0                            sensor_z
     """
-    return skin_outline(finger).cut(skin_interior(finger))
+    return skin_outline(finger).hollowed(skin_interior(finger))
 
 
 def skin_outline(finger: Finger, inset_mm: float = 0.0) -> Solid:

@@ -10,8 +10,8 @@ import math
 from typing import TYPE_CHECKING
 
 from . import post
+from .allowances import MATING_PLAY_MM
 from .cross_bolt import bolt_hole
-from .outlines import MATING_PLAY_MM
 from .solids import Box, Solid
 
 if TYPE_CHECKING:
@@ -21,14 +21,14 @@ _WALL_MM = 2.4
 _ABOVE_FLOOR_MM = 0.5
 _BELOW_FILLET_MM = 0.3
 _HANDLE_MM = 26.0
-"""Wall beside the post, room below it, gap below the fillet at its
-root, and length below its socket [mm].
+"""Wall beside the post, room below it, gap below the fillet at its root, and length below its
+socket [mm].
 """
 
 
 def post_gap_mm(finger: Finger) -> float:
-    """Return the gap beside the post in the design: what the print's
-    errors leave of it is half the mating play.
+    """Return the gap beside the post in the design: what the print's errors leave of it is half the
+    mating play.
     """
     return MATING_PLAY_MM / 2 + finger.printer.surface_error_mm + max(0.0, finger.printer.offset_mm)
 
@@ -72,8 +72,8 @@ def stand(finger: Finger) -> Solid:
 
 
 def socket_ceiling_mm(finger: Finger) -> float:
-    """Measure what overhangs in the socket of a lying stand [mm]: its
-    flat, or the round side above 45 degrees.
+    """Measure what overhangs in the socket of a lying stand [mm]: its flat, or the round side above
+    45 degrees.
     """
     gap = post_gap_mm(finger)
     radius = finger.bone.post_width_mm / 2 + gap

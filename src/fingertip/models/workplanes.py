@@ -33,6 +33,7 @@ from .solids import (
     Intersection,
     Prism,
     Scaled,
+    Shell,
     Solid,
     SuperconicSolid,
     Union,
@@ -112,6 +113,8 @@ def to_workplane(solid: Solid) -> cq.Workplane:
                     part = part.intersect(make(other), clean=False)
 
                 return part
+            case Shell(outer, inside):
+                return make(outer).cut(make(inside), clean=False)
             case Scaled(inner, factor):
                 return cq.Workplane(make(inner).val().scale(factor))
             case _:

@@ -170,6 +170,8 @@ class Prepared:
     response: Markup
     pad: Markup | None = None
     """Picture of what the sensor feels; the page draws it where it is not given."""
+    trial: Markup | None = None
+    """Trial and its detection; the page reads and draws them where they are not given."""
 
 
 def prepare_page(design: Design) -> Prepared:
@@ -275,7 +277,7 @@ def _fold_references(sources: Sources, prepared: Prepared) -> list[Markup]:
         ("parameters", "Parameters", prepared.parameters),
         ("pad", "What the sensor feels", prepared.pad or render_pad(design)),
         ("response", "Response of the board", prepared.response),
-        ("trial", "Trial and detection", render_trial(sources)),
+        ("trial", "Trial and detection", prepared.trial or render_trial(sources)),
         ("words", "Words", table(("word", "meaning"), words, "words")),
     )
     folded = []

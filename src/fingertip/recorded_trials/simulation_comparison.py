@@ -29,8 +29,8 @@ from fingertip.lab.campaign.run import DetectorResult, TrialResult, evaluate, si
 from fingertip.lab.report.results import summarise, to_number
 from fingertip.recorded_trials.simulation_fit import Fitted, LevelFit, Pairs, fit_curve, fit_noise
 from fingertip.recorded_trials.trials import STROKE_M, TrialFile
-from fingertip.sim import SceneFile
 from fingertip.sim.contact.surface_files import SURFACES
+from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from fingertip.sim.runs.timeline import TrapezoidalMove
 
 TEXT = "recordings.txt"

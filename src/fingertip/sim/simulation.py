@@ -1,7 +1,7 @@
 """Simulations: from files, as ``fingertip simulate`` does before it prints and writes, and the
 article's (III.C).
 
-from fingertip.sim import load_simulation
+from fingertip.sim.simulation import load_simulation
 
 simulation = load_simulation("hard_tap", "fsr400", changes=["tap.count=1"])
 result = simulation.run()

@@ -104,10 +104,11 @@ class Detection:
         if self.scale is None:
             return None
 
-        onsets_s = [interval.onset_s for interval in self.intervals]
-        time_s = self.trace.time_s
-        places = ((time_s > at_s - MEAN_S) & (time_s <= at_s) for at_s in onsets_s)
-        return tuple(self.scale.read(float(self.trace.voltage_v[place].mean())) for place in places)
+        onsets_s = np.array([interval.onset_s for interval in self.intervals])
+        begins = np.searchsorted(self.trace.time_s, onsets_s - MEAN_S, side="right")
+        ends = np.searchsorted(self.trace.time_s, onsets_s, side="right")
+        parts = map(slice, begins.tolist(), ends.tolist())
+        return tuple(self.scale.read(float(self.trace.voltage_v[part].mean())) for part in parts)
 
     @property
     def threshold_v(self) -> float:
@@ -182,6 +183,8 @@ def detect(
     detector: str = registry.DEFAULT,
     noise_v: float | None = None,
     floors: Floors | None = None,
+    *,
+    is_valid: bool = False,
 ) -> Detection:
     """Detect slip in a trace whose sampling rate is the design's.
 
@@ -189,11 +192,13 @@ def detect(
 
     `noise_v` is the white RMS noise of the signal [V], by default the design's. Given in the unit
     of the signal, it may be any signal that follows the force. `fast` starts with `floors`, those
-    of a rest, if given.
+    of a rest, if given. A trace that `is_valid` was validated for the design already.
     """
-    issues = RawTrace("trace", trace, in_volts=noise_v is None, is_array=True).find_issues(
-        design.detector
-    )
+    issues = list[Issue]()
+    if not is_valid:
+        raw = RawTrace("trace", trace, in_volts=noise_v is None, is_array=True)
+        issues += raw.find_issues(design.detector)
+
     if noise_v is not None:
         issues += find_not_positive("noise_v", noise_v, "V", f"{design.detector.noise_v:g}")
 
@@ -220,7 +225,7 @@ def detect(
         output=output,
         intervals=detected,
         score=None if truth is None else score(detected, truth, instance.memory_s),
-        confidences=_find_confidences(find_ratio(output), trace.time_s, detected),
+        confidences=_find_confidences(output, trace.time_s, detected),
         incipient=intervals(trace.time_s, output.incipient)
         if isinstance(output, FastOutput)
         else None,
@@ -265,19 +270,19 @@ def _find_undecided(detector: Detector, output: DetectorOutput, trace: Trace) ->
     return Interval(float(times_s[0]), float(times_s[end]))
 
 
-def find_ratio(output: DetectorOutput) -> Array:
+def find_ratio(output: DetectorOutput, part: slice = slice(None)) -> Array:
     """Find the statistic over the threshold at each sample; 0 where the threshold is 0."""
-    zeros = np.zeros(len(output.on))
-    is_known = output.threshold_v > 0.0
-    return np.divide(output.statistic_v, output.threshold_v, where=is_known, out=zeros)
+    threshold_v = output.threshold_v[part]
+    zeros = np.zeros(len(threshold_v))
+    return np.divide(output.statistic_v[part], threshold_v, where=threshold_v > 0.0, out=zeros)
 
 
 def _find_confidences(
-    ratio: Array, time_s: Array, detected: tuple[Interval, ...]
+    output: DetectorOutput, time_s: Array, detected: tuple[Interval, ...]
 ) -> tuple[float, ...]:
     begins = np.searchsorted(time_s, [interval.onset_s for interval in detected])
     ends = np.searchsorted(time_s, [interval.end_s for interval in detected])
     return tuple(
-        float(ratio[begin : max(end, begin + 1)].max())
+        float(find_ratio(output, slice(begin, max(end, begin + 1))).max())
         for begin, end in zip(begins.tolist(), ends.tolist(), strict=True)
     )

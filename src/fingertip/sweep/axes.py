@@ -43,7 +43,7 @@ class Axis:
     spacing: Spacing = "linear"
     """Spacing of the values of a range."""
     integer: bool = False
-    """Whether the parameter is a whole number."""
+    """True for a whole number."""
 
     @property
     def count(self) -> int:

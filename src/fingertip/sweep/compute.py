@@ -52,9 +52,7 @@ def compute_lengths(context: PointContext) -> OutputValues:
     design = context.design
     return {
         "finger_length_mm": design.skin.length_mm + design.bone.base_length_mm,
-        "sensor_rim_mm": design.dimensions.sensor_rim_margin(
-            design.bone.rim_mm, design.sensor.clearance_mm
-        ),
+        "sensor_rim_mm": design.sensor_rim_margin,
         "mold_width_mm": 2 * m.half_width,
         "mold_height_mm": m.palmar_height + m.dorsal_height,
         "mold_length_mm": m.overall_height,
@@ -95,8 +93,9 @@ def compute_board(context: PointContext) -> OutputValues:
 
 
 def compute_circuit(context: PointContext) -> OutputValues:
-    from fingertip.board import board_circuit, board_values
     from fingertip.board.analysis import gate
+    from fingertip.board.analysis.board_values import board_values
+    from fingertip.board.circuits.board_circuit import board_circuit
     from fingertip.board.fabrication.bom import list_unconfirmed
 
     values = board_values(context.design)

@@ -4,6 +4,7 @@ they share.
 The bounds of the parameters are checked together with the axes, before any point. If only
 electronic tables vary, the rules of the printed parts give the same result at every point as for
 the base design, and so do the dimensions. Such a point takes microseconds instead of milliseconds.
+If only tables of the parts vary, the rules of the electronics pass at every point.
 """
 
 from __future__ import annotations
@@ -15,8 +16,10 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, load_manifold, to_canonical_mesh
 from fingertip.design.design import Design
+from fingertip.design.geometry import DesignTables
+from fingertip.design.parameters.declaration import parse_tables
 from fingertip.design.refusal import describe_violations
-from fingertip.design.search import ELECTRONIC_RULES
+from fingertip.design.search import ELECTRONIC_RULES, PART_RULES, RULES
 from fingertip.fitting.fitting import fit_finger
 from fingertip.foundation.errors import DesignError, raise_issues
 from fingertip.models.solids import Solid
@@ -34,6 +37,11 @@ class DesignBuilder:
         base = plan.designs[finger]
         varied = select_changes(dict.fromkeys((axis.name for axis in plan.axes), 0), finger)
         self._only_electronics_vary = not any(map(is_of_parts, varied))
+        self._rules = RULES
+        if self._only_electronics_vary:
+            self._rules = ELECTRONIC_RULES
+        elif all(map(is_of_parts, varied)) and not plan.file.fit:
+            self._rules = PART_RULES
         self._tables = base.model_dump()
         self._base = Design.model_construct(**dict(base))
         self._fits = plan.file.fit
@@ -47,11 +55,13 @@ class DesignBuilder:
             key = tuple(part_values.values())
             own_changes |= self._fitted.get(key, lambda: self._fit(part_values))
 
-        if not self._only_electronics_vary:
-            return Design.without_remedies(**apply_changes(self._tables, own_changes))
+        if self._only_electronics_vary:
+            design = self._base.with_values(own_changes)
+        else:
+            tables = parse_tables(DesignTables, apply_changes(self._tables, own_changes))
+            design = Design.model_construct(None, **dict(tables))
 
-        design = self._base.with_values(own_changes)
-        raise_issues(DesignError, describe_violations(design, ELECTRONIC_RULES))
+        raise_issues(DesignError, describe_violations(design, self._rules))
         return design
 
     def _fit(self, part_values: Mapping[str, Value]) -> dict[str, Any]:

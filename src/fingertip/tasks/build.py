@@ -21,7 +21,7 @@ from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.printing import check_brep_solid
 from fingertip.cad.verification.second_opinion import list_packages, second_opinions
 from fingertip.cad.verification.verify import VerifiedParts, verify
-from fingertip.casting.sheet import CastingSheet, casting_sheet
+from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues import output_files
 from fingertip.design import Design
 from fingertip.design.design_file import to_toml
@@ -30,7 +30,7 @@ from fingertip.documents.finger_sheets import list_steps, render_sheet
 from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, Issue, raise_issues
 from fingertip.foundation.output_set import SetWriter, read_manifest
-from fingertip.foundation.progress import ReportProgress, Work
+from fingertip.foundation.progress import Work
 from fingertip.foundation.workers import in_background
 from fingertip.models.hardware import hardware
 from fingertip.models.parts import PARTS, parts_by_name, print_scale
@@ -210,68 +210,74 @@ def plan_build(
     return plan
 
 
-def run_build(
-    plan: BuildPlan,
-    progress: Callable[[str], None],
-    meanwhile: Callable[[ReportProgress], None] | None = None,
-) -> Build:
-    """Make, check and write what a plan states.
-
-    `meanwhile` is called once before anything is written, while the B-rep kernel works, with a
-    function that takes its progress. An error that it raises ends the build.
-    """
-    design = plan.design
-    options = plan.options
+def run_build(plan: BuildPlan, progress: Callable[[str], None]) -> Build:
+    """Make, check and write what a plan states."""
     stages = {
         "parts": 2.0,
-        "rest": 3.0 * (meanwhile is not None),
-        "pictures": 1.0 * options.pictures,
-        "STEP files": (4.0 + 6.0 * options.drawings) * ("step" in plan.formats),
-        "second opinion": 0.5 * options.verify,
+        "pictures": 1.0 * plan.options.pictures,
+        "STEP files": (2.0 + 3.0 * plan.options.drawings) * bool(plan.exact),
+        "second opinion": 0.5 * plan.options.verify,
     }
     work = Work("", stages, progress)
 
-    with contextlib.ExitStack() as stack:
-        # The B-rep kernel and the pictures have processes of their own while this process makes and
-        # checks the meshes.
-        process = None
-        if plan.exact:
-            process = stack.enter_context(StepProcess.start(_describe_step_job(plan)))
-
-        drawing: Callable[[], dict[str, bytes]] = dict
-        if options.pictures and plan.is_whole:
-            drawing = stack.enter_context(in_background(_draw_steps, design, options.tolerance_mm))
-
+    # The B-rep kernel and the pictures have processes of their own while this process makes and
+    # checks the meshes.
+    with start_step_files(plan) as receive_step, start_pictures(plan) as receive_pictures:
         verified = verify(
-            design,
+            plan.design,
             parts=plan.names,
             formats=plan.formats,
             evaluator=plan.evaluator,
             progress=work.within("parts"),
         )
         opinions: Callable[[], tuple[Check, ...]] = tuple
-        if options.verify:
-            opinions = stack.enter_context(
-                in_background(second_opinions, dict(verified.contents), dict(verified.meshes))
-            )
+        with contextlib.ExitStack() as stack:
+            if plan.options.verify:
+                opinions = stack.enter_context(
+                    in_background(second_opinions, dict(verified.contents), dict(verified.meshes))
+                )
 
-        casting = casting_sheet(design, plan.evaluator) if plan.is_whole else None
-        if meanwhile:
-            meanwhile(work.within("rest"))
-
-        work.begin("pictures")
-        pictures = drawing()
-        step = StepFiles({}, {}, {}, {})
-
-        if process:
+            work.begin("pictures")
+            pictures = receive_pictures()
             work.begin("STEP files")
-            step = process.result(advance=work.advance)
+            step = receive_step(work.advance)
+            work.begin("second opinion")
+            verified = replace(verified, opinions=opinions())
 
-        work.begin("second opinion")
-        verified = replace(verified, opinions=opinions())
+    result = add_step_files(plan, collect(plan, verified, pictures), step)
+    return write_build(plan, result, pictures, progress)
 
-    result = _collect(plan, verified=verified, step=step, casting=casting, pictures=tuple(pictures))
-    return _write(plan, result, pictures, progress)
+
+@contextlib.contextmanager
+def start_step_files(
+    plan: BuildPlan,
+) -> Iterator[Callable[[Callable[[float], None]], StepFiles | None]]:
+    """Start to make the STEP files of a plan in another process, which ends with this block.
+
+    The block gets a function that waits for them, and takes one that is told the share that is
+    done. It returns None if the plan has none.
+    """
+    if not plan.exact:
+        yield lambda advance: None
+        return
+
+    with StepProcess.start(_describe_step_job(plan)) as process:
+        yield lambda advance: process.result(advance=advance)
+
+
+@contextlib.contextmanager
+def start_pictures(plan: BuildPlan) -> Iterator[Callable[[], dict[str, bytes]]]:
+    """Start to draw the casting steps in another process, which ends with this block.
+
+    The block gets a function that waits for the pictures: file name -> PNG, empty if the plan has
+    none.
+    """
+    if not plan.options.pictures or not plan.is_whole:
+        yield dict
+        return
+
+    with in_background(_draw_steps, plan.design, plan.options.tolerance_mm) as receive:
+        yield receive
 
 
 def _describe_step_job(plan: BuildPlan) -> StepJob:
@@ -292,65 +298,81 @@ def _describe_step_job(plan: BuildPlan) -> StepJob:
     )
 
 
-def _collect(
-    plan: BuildPlan,
-    verified: VerifiedParts,
-    step: StepFiles,
-    casting: CastingSheet | None,
-    pictures: tuple[str, ...],
-) -> Build:
-    """Collect files and checks, those of the exact solids included, and report on them."""
+def collect(plan: BuildPlan, verified: VerifiedParts, pictures: Iterable[str]) -> Build:
+    """Collect the files and checks of the meshes, and report on them.
+
+    `pictures` are the names of those of the casting steps.
+    """
     design = plan.design
-    tolerance_mm = plan.options.tolerance_mm
-    checks = [*verified.checks, *(opinion for opinion in verified.opinions if not opinion.passed)]
-
-    for name, measured in step.measurements.items():
-        scale = print_scale(design, PARTS[name])
-        checks += check_brep_solid(
-            design,
-            part=PARTS[name],
-            mesh=verified.meshes[name],
-            measured=measured,
-            scale=scale,
-            tolerance_mm=tolerance_mm,
-        )
-
-    if plan.exact:
-        checks += check_brep_assembly(design, step.measurements, step.volumes_mm3)
-
-    contents = dict(verified.contents) | step.contents
-    if plan.options.drawings:
-        contents |= render_sheets(design, step.also)
-
+    failed = [opinion for opinion in verified.opinions if not opinion.passed]
+    contents = dict(verified.contents)
     if "cq" in plan.formats:
         contents |= write_scripts(design, plan.names)
 
+    casting = casting_sheet(design, plan.evaluator) if plan.is_whole else None
     if casting:
         picture_files = [f"{output_files.STEPS_FOLDER}/{name}" for name in pictures]
         contents[output_files.SHEET] = render_sheet(casting, picture_files).encode()
 
     built = []
     for name in plan.names:
-        files = {file_format: part_file(name, file_format) for file_format in plan.formats_of(name)}
-        measurement = step.measurements.get(name)
-        built.append(BuiltPart(PARTS[name], verified.meshes[name], files, measurement))
+        formats = (each for each in plan.formats if each != "step")
+        files = {file_format: part_file(name, file_format) for file_format in formats}
+        built.append(BuiltPart(PARTS[name], verified.meshes[name], files, None))
 
     result = Build(
         design=design,
         folder=plan.parts.folder,
-        tolerance_mm=tolerance_mm,
+        tolerance_mm=plan.options.tolerance_mm,
         parts=tuple(built),
-        contents=contents,
+        contents=contents | copy_design(design, output_files.DESIGN, DESIGN_HEADING),
         prints=verified.prints,
-        checks=tuple(checks),
+        checks=(*verified.checks, *failed),
         strength=verified.strength,
         casting=casting,
         opinions=verified.opinions,
     )
-    contents[output_files.REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
-    contents |= copy_design(design, output_files.DESIGN, DESIGN_HEADING)
+    return _report(result)
 
-    return result
+
+def add_step_files(plan: BuildPlan, result: Build, step: StepFiles | None) -> Build:
+    """Add STEP files and drawings, and the checks of the exact solids, and report on all."""
+    if step is None:
+        return result
+
+    design = plan.design
+    checks = list(result.checks)
+    built = []
+    for part in result.parts:
+        name = part.part.name
+        measured = step.measurements.get(name)
+        if measured is None:
+            built.append(part)
+            continue
+
+        files = {each: part_file(name, each) for each in plan.formats_of(name)}
+        built.append(replace(part, files=files, brep=measured))
+        checks += check_brep_solid(
+            design,
+            part=part.part,
+            mesh=part.mesh,
+            measured=measured,
+            scale=print_scale(design, part.part),
+            tolerance_mm=plan.options.tolerance_mm,
+        )
+
+    checks += check_brep_assembly(design, step.measurements, step.volumes_mm3)
+    contents = dict(result.contents) | step.contents
+    if plan.options.drawings:
+        contents |= render_sheets(design, step.also)
+
+    return _report(replace(result, parts=tuple(built), contents=contents, checks=tuple(checks)))
+
+
+def _report(result: Build) -> Build:
+    """Write the report of a build into its files."""
+    text = json.dumps(result.report(), indent=2) + "\n"
+    return replace(result, contents={**result.contents, output_files.REPORT: text.encode()})
 
 
 def copy_design(design: Design, name: str, heading: str) -> dict[str, bytes]:
@@ -364,7 +386,7 @@ def copy_design(design: Design, name: str, heading: str) -> dict[str, bytes]:
     return {name: to_toml(copy, heading).encode(), beside: body.data}
 
 
-def _write(
+def write_build(
     plan: BuildPlan, result: Build, pictures: Mapping[str, bytes], progress: Callable[[str], None]
 ) -> Build:
     """Write the sets, and remove what is of another design."""

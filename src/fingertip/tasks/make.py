@@ -3,9 +3,10 @@
 The parts stand at the top of the folder, as `build` writes them, with pictures of the casting steps
 in `steps/`, and the drawings and the acceptance sheet beside them. The board is in `board/`, the
 trial in `signal/`. Each is a set of its own. A design without a board has the sketch for its
-controller in `firmware/`. STEP files, trial and pictures are made in processes beside, while this
-process makes the others, and prepares what the page shows of the design alone. The page is made
-last, from what was written.
+controller in `firmware/`.
+
+What you need to print, cast and wire is written first, with the page. STEP files and drawings take
+longer: a process beside makes them meanwhile, and they are added at the end.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fingertip.cad.build_result import Build
-from fingertip.cad.verification.second_opinion import list_packages
+from fingertip.cad.files.step_process import StepFiles
+from fingertip.cad.verification.verify import verify
 from fingertip.catalogues import output_files
 from fingertip.design import Design
 from fingertip.detection.recordings import FileDetection, detect_file
@@ -25,9 +27,10 @@ from fingertip.foundation.files import encode_json, temporary_folder
 from fingertip.foundation.output_set import SetWriter
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.foundation.workers import in_background
-from fingertip.page.html import Markup
 from fingertip.page.pad_section import render_pad
 from fingertip.page.page import Prepared, prepare_page
+from fingertip.page.svg import write_svg
+from fingertip.page.trial_section import draw_whole, render_detection
 from fingertip.pictures.drawing.draw import file_names
 from fingertip.sim.runs.scene import run_scene
 from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
@@ -35,9 +38,18 @@ from fingertip.sim.simulation import load_simulation
 from fingertip.sim.trace_file import encode_trace
 from fingertip.slip.detection_results import as_data
 from fingertip.slip.detectors.registry import find_second_column
-from fingertip.slip.plots import draw_detection
-from fingertip.tasks.board_files import BRING_UP_FILES, plan_board
-from fingertip.tasks.build import BuildOptions, find_formats, plan_build, run_build
+from fingertip.tasks.board_files import BRING_UP_FILES, BoardPlan, plan_board
+from fingertip.tasks.build import (
+    BuildOptions,
+    BuildPlan,
+    add_step_files,
+    collect,
+    find_formats,
+    plan_build,
+    start_pictures,
+    start_step_files,
+    write_build,
+)
 from fingertip.tasks.firmware_files import plan_firmware
 from fingertip.tasks.views import write_page
 
@@ -67,67 +79,44 @@ def make(
     formats: Iterable[str] | None = None,
     force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
+    when_usable: Callable[[Made], None] = lambda made: None,
 ) -> Made:
     """Make parts, drawings, board or sketch, a simulated trial and its detection, in one folder.
 
     The folder is `out/NAME` by default; `formats` are those of the parts, as for `build`. With
     `force`, files may be overwritten that this function did not write, or that were changed since.
-    `progress` is called with a message at each step. Raises as `build`, `write_board`, `simulate`
-    and `detect_file` do; nothing has been written then.
+    `progress` is called with a message at each step. `when_usable` is called when all is written
+    but STEP files and drawings, if they are still to come.
+
+    Raises as `build`, `write_board`, `simulate` and `detect_file` do. Nothing has been written
+    then; or, where the B-rep kernel fails, all but STEP files and drawings.
     """
     folder = output_files.PART_FILES.folder(design, out)
     requested = None if formats is None else tuple(formats)
     plan = _plan(design, folder, find_formats() if requested is None else requested, force)
-    rest = list[_Rest]()
-    work = Work(design.name, {"parts": 6.0, "page": 0.5}, progress)
-    report = work.within("parts")
+    stages = {"parts": 4.0, "page": 0.5, "STEP files": 5.0 * plan.has_exact}
+    work = Work(design.name, stages, progress)
 
-    with in_background(_simulate_and_draw, design, plan.has_page) as beside:
-        board = plan_board(
-            design, folder / output_files.BOARD_FOLDER, force=force, bring_up=True, top=folder
-        )
-        options = BuildOptions(
-            formats=plan.formats,
-            pictures=True,
-            drawings=plan.has_drawings,
-            force=force,
-            verify=all(map(extras.is_installed, list_packages(plan.formats))),
-        )
-        parts = run_build(
-            plan_build(design, folder, options),
-            report,
-            lambda stage: rest.append(_make_rest(plan, beside, stage)),
-        )
-
-    (outputs,) = rest
-    board_paths = board.write(progress)
-    plan.signal.write(outputs.signal)
-    plan.parts.write({output_files.ACCEPTANCE: outputs.acceptance})
-    sketch = plan.write_sketch() if plan.write_sketch else ()
-    signal_paths = tuple(plan.signal.folder / name for name in outputs.signal)
-    drawings = tuple(folder / name for name in file_names(design)) if plan.has_drawings else ()
-    page = None
-
-    if outputs.page:
+    with start_step_files(plan.build) as receive_step:
+        first = _make_first(plan, work.within("parts"))
+        made = _write_first(plan, first, progress)
         work.begin("page")
-        page, _, _ = write_page(design, folder, force=force, prepared=outputs.page)
-    else:
-        progress(f"{output_files.PAGE} is left out: it shows the STL files; add stl to the formats")
+        made = _write_page(plan, made, first)
 
-    packages = {}
-    if requested is None or "step" in requested:
-        packages = {"cadquery": "STEP files", "reportlab": "drawings"}
+        if not plan.has_page:
+            progress(
+                f"{output_files.PAGE} is left out: it shows the STL files; add stl to the formats"
+            )
+        if requested is None or "step" in requested:
+            extras.say_left_out({"cadquery": "STEP files", "reportlab": "drawings"}, progress)
+        if not plan.has_exact:
+            return made
 
-    extras.say_left_out({**packages, "matplotlib": output_files.PLOT}, progress)
-    return Made(
-        parts=parts,
-        drawings=drawings,
-        board=board_paths,
-        signal=signal_paths,
-        firmware=sketch,
-        detection=outputs.detection,
-        page=page,
-    )
+        when_usable(made)
+        work.begin("STEP files")
+        step = receive_step(work.advance)
+
+    return _write_page(plan, _add_step_files(plan, made, step), first)
 
 
 @dataclass(frozen=True)
@@ -136,8 +125,9 @@ class _Plan:
 
     design: Design
     folder: Path
-    formats: tuple[str, ...]
-    has_drawings: bool
+    force: bool
+    build: BuildPlan
+    board: BoardPlan
     parts: SetWriter
     signal: SetWriter
     write_sketch: Callable[[], tuple[Path, ...]] | None
@@ -145,14 +135,20 @@ class _Plan:
 
     @property
     def has_page(self) -> bool:
-        return "stl" in self.formats
+        return "stl" in self.build.formats
+
+    @property
+    def has_exact(self) -> bool:
+        """True if STEP files are to be made."""
+        return bool(self.build.exact)
 
 
 def _plan(design: Design, folder: Path, formats: tuple[str, ...], force: bool) -> _Plan:
     """Refuse what the folder cannot take, before work starts. Raises OutputError."""
     parts = output_files.PART_FILES.writer(design, folder, force)
     signal = output_files.SIGNAL.writer(design, folder / output_files.SIGNAL_FOLDER, force, folder)
-    board = output_files.BOARD.writer(design, folder / output_files.BOARD_FOLDER, force, folder)
+    board_folder = folder / output_files.BOARD_FOLDER
+    board = output_files.BOARD.writer(design, board_folder, force, folder)
     parts.check((output_files.ACCEPTANCE, output_files.PAGE))
     board.check(BRING_UP_FILES)
     write_sketch = None
@@ -163,12 +159,18 @@ def _plan(design: Design, folder: Path, formats: tuple[str, ...], force: bool) -
         )
 
     signal.check((output_files.TRACE, output_files.PLOT, output_files.DETECTION))
-    has_drawings = "step" in formats and extras.is_installed("reportlab")
+    options = BuildOptions(
+        formats=formats,
+        pictures=True,
+        drawings="step" in formats and extras.is_installed("reportlab"),
+        force=force,
+    )
     return _Plan(
         design=design,
         folder=folder,
-        formats=formats,
-        has_drawings=has_drawings,
+        force=force,
+        build=plan_build(design, folder, options),
+        board=plan_board(design, board_folder, force=force, bring_up=True, top=folder),
         parts=parts,
         signal=signal,
         write_sketch=write_sketch,
@@ -176,33 +178,79 @@ def _plan(design: Design, folder: Path, formats: tuple[str, ...], force: bool) -
 
 
 @dataclass(frozen=True)
-class _Rest:
-    """Outputs that are made while the B-rep kernel works."""
+class _First:
+    """Everything but STEP files and drawings, before it is written."""
 
-    signal: dict[str, bytes]
-    detection: FileDetection
+    parts: Build
+    pictures: dict[str, bytes]
+    """Pictures of the casting steps."""
+    trial: Trial
     acceptance: bytes
-    page: Prepared | None
 
 
-def _make_rest(plan: _Plan, beside: Callable[[], _Simulated], report: ReportProgress) -> _Rest:
-    stages = Work("", {"page": 1.0, "trial": 1.0}, report)
-    stages.begin("page")
-    page = prepare_page(plan.design) if plan.has_page else None
-    stages.begin("trial")
-    signal, detection, pad = beside()
-    acceptance = render_acceptance(acceptance_sheet(plan.design)).encode()
+def _make_first(plan: _Plan, report: ReportProgress) -> _First:
+    """Make the meshes, while two processes make the trial and the pictures."""
+    stages = Work("", {"parts": 3.0, "trial": 0.5, "pictures": 0.5}, report)
+    build = plan.build
 
-    return _Rest(signal, detection, acceptance, page and replace(page, pad=pad))
+    with (
+        start_pictures(build) as receive_pictures,
+        in_background(_make_trial, plan.design, plan.has_page) as receive_trial,
+    ):
+        verified = verify(
+            plan.design,
+            parts=build.names,
+            formats=build.formats,
+            evaluator=build.evaluator,
+            progress=stages.within("parts"),
+        )
+        acceptance = render_acceptance(acceptance_sheet(plan.design)).encode()
+        stages.begin("trial")
+        trial = receive_trial()
+        stages.begin("pictures")
+        pictures = receive_pictures()
+
+    return _First(collect(build, verified, pictures), pictures, trial, acceptance)
 
 
-_Simulated = tuple[dict[str, bytes], FileDetection, Markup | None]
-"""Files of the trial, the slip in it, and what the page shows of the pad."""
+def _write_first(plan: _Plan, first: _First, progress: Callable[[str], None]) -> Made:
+    parts = write_build(plan.build, first.parts, first.pictures, progress)
+    board = plan.board.write(progress)
+    plan.signal.write(first.trial.files)
+    plan.parts.write({output_files.ACCEPTANCE: first.acceptance})
+
+    return Made(
+        parts=parts,
+        drawings=(),
+        board=board,
+        signal=tuple(plan.signal.folder / name for name in first.trial.files),
+        firmware=plan.write_sketch() if plan.write_sketch else (),
+        detection=first.trial.detection,
+        page=None,
+    )
 
 
-def _simulate_and_draw(design: Design, has_page: bool) -> _Simulated:
-    signal, detection = simulate_and_detect(design)
-    return signal, detection, render_pad(design) if has_page else None
+def _add_step_files(plan: _Plan, made: Made, step: StepFiles | None) -> Made:
+    """Write STEP files and drawings, and the report on them."""
+    parts = add_step_files(plan.build, made.parts, step)
+    before = made.parts.contents
+    plan.parts.add(
+        {name: data for name, data in parts.contents.items() if data != before.get(name)}
+    )
+    drawings = file_names(plan.design) if plan.build.options.drawings else ()
+
+    return replace(made, parts=parts, drawings=tuple(plan.folder / name for name in drawings))
+
+
+def _write_page(plan: _Plan, made: Made, first: _First) -> Made:
+    """Write the page of what is written so far, if it can be shown."""
+    if not plan.has_page:
+        return made
+
+    page, _, _ = write_page(
+        plan.design, plan.folder, force=plan.force, prepared=first.trial.prepared
+    )
+    return replace(made, page=page)
 
 
 # Trial of a design: a simulated one, and the slip that its detector finds in it. It runs in a
@@ -212,7 +260,30 @@ DETECTOR = "fast"
 """Detector of the trial: the best there is."""
 
 
-def simulate_and_detect(design: Design) -> tuple[dict[str, bytes], FileDetection]:
+@dataclass(frozen=True)
+class Trial:
+    """Simulated trial of a design, with the slip in it."""
+
+    files: dict[str, bytes]
+    """Trace, plot and detection: file name -> content."""
+    detection: FileDetection
+    prepared: Prepared | None
+    """Sections of the page that depend on the design alone; None without a page."""
+
+
+def _make_trial(design: Design, has_page: bool) -> Trial:
+    """Simulate a trial, and prepare the page."""
+    trial = simulate_and_detect(design)
+    if not has_page:
+        return trial
+
+    prepared = replace(
+        prepare_page(design), pad=render_pad(design), trial=render_detection(trial.detection)
+    )
+    return replace(trial, prepared=prepared)
+
+
+def simulate_and_detect(design: Design) -> Trial:
     """Simulate a trial, and detect slip in its trace as it is read back from a file."""
     scene = load_simulation().scene
     assert isinstance(scene, SceneFile)
@@ -221,18 +292,15 @@ def simulate_and_detect(design: Design) -> tuple[dict[str, bytes], FileDetection
         scene = scene.model_copy(update={"outputs": [*scene.outputs, f"sampled_{second}"]})
 
     record = run_scene(design, scene)
-    contents = {
-        output_files.TRACE: encode_trace(record.time_s, record.columns, Path(output_files.TRACE))
-    }
+    trace = encode_trace(record.time_s, record.columns, Path(output_files.TRACE))
     with temporary_folder() as temporary:
         path = temporary / output_files.TRACE
-        path.write_bytes(contents[output_files.TRACE])
+        path.write_bytes(trace)
         detected = detect_file(path, design, DETECTOR, origin=record.trace.origin)
 
-    data = as_data(detected.detection, detected.noise)
-    contents[output_files.DETECTION] = encode_json(data)
-    if extras.is_installed("matplotlib"):
-        title = f"{design.name}: simulated trial"
-        contents[output_files.PLOT] = draw_detection(detected.detection, title)
-
-    return contents, detected
+    files = {
+        output_files.TRACE: trace,
+        output_files.DETECTION: encode_json(as_data(detected.detection, detected.noise)),
+        output_files.PLOT: write_svg(draw_whole(detected.trace, detected.detection)),
+    }
+    return Trial(files, detected, None)

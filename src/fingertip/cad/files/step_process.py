@@ -2,25 +2,33 @@
 it.
 
 There are three reasons for that. The B-rep kernel can hang or crash. It numbers products through
-the life of a process, and the numbers would end up in the files. It takes seconds to load, during
-which this process makes the meshes.
+the life of a process, and the numbers would end up in the files. It takes seconds to load and to
+compute, and leaves the processors to this process, whose meshes are wanted first.
 """
 
 from __future__ import annotations
 
 import contextlib
+import os
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from fingertip.cad.kernel.kernel_process import import_without_viewer, start_kernel
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.workers import Worker, WorkerDiedError, report_step
 from fingertip.models.solids import Solid
 
 TIME_LIMIT_S = 180.0
+_NICENESS = 10
+"""Priority that leaves the processors to other processes, where the system has priorities."""
+_BESIDE_OWN = ("bone", "skin")
+"""Parts that one process makes, while another makes all others: they share the bone's body, and
+take as long as the rest together.
+"""
 _SAVED = "saving the solids"
 
 
@@ -78,8 +86,8 @@ class StepProcess:
     @contextlib.contextmanager
     def start(cls, job: StepJob) -> Iterator[StepProcess]:
         """Start a job in a process that ends with the block."""
-        # ezdxf and Open CASCADE read settings of the current folder.
-        with temporary_folder() as folder, Worker(folder) as worker:
+        # Open CASCADE reads settings of the current folder.
+        with temporary_folder() as folder, start_kernel(folder) as worker:
             worker.send(run_job, job, folder)
             yield cls(job, folder, worker)
 
@@ -119,13 +127,16 @@ def run_job(job: StepJob, folder: Path) -> Measured:
     """Write `<part>.step` for each part and `assembly.step`, and measure parts and solids, as the
     process does it.
 
-    On Linux half of the parts are made in a forked process: the halves share little, and most
-    machines have two cores. The fork precedes every boolean, because the kernel's threads do not
-    survive it.
+    On Linux the parts are made in two processes: these share little, and most machines have two
+    cores. The fork precedes every boolean, because the kernel's threads do not survive it.
 
     Raises MissingLibraryError or GeometryError.
     """
+    if hasattr(os, "nice"):
+        os.nice(_NICENESS)
+
     report_step("loading Open CASCADE")
+    import_without_viewer()
     from fingertip.cad.kernel import brep  # raises MissingLibraryError if OCP cannot be loaded  # noqa: PLC0415
 
     own_job, other_job = (
@@ -155,20 +166,24 @@ def run_job(job: StepJob, folder: Path) -> Measured:
 
 
 def _split_job(job: StepJob) -> tuple[StepJob, StepJob]:
-    """Split a job into two halves; neighbouring parts stay together, because they share solids."""
-    parts = len(job.parts) // 2
-    measured = (len(job.measured_solids) + 1) // 2
-    halves = (
-        (job.parts[:parts], job.measured_solids[:measured]),
-        (job.parts[parts:], job.measured_solids[measured:]),
+    """Split a job into those of two processes; what is measured belongs to the second."""
+    own_parts = tuple(part for part in job.parts if part[0] in _BESIDE_OWN)
+    others = tuple(part for part in job.parts if part[0] not in _BESIDE_OWN)
+    if not own_parts:
+        return job, StepJob(job.title, ())
+
+    own_names = {name for name, _, _ in own_parts}
+    own = StepJob(
+        title=job.title,
+        parts=own_parts,
+        measured_solids=() if others else job.measured_solids,
+        also=tuple(one for one in job.also if one[0] in own_names),
     )
-    own, other = (
-        StepJob(
-            job.title,
-            *half,
-            also=tuple(one for one in job.also if one[0] in {name for name, _, _ in half[0]}),
-        )
-        for half in halves
+    other = StepJob(
+        title=job.title,
+        parts=others,
+        measured_solids=job.measured_solids,
+        also=tuple(one for one in job.also if one[0] not in own_names),
     )
 
     return own, other

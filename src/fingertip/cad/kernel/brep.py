@@ -19,7 +19,16 @@ from pathlib import Path
 
 from fingertip.foundation import extras
 from fingertip.foundation.errors import GeometryError, Issue, MissingLibraryError
-from fingertip.models.solids import Difference, Intersection, Placed, Scaled, Solid, Union
+from fingertip.models.solids import (
+    Difference,
+    Intersection,
+    Placed,
+    Scaled,
+    Shell,
+    Solid,
+    Union,
+    union,
+)
 
 try:
     from OCP.BinTools import BinTools
@@ -72,12 +81,20 @@ class BrepEvaluator:
 
     def _evaluate(self, solid: Solid) -> TopoDS_Shape:
         match solid:
+            case Union((Difference(body, removed), Intersection((same, kept)), *others)) if (
+                same == body
+            ):
+                # (A - B) + (A & C) = A - (B - C), which intersects the surface of A once.
+                cut = body.cut(union(*removed).cut(kept))
+                return self.shape(cut.union(*others))
             case Union(solids):
                 return occ.fuse(*(self.shape(s) for s in solids))
             case Intersection(solids):
                 return reduce(occ.intersect, [self.shape(s) for s in solids])
             case Difference(first, subtracted):
                 return occ.cut(self.shape(first), *(self.shape(s) for s in subtracted))
+            case Shell(outer, inside):
+                return occ.hollow(self.shape(outer), self.shape(inside))
             case Scaled(inner, factor):
                 scaling = gp_Trsf()
                 scaling.SetScale(gp_Pnt(), factor)
@@ -109,10 +126,14 @@ def genus(solid: TopoDS_Shape) -> int:
 
 def _count_loops(face: TopoDS_Shape) -> int:
     """Count the connected pieces of a face's boundary."""
+    wires = occ.list_shapes(face, TopAbs_WIRE)
+    if len(wires) == 1:
+        return 1
+
     numbers = TopTools_IndexedMapOfShape()
     pieces: list[set[int]] = []
 
-    for wire in occ.list_shapes(face, TopAbs_WIRE):
+    for wire in wires:
         vertices = {numbers.Add(vertex) for vertex in occ.list_shapes(wire, TopAbs_VERTEX)}
         touched = [piece for piece in pieces if piece & vertices]
         pieces = [piece for piece in pieces if piece not in touched] + [vertices.union(*touched)]

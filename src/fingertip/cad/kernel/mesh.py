@@ -19,7 +19,7 @@ from fingertip.cad.kernel.tessellate import Triangles, tessellate
 from fingertip.foundation.errors import DesignError, GeometryError, Issue
 from fingertip.foundation.interruption import hold_interruptions
 from fingertip.foundation.numerics import Array
-from fingertip.models.solids import Difference, Intersection, Scaled, Solid, Union
+from fingertip.models.solids import Difference, Intersection, Scaled, Shell, Solid, Union
 
 if TYPE_CHECKING:
     import manifold3d
@@ -109,10 +109,14 @@ class MeshEvaluator:
                 result = Manifold.batch_boolean(
                     [self.manifold(s) for s in solids], OpType.Intersect
                 )
+            case Difference(Difference(first, before), subtracted):
+                return self.manifold(Difference(first, (*before, *subtracted)))
             case Difference(first, subtracted):
                 result = Manifold.batch_boolean(
                     [self.manifold(s) for s in (first, *subtracted)], OpType.Subtract
                 )
+            case Shell(outer, inside):
+                result = self.manifold(outer) - self.manifold(inside)
             case Scaled(inner, factor):
                 result = self.manifold(inner).scale((factor, factor, factor))
             case primitive:

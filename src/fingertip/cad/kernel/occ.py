@@ -13,18 +13,28 @@ from typing import Any
 
 from OCP.BinTools import BinTools
 from OCP.Bnd import Bnd_Box
+from OCP.BRep import BRep_Builder
+from OCP.BRepAdaptor import BRepAdaptor_Surface
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Common, BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
 from OCP.BRepBndLib import BRepBndLib
-from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
-from OCP.gp import gp_Trsf
-from OCP.TopAbs import TopAbs_COMPOUND
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_Transform
+from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
+from OCP.BRepTools import BRepTools
+from OCP.GeomAbs import GeomAbs_Plane
+from OCP.gp import gp, gp_Pln, gp_Pnt, gp_Trsf
+from OCP.ShapeFix import ShapeFix_Solid
+from OCP.TopAbs import TopAbs_COMPOUND, TopAbs_FACE
 from OCP.TopExp import TopExp
-from OCP.TopoDS import TopoDS_Iterator, TopoDS_Shape
+from OCP.TopoDS import TopoDS, TopoDS_Iterator, TopoDS_Shape, TopoDS_Shell
 from OCP.TopTools import TopTools_IndexedMapOfShape, TopTools_ListOfShape
 
 from fingertip.models.solids import Point3
 
 Point2 = tuple[float, float]
+_IN_PLANE_MM = 1e-5
+"""Distance within which a face lies in a plane [mm]."""
+_PARALLEL_RAD = 1e-9
+"""Angle within which two directions are parallel [rad]."""
 
 
 def list_shapes(shape: TopoDS_Shape, kind: Any) -> list[TopoDS_Shape]:
@@ -54,6 +64,53 @@ def intersect(shape: TopoDS_Shape, other: TopoDS_Shape) -> TopoDS_Shape:
 
 def cut(shape: TopoDS_Shape, *others: TopoDS_Shape) -> TopoDS_Shape:
     return _combine(BRepAlgoAPI_Cut(), _members(shape), others)
+
+
+def hollow(outer: TopoDS_Shape, inside: TopoDS_Shape) -> TopoDS_Shape:
+    """Cut a shape out of one that ends in the plane z = 0, where alone both meet.
+
+    All faces are taken over as they are but the end of the outer one, which gets holes.
+    """
+    (end,), walls = _part_faces(outer)
+    openings, inner_walls = _part_faces(cut(inside, _half_space_below()))
+    rim = BRepBuilderAPI_MakeFace(TopoDS.Face_s(end))
+
+    for opening in openings:
+        wire = BRepTools.OuterWire_s(TopoDS.Face_s(opening))
+        is_same = opening.Orientation() == end.Orientation()
+        rim.Add(TopoDS.Wire_s(wire.Reversed()) if is_same else wire)
+
+    builder = BRep_Builder()
+    shell = TopoDS_Shell()
+    builder.MakeShell(shell)
+    for face in (*walls, *(wall.Reversed() for wall in inner_walls), rim.Face()):
+        builder.Add(shell, face)
+
+    shell.Closed(True)
+    return ShapeFix_Solid().SolidFromShell(shell)
+
+
+def _part_faces(shape: TopoDS_Shape) -> tuple[list[TopoDS_Shape], list[TopoDS_Shape]]:
+    """Part the faces of a shape into those in the plane z = 0, and all others."""
+    in_plane: list[TopoDS_Shape] = []
+    others: list[TopoDS_Shape] = []
+    for face in list_shapes(shape, TopAbs_FACE):
+        surface = BRepAdaptor_Surface(TopoDS.Face_s(face))
+        is_flat = surface.GetType() == GeomAbs_Plane and _is_at_zero(surface.Plane())
+        (in_plane if is_flat else others).append(face)
+
+    return in_plane, others
+
+
+def _is_at_zero(plane: gp_Pln) -> bool:
+    is_across_z = plane.Axis().Direction().IsParallel(gp.DZ_s(), _PARALLEL_RAD)
+    return bool(is_across_z and plane.Contains(gp.Origin_s(), _IN_PLANE_MM))
+
+
+def _half_space_below() -> TopoDS_Shape:
+    """Build what is below z = 0, larger than any part."""
+    far = 1000.0
+    return BRepPrimAPI_MakeBox(gp_Pnt(-far, -far, -far), gp_Pnt(far, far, 0.0)).Shape()
 
 
 def _members(shape: TopoDS_Shape) -> list[TopoDS_Shape]:

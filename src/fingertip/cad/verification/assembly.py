@@ -19,9 +19,8 @@ from fingertip.models import mold
 from fingertip.models.core import core_within_skin
 from fingertip.models.mold import cavity
 from fingertip.models.mold_layout import RIDGE_HEIGHT_MM
-from fingertip.models.outlines import signed_area
 from fingertip.models.parts import PARTS
-from fingertip.models.solids import Cone, Solid, intersection, union
+from fingertip.models.solids import Box, Cone, Solid, intersection, signed_area, union
 
 CHECKS = Checks()
 
@@ -80,10 +79,11 @@ def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[s
     """List the solids, besides the parts, whose volumes `check_brep_assembly` needs, by name."""
     solids: list[tuple[str, Solid]] = []
     if "skin" in parts:
-        room = cavity(design)
+        far = 10 * design.skin.length_mm
+        above_plate = Box((-far, -far, 0.0), (far, far, far))
         solids += [
-            ("cavity", room),
-            ("core_in_cavity", room.intersect(core_within_skin(design))),
+            ("cavity", cavity(design)),
+            ("core_in_cavity", core_within_skin(design).intersect(above_plate)),
         ]
 
     if set(HALVES) <= set(parts):

@@ -27,11 +27,12 @@ from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.post_and_socket import Post
 from fingertip.models import bone as bone_model
 from fingertip.models import sensor_pocket
+from fingertip.models.allowances import MATING_PLAY_MM
 from fingertip.models.bone import filled_bone
 from fingertip.models.dimensions import HEAD_MM, LONGER_MM, TAIL_MM
 from fingertip.models.interfaces import shapes_of
-from fingertip.models.outlines import MATING_PLAY_MM, RAMP_SLOPE
 from fingertip.models.sensor_pocket import flat_slab, sensor_body
+from fingertip.models.skin_dimensions import RAMP_SLOPE
 from fingertip.models.solids import Box, cylinder
 
 CHECKS = Checks()

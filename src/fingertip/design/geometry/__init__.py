@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Self
 from fingertip.catalogues.electronics import SENSORS, ForceSensor
 from fingertip.design.geometry.casting_layout import CastingLayout
 from fingertip.design.geometry.letters import outline_letters
+from fingertip.design.geometry.sections import sensor_rim_margin
 from fingertip.design.parameters import ELECTRONIC_TABLES, Tables
 from fingertip.models.dimensions import Dimensions
 from fingertip.models.engraving import Letter
@@ -36,6 +37,11 @@ class DesignTables(Tables):
     @cached_property
     def mold_layout(self) -> CastingLayout:
         return CastingLayout(self, self.dimensions)
+
+    @cached_property
+    def sensor_rim_margin(self) -> float:
+        """Least margin [mm] along x between the flat's edge and the rim around the sensor."""
+        return sensor_rim_margin(self, self.dimensions)
 
     @property
     def force_sensor(self) -> ForceSensor:
@@ -80,7 +86,7 @@ class DesignTables(Tables):
         """
         copy = super().model_copy(update=update, deep=deep)
         if not ELECTRONIC_TABLES.issuperset(update or ()):
-            for name in ("dimensions", "mold_layout"):
+            for name in ("dimensions", "mold_layout", "sensor_rim_margin"):
                 copy.__dict__.pop(name, None)
 
         return copy

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from fingertip.design.geometry.skin_thickness import chord_between, nearest_chord
-from fingertip.models.conic import list_arc_points, quarter_outline
+from fingertip.design.geometry.sections import Quarters, measure_gaps
 
 if TYPE_CHECKING:
     from fingertip.design.parameters import Tables
+    from fingertip.foundation.numerics import Array
     from fingertip.models.dimensions import Dimensions
 
 _SAFE = 1.01
@@ -25,8 +23,6 @@ _FLAT_POINTS = 4
 of an outline, and points of the flat.
 """
 
-Point = tuple[float, float]
-
 
 def estimate_pressure_kpa(design: Tables, dims: Dimensions, pour_z: float) -> float:
     """Compute the pressure at the tip at the end of the way by lubrication: dp/dz = 12 mu v (A + g
@@ -35,32 +31,26 @@ def estimate_pressure_kpa(design: Tables, dims: Dimensions, pour_z: float) -> fl
     A is the area of the core's section, g and c the integrals of the gap and of its cube around it.
     The recesses of the core are left out: the pressure is up to a tenth larger than with them.
     """
-    fallen = 0.0
+    import numpy as np  # noqa: PLC0415
+
     assert dims.bone_outline.tip is not None
-    length = dims.bone_outline.tip.z - design.mold.core_inset_mm
+    inset = design.mold.core_inset_mm
+    length = dims.bone_outline.tip.z - inset
+    heights = [length * (i + 0.5) / _SECTIONS for i in range(_SECTIONS)]
+    quarters = Quarters(dims, inset, heights, heights)
+    core = _outline_core(quarters)
+    quarter = quarters.surface(_CHORDS)
+    surface = _join(quarter[:, :_SECTIONS], quarter[:, _SECTIONS:])
 
-    for i in range(_SECTIONS):
-        z = length * (i + 0.5) / _SECTIONS
-        section = dims.outer.section
-        across = dims.outer.scale_at(z)
-        palmar = dims.outer.palmar_scale_at(z)
-        dorsal_side = [(across * x, across * y) for x, y in quarter_outline(section, True, _CHORDS)]
-        palmar_side = [
-            (across * x, -palmar * y) for x, y in quarter_outline(section, False, _CHORDS)
-        ]
-        surface = [
-            chord_between(a, b) for side in (dorsal_side, palmar_side) for a, b in pairwise(side)
-        ]
-        area = gaps = cubes = 0.0  # of one side, x >= 0
-
-        for (ax, ay), (bx, by) in pairwise(_outline_core(dims, design.mold.core_inset_mm, z)):
-            gap = nearest_chord(((ax + bx) / 2, (ay + by) / 2), surface)[0]
-            along = math.hypot(bx - ax, by - ay)
-            area += abs(ax * by - ay * bx) / 2
-            gaps = gaps + gap * along
-            cubes = cubes + gap**3 * along
-
-        fallen += 12.0 * (area + gaps / 2) / cubes * length / _SECTIONS
+    # Of one side, x >= 0.
+    ax, ay = core[..., :-1]
+    bx, by = core[..., 1:]
+    g, _ = measure_gaps((core[..., :-1] + core[..., 1:]) / 2, surface)
+    ds = np.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
+    area = (np.abs(ax * by - ay * bx) / 2).sum(axis=1)
+    gaps = (g * ds).sum(axis=1)
+    cubes = (g * g * g * ds).sum(axis=1)
+    fallen = float((12.0 * (area + gaps / 2) / cubes).sum()) * length / _SECTIONS
 
     speed = (length * dims.shrinkage - pour_z) / LOWERING_S
     return (
@@ -73,28 +63,29 @@ def estimate_pressure_kpa(design: Tables, dims: Dimensions, pour_z: float) -> fl
     )
 
 
-def _outline_core(dims: Dimensions, inset: float, z: float) -> list[Point]:
-    """List points of the core's section at a height, from its dorsal
-    side to its palmar flat; one side, x >= 0.
+def _outline_core(quarters: Quarters) -> Array:
+    """List points (x, y) of the core's sections, from the middle of their palmar flat to their
+    dorsal end.
     """
-    section = dims.bone_outline.section
-    scale = dims.bone_outline.scale_at(z)
-    width = scale * (section.half_width - inset)
-    flat = dims.flat_depth - inset
-    above = list_arc_points(_ARC_POINTS, section.dorsal_weight)[:0:-1]
-    below = list_arc_points(_ARC_POINTS, section.palmar_weight)
-    points = [(width * x, scale * (section.dorsal - inset) * y) for x, y in above]
-    points += [(width * x, scale * (inset - section.palmar) * y) for x, y in below]
-    edge = min(section.half_width_at(-flat, scale), width)
-    deep = dims.flat_depth_at(z) - inset
-    if edge == 0.0:
-        return points
+    import numpy as np  # noqa: PLC0415
 
-    raised = min(edge, max(0.0, dims.platform_half_width_at(z) - inset))
-    inner = [(raised or edge) * i / _FLAT_POINTS for i in range(_FLAT_POINTS, -1, -1)]
-    return [
-        *(point for point in points if point[1] > -flat),
-        (edge, -flat),
-        *([(raised, -flat)] if raised else []),
-        *((x, -(deep if raised else flat)) for x in inner),
-    ]
+    arc = quarters.core(_ARC_POINTS)
+    edge = quarters.flat_edges[:, _SECTIONS:, None]
+    half_width, depth = quarters.platform_edges[:, _SECTIONS:, None] - quarters.inset
+    raised = np.minimum(half_width, edge[0])
+    # The middle of the flat is raised by a platform.
+    x = np.where(raised > 0.0, raised, edge[0])
+    y = np.where(raised > 0.0, depth, edge[1])
+    shares = np.linspace(1.0, 0.0, _FLAT_POINTS + 1)
+    flat = np.array((x * shares, y + 0.0 * shares))
+    palmar = np.concatenate((arc[:, _SECTIONS:], edge, np.array((x, edge[1])), flat), axis=2)
+
+    return _join(arc[:, :_SECTIONS], palmar)
+
+
+def _join(dorsal: Array, palmar: Array) -> Array:
+    """Join points (x, |y|) of both quarters to outlines of points (x, y), from the palmar end."""
+    import numpy as np  # noqa: PLC0415
+
+    below = palmar[..., ::-1] * [[[1.0]], [[-1.0]]]
+    return np.concatenate((below, dorsal[..., 1:]), axis=2)

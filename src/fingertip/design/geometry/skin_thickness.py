@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from fingertip.design.geometry.sections import Quarters, measure_gaps
 from fingertip.foundation.numerics import bisect
-from fingertip.models.conic import list_arc_points, quarter_outline
 
 if TYPE_CHECKING:
     from fingertip.design.parameters import Tables
+    from fingertip.foundation.numerics import Array
     from fingertip.models.dimensions import Dimensions
 
 _OUTLINE_POINTS = 24
@@ -27,23 +25,6 @@ _FLAT_SHARES = (0.7, 0.97, 0.99)
 _STEP_MM = 1e-3
 """Step over which this slope is taken."""
 
-Chord = tuple[float, float, float, float, float]
-"""Start (x, y), direction (dx, dy) and squared length of a chord [mm, mm2]."""
-
-
-@dataclass(frozen=True)
-class ThicknessSample:
-    """Thickness of the silicone at one point of the bone's outline, in a section across
-    the finger.
-    """
-
-    thickness_mm: float
-    support_mm: float
-    """Distance of the surface's nearest chord from the middle of the finger, across the
-    silicone.
-    """
-    is_palmar: bool
-
 
 def min_skin_thickness(design: Tables, dims: Dimensions) -> float:
     """Compute the minimum skin thickness [mm] in sections.
@@ -52,7 +33,6 @@ def min_skin_thickness(design: Tables, dims: Dimensions) -> float:
     sections of their own. On the tip the skin is thinnest beside the rounded end of the flat.
     """
     inner = dims.bone_outline
-    inset = design.mold.core_inset_mm
     join, _, apex = inner.spans[-1].z
     flat_end, _ = bisect(
         lambda z: inner.section.palmar * inner.scale_at(z) > dims.flat_depth,
@@ -60,41 +40,16 @@ def min_skin_thickness(design: Tables, dims: Dimensions) -> float:
         apex,
         halvings=16,
     )
-    bends = (*_bends(dims), *(join + share * (flat_end - join) for share in _FLAT_SHARES))
-    straight: dict[float, Sequence[bool]] = dict.fromkeys(
-        (z for z in bends if z < dims.taper_end_z), (False,)
+    bends = [*_bends(dims), *(join + share * (flat_end - join) for share in _FLAT_SHARES)]
+    middle = (join + apex) / 2
+    dorsal = (0.0, join, middle)
+    quarters = Quarters(dims, design.mold.core_inset_mm, dorsal, (*dorsal, *bends))
+
+    return min(
+        design.skin.thickness_tip_mm,
+        _min_in_sections(quarters, join),
+        _min_across_slope(quarters),
     )
-    straight |= {z: (True, False) for z, _ in inner.stations if z >= 0.0}
-    found = [
-        sample.thickness_mm
-        for z, s in straight.items()
-        for sample in skin_thicknesses(dims, z, inset, sides=s)
-    ]
-    sections: dict[float, Sequence[bool]] = dict.fromkeys(bends, (False,))
-    sections |= dict.fromkeys((0.0, join, (join + apex) / 2), (True, False))
-
-    for z, sides in sections.items():
-        if dims.outer.palmar_scale_at(z) == 0.0:
-            continue  # a crown or a platform of a design that rules refuse may bend past the tip
-
-        # The rates at which both sides of the outer surface narrow, relative to their size there
-        # [1/mm].
-        dorsal, palmar = (
-            (1.0 - scale_at(z + _STEP_MM) / scale_at(z)) / _STEP_MM
-            for scale_at in (dims.outer.scale_at, dims.outer.palmar_scale_at)
-        )
-        for sample in skin_thicknesses(
-            dims,
-            z=z,
-            inset_mm=inset,
-            points=_POINTS,
-            chords=_SURFACE_CHORDS,
-            sides=sides,
-        ):
-            slope = sample.support_mm * (palmar if sample.is_palmar else dorsal)
-            found.append(sample.thickness_mm / math.hypot(1.0, slope))
-
-    return min(*found, design.skin.thickness_tip_mm)
 
 
 def _bends(dims: Dimensions) -> list[float]:
@@ -114,87 +69,40 @@ def _bends(dims: Dimensions) -> list[float]:
     return sorted({z for z in knots if 0.0 < z < dims.outer.spans[-1].z[2]})
 
 
-def skin_thicknesses(
-    dims: Dimensions,
-    z: float,
-    inset_mm: float,
-    points: int = _OUTLINE_POINTS,
-    chords: int = _OUTLINE_CHORDS,
-    sides: Sequence[bool] = (True, False),
-) -> Iterator[ThicknessSample]:
-    """Sample the silicone over the bone's outline at height z [mm], cut at the palmar flat; one
-    side, x >= 0.
+def _min_in_sections(quarters: Quarters, join: float) -> float:
+    """Compute the minimum thickness in the planes of the sections up to the tip [mm]."""
+    core, surface = _outline(quarters, _OUTLINE_POINTS, _OUTLINE_CHORDS)
+    straight = [row for row, z in enumerate(quarters.heights) if z <= join]
+    thickness, _ = measure_gaps(core[:, straight], surface[:, straight])
 
-    `sides` are those to sample: dorsal (True) and palmar (False).
-    """
-    outer, outer_scale, palmar_scale = (
-        dims.outer.section,
-        dims.outer.scale_at(z),
-        dims.outer.palmar_scale_at(z),
-    )
-    inner = dims.bone_outline.section
-    inner_scale = dims.bone_outline.scale_at(z)
-    width = inner.half_width - inset_mm
-    flat = dims.flat_depth - inset_mm
-
-    for dorsal in sides:
-        height = (inner.dorsal if dorsal else inner.palmar) - inset_mm
-        weight = inner.dorsal_weight if dorsal else inner.palmar_weight
-        rise = outer_scale if dorsal else palmar_scale
-        surface = [(outer_scale * x, rise * y) for x, y in quarter_outline(outer, dorsal, chords)]
-        bone = [
-            (inner_scale * width * x, inner_scale * height * y)
-            for x, y in list_arc_points(points, weight)
-        ]
-
-        if not dorsal:
-            # The flat cuts the palmar arc: its edge replaces the points below it.
-            edge = inner.half_width_at(-flat, inner_scale)
-            bone = [(x, y) for x, y in bone if y < flat]
-            bone += [(min(edge, width * inner_scale), flat)] if edge > 0.0 else []
-            platform = dims.platform_half_width_at(z)
-            if platform:
-                bone.append((platform - inset_mm, dims.flat_depth_at(z) - inset_mm))
-
-        polyline = [chord_between(a, b) for a, b in pairwise(surface)]
-        for point in bone:
-            thickness, (ax, ay, dx, dy, _) = nearest_chord(point, polyline)
-            length = math.hypot(dx, dy) or 1.0
-            yield ThicknessSample(thickness, (ax * dy - ay * dx) / length, not dorsal)
+    return float(thickness.min())
 
 
-def chord_between(a: tuple[float, float], b: tuple[float, float]) -> Chord:
-    dx = b[0] - a[0]
-    dy = b[1] - a[1]
-    return (*a, dx, dy, dx * dx + dy * dy)
+def _min_across_slope(quarters: Quarters) -> float:
+    """Compute the minimum thickness across the outer surface, which narrows along z [mm]."""
+    import numpy as np  # noqa: PLC0415
+
+    thickness, support = measure_gaps(*_outline(quarters, _POINTS, _SURFACE_CHORDS))
+    dorsal = [z + _STEP_MM for z in quarters.dorsal]
+    palmar = [z + _STEP_MM for z in quarters.palmar]
+    beyond = replace(quarters, dorsal=dorsal, palmar=palmar)
+    # The rates at which the surface narrows, relative to its size there [1/mm].
+    rises = quarters.surface_rises
+    # A crown or a platform of a design that rules refuse may bend past the tip.
+    is_open = rises > 0.0
+    rates = (1.0 - beyond.surface_rises[is_open] / rises[is_open]) / _STEP_MM
+    slope = support[is_open] * rates[:, None]
+
+    return float((thickness[is_open] / np.sqrt(1.0 + slope * slope)).min())
 
 
-def nearest_chord(point: tuple[float, float], polyline: list[Chord]) -> tuple[float, Chord]:
-    """Distance [mm] to the nearest chord, and that chord: of equally
-    near ones the first by its start (x, y).
-    """
-    px, py = point
-    # the square of the distance, which takes less time
-    nearest = polyline[0]
-    closest = math.inf
+def _outline(quarters: Quarters, points: int, chords: int) -> tuple[Array, Array]:
+    """List points of the core, cut at its flat and its platform, and of the surface around it."""
+    import numpy as np  # noqa: PLC0415
 
-    for chord in polyline:
-        ax, ay, dx, dy, squared_length = chord
-        # Foot of the perpendicular, clamped to the chord.
-        t = ((px - ax) * dx + (py - ay) * dy) / squared_length if squared_length else 0.0
-        if t < 0.0:
-            t = 0.0
-        elif t > 1.0:
-            t = 1.0
-        else:
-            t = t
+    edge = quarters.flat_edges[..., None]
+    platform = quarters.platform_edges[..., None]
+    corner = np.where(platform[0] > 0.0, platform - quarters.inset, edge)
+    core = np.concatenate((quarters.core(points), edge, corner), axis=2)
 
-        x = ax + t * dx - px
-        y = ay + t * dy - py
-        squared = x * x + y * y
-
-        if squared < closest or (squared == closest and chord < nearest):
-            nearest = chord
-            closest = squared
-
-    return math.sqrt(closest), nearest
+    return core, quarters.surface(chords)

@@ -47,7 +47,6 @@ from fingertip.design.interfaces.interface import JointInterface
 from fingertip.models import clevis as clevis_models
 from fingertip.models.dimensions import Dimensions
 from fingertip.models.joint import BESIDE_LINE_MM, Joint, TendonAnchor
-from fingertip.models.outlines import ramp_angle_deg
 from fingertip.models.solids import Point3
 
 
@@ -353,19 +352,19 @@ def _joint_of(design: DesignTables) -> Joint:
 
 
 def _beside_stops_deg(joint: Joint) -> tuple[tuple[float, float], ...]:
-    """Directions in the front view in which the eyes are not
-    round: all but those between the stops.
+    """Directions in the front view in which the eyes are not round: all but those between the
+    stops.
     """
     if not joint.travel_deg:
         return ((-90.0, 90.0),)
 
-    beside = ARROW_DEG - ramp_angle_deg(joint.radius, joint.eye_radius, joint.travel_deg)
+    beside = ARROW_DEG - clevis_models.ramp_angle_deg(joint)
     return ((180.0 + joint.travel_deg - beside, 540.0 + beside),)
 
 
 def tendon_force_per_n(design: DesignTables, load_z_mm: float) -> float:
-    """Force of the tendon per newton of load on the pad or apex, by
-    their levers about the pin; 0 without a tendon.
+    """Force of the tendon per newton of load on the pad or apex, by their levers about the pin; 0
+    without a tendon.
     """
     joint = design.dimensions.joint
     anchor = design.dimensions.anchor
@@ -373,8 +372,8 @@ def tendon_force_per_n(design: DesignTables, load_z_mm: float) -> float:
 
 
 def _eye_stresses(design: DesignTables) -> tuple[float, float, float]:
-    """Stress of the eyes per newton on the pin [MPa/N], its
-    concentration, and the stress of their ends.
+    """Stress of the eyes per newton on the pin [MPa/N], its concentration, and the stress of their
+    ends.
     """
     joint = _joint_of(design)
     anchor = design.dimensions.anchor

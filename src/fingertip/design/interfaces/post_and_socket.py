@@ -23,7 +23,7 @@ from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally
 from fingertip.foundation.numerics import bisect
 from fingertip.models import post, socket
-from fingertip.models.outlines import MATING_PLAY_MM
+from fingertip.models.allowances import MATING_PLAY_MM
 
 RULES = Ruleset()
 
@@ -42,8 +42,8 @@ class Post(CrossBolted):
         return post.low_z(design)
 
     def foot_length(self, design: DesignTables) -> float:
-        """Return the length of the fillet at the post's root [mm],
-        with the slope on which the base prints.
+        """Return the length of the fillet at the post's root [mm], with the slope on which the base
+        prints.
         """
         return post.post_foot_length(design)
 
@@ -175,8 +175,8 @@ class Socket(CrossBolted):
         return design.bone.socket_depth_mm
 
     def genus(self, design: DesignTables) -> int:
-        """Count two: the socket is blind, but it opens into the hole of
-        the cross bolt, which has three mouths then.
+        """Count two: the socket is blind, but it opens into the hole of the cross bolt, which has
+        three mouths then.
         """
         return 2
 

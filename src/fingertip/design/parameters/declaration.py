@@ -34,6 +34,10 @@ class Frozen(BaseModel):
     """Parameters that stay as they were loaded."""
 
     def __setattr__(self, name: str, value: Any) -> None:
+        if name in self.__private_attributes__:
+            super().__setattr__(name, value)
+            return
+
         # The name of a class is that of its table, such as CustomSensor of [custom_sensor].
         words = re.sub("(?<=[a-z])(?=[A-Z])", "_", type(self).__name__)
         table = words.lower().removeprefix("chosen_")
@@ -206,8 +210,8 @@ _MIN_SIMILARITY = 0.65
 _MAX_DESCRIBED = 300
 """Maximum number of problems that are described. A design has fewer parameters."""
 _MAX_LISTED = 100
-"""Maximum number of known names that are listed.
-A sweep of a design has more outputs, a table fewer parameters.
+"""Maximum number of known names that are listed. A sweep of a design has more outputs, a table
+fewer parameters.
 """
 _MAX_COMPARED_LENGTH = 60
 """Maximum length of a word that known names are compared with [characters]."""

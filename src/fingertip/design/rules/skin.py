@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fingertip.design.geometry import DesignTables
+from fingertip.design.geometry.sections import half_widths_along
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 from fingertip.models.dimensions import TAB_WIDTH_MM
@@ -172,7 +173,7 @@ def sensor_fits_flat(design: DesignTables) -> Violation | None:
     rim = design.bone.rim_mm
     clearance = design.sensor.clearance_mm
     sensor = design.dimensions.sensor
-    margin = design.dimensions.sensor_rim_margin(rim, clearance)
+    margin = design.sensor_rim_margin
     if margin >= 0:
         return None
 
@@ -188,13 +189,11 @@ def sensor_fits_flat(design: DesignTables) -> Violation | None:
 @RULES.rule("bone.palmar_fullness", sensor_fits_flat, flat_within_bone)
 def flat_edges_within_skin(design: DesignTables) -> Violation | None:
     dims = design.dimensions
-    end = dims.bone_outline.tip.z if dims.bone_outline.tip else 0.0
-    heights = (end * i / _EDGE_SECTIONS for i in range(_EDGE_SECTIONS + 1))
-    thickness = min(
-        dims.outer.half_width_at(-dims.flat_depth, z)
-        - dims.bone_outline.half_width_at(-dims.flat_depth, z)
-        for z in heights
-    )
+    bone = dims.bone_outline
+    end = bone.tip.z if bone.tip else 0.0
+    heights = [end * i / _EDGE_SECTIONS for i in range(_EDGE_SECTIONS + 1)]
+    widths = half_widths_along(dims.outer, -dims.flat_depth, heights)
+    thickness = float((widths - half_widths_along(bone, -dims.flat_depth, heights)).min())
     if thickness >= _EDGE_THICKNESS:
         return None
 

@@ -18,9 +18,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from fingertip.board import board_circuit
 from fingertip.board.analysis.response import model_filter
 from fingertip.board.analysis.tolerance import YIELD_BOARDS, compute_yields
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.values import select_components
 from fingertip.cad.kernel.mesh import MeshEvaluator
@@ -41,7 +41,7 @@ from fingertip.pad.layer import GRID_MM, find_contacts
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.survey import GRASP_DEG, TILTS_DEG, WIDE_DEG, try_contacts
 from fingertip.pad.touch import Pose
-from fingertip.sim import run_scene
+from fingertip.sim.runs.scene import run_scene
 from fingertip.sim.signal.grid import BASE_HZ, Grid
 from fingertip.sim.simulation import Trial, article_trials
 

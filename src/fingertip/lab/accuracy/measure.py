@@ -17,14 +17,9 @@ from fingertip.foundation import extras
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.foundation.workers import find_workers, side_by_side
 from fingertip.lab.accuracy.extremes import FamilyResult, try_families
-from fingertip.sim import (
-    ManipulationFile,
-    ManipulationResult,
-    SceneFile,
-    SceneResult,
-    run_manipulation,
-    run_scene,
-)
+from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
+from fingertip.sim.runs.scene import SceneResult, run_scene
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
 from fingertip.sim.signal.grid import Grid
 from fingertip.sim.simulation import Trial
 

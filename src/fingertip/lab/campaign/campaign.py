@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from fingertip.catalogues.file_kinds import PARAMS
 from fingertip.foundation.errors import Issue, TraceError, checked, raise_issues
-from fingertip.sim import SceneFile
+from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from fingertip.sim.simulation import article_trials
 
 TUNING_SEEDS = range(1000, 1400)

@@ -25,15 +25,10 @@ from fingertip.foundation.errors import FingertipError, Issue, gather, raise_iss
 from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.campaign import HELD_OUT_FROM
 from fingertip.lab.campaign.run import select_board_outputs
-from fingertip.sim import (
-    ManipulationFile,
-    ManipulationResult,
-    Simulation,
-    article_manipulations,
-    run_manipulation,
-)
 from fingertip.sim.runs.grip import GripController, GripDecision, GripSettings
-from fingertip.sim.simulation import REPEATS_PER_MANIPULATION
+from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile
+from fingertip.sim.simulation import REPEATS_PER_MANIPULATION, Simulation, article_manipulations
 from fingertip.slip.detectors.registry import check_detector, find_detector_type
 from fingertip.slip.traces.truth import INCIPIENT_S
 

@@ -21,8 +21,7 @@ from fingertip.lab.campaign.campaign import (
     Case,
     generate_cases,
 )
-from fingertip.sim import run_scene
-from fingertip.sim.runs.scene import SceneRun
+from fingertip.sim.runs.scene import SceneRun, run_scene
 from fingertip.sim.signal.grid import Grid
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.detector import Detector, DetectorOutput

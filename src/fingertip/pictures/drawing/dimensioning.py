@@ -11,12 +11,10 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
 from fingertip.design.geometry.sizes import Circle, Length
-from fingertip.foundation.numerics import Array
 from fingertip.pictures.drawing.primitives import (
     Arrow,
     Box,
@@ -84,15 +82,16 @@ class Occupancy:
 
     def _under(self, points: Iterable[Point]) -> tuple[np.ndarray, np.ndarray]:
         """Return rows and columns of the sheet's cells under a polyline."""
-        sampled: list[Array] = []
-        for a, b in pairwise(points):
-            count = max(2, math.ceil(math.dist(a, b) / (0.7 * _CELL_MM)) + 1)
-            sampled.append(np.linspace(a, b, count))
+        corners = np.array(list(points), dtype=float).reshape(-1, 2)
+        begins = corners[:-1]
+        steps = corners[1:] - begins
+        intervals = np.maximum(1, np.ceil(np.hypot(*steps.T) / (0.7 * _CELL_MM)).astype(int))
+        segment = np.repeat(np.arange(len(steps)), intervals + 1)
+        first = np.repeat(np.cumsum(intervals + 1) - intervals - 1, intervals + 1)
+        share = (np.arange(len(segment)) - first) / intervals[segment]
+        sampled = begins[segment] + share[:, None] * steps[segment]
 
-        cells = np.zeros((0, 2), int)
-        if sampled:
-            cells = (np.concatenate(sampled) / _CELL_MM).astype(int)
-
+        cells = (sampled / _CELL_MM).astype(int)
         columns, rows = cells[((cells >= 0) & (cells < self.texts.shape[::-1])).all(axis=1)].T
         return rows, columns
 

@@ -11,17 +11,17 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, TypeVar
 
+from fingertip.cad.kernel.kernel_process import import_without_viewer, start_kernel
 from fingertip.cad.parts import exact_parts
 from fingertip.design import Design
 from fingertip.design.geometry.sizes import Length, PartDrawing, ViewName
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import temporary_folder
-from fingertip.foundation.workers import Worker
 from fingertip.models.parts import PARTS, parts_by_name
 from fingertip.models.solids import Solid
 from fingertip.pictures.drawing import part_sizes
 from fingertip.pictures.drawing.layout import lay_out
-from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView, Sheet
+from fingertip.pictures.drawing.primitives import ProjectedView, Sheet
 from fingertip.pictures.drawing.svg_and_pdf import render_pdf, render_svg
 from fingertip.pictures.drawing.title_block import Heading
 
@@ -98,12 +98,12 @@ def project_part(
     """Project a part in its views. Raises GeometryError."""
     from fingertip.pictures.drawing.hidden_lines import project  # noqa: PLC0415
 
-    shape = evaluator.solid(solid)
-    return {view: project(shape, view) for view in PROJECTIONS if view in views}
+    return project(evaluator.solid(solid), views)
 
 
 def run_job(job: Job[T]) -> dict[str, T]:
     """Compute everything with one evaluator. Raises MissingLibraryError or GeometryError."""
+    import_without_viewer()
     from fingertip.cad.kernel import brep  # raises MissingLibraryError if OCP cannot be loaded  # noqa: PLC0415
 
     evaluator = brep.BrepEvaluator()
@@ -115,8 +115,8 @@ TIME_LIMIT_S = 180.0
 
 def run_apart(job: Job[T]) -> dict[str, T]:
     """Run a job in a process of its own. Raises MissingLibraryError or GeometryError."""
-    # ezdxf reads settings of the current folder.
-    with temporary_folder() as folder, Worker(folder) as worker:
+    # Open CASCADE reads settings of the current folder.
+    with temporary_folder() as folder, start_kernel(folder) as worker:
         worker.send(run_job, job)
         try:
             return worker.receive_within(TIME_LIMIT_S)  # type: ignore[no-any-return]

@@ -2,9 +2,9 @@
 a controller.
 
 `run_manipulation` steps hand, contacts and sensors from one command to the next. The controller
-receives what a real one would: sampled voltages and the closing of the motors
-(`fingertip.sim.Observation`), and nothing of the ground truth. Any object with a method ``step`` is
-a controller. The caller provides detectors and grip laws; this package knows none.
+receives what a real one would, the `Observation` of `manipulation_plan`: sampled voltages and the
+closing of the motors, and nothing of the ground truth. Any object with a method ``step`` is a
+controller. The caller provides detectors and grip laws; this package knows none.
 
 Simplifications, all of them assumptions: The object does not turn, and moves along one line. Along
 this line it would slip, and its weight acts once the experimenter releases it; a pin that is
@@ -196,7 +196,7 @@ def run_manipulation(
     if controller is not None and not hasattr(controller, "step"):
         message = (
             f"is {controller!r:.60}, which has no method step; see "
-            "fingertip.sim.Controller, or leave it out."
+            "fingertip.sim.runs.manipulation_plan.Controller, or leave it out."
         )
         raise TraceError(Issue("controller", message))
 

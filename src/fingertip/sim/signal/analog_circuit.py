@@ -22,13 +22,14 @@ from typing import Literal
 
 import numpy as np
 
-from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.response import (
     EnvelopeModel,
     find_rectifier,
     model_envelope,
     model_software_envelope,
 )
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Network, Value, build_network
 from fingertip.board.components.front_end import EMISSION, SATURATION_A, SERIES_OHM, THERMAL_V
 from fingertip.board.components.values import select_components

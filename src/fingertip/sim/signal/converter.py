@@ -17,8 +17,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fingertip.board import board_circuit
 from fingertip.board.analysis.noise import add_noise
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.values import SUPPLIES, select_components
 from fingertip.board.parts.nets import (

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.board import board_values
+from fingertip.board.analysis.board_values import board_values
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats

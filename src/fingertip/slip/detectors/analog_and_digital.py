@@ -66,8 +66,16 @@ class ChainOutput(DetectorOutput):
     statistic is the window's mean (article, eq. 12).
     """
 
-    filtered_v: Array
-    envelope_v: Array
+    begin: tuple[tuple[float, ...], Floats | Array, tuple[float, ...]]
+    """Coefficients, samples, and state of the filters before them."""
+
+    @property
+    def envelope_v(self) -> Array:
+        """Envelope, computed anew [V]: an hour of it takes as much memory as the samples."""
+        coefficients, samples, state = self.begin
+        work = np.zeros(len(samples))
+        _FILTER(coefficients, samples, list(state), work, work)
+        return work
 
 
 class FirstOrder(NamedTuple):
@@ -141,21 +149,34 @@ class SlipChain(Detector):
         return float(means.mean() + DEVIATIONS * means.std()) / noise_level(design, 1.0).threshold_v
 
     def process(self, voltage_v: Iterable[float]) -> ChainOutput:
-        samples = as_samples(voltage_v)
-        if len(samples):
-            self._start(float(samples[0]))
+        samples = self._begin(voltage_v)
+        begin = (self._coefficients, samples, tuple(self._state))
 
-        filtered, envelope = np.zeros((2, len(samples)))
-        _FILTER(self._coefficients, samples, self._state, filtered, envelope)
-        return ChainOutput(
-            **vars(self._average.process(envelope)), filtered_v=filtered, envelope_v=envelope
-        )
+        # One array in turn: each loop reads a value before it writes in its place.
+        work = np.zeros(len(samples))
+        _FILTER(self._coefficients, samples, self._state, work, work)
+        self._average.average(work, work)
+        return ChainOutput(**vars(self._average.judge(work)), begin=begin)
+
+    def filter(self, voltage_v: Iterable[float]) -> Array:
+        """Process the next samples, and return the filtered signal, ahead of the rectifier [V]."""
+        samples = self._begin(voltage_v)
+        filtered = np.zeros(len(samples))
+        _FILTER(self._coefficients, samples, self._state, filtered, np.zeros(len(samples)))
+        return filtered
 
     def step(self, voltage_v: float) -> bool:
         self._start(voltage_v)
         envelope = [0.0]
         _FILTER.plain(self._coefficients, (voltage_v,), self._state, [0.0], envelope)
         return self._average.step(envelope[0])
+
+    def _begin(self, voltage_v: Iterable[float]) -> list[float] | Array:
+        samples = as_samples(voltage_v)
+        if len(samples):
+            self._start(float(samples[0]))
+
+        return samples
 
     def _start(self, voltage_v: float) -> None:
         """Set the steady state of a constant input before the first
@@ -246,7 +267,7 @@ def noise_level(design: Design, noise_v: float | None = None) -> NoiseLevel:
         settings.sample_rate_hz / min(settings.cutoff_hz, settings.envelope_cutoff_hz) * 4
     )
     impulse = [0.0, 1.0] + [0.0] * memory
-    h = SlipChain(settings).process(impulse).filtered_v
+    h = SlipChain(settings).filter(impulse)
     sigma *= math.sqrt(float(h @ h))
 
     smoothing = 1 - math.exp(-2 * math.pi * settings.envelope_cutoff_hz / settings.sample_rate_hz)
@@ -293,8 +314,17 @@ class AnalogDetector(Detector):
     def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
         samples = as_samples(voltage_v)
         mean = np.zeros(len(samples))
+        self.average(samples, mean)
+        return self.judge(mean)
+
+    def average(self, samples: Floats | Array, mean: Array) -> None:
+        """Write the mean over the window at each of the next samples, which may lie there [V]."""
         _AVERAGE(samples, self._state, self._ring_buffer, mean)
-        return DetectorOutput(mean, np.full(len(mean), self.threshold_v), mean > self.threshold_v)
+
+    def judge(self, mean: Array) -> DetectorOutput:
+        """Compare means with the threshold [V]."""
+        threshold = np.broadcast_to(self.threshold_v, mean.shape)
+        return DetectorOutput(mean, threshold, mean > self.threshold_v)
 
     def step(self, voltage_v: float) -> bool:
         mean = [0.0]

@@ -224,14 +224,21 @@ def _read_parquet(path: Path, names: Collection[str]) -> dict[str, Any]:
             return (rows,), np.dtype("f8" if are_numbers else "O")
 
         def load(name: str) -> Any:
-            parts = list[Any]()
+            values: Any = None
             count = 0
-            for batch in file.iter_batches(columns=[name]):
-                count += len(batch)
-                _check_shape(path, "", (count,))
-                parts.append(batch.column(name).to_numpy(zero_copy_only=False))
+            for batch in file.iter_batches(columns=[name], use_threads=False):
+                column = batch.column(name)
+                # Its method to_numpy imports pandas.
+                is_plain = types.is_floating(column.type) and not column.null_count
+                part = np.from_dlpack(column) if is_plain else column.to_numpy(zero_copy_only=False)
+                if values is None:
+                    values = np.empty(rows, part.dtype)
 
-            return np.concatenate(parts) if parts else None
+                values = values.astype(np.result_type(values, part), copy=False)
+                values[count : count + len(part)] = part
+                count += len(part)
+
+            return values
 
         in_file = dict.fromkeys(fields.names)
         return in_file | _load_numbers(path, in_file.keys() & set(names), claim, load)

@@ -158,9 +158,14 @@ def is_named(line: str) -> bool:
     return _NAMED.fullmatch(line) is not None
 
 
+def bare_line(line: str) -> str:
+    """Return a line without the names of its values."""
+    return _NAME.sub("", line) if is_named(line) else line
+
+
 def bare_lines(lines: Iterable[str]) -> Iterator[str]:
     """Yield lines without the names of their values."""
-    return (_NAME.sub("", line) if is_named(line) else line for line in lines)
+    return map(bare_line, lines)
 
 
 @dataclass

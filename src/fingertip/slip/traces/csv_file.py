@@ -10,8 +10,8 @@ from __future__ import annotations
 import array
 import codecs
 import datetime
+import io
 import itertools
-import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -29,18 +29,22 @@ from fingertip.slip.traces.csv_header import (
     find_numbered_header,
     read_start,
 )
+from fingertip.slip.traces.number_blocks import parse_numbers
 from fingertip.slip.traces.sampling import count_others
 from fingertip.slip.traces.trace import (
     ColumnMap,
     RawTrace,
+    bounded_blocks,
     bounded_lines,
     max_lines,
-    max_rows,
     shape_message,
 )
 
 _PROBE_BYTES = 2**20
 """Length of the pieces in which the encoding of a file is tested [bytes]."""
+
+_BLOCK_LINES = 20_000
+"""Lines of a block where each line is changed."""
 
 Change = Callable[[Iterable[str]], Iterator[str]]
 _FLAGS = {"true": 1.0, "false": 0.0}
@@ -87,14 +91,12 @@ def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
         first_line=first_line,
         columns=columns.with_simulated_names(header.names),
     )
-    return _read_valid(source) or _read_by_line(source)
+    return _read_samples(source)
 
 
-def _read_lines(
-    path: Path, encoding: str, change: Change = iter, most: int | None = None
-) -> Iterator[str]:
+def _read_lines(path: Path, encoding: str) -> Iterator[str]:
     with path.open(encoding=encoding, errors="replace") as file:
-        yield from change(bounded_lines(file, str(path), most))
+        yield from bounded_lines(file, str(path))
 
 
 def _detect_encoding(path: Path) -> str:
@@ -126,16 +128,39 @@ class _Source:
     columns: ColumnMap
     cut_off: list[str] = field(default_factory=list)
 
-    def read_lines(self) -> Iterator[str]:
-        """Yield the lines, but not a cut-off one: without line break, and shorter than the last."""
-        before = ""
-        for line in _read_lines(self.path, self.encoding, self.change, max_lines()):
-            if line.endswith("\n") or len(line) >= len(before.rstrip()):
-                yield line
-            else:
-                self.cut_off.append(line)
+    def read_blocks(self) -> Iterator[tuple[int, str]]:
+        """Yield blocks of the lines of samples, each with the line number of its first line."""
+        number = 1
+        for block in self._keep_whole_lines(self._read_blocks()):
+            above = max(0, self.first_line - number)
+            parts = block.split("\n", above)
+            if len(parts) > above and parts[above]:
+                yield number + above, parts[above]
 
-            before = line
+            number += block.count("\n")
+
+    def _read_blocks(self) -> Iterator[str]:
+        name = str(self.path)
+        with self.path.open(encoding=self.encoding, errors="replace") as file:
+            if self.change is iter:
+                yield from bounded_blocks(file, name, max_lines())
+                return
+
+            lines = self.change(bounded_lines(file, name, max_lines()))
+            while block := "".join(itertools.islice(lines, _BLOCK_LINES)):
+                yield block
+
+    def _keep_whole_lines(self, blocks: Iterable[str]) -> Iterator[str]:
+        """Leave out a line that is cut off: without line break, and shorter than the last."""
+        before = ""
+        for block in blocks:
+            end = block.rfind("\n") + 1
+            before = block[block.rfind("\n", 0, end - 1) + 1 : end] if end else before
+            if end < len(block) and len(block) - end < len(before.rstrip()):
+                self.cut_off.append(block[end:])
+                block = block[:end]
+
+            yield block
 
     @property
     def places(self) -> dict[str, int]:
@@ -158,75 +183,30 @@ class _Source:
             yield f"{self.path}, line {last + 1}: is cut off, and passed over"
 
 
-def _read_valid(source: _Source) -> RawTrace | None:
-    """Read a file by numpy's reader; None if it may have any issue."""
-    header = source.header
-    columns = source.columns
-    places = source.places
-    has_spaces = header.delimiter.isspace() and header.delimiter != "\t"
-
-    try:
-        with warnings.catch_warnings():
-            # An empty file is reported as an issue.
-            warnings.simplefilter("ignore", UserWarning)
-            rows = itertools.islice(source.read_lines(), source.first_line - 1, None)
-            most = max_rows(len(header.names))
-            table = np.loadtxt(
-                rows,
-                delimiter=None if has_spaces else header.delimiter,
-                comments=None,
-                ndmin=2,
-                max_rows=most,
-            )
-    except ValueError:
-        return None
-
-    if not len(table) or table.shape[1] != header.count_cells(table.shape[1], places.values()):
-        return None
-    if len(table) == most or not np.isfinite(table[:, list(places.values())]).all():
-        return None
-
-    values = {column: np.ascontiguousarray(table[:, place]) for column, place in places.items()}
-    slip = values.get("slip")
-    if slip is not None and not np.isin(slip, (0.0, 1.0)).all():
-        return None
-
-    trace = columns.make_trace(values)
-    if (np.diff(trace.time_s) <= 0.0).any():
-        return None  # the message names the line, and numpy skips empty lines
-
-    lines = range(source.first_line, source.first_line + len(table))
-    return RawTrace(
-        str(source.path),
-        trace,
-        lines=lines,
-        in_volts=columns.in_volts,
-        notes=tuple(source.list_notes(lines[-1])),
-    )
-
-
 @dataclass
 class _Samples:
     """Samples of a file as they are read line by line, with what is wrong."""
 
     values: dict[str, array.array[float]]
-    lines: array.array[int] = field(default_factory=lambda: array.array("q"))
+    lines: array.array[int] = field(default_factory=lambda: array.array("I"))
     uneven: text.NotedLines = field(default_factory=text.NotedLines)
     """Line number and number of cells of lines with another number of cells than the others."""
     wrong: dict[str, text.NotedLines] = field(default_factory=dict)
     """Line number and text of the cells of each column that cannot be read."""
     passed_over: text.NotedLines = field(default_factory=text.NotedLines)
     """Lines of headers and comments among the samples."""
+    after_header: bool = False
+    """True if the last line was one of these: a line of units may follow."""
     width: int = 0
     """Number of cells that each line must have."""
     start: datetime.datetime | None = None
     """Time of the first sample, in a file of dates."""
 
 
-def _read_by_line(source: _Source) -> RawTrace:
+def _read_samples(source: _Source) -> RawTrace:
     name = str(source.path)
     columns = source.columns
-    samples = _collect(source, enumerate(source.read_lines(), 1))
+    samples = _collect(source)
     notes = list(source.list_notes(samples.lines[-1] if samples.lines else 0))
 
     if samples.passed_over.first:
@@ -252,7 +232,9 @@ def _read_by_line(source: _Source) -> RawTrace:
         )
         issues.append(Issue(name, message))
 
-    values: dict[str, Array] = {column: np.array(cells) for column, cells in samples.values.items()}
+    values: dict[str, Array] = {
+        column: np.asarray(cells) for column, cells in samples.values.items()
+    }
     has_all_times = (
         not samples.uneven.count and not samples.wrong.get("time_s", text.NotedLines()).count
     )
@@ -272,32 +254,64 @@ def _read_by_line(source: _Source) -> RawTrace:
     )
 
 
-def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
-    """Collect the samples of numbered lines.
-
-    Cells that cannot be read become 0, so that the others are validated.
-    """
-    header = source.header
+def _collect(source: _Source) -> _Samples:
+    """Collect the samples: blocks of plain numbers at once, and any other block line by line."""
     places = source.places
     samples = _Samples(
         {column: array.array("d") for column in places},
         wrong={column: text.NotedLines() for column in places},
     )
-    after_header = False
-    most = SAMPLES_LIMIT.value
-    below = (entry for entry in lines if entry[0] >= source.first_line and entry[1].strip())
 
-    for number, line in below:
+    for number, block in source.read_blocks():
+        if not _add_numbers(source, samples, number, block):
+            _add_lines(source, samples, number, block)
+
+    return samples
+
+
+def _add_numbers(source: _Source, samples: _Samples, number: int, block: str) -> bool:
+    """Add a block of one sample a line; False, and nothing, if it may be anything else."""
+    header = source.header
+    places = source.places
+    width = samples.width or len(text.split_cells(block.partition("\n")[0], header.delimiter))
+    if width != header.count_cells(width, places.values()):
+        return False
+
+    columns = parse_numbers(block, header.delimiter, width, [*places.values()])
+    if columns is None or len(samples.lines) + len(columns[0]) > SAMPLES_LIMIT.value:
+        return False
+
+    for values, column in zip(samples.values.values(), columns, strict=True):
+        values.frombytes(column.tobytes())
+
+    lines = np.arange(number, number + len(columns[0]), dtype=np.uintc)
+    samples.lines.frombytes(lines.tobytes())
+    samples.width = width
+    samples.after_header = False
+    return True
+
+
+def _add_lines(source: _Source, samples: _Samples, first: int, block: str) -> None:
+    """Add the samples of a block line by line.
+
+    Cells that cannot be read become 0, so that the others are validated.
+    """
+    header = source.header
+    places = source.places
+    most = SAMPLES_LIMIT.value
+    filled = (entry for entry in enumerate(io.StringIO(block), first) if entry[1].strip())
+
+    for number, line in filled:
         if (
             header.is_repeated(line)
             or line.lstrip().startswith("#")
-            or (after_header and header.is_unit_line(line))
+            or (samples.after_header and header.is_unit_line(line))
         ):
             samples.passed_over.add(number, line)
-            after_header = True
+            samples.after_header = True
             continue
 
-        after_header = False
+        samples.after_header = False
         cells = text.split_cells(line, header.delimiter)
         samples.width = width = samples.width or header.count_cells(len(cells), places.values())
         samples.lines.append(number)
@@ -316,8 +330,6 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
                     value = parsed
 
             samples.values[column].append(value)
-
-    return samples
 
 
 def _parse(cell: str, column: str, samples: _Samples) -> float | None:

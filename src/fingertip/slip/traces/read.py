@@ -247,11 +247,12 @@ def _with_even_times(raw: RawTrace, columns: ColumnMap) -> RawTrace:
     if not raw.has_all_times:
         return raw
 
-    even = restore_even_times(raw.trace.time_s / columns.time_scale)
+    scale = columns.time_scale
+    even = restore_even_times(raw.trace.time_s if scale == 1.0 else raw.trace.time_s / scale)
     if even is None:
         return raw
 
-    trace = replace(raw.trace, time_s=even * columns.time_scale)
+    trace = replace(raw.trace, time_s=even * scale)
     note = f"{raw.name}, time_s: is in single precision; evenly spaced times are taken instead"
     return replace(raw, trace=trace, notes=(*raw.notes, note))
 
@@ -310,7 +311,7 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> Ra
         else:
             # MATLAB has no arrays of one dimension: a signal is a row or a column.
             is_line = array.ndim == 2 and 1 in array.shape
-            values[column] = (array.ravel() if is_line else array).astype(np.float64)
+            values[column] = np.ascontiguousarray(array.ravel() if is_line else array, np.float64)
 
     raise_issues(TraceError, issues)
     with gather(issues, f"{name}, "):

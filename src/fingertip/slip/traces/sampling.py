@@ -78,11 +78,16 @@ def round_rate(rate_hz: float, uncertainty: float) -> float | None:
 
 def rises_evenly(values: Array) -> bool:
     """Return whether finite values rise by about the same at each step, but for a few."""
-    steps = np.diff(values)
-    usual = float(np.median(steps)) if len(steps) else 0.0
-    return (
-        usual > 0.0 and float((np.abs(steps - usual) <= STEP_TOLERANCE * usual).mean()) > _MIN_EVEN
-    )
+    return _are_even(np.diff(values))
+
+
+def _are_even(steps: Array) -> bool:
+    """Return whether nearly all steps are about the same, and rise."""
+    if not len(steps) or float((steps > 0.0).mean()) <= _MIN_EVEN:
+        return False
+
+    usual = float(np.median(steps))
+    return float((np.abs(steps - usual) <= STEP_TOLERANCE * usual).mean()) > _MIN_EVEN
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -94,7 +99,7 @@ def rises_as_time(values: Array) -> bool:
         float((steps > 0.0).mean()) > 0.5 or find_rounding(values) is not None
     )
 
-    return is_steady or rises_evenly(values)
+    return is_steady or _are_even(steps)
 
 
 def length_message(count: int, minimum: int) -> str:
@@ -139,12 +144,16 @@ def range_message(
 
 def time_issues(
     time_s: Array,
+    usual: float,
     detector: DetectorParameters,
     name: str,
     lines: Sequence[int] | None,
     is_array: bool,
 ) -> Iterator[Issue]:
-    """Yield issues of times that decrease, repeat, leave gaps, or have another rate."""
+    """Yield issues of times that decrease, repeat, leave gaps, or have another rate.
+
+    `usual` is the median step [s], whatever single gaps do to the mean.
+    """
     field = f"{name}, time_s"
     rounding = find_rounding(time_s)
 
@@ -162,8 +171,6 @@ def time_issues(
         return
 
     steps = np.diff(time_s)
-    # The median is the usual step, whatever single gaps do to the mean.
-    usual = float(np.median(steps))
     remedy = "detection requires evenly spaced samples"
 
     if usual <= 0.0:
@@ -328,13 +335,15 @@ def restore_even_times(times: Array) -> Array | None:
     steps = np.diff(times)
     duration = float(times[-1] - times[0])
     mean = duration / len(steps)
-    spacing = float(np.spacing(np.float32(np.abs(times).max())))
-    if not mean > 0.0 or (steps < 0.0).any() or spacing > _MAX_SHARE * mean:
+    spacing = float(np.spacing(np.float32(max(-times.min(), times.max()))))
+    if not mean > 0.0 or steps.min() < 0.0 or spacing > _MAX_SHARE * mean:
         return None
 
-    is_rate_clear = abs(float(np.median(steps)) - mean) <= RATE_TOLERANCE / 2 * mean
-    if is_rate_clear and bool((np.abs(steps - mean) <= STEP_TOLERANCE * mean).all()):
-        return None
+    deviation = max(float(steps.max()) - mean, mean - float(steps.min()))
+    if deviation <= STEP_TOLERANCE * mean:
+        far = RATE_TOLERANCE / 2 * mean
+        if deviation <= far or abs(float(np.median(steps)) - mean) <= far:
+            return None
 
     rounded = times.astype(np.float32)
     rate = round_rate(1 / mean, spacing / duration)

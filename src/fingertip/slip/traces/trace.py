@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import errno
+import functools
 import itertools
 import math
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -222,7 +223,7 @@ class ColumnMap:
             if NANOSEC in columns:
                 time = time + 1e-9 * columns[NANOSEC]
 
-            time = time * self.time_scale
+            time = time if self.time_scale == 1.0 else time * self.time_scale
 
         volts: dict[str, Any] = {
             name: columns[name] for name in ("voltage_v", *BOARD_COLUMNS) if name in columns
@@ -254,12 +255,16 @@ class RawTrace:
     @property
     def rate_hz(self) -> float | None:
         """Sampling rate by the median time step, to six digits [Hz]; None if undetermined."""
-        time = self.trace.time_s
-        if not self._times_are_valid or find_rounding(time):
+        if not self._times_are_valid or find_rounding(self.trace.time_s):
             return None
 
-        usual = float(np.median(np.diff(time)))
+        usual = self._usual_step
         return float(f"{1 / usual:.6g}") if usual > 0.0 else None
+
+    @functools.cached_property
+    def _usual_step(self) -> float:
+        """Median step of the times."""
+        return float(np.median(np.diff(self.trace.time_s), overwrite_input=True))
 
     def validate(self, detector: DetectorParameters) -> Trace:
         """Return the trace if it is valid for a detector's sampling rate, window and ADC.
@@ -275,6 +280,7 @@ class RawTrace:
             issues.extend(
                 time_issues(
                     self.trace.time_s,
+                    self._usual_step,
                     detector=detector,
                     name=self.name,
                     lines=self.lines,
@@ -345,12 +351,6 @@ _CELLS_PER_SAMPLE = 4
 _REMEDY = "cut the recording into parts"
 
 
-def max_rows(columns: int) -> int:
-    """Return the maximum number of lines of a table with this number of columns."""
-    most_cells = _CELLS_PER_SAMPLE * SAMPLES_LIMIT.value
-    return max(1, min(SAMPLES_LIMIT.value, most_cells // max(1, columns)))
-
-
 def max_table_bytes() -> int:
     """Return the maximum size of all numbers of a table [bytes]."""
     return 8 * _CELLS_PER_SAMPLE * SAMPLES_LIMIT.value
@@ -374,6 +374,24 @@ def check_trace_file(path: Path) -> None:
 def max_lines() -> int:
     """Return the maximum number of lines of a file, those without a sample included."""
     return 2 * SAMPLES_LIMIT.value + 10_000
+
+
+def bounded_blocks(file: TextIO, name: str, most: int) -> Iterator[str]:
+    """Yield a text file in blocks of whole lines, none of which is longer than `MAX_LINE`.
+
+    Raises TraceError if a line is, and where there are more than `most` lines.
+    """
+    count = 0
+    while block := file.read(MAX_LINE):
+        block += file.readline(MAX_LINE)
+        last = block.rfind("\n", 0, -1) + 1  # no other line is longer than what was read at first
+        if len(block) - last > MAX_LINE:
+            raise _too_long(name, count + block.count("\n", 0, last) + 1)
+
+        yield block if count else block.lstrip("\ufeff")
+        count += block.count("\n")
+        if count > most:
+            raise _too_many_lines(name, most)
 
 
 def bounded_lines(
@@ -408,17 +426,70 @@ def bounded_lines(
             raise ArgumentError(Issue(f"{name}, line {number}", message))
 
         if len(line) > MAX_LINE:
-            message = (
-                f"is longer than {MAX_LINE} characters; a trace has one sample per line, so "
-                "break the lines."
-            )
-            raise TraceError(Issue(f"{name}, line {number}", message))
+            raise _too_long(name, number)
 
         if most is not None and number > most:
-            message = f"has more than {most} lines; {_REMEDY}, or raise {SAMPLES_LIMIT.variable}."
-            raise TraceError(Issue(name, message))
+            raise _too_many_lines(name, most)
 
         yield line.lstrip("\ufeff") if number == 1 else line
+
+
+def _too_long(name: str, number: int) -> TraceError:
+    message = (
+        f"is longer than {MAX_LINE} characters; a trace has one sample per line, so break the "
+        "lines."
+    )
+    return TraceError(Issue(f"{name}, line {number}", message))
+
+
+def _too_many_lines(name: str, most: int) -> TraceError:
+    message = f"has more than {most} lines; {_REMEDY}, or raise {SAMPLES_LIMIT.variable}."
+    return TraceError(Issue(name, message))
+
+
+_ARRIVAL_BYTES = 2**16
+"""Largest part of a stream that is taken at once [bytes]."""
+
+
+def arriving_blocks(lines: Iterable[str | bytes], name: str) -> Iterator[str]:
+    """Yield the lines of a stream in blocks of whole lines, as soon as they arrive.
+
+    Standard input and other buffers of bytes give blocks; lines that come one by one are a block
+    each. Raises TraceError as `bounded_lines`.
+    """
+    read = getattr(lines, "read1", None)
+    if read is None:
+        yield from bounded_lines(lines, name)
+        return
+
+    count = 0
+    rest = b""
+    while arrived := _read_arrived(read):
+        rest += arrived
+        if (rest.find(b"\n") + 1 or len(rest)) > MAX_LINE:
+            raise _too_long(name, count + 1)
+
+        end = rest.rfind(b"\n") + 1
+        if end:
+            block = rest[:end].decode("utf-8", "replace")
+            yield block if count else block.lstrip("\ufeff")
+            count += block.count("\n")
+            rest = rest[end:]
+
+    if rest:
+        block = rest.decode("utf-8", "replace")
+        yield block if count else block.lstrip("\ufeff")
+
+
+def _read_arrived(read: Callable[[int], bytes]) -> bytes:
+    """Read what has arrived; the end of a port that is unplugged is the end of the stream."""
+    try:
+        return read(_ARRIVAL_BYTES)
+    except OSError as error:
+        if error.errno not in (errno.EIO, None):
+            raise
+
+        return b""
 
 
 def _read_port(port: Any) -> Iterator[bytes]:

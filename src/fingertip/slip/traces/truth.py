@@ -87,11 +87,11 @@ class SlipCollector:
         if not len(time_s):
             return
 
-        before = self._onset_s is not None
-        padded = np.concatenate(([before], flags))
-        edges = np.flatnonzero(padded[1:] != padded[:-1])
+        was_true = self._onset_s is not None
+        edges = np.flatnonzero(flags[1:] != flags[:-1]) + 1
+        begins = [0] if flags[0] != was_true else []
 
-        for moment in time_s[edges].tolist():
+        for moment in [*time_s[begins].tolist(), *time_s[edges].tolist()]:
             if self._onset_s is None:
                 self._onset_s = moment
             else:

@@ -116,7 +116,7 @@ def test_command_states_errors_that_fall_with_the_step(tmp_path: Path) -> None:
         assert forces[0] < 1e-3
         assert forces[0] / forces[2] > 8.0  # 16 with order 2, and the pin hits between two points
         assert all(one["real_time_ratio"] > 1.0 for one in steps)
-    assert [one["wrong"] for one in data["extremes"].values()] == [0, 0]
+    assert [one["wrong"] for one in data["extremes"].values()] == [0, 0, 0]
 
 
 def test_wrong_case_ends_the_command_with_1_and_is_described(

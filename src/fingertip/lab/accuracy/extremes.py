@@ -65,11 +65,13 @@ class Draw:
 
 CONTACT_ERROR = 100.0
 BOUNCING_ERROR = 0.1
-SWINGING_ERROR = 0.25
-"""Bound of the error of a contact, in tolerances. Where the pad leaves the surface, it is also a
-share of the load, as every impact multiplies the errors before it. Beyond the bounds of parameters,
-where friction falls so steeply that the pad swings by itself, it is also a share of the forces, as
-every swing does the same.
+"""Bound of the error of a contact, in tolerances; where the pad leaves a surface that has a
+resonance, it is also a share of the load, as every impact multiplies the errors before it.
+
+Far beyond the bounds of parameters a pad can swing by itself, and every swing multiplies the errors
+before it, until no solver knows the motion: for one such pad, scipy's Radau at relative tolerances
+of 1e-8 and of 1e-10 gives motions that are 12 000 tolerances apart. There the bound holds as long
+as a tenth of the tolerance gives the reference within one tolerance, and the forces bound the rest: 4 of 41 000 contacts.
 """
 
 
@@ -121,40 +123,51 @@ def _draw_drag(draw: Draw, time_s: Array, load_n: float) -> tuple[Array, Array, 
     return at, velocity, load_n * share
 
 
-def contact(draw: Draw) -> float:
-    """Compare with a hundredth of the tolerance."""
-    friction, mount = _draw_contact(draw, (1.0, 1e8))
-    load = draw.log("load [N]", (1e-3, 70.0), (1e-4, 1e2))
+def given_load(draw: Draw) -> float:
+    """Compare a pad under a given load with a hundredth of the tolerance."""
+    friction, mount = _draw_contact(draw, (1.0, 1e9))
+    load_n = draw.log("load [N]", (1e-3, 70.0), (1e-4, 1e3))
     friction = replace(friction, elastic=draw.choose("elastic", (0.0, ELASTO_PLASTIC)))
-    resonance = NormalContact(
+    return _compare(draw, friction, mount, None, load_n)
+
+
+def resonance(draw: Draw) -> float:
+    """Compare a pad on a resonance with a hundredth of the tolerance."""
+    friction, mount = _draw_contact(draw, (1.0, 1e8))
+    load_n = draw.log("load [N]", (1e-3, 70.0), (1e-4, 1e2))
+    friction = replace(friction, elastic=draw.choose("elastic", (0.0, ELASTO_PLASTIC)))
+    normal = NormalContact(
         draw.log("resonance [Hz]", (20.0, 500.0), (1.0, 1e4)),
         draw.log("its damping ratio", (0.05, 0.8), (0.01, 3.0)),
     )
-    step = draw.log("sample time [s]", (1e-4, 1e-3), (1e-5, 1e-2))
-    columns = _draw_drag(draw, np.asarray(np.arange(101) * step, dtype=np.float64), load)
-    is_given = draw.choose("normal force", ("given", "of a resonance")) == "given"
-    normal = None if is_given else resonance
-    tolerance = 1e-5 * max(load, 1e-2)
-    motion, finer = (
-        integrate(friction, mount, normal, step, *columns, tolerance / parts)
-        for parts in (1.0, 100.0)
-    )
-    spring = mount.stiffness_n_per_m * np.abs(motion.position_m - finer.position_m)
-    error = np.maximum(spring, np.abs(motion.force_n - finer.force_n))
-    bound = tolerance * CONTACT_ERROR
-    if (finer.force_n == 0.0).any():
-        bound += BOUNCING_ERROR * load
-    if not draw.is_inside and _swings(friction, mount, load):
-        pull = mount.stiffness_n_per_m * np.abs(columns[0] - finer.position_m)
-        bound += SWINGING_ERROR * (load + float(pull.max()))
-
-    return float(error.max()) / bound
+    return _compare(draw, friction, mount, normal, load_n)
 
 
-def _swings(friction: Friction, mount: Mount, load_n: float) -> bool:
-    """Return whether friction falls faster with speed, at its steepest, than all damping rises."""
-    steepest = 3 * math.sqrt(3) / 8 * (friction.mu_s - friction.mu_c) / friction.stribeck_m_s
-    return load_n * (steepest - friction.sigma2) > mount.damping_n_s_per_m
+def _compare(
+    draw: Draw, friction: Friction, mount: Mount, normal: NormalContact | None, load_n: float
+) -> float:
+    step_s = draw.log("sample time [s]", (1e-4, 1e-3), (1e-5, 1e-2))
+    columns = _draw_drag(draw, np.asarray(np.arange(101) * step_s, dtype=np.float64), load_n)
+    tolerance_n = 1e-5 * max(load_n, 1e-2)
+    finest = integrate(friction, mount, normal, step_s, *columns, tolerance_n / 100)
+
+    def find_errors_n(tolerance_n: float) -> Array:
+        motion = integrate(friction, mount, normal, step_s, *columns, tolerance_n)
+        spring_n = mount.stiffness_n_per_m * np.abs(motion.position_m - finest.position_m)
+        return np.maximum(spring_n, np.abs(motion.force_n - finest.force_n))
+
+    errors_n = find_errors_n(tolerance_n)
+    bound_n = tolerance_n * CONTACT_ERROR
+    if normal and (finest.force_n == 0.0).any():
+        bound_n += BOUNCING_ERROR * load_n
+    if draw.is_inside or errors_n.max() <= bound_n:
+        return float(errors_n.max() / bound_n)
+
+    pull_n = mount.stiffness_n_per_m * np.abs(columns[0] - finest.position_m)
+    is_known = np.minimum.accumulate(find_errors_n(tolerance_n / 10) <= tolerance_n)
+    bounds_n = np.where(is_known, bound_n, load_n + pull_n.max())
+
+    return float((errors_n / bounds_n).max())
 
 
 TOLERANCE_V = 1e-4
@@ -216,10 +229,11 @@ def board(draw: Draw) -> float:
 
 
 FAMILIES: Mapping[str, tuple[str, float, Callable[[Draw], float]]] = {
-    "contact": (
-        "tolerance / 100: 100 tolerances (bouncing: 10, swinging: 25 % of the forces)",
-        0.82,
-        contact,
+    "contact, given load": ("tolerance / 100: 100 tolerances", 0.57, given_load),
+    "contact, resonance": (
+        "tolerance / 100: 100 tolerances (bouncing: 10 % of the load)",
+        0.25,
+        resonance,
     ),
     "board": ("tolerance / 10000: 10 tolerances and 5 % of the peak", 0.1, board),
 }

@@ -53,7 +53,8 @@ E4 = 125 / 108
 
 MIN_STEP_RATIO = 1e-12
 """Shortest step as a fraction of the time between samples.
-Such a step is accepted whatever its error.
+Such a step is accepted whatever its error; motion that is no number takes no longer one, and runs
+out of steps.
 """
 REST = 1e-3
 REST_S = 1e-4
@@ -290,6 +291,7 @@ def _drag_loop(
                 stats[FAILED_SAMPLE] = i + 1
                 return
 
+            h = max(h, MIN_STEP_RATIO * H)
             # Step size: end exactly on the sample; two equal steps avoid a tiny last one. Usually a
             # step is a whole sample: its length then comes from a branch, which a processor
             # foresees, not from the error before it.

@@ -213,6 +213,7 @@ def _grasp_loop(
                 stats[FAILED_SAMPLE] = j + 1
                 return
 
+            h = max(h, MIN_STEP_RATIO * H)
             is_last = t + h >= H * (1 - 1e-9)
             if is_last:
                 step = H - t

@@ -113,6 +113,7 @@ def test_pad_that_swings_by_itself_is_compared_as_long_as_its_motion_is_known(mo
     with compiled():
         assert extremes.resonance(Draw("contact, resonance", 109)) < 1.0
         monkeypatch.setattr(extremes, "CONTACT_ERROR", 0.5)
+        monkeypatch.setattr(extremes, "BOUNCING_ERROR", 0.0)
         assert extremes.resonance(Draw("contact, resonance", 109)) > 1.0
 
 

@@ -71,7 +71,8 @@ resonance, it is also a share of the load, as every impact multiplies the errors
 Far beyond the bounds of parameters a pad can swing by itself, and every swing multiplies the errors
 before it, until no solver knows the motion: for one such pad, scipy's Radau at relative tolerances
 of 1e-8 and of 1e-10 gives motions that are 12 000 tolerances apart. There the bound holds as long
-as a tenth of the tolerance gives the reference within one tolerance, and the forces bound the rest: 4 of 41 000 contacts.
+as a tenth of the tolerance gives the reference within one tolerance, and the forces bound the rest.
+That takes 4 of 41 000 contacts.
 """
 
 

@@ -23,7 +23,7 @@ from fingertip.sim.runs.manipulation import run_manipulation
 from fingertip.sim.runs.manipulation_plan import Motors, delay_commands, plan_motion, thumb_force_n
 from fingertip.sim.runs.scene_and_manipulation_files import Hand, ManipulationFile
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
-from fingertip.sim.signal.converter import compute_bridge_v
+from fingertip.sim.signal.bridge import Bridge
 from fingertip.sim.signal.grid import BASE_HZ, Grid
 from fingertip.sim.simulation import article_manipulations
 from tests.conftest import ROOT
@@ -399,7 +399,7 @@ def test_weight_shears_the_pad_and_reduces_the_sensor_reading():
     weight = np.array([0.5 * 9.80665 / 2])
 
     def voltage(shear_n):
-        return compute_bridge_v(DESIGN, PAD.sensed_n(np.array([10.0]), shear_n))[0]
+        return Bridge.of_board(DESIGN).voltage_v(PAD.sensed_n(np.array([10.0]), shear_n))[0]
 
     # The hysteresis of the sensor hides a part of a falling force.
     change = voltage(-weight) - voltage(None)

@@ -13,8 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.board.analysis.board_values import find_tactile_response
-from fingertip.board.analysis.limits import PRELOAD
+from fingertip.board.analysis.tactile_response import PRELOAD, find_tactile_response
 from fingertip.design import Design
 from fingertip.detection.warnings import flat_warnings
 from fingertip.slip.traces.cells import bare_lines, is_named, parse_number

@@ -190,6 +190,7 @@ def test_time_step_is_compared_without_an_envelope() -> None:
     assert "envelope_v" not in errors
 
 
+@pytest.mark.second
 def test_validation_says_what_a_board_would_add() -> None:
     found = validate(DESIGN, CampaignPlan(2, 0.5))
     assert found.passed

@@ -90,6 +90,7 @@ def as_bits(flags: list[np.ndarray]) -> np.ndarray:
     return bits
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("real", ["double", pytest.param("float", marks=pytest.mark.full)])
 def test_five_fingers_decide_as_python_does_with_glitches_and_gaps(folder: Path, real: str) -> None:
     codes = record_hand(60, 1)

@@ -108,6 +108,7 @@ def test_manipulation_converges_with_order_2(kind, mass, knock):
         assert np.abs(columns[1][name] - columns[256][name]).max() < limit, name
 
 
+@pytest.mark.second
 def test_command_states_errors_that_fall_with_the_step(tmp_path: Path) -> None:
     done = run_fingertip(
         "accuracy", "article", "--cases", 40, "--jobs", 1, "--out", tmp_path / "x", "--json"

@@ -137,6 +137,7 @@ def test_seconds_and_nanoseconds_are_joined(tmp_path: Path) -> None:
     assert live["time_s"] - start / 1e9 == pytest.approx(ONSET, abs=1e-6)
 
 
+@pytest.mark.second
 def test_containers_list_what_they_hold_and_take_group_and_channel(tmp_path: Path) -> None:
     savemat = pytest.importorskip("scipy.io").savemat
     other = 2.0 + 1e-4 * np.random.default_rng(0).normal(size=len(T))
@@ -155,6 +156,7 @@ def test_containers_list_what_they_hold_and_take_group_and_channel(tmp_path: Pat
         assert np.array_equal(trace.voltage_v, V)
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("plugin", ["MCAP", "SQLITE3"])
 def test_a_bag_lists_its_topics_and_takes_a_field_of_one(plugin: str, tmp_path: Path) -> None:
     rosbag2 = pytest.importorskip("rosbags.rosbag2")

@@ -123,7 +123,7 @@ def test_default_threshold_is_the_rounded_noise_derived_threshold(design):
 
 
 def test_the_threshold_of_a_board_s_output_is_not_that_of_the_chain() -> None:
-    """The article's board passes next to no noise: its 0.31 mV would be within that of `digital`."""
+    """The article's board passes next to no noise: 0.31 mV is within the noise of `digital`."""
     article = Design.load("article")
     assert article.detector.kind == "analog"
     assert make_detector("analog", article).threshold_v == 0.00031

@@ -123,6 +123,7 @@ def test_a_module_named_in_a_string_is_found() -> None:
     assert find_named(["slip", "fingertip.slips", "report.py"], modules) == set()
 
 
+@pytest.mark.second
 def test_no_module_below_the_commands_names_another_in_a_string() -> None:
     """A name in a string is an import that no contract sees."""
     modules = read_modules()
@@ -139,6 +140,7 @@ def test_no_module_below_the_commands_names_another_in_a_string() -> None:
     assert named == {}
 
 
+@pytest.mark.second
 def test_no_module_reaches_itself_by_imports_and_names() -> None:
     modules = read_modules()
     graph = grimp.build_graph("fingertip", cache_dir=None)

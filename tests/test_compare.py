@@ -37,6 +37,7 @@ def after(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.second
 def test_differences_are_those_of_the_reports(before: Path, after: Path) -> None:
     done = run_fingertip("compare", before, after, "--json")
     assert done.returncode == 0, done.stderr

@@ -233,6 +233,7 @@ BROUGHT_ALONG = {"click", "pydantic_core", "typing_extensions"}
 """Modules that packages of the core always bring."""
 
 
+@pytest.mark.second
 def test_every_package_that_the_source_imports_is_of_the_core_or_of_an_extra() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     core = {re.split(r"[^\w-]", line)[0].lower() for line in project["dependencies"]}

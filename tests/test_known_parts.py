@@ -59,6 +59,7 @@ def test_names_of_sensors_are_read_as_people_write_them() -> None:
     assert Design.load("fsr402", changes=["sensor.model=FSR-402 Short"]) == Design.load("fsr402")
 
 
+@pytest.mark.second
 @pytest.mark.parametrize(
     "row", [row for row in ROWS if row["fits"] != "yes"], ids=lambda row: row["model"]
 )

@@ -45,6 +45,7 @@ def run_beside(site: Path, *lines: str) -> subprocess.CompletedProcess[str]:
     return run_lines(folder, f"{ROOT / 'src'}{os.pathsep}{site}", *lines)
 
 
+@pytest.mark.second
 def test_an_installed_package_brings_a_detector_and_a_check(tmp_path: Path) -> None:
     site = tmp_path / "site"
     site.mkdir()

@@ -26,6 +26,8 @@ from tests.conftest import run_fingertip
 
 NAME = "first_finger"
 
+pytestmark = pytest.mark.second
+
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -26,10 +26,8 @@ from fingertip.design import Design
 from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Backing, Pad
-from fingertip.sim.contact.coupled import NormalContact, integrate
+from fingertip.sim.contact.dragged_pad import Mount, NormalContact, integrate
 from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
-from fingertip.sim.contact.tangential import DraggedPad, Mount
-from fingertip.sim.contact.vibration import ContactResonance
 
 RATE_HZ = 2000.0
 LEVELS_N = (1e-5, 5e-6, 2.5e-6)
@@ -41,7 +39,6 @@ TARGETS = {
     "Rodas5P": 1.0,
 }
 OURS = "fingertip"
-STEPPER = "fingertip, ROS2 of trials"
 _FRICTION = Friction(0.6, 0.48)
 _LOAD_N = 0.8
 # Corners of the piecewise linear drive: time [s] and stage velocity [m/s]; time [s] and load [N].
@@ -158,28 +155,6 @@ class ContactProblem:
 
         return Outcome(self.forces_n(run.position_m, run.force_n), cpu_s, run.evaluations)
 
-    def run_stepper(self, parts: int) -> Outcome:
-        """Forces by the stepper of trials, with so many steps per
-        sample [N]; the normal force is the resonance's.
-        """
-        rate = RATE_HZ * parts
-        t = np.arange((len(self.time_s) - 1) * parts + 1) / rate
-        velocity = np.interp(t, self.time_s, self.carriage_m_s)
-        load = np.interp(t, self.time_s, self.load_n)
-        position = np.concatenate(([0.0], np.cumsum((velocity[1:] + velocity[:-1]) / 2) / rate))
-        hold = np.full(round(rate), load[0])  # the resonance comes to rest under the first load
-        start = time.process_time()
-        resonance = ContactResonance(1 / rate, self.normal.resonance_hz, self.normal.damping_ratio)
-        normal = resonance.process(np.concatenate((hold, load)), np.concatenate((hold, load)))[
-            len(hold) :
-        ]
-        moved = DraggedPad(_FRICTION, self.mount, 1 / rate).process(position, velocity, normal)
-        cpu_s = time.process_time() - start
-
-        return Outcome(
-            self.forces_n(moved.position_m[::parts], normal[::parts]), cpu_s, moved.evaluations
-        )
-
     def run_scipy(self, system: System, method: str, tolerance: float) -> Outcome:
         """Forces by scipy [N]."""
         drives = self.drives()
@@ -249,9 +224,6 @@ def measure_contact(
     diagram.solvers[OURS] = (
         f"{__version__}, a Rosenbrock method of order 4, compiled loop; each sample ends a step"
     )
-    diagram.solvers[STEPPER] = (
-        f"{__version__}, ROS2 with equal steps on an exact resonance, compiled loops"
-    )
     diagram.targets |= {
         name: TARGETS[name] for name in TARGETS if name.removeprefix("scipy ") in peers
     }
@@ -262,10 +234,6 @@ def measure_contact(
     jobs = [
         Job(OURS, f"tolerance 1e{e} N", partial(problem.run_fingertip, 10.0**e))
         for e in range(-3, -10, -1)
-    ]
-    jobs += [
-        Job(STEPPER, f"steps of {1e6 / RATE_HZ / n:g} us", partial(problem.run_stepper, n))
-        for n in (2, 5, 10, 20, 40, 80, 160)
     ]
     jobs += _peer_jobs(diagram, problem, system, peers, native)
     diagram.measure(jobs, reference, advance)

@@ -33,7 +33,6 @@ _COLOURS = (RED, BLUE, TEAL, ORANGE, PURPLE, BROWN, SKY, REFERENCE, PINK, TEXT_C
 _STYLES = tuple(zip(_COLOURS, "os^DvPX<>*", strict=True))
 _SOLVERS = (
     "fingertip",
-    "fingertip, ROS2 of trials",
     *(f"scipy {method}" for method in (*SOLVE_IVP, "odeint")),
     *NATIVE,
     *(f"{name}, sine" for name in NATIVE),

@@ -149,15 +149,14 @@ def run(
     lines += whole_trial.as_text()
     lines += [
         f"{trials['trials']} trials: {trials['cpu_s']:.2f} s of CPU time, target "
-        f"{trials['target_s']:g} s",
+        f"{trials['target_s']:.1f} s",
         f"{manipulations['manipulations']} manipulations of {manipulations['simulated_s']:.0f} s "
         "in total, "
         f"controlled every 10 ms: {manipulations['cpu_s']:.2f} s of CPU time, target "
-        f"{manipulations['target_s']:g} s",
+        f"{manipulations['target_s']:.1f} s",
         f"{many['boards']} boards x {many['samples']} samples: {many['cpu_s']:.2f} s of CPU time, "
-        "target "
-        f"{many['target_s']:g} s; the diode conducts in {100 * many['conducting_ratio']:.1f} % of "
-        "the steps",
+        f"target {many['target_s']:.1f} s; the diode conducts in "
+        f"{100 * many['conducting_ratio']:.1f} % of the steps",
     ]
 
     if first:

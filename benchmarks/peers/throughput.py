@@ -21,6 +21,7 @@ from benchmarks.peers import spice
 from benchmarks.peers.board import STEP_S, BoardProblem
 from benchmarks.peers.native import NATIVE, NativeSolvers
 from benchmarks.peers.spice import Spice
+from benchmarks.yardstick import measure_yardstick_s
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.files import temporary_folder
@@ -33,9 +34,12 @@ from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.simulation import article_manipulations, article_trials
 
-CAMPAIGN_TARGET_S = 3.0
-MANIPULATION_TARGET_S = 1.0
-BOARDS_TARGET_S = 10.0
+CAMPAIGN_TARGET = 50.0
+"""Processor time of the 120 trials, in yardsticks (`benchmarks.yardstick`)."""
+MANIPULATION_TARGET = 16.0
+"""Processor time of one manipulation, in yardsticks."""
+BOARDS_TARGET = 160.0
+"""Processor time of 10 000 boards, in yardsticks."""
 BOARDS_TOLERANCE_V = 1e-3
 _CHUNK = 256
 """Boards whose matrices are in memory at a time: 4 MB."""
@@ -95,7 +99,7 @@ def measure_trials() -> dict[str, Any]:
         "trials": len(planned),
         "slipping": slipping,
         "cpu_s": cpu,
-        "target_s": CAMPAIGN_TARGET_S,
+        "target_s": CAMPAIGN_TARGET * measure_yardstick_s(),
     }
 
 
@@ -115,7 +119,7 @@ def measure_manipulations() -> dict[str, Any]:
         "simulated_s": round(sum(float(result.time_s[-1]) for result in results), 3),
         "lost": sum(result.lost_s is not None for result in results),
         "cpu_s": cpu,
-        "target_s": MANIPULATION_TARGET_S * len(results),
+        "target_s": MANIPULATION_TARGET * len(results) * measure_yardstick_s(),
     }
 
 
@@ -160,7 +164,7 @@ def measure_boards(count: int) -> dict[str, Any]:
         "boards": count,
         "samples": len(voltage),
         "cpu_s": cpu,
-        "target_s": BOARDS_TARGET_S * count / 10_000,
+        "target_s": BOARDS_TARGET * count / 10_000 * measure_yardstick_s(),
         "tolerance_v": BOARDS_TOLERANCE_V,
         "conducting_ratio": implicit / steps,
         "peak_v": {"5 %": low, "50 %": middle, "95 %": high},

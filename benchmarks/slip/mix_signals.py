@@ -23,7 +23,7 @@ from fingertip.sim.runs.manipulation import run_manipulation
 from fingertip.sim.runs.scene import run_scene
 from fingertip.sim.runs.scene_and_manipulation_files import Hand, ManipulationFile, SceneFile
 from fingertip.sim.runs.timeline import build_timeline
-from fingertip.sim.signal.converter import compute_bridge_v
+from fingertip.sim.signal.bridge import Bridge
 from fingertip.sim.signal.interference import HAND_BAND_HZ
 from fingertip.sim.simulation import MANIPULATED_OBJECTS
 from fingertip.slip.detectors.analog_and_digital import ChainSettings, SlipChain
@@ -155,7 +155,7 @@ def _record(design: Design, rng: np.random.Generator, signal: LabelledSignal) ->
 
 def draw_rest_v(design: Design, rng: np.random.Generator) -> float:
     """Draw the tactile voltage of a light grip [V]."""
-    return float(compute_bridge_v(design, rng.uniform(*_LIGHT_GRIP_N, 1))[0])
+    return float(Bridge.of_board(design).voltage_v(rng.uniform(*_LIGHT_GRIP_N, 1))[0])
 
 
 def abrupt_burst(

@@ -18,7 +18,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip import Design, FingertipError, Readout, board_values, detect
-from fingertip.board.analysis.board_values import find_range_warnings, find_tactile_response
+from fingertip.board.analysis.board_values import find_range_warnings
+from fingertip.board.analysis.tactile_response import find_tactile_response
 from fingertip.detection.live import detect_stream
 from fingertip.documents.acceptance import expect_readings
 from fingertip.documents.board.divider import compute_current_ratio, list_readings
@@ -26,9 +27,9 @@ from fingertip.lab.board_comparison import BOARD, DIVIDER, NOISY, compare_with_b
 from fingertip.lab.campaign.campaign import CampaignPlan
 from fingertip.lab.campaign.run import run_campaign
 from fingertip.lab.validation import validate
-from fingertip.sim.runs.grip import ForceCurve
 from fingertip.sim.signal import readout
 from fingertip.sim.signal.bridge import Bridge
+from fingertip.sim.signal.finger_curve import FingerCurve
 from fingertip.sim.simulation import Trial, simulate
 from fingertip.slip.detectors.registry import DETECTORS, make_detector
 from fingertip.sweep.compute import GROUP_FUNCTIONS, PointContext
@@ -114,7 +115,7 @@ def test_hand_reads_the_weight_off_the_expected_voltage(change: str) -> None:
     """
     design = Design.load("fsr400", changes=[*CHANGES, change])
     for reading in expect_readings(design):
-        found_n = ForceCurve.from_design(design).force_n(reading.tactile_v)
+        found_n = FingerCurve.from_design(design).force_n(reading.tactile_v)
         assert found_n == pytest.approx(reading.mass_g * 9.81e-3, rel=5e-3)
 
 
@@ -189,6 +190,7 @@ def test_time_step_is_compared_without_an_envelope() -> None:
     assert "envelope_v" not in errors
 
 
+@pytest.mark.second
 def test_validation_says_what_a_board_would_add() -> None:
     found = validate(DESIGN, CampaignPlan(2, 0.5))
     assert found.passed

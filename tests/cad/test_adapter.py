@@ -24,8 +24,6 @@ from fingertip.models.adapter import place_adapter
 from fingertip.models.sensor_pocket import sensor_recess
 from fingertip.tasks.build import build
 
-cq = pytest.importorskip("cadquery")
-
 SIZE = (8.0, 7.5, 14.0)
 VOLUME = math.prod(SIZE) - math.pi * 1.5**2 * SIZE[0]
 """Volume of a bar with the hole of a cross bolt along x [mm3]."""
@@ -36,6 +34,7 @@ AT = {f"bone.adapter_{axis}_mm": value for axis, value in zip("xyz", POINT, stri
 
 def draw() -> Any:
     """Draw the bar, whose width lies along z, height along x, length along y."""
+    cq = pytest.importorskip("cadquery")
     low = (POINT[0] - SIZE[1] / 2, POINT[1], POINT[2] - SIZE[0] / 2)
     bar = cq.Workplane().box(SIZE[1], SIZE[2], SIZE[0], centered=False).translate(low)
     return bar.cut(
@@ -44,6 +43,7 @@ def draw() -> Any:
 
 
 def save(shape: Any, path: Path) -> Path:
+    cq = pytest.importorskip("cadquery")
     cq.exporters.export(shape, str(path), tolerance=0.005)
     return path
 
@@ -89,6 +89,7 @@ def test_the_bone_has_the_volume_of_base_and_adapter(
 def test_an_axis_of_the_file_comes_to_point_to_the_tip_and_a_turn_is_about_it(
     tmp_path: Path, axis: str
 ) -> None:
+    cq = pytest.importorskip("cadquery")
     way = np.eye(3)["xyz".index(axis[-1])] * (-1.0 if axis[0] == "-" else 1.0)
     end = {f"adapter_{name}_mm": float(value) for name, value in zip("xyz", 5 * way, strict=True)}
     path = save(cq.Workplane().box(10, 10, 10), tmp_path / "box.stl")
@@ -118,6 +119,7 @@ def write_inches(path: Path) -> None:
 
 
 def write_two(path: Path) -> Path:
+    cq = pytest.importorskip("cadquery")
     return save(
         cq.Workplane().add([draw().val(), cq.Solid.makeSphere(3, cq.Vector(99, 0, 0))]).combine(),
         path,
@@ -125,6 +127,7 @@ def write_two(path: Path) -> Path:
 
 
 def write_hollow(path: Path) -> Path:
+    cq = pytest.importorskip("cadquery")
     return save(draw().cut(cq.Workplane().sphere(1).translate((POINT[0], 15.3, POINT[2]))), path)
 
 
@@ -172,6 +175,7 @@ def test_a_file_that_cannot_be_used_is_refused_with_the_reason(tmp_path: Path, r
     assert refused.value.issues[-1].field == "bone.adapter_file"
 
 
+@pytest.mark.second
 def test_an_adapter_off_its_place_is_refused_with_the_one_that_passes(tmp_path: Path) -> None:
     path = write_stl(tmp_path / "bar.stl")
     for axis, place_mm, reason in (
@@ -219,6 +223,7 @@ def test_a_folder_holds_the_adapter_beside_the_design_and_is_made_of_it_again(
 
 
 def test_walls_of_an_adapter_are_measured(tmp_path: Path) -> None:
+    cq = pytest.importorskip("cadquery")
     pocket = cq.Workplane().box(6.5, 10.0, 4.0).translate((POINT[0], 13.0, POINT[2]))
     design = load(save(draw().cut(pocket), tmp_path / "tube.stl"))
     checks = {

@@ -28,12 +28,14 @@ def run(program: str) -> str:
     return done.stdout
 
 
+@pytest.mark.second
 def test_solids_are_those_of_the_whole_cadquery_and_no_viewer_is_loaded() -> None:
     loaded = "print([sys.modules[n].__file__ for n in ('vtkmodules', 'casadi') if n in sys.modules"
     loaded += " and hasattr(sys.modules[n], '__file__')])"
     assert run(LEAN + SOLID + loaded) == "20.858407\n[]\n"
 
 
+@pytest.mark.second
 def test_a_cadquery_that_needs_its_viewer_is_imported_whole() -> None:
     spoil = (
         "from fingertip.cad.kernel import kernel_process\n"

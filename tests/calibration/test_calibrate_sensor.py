@@ -26,8 +26,7 @@ from fingertip.calibration.sensor import (
 from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
-from fingertip.sim.signal.bridge import ConductanceCurve, fit_conductance_curve
-from fingertip.sim.signal.converter import compute_bridge_v
+from fingertip.sim.signal.bridge import Bridge, ConductanceCurve, fit_conductance_curve
 from tests.designs import ARTICLE
 
 DESIGN = ARTICLE
@@ -65,7 +64,7 @@ def test_exact_readings_give_the_curve_back() -> None:
     assert found.interval_factor == pytest.approx(1.0, abs=1e-3)
     calibrated = apply_calibration(DESIGN, found.changes)
     forces = np.array([g * 9.80665e-3 for g in WEIGHTS_G])
-    assert compute_bridge_v(calibrated, forces) == pytest.approx(
+    assert Bridge.of_board(calibrated).voltage_v(forces) == pytest.approx(
         [volts(WEAK, f) for f in forces], abs=1e-4
     )
     assert found.points[2].voltage_v == pytest.approx(volts(WEAK, forces[2]), abs=1e-4)

@@ -87,6 +87,7 @@ def test_any_mesh_is_checked_and_another_file_is_told_what_check_takes(tmp_path:
         assert said in done.stderr
 
 
+@pytest.mark.second
 def test_failed_checks_exit_1_and_appear_in_every_report(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -74,6 +74,7 @@ def test_words_that_are_not_taken_are_errors_like_any_other(
     assert run_fingertip(*remedy[1].split(), "--help").returncode == 0
 
 
+@pytest.mark.second
 @pytest.mark.parametrize(
     "name",
     [

@@ -94,6 +94,7 @@ def test_what_is_given_or_measured_stays_and_each_move_is_needed(number: int) ->
         ), move
 
 
+@pytest.mark.second
 def test_a_load_that_no_fit_makes_a_finger_hold_is_refused_with_one_that_does() -> None:
     begin = tables("adult_finger", **{"strength.grip_force_n": 30.0})
     given = ["strength.grip_force_n"]

@@ -84,6 +84,7 @@ def test_a_hand_without_room_is_refused_once_with_what_it_lacks(name: str, tmp_p
     assert [issue.field for issue in refused.value.issues] == [REFUSED[name]]
 
 
+@pytest.mark.second
 def test_a_tail_that_a_joint_has_no_room_for_names_the_short_one() -> None:
     with pytest.raises(
         DesignError, match=r"38 mm long, the RP-C7.6-ST 20 mm\); set sensor.model=rp_c7.6_short$"

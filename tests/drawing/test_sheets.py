@@ -118,6 +118,7 @@ def test_errors_of_the_process_are_raised_here(monkeypatch: pytest.MonkeyPatch) 
         run_apart((("box", partial(project_part, box, ("front",))),))
 
 
+@pytest.mark.second
 def test_box_is_projected_exactly_with_its_hidden_bore() -> None:
     bore = solids.cylinder("y", (4.0, 0.0), -2.0, 4.0, 0.5)
     box = solids.Box((-2.0, -1.0, 0.0), (2.0, 3.0, 9.0)).cut(bore)

@@ -230,6 +230,7 @@ def test_sanitizers_find_no_undefined_behaviour(library: Library, tmp_path: Path
     )
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("share", [1.0, 0.25])
 def test_codes_are_judged_as_in_python_wherever_s_rests(share: float, tmp_path: Path) -> None:
     """Codes of a converter whose step is exact in binary; a quarter of S is one of 10 bits in a

@@ -20,7 +20,8 @@ from fingertip.firmware.fingers import count_fingers, find_load, list_controller
 from fingertip.firmware.measured_costs import read_costs
 from fingertip.foundation import jit
 from fingertip.foundation.errors import FingertipError
-from fingertip.sim.runs.grip import ForceCurve, GripLaw, GripSettings
+from fingertip.sim.runs.grip import GripLaw, GripSettings
+from fingertip.sim.signal.finger_curve import FingerCurve
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.fast_settings import FAULT_S
 from fingertip.slip.force import ForceScale
@@ -89,6 +90,7 @@ def as_bits(flags: list[np.ndarray]) -> np.ndarray:
     return bits
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("real", ["double", pytest.param("float", marks=pytest.mark.full)])
 def test_five_fingers_decide_as_python_does_with_glitches_and_gaps(folder: Path, real: str) -> None:
     codes = record_hand(60, 1)
@@ -264,7 +266,7 @@ def test_the_grip_law_is_that_of_python_for_any_input_and_time(tmp_path: Path) -
     weak = load_calibrated("fsr400", 50.0)
     strong = load_calibrated("adult_thumb", 900.0)
     designs = (Design.load("adult_thumb"), DESIGN, weak, DESIGN, strong)
-    curves = [ForceCurve.from_design(design) for design in designs]
+    curves = [FingerCurve.from_design(design) for design in designs]
     random = np.random.default_rng(6)
     count = 4000
     now = (

@@ -22,7 +22,7 @@ from fingertip.foundation import jit
 from fingertip.foundation.errors import FingertipError
 from fingertip.lab.campaign.campaign import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.lab.campaign.run import simulate_trace
-from fingertip.sim.runs.grip import ForceCurve
+from fingertip.sim.signal.finger_curve import FingerCurve
 from fingertip.slip.detectors.fast import FastDetector
 from fingertip.tasks.firmware_files import write_firmware
 from tests.conftest import run_fingertip
@@ -174,7 +174,7 @@ def test_the_sketch_lights_the_lamp_and_writes_forces_whatever_the_converter(
     forces, found, slips = np.array(lines, float).T
     assert found == pytest.approx(means, abs=0.007)
     assert forces == pytest.approx(
-        [ForceCurve.from_design(DESIGN).force_n(mean) for mean in means], rel=0.02, abs=0.02
+        [FingerCurve.from_design(DESIGN).force_n(mean) for mean in means], rel=0.02, abs=0.02
     )
     assert 0.05 < slips.mean() < 0.5
 

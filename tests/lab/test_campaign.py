@@ -139,6 +139,7 @@ def test_scaled_threshold_equals_a_detector_made_with_that_scale(detector, scale
     assert found.delays_s == (intervals(trace.time_s, on)[0].onset_s - 1.5,)
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("detector", ["fast", "incipient", "digital", "fft"])
 def test_thresholds_without_a_run_of_their_own_have_its_results(detector):
     from fingertip.slip.detectors.registry import make_detector

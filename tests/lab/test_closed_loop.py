@@ -19,9 +19,11 @@ from fingertip.lab.campaign.closed_loop import (
 )
 from fingertip.lab.validation import check_closed_loop
 from fingertip.pad.response import Pad
-from fingertip.sim.runs.grip import ForceCurve, GripController, GripLaw, GripSettings
+from fingertip.sim.runs.grip import GripController, GripLaw, GripSettings
 from fingertip.sim.runs.manipulation_plan import Observation
-from fingertip.sim.signal.converter import SimulatedBoardDetector, compute_bridge_v
+from fingertip.sim.signal.bridge import Bridge
+from fingertip.sim.signal.converter import SimulatedBoardDetector
+from fingertip.sim.signal.finger_curve import FingerCurve
 from fingertip.slip.detectors.noise_and_threshold import input_noise_v
 
 DESIGN = Design()
@@ -55,7 +57,7 @@ def make_voltage(seconds: float, force_n=1.0, burst=None) -> np.ndarray:
     t = np.arange(round(2000 * seconds)) / 2000
     force = np.full(len(t), force_n) if np.ndim(force_n) == 0 else force_n
     sensed = Pad.from_design(DESIGN).sensed_n(force)
-    volts = compute_bridge_v(DESIGN, sensed) + np.random.default_rng(2).normal(
+    volts = Bridge.of_board(DESIGN).voltage_v(sensed) + np.random.default_rng(2).normal(
         0, input_noise_v(DESIGN), len(t)
     )
     start, stop = burst or (9.0, 9.0)
@@ -113,7 +115,7 @@ def test_the_measured_force_ends_the_closing_of_a_hand_ten_times_as_stiff_as_ass
     the force exceeds its limit by 0.9 N at most.
     """
     settings = GripSettings(max_command_m_s=0.1)
-    curve = ForceCurve.from_design(DESIGN)
+    curve = FingerCurve.from_design(DESIGN)
     law = GripLaw(settings, [curve])
     closing_m = 0.0
     forces_n = []

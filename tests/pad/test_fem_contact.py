@@ -147,6 +147,7 @@ def test_whole_pad_agrees_with_its_half_and_mirrors_with_roll() -> None:
     assert left.share < 0.7 * half.share
 
 
+@pytest.mark.second
 def test_force_and_bond_grow_with_the_modulus_at_the_same_depth() -> None:
     """From 0.02 to 10 MPa. Also Poisson's ratio of 0.4999 changes little: no locking."""
     base = coarse(Pose(3.0))

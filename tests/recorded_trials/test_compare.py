@@ -47,6 +47,7 @@ def test_intervals_have_their_closed_form() -> None:
     assert mean_interval([4.0])[1:] == (-np.inf, np.inf)
 
 
+@pytest.mark.second
 @pytest.mark.parametrize(
     ("changed", "noise_v", "felt_um"),
     [(CURVE, 1.2e-3, 2.48), pytest.param({}, 0.5e-3, 0.78, marks=pytest.mark.full)],

@@ -35,6 +35,7 @@ def numbers(text: str | None) -> np.ndarray:
     return np.array([float(word) for word in (text or "").split()])
 
 
+@pytest.mark.second
 def test_mass_and_inertia_are_the_integrals_of_trimesh_over_the_written_files(model: Model) -> None:
     trimesh = require_module("trimesh")
     mass = 0.0

@@ -138,15 +138,6 @@ def test_filtered_signal_is_sampled_around_the_signal_ground():
 
 
 @pytest.mark.parametrize(
-    ("longest", "refinement"), [(1.0, 1), (1.01e-4, 1), (9.9e-5, 2), (4.9e-5, 3), (1e-6, 100)]
-)
-def test_grid_is_the_coarsest_that_is_fine_enough(longest, refinement):
-    grid = Grid.finer_than(longest)
-    assert grid == Grid(refinement)
-    assert grid.step_s <= longest * (1 + 1e-12)
-
-
-@pytest.mark.parametrize(
     ("duration", "rate", "count"), [(0.0, 2000.0, 1), (1.0, 2000.0, 2001), (0.00051, 2000.0, 3)]
 )
 def test_recording_has_a_sample_at_its_end_or_after_it(duration, rate, count):

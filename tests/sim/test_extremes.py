@@ -5,6 +5,7 @@ that once failed, and the pad by identities.
 from __future__ import annotations
 
 import math
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
+from fingertip.foundation.jit import compiled
 from fingertip.lab.accuracy import extremes
 from fingertip.lab.accuracy.accuracy_summary import EXTREMES, _list_refusals, _list_wrong_cases
 from fingertip.lab.accuracy.extremes import Draw
@@ -19,11 +21,18 @@ from fingertip.pad.layer import find_contacts
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import Backing, Pad
 from fingertip.pad.touch import Pose
+from fingertip.sim.contact import dragged_pad
+from fingertip.sim.contact.dragged_pad import (
+    DraggedPad,
+    Mount,
+    NormalContact,
+    PadMotion,
+    integrate,
+)
 from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion, admissible_step_s
 from tests.conftest import ROOT
 
-FIXED = "contact, fixed steps"
+CONTACT = "contact, given load"
 
 
 def test_page_holds_the_table_of_the_command():
@@ -38,13 +47,13 @@ def test_page_holds_the_table_of_the_command():
 
 
 def test_kernel_that_returns_no_number_or_raises_is_wrong(monkeypatch):
-    monkeypatch.setattr(extremes, "FAMILIES", {FIXED: extremes.FAMILIES[FIXED]})
+    monkeypatch.setattr(extremes, "FAMILIES", {CONTACT: extremes.FAMILIES[CONTACT]})
     assert extremes.try_families(7)[0].is_passed  # of which 4 are of this family
     for broken in (
-        lambda *_: PadMotion(*3 * [np.full(extremes.STEPS + 1, math.nan)]),
+        lambda *_: PadMotion(*4 * [np.full(101, math.nan)], steps=100, rejected=0),
         lambda *_: 1 / 0,
     ):
-        monkeypatch.setattr(extremes.DraggedPad, "process", broken)
+        monkeypatch.setattr(extremes, "integrate", broken)
         (found,) = extremes.try_families(7)
         assert not found.is_passed
         assert len(found.wrong) == 4
@@ -69,35 +78,43 @@ def test_a_board_driven_by_ten_volts_comes_to_what_a_finer_tolerance_gives(numbe
     assert extremes.board(Draw("board", number)) < 0.1
 
 
+@pytest.mark.parametrize("number", [3493, 3511, 37645])
+def test_errors_of_a_velocity_do_not_add_up(number):
+    """A pad that bounces and bristles that stick were once off by 1.5 to 3.5 times the bound."""
+    assert extremes.resonance(Draw("contact, error control", number)) < 1.0
+
+
 def test_bristles_that_slide_within_a_step_stay_within_sliding():
-    """The relaxation of bristles far beyond breakaway once grew by 13 % per step, up to
-    no number.
+    """The relaxation of bristles far beyond breakaway once grew by 13 % per step, up to no
+    number.
     """
     mu = 1e-6
     friction = Friction(mu, mu, 1e-3, 1e7)
+    step_s = 1e-4
+    at_m = 0.1 * step_s * np.arange(2001)
+    load_n = np.repeat((2.0, 0.0), (1000, 1001))
     mount = Mount(0.005, 1000.0, 0.5)
-    load = 2.0
-    step = admissible_step_s(friction, mount, load)
-    at = 0.1 * step * np.arange(2001)
-    loads = np.repeat((load, 0.0), (1000, 1001))
-    motion = DraggedPad(friction, mount, step).process(at, np.full_like(at, 0.1), loads)
+    motion = integrate(friction, mount, None, step_s, at_m, np.full_like(at_m, 0.1), load_n)
     assert np.abs(motion.bristle_m[1:1000] * friction.sigma0 / mu - 1).max() < 0.05
     assert np.abs(motion.velocity_m_s).max() < 0.3
 
 
-@pytest.mark.parametrize("number", [3493, 3511, 37645])
-def test_errors_of_a_velocity_do_not_add_up(number):
-    """A pad that bounces and bristles that stick were once off by 1.5 to 3.5 times the bound."""
-    assert extremes.error_control(Draw("contact, error control", number)) < 1.0
-
-
-def test_motion_that_is_no_number_is_refused():
-    pad = DraggedPad(Friction(0.6, 0.48), Mount(0.01, 1000.0, 0.5), 1e-4)
+@pytest.mark.parametrize("normal", [NormalContact(90.0, 0.3), None], ids=["resonance", "given"])
+@pytest.mark.parametrize("context", [nullcontext, compiled], ids=["plain", "compiled"])
+def test_motion_that_is_no_number_is_refused(monkeypatch, normal, context):
+    monkeypatch.setattr(dragged_pad, "MAX_STEPS", 20_000)
+    pad = DraggedPad(Friction(0.6, 0.48), Mount(0.01, 1000.0, 0.5), normal, 1e-4, 1.0)
     far = np.array([0.0, 1e308])
-    with pytest.raises(
-        TraceError, match=r"step_s: 0.0001 s leads to .* choose less than 5e-05 s, or use coupled"
-    ):
+    with context(), pytest.raises(TraceError, match="sample 1: needs more than 20000 steps"):
         pad.process(far, far, np.ones(2))
+
+
+def test_pad_that_swings_by_itself_is_compared_as_long_as_its_motion_is_known(monkeypatch):
+    with compiled():
+        assert extremes.resonance(Draw("contact, resonance", 109)) < 1.0
+        monkeypatch.setattr(extremes, "CONTACT_ERROR", 0.5)
+        monkeypatch.setattr(extremes, "BOUNCING_ERROR", 0.0)
+        assert extremes.resonance(Draw("contact, resonance", 109)) > 1.0
 
 
 @pytest.mark.full

@@ -6,22 +6,24 @@ from __future__ import annotations
 
 import math
 import re
+from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
 from fingertip.pad.response import Pad
+from fingertip.sim.contact.dragged_pad import Mount
 from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
-from fingertip.sim.contact.tangential import Mount
-from fingertip.sim.runs.grasp_loop import Grasp, HeldObject, Pin, refine
+from fingertip.sim.runs.grasp_loop import Grasp, HeldObject, Pin
 from fingertip.sim.runs.manipulation import run_manipulation
 from fingertip.sim.runs.manipulation_plan import Motors, delay_commands, plan_motion, thumb_force_n
 from fingertip.sim.runs.scene_and_manipulation_files import Hand, ManipulationFile
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
-from fingertip.sim.signal.converter import compute_bridge_v
+from fingertip.sim.signal.bridge import Bridge
 from fingertip.sim.signal.grid import BASE_HZ, Grid
 from fingertip.sim.simulation import article_manipulations
 from tests.conftest import ROOT
@@ -93,28 +95,34 @@ def test_planned_closing_gives_its_force_and_tendon_stalls_at_the_limit():
     assert weak.follow(np.full((2, 600), 1.0)).force_n[:, -1] == pytest.approx([2.0, 2.0], abs=1e-6)
 
 
-def move_object(seconds: float, step_s: float, loads, mass=0.1, weight=0.98, pin=None, leaves=1.0):
+NO_PIN = Pin(2000.0, 5.0, False)
+GROWTH_PER_S = 2.0
+"""Growth of the loads where a test lets them grow."""
+
+
+def move_object(
+    seconds: float,
+    step_s: float,
+    loads,
+    mass=0.1,
+    weight=0.98,
+    pin=None,
+    leaves=1.0,
+    tolerance_n=1e-6,
+    growth_per_s=0.0,
+):
     count = len(loads)
     length = round(seconds / step_s)
     time = np.arange(length + 1) * step_s
     pin_m, pin_m_s = (np.full(length + 1, -1.0), np.zeros(length + 1)) if pin is None else pin(time)
     mounts = (Mount(PAD.backing.mass_kg, 6000.0, 2.0),) * count
     held = HeldObject(
-        Friction(0.7, 0.56), mounts, mass, leaves, Pin(2000.0, 5.0, pin is pull_motion, 0.1)
+        Friction(0.7, 0.56), mounts, mass, leaves, Pin(2000.0, 5.0, pin is pull_motion)
     )
     weights = weight * np.minimum(time / 0.05, 1.0) if weight else np.zeros(length + 1)
-    load_n = np.repeat(np.array(loads)[:, None], length + 1, axis=1)
-    found = Grasp(held, step_s, 1).advance(load_n, weights, pin_m, pin_m_s)
+    load_n = np.array(loads)[:, None] * (1 + growth_per_s * time)
+    found = Grasp(held, step_s, max(loads), tolerance_n).advance(load_n, weights, pin_m, pin_m_s)
     return time[1:], found.object_m, found.position_m, found.over_object_m_s, found.pin_n
-
-
-@pytest.mark.parametrize("parts", [1, 4])
-def test_loads_within_a_step_are_on_a_straight_line_that_ends_at_the_next_point(parts):
-    loads = np.random.default_rng(1).normal(size=(2, 5))
-    fine = refine(loads, parts)
-    times = np.arange(4 * parts + 1) / parts
-    assert fine == pytest.approx(np.array([np.interp(times, np.arange(5), row) for row in loads]))
-    assert np.array_equal(fine[:, ::parts], loads)
 
 
 def test_released_object_falls():
@@ -139,6 +147,7 @@ def pull_motion(time):
 def rates(t, y, loads, mass, weight, pin=pin_motion):
     """The equations of `grasp_loop`, written as plainly as possible."""
     n = len(loads)
+    loads = loads * (1 + GROWTH_PER_S * t)
     x = y[:n]
     v = y[n : 2 * n]
     s = y[2 * n : 3 * n]
@@ -160,39 +169,97 @@ def rates(t, y, loads, mass, weight, pin=pin_motion):
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("pin", [pin_motion, pull_motion])
-def test_every_step_is_ros2_with_the_full_jacobian(pin):
-    """The reference is the method for dense matrices, with the Jacobian from finite differences.
+def test_every_step_is_shampines_with_the_full_jacobian(pin):
+    """The reference is the method for dense matrices, with derivatives from finite differences.
 
-    The method keeps its order with any other Jacobian, so only this test detects a wrong one.
+    Error control hides a wrong Jacobian, so only this test detects it.
     """
     loads = np.array([0.8, 0.5, 0.3])
     h = 1e-3
-    g = 1 - 1 / math.sqrt(2)
     steps = 150  # beyond the impact of the pin, into the slide
     y = np.zeros(11)
+    a = ((), (2.0,), (48 / 25, 6 / 25), (48 / 25, 6 / 25))
+    c = ((), (-8.0,), (372 / 25, 12 / 5), (-112 / 125, -54 / 125, -2 / 5))
+    d = (1 / 2, -3 / 2, 121 / 50, 29 / 250)
+    b = (19 / 9, 1 / 2, 25 / 108, 125 / 108)
+
+    def find_rates(at, state):
+        return rates(at, state, loads, 0.1, 0.98, pin)
+
     for i in range(steps):
         t = i * h
-        here = rates(t, y, loads, 0.1, 0.98, pin)
         size = np.maximum(np.abs(y), 1e-6) * 1e-6
-        nudged = [y + np.where(np.arange(11) == j, size, 0.0) for j in range(11)]
-        lower = [2 * y - up for up in nudged]
         J = np.stack(
             [
-                (rates(t, up, loads, 0.1, 0.98, pin) - rates(t, low, loads, 0.1, 0.98, pin))
-                / (2 * size[j])
-                for j, (up, low) in enumerate(zip(nudged, lower, strict=True))
+                (find_rates(t, y + nudge) - find_rates(t, y - nudge)) / (2 * size[j])
+                for j, nudge in enumerate(np.diag(size))
             ],
             axis=1,
         )
-        drift = g * (rates(t + h, y, loads, 0.1, 0.98, pin) - here)
-        inverse = np.linalg.inv(np.eye(11) - g * h * J)
-        k1 = inverse @ (here + drift)
-        k2 = inverse @ (rates(t + h, y + h * k1, loads, 0.1, 0.98, pin) - drift - 2 * k1)
-        y = y + h * (1.5 * k1 + 0.5 * k2)
-    _, moved, shear, *_ = move_object(steps * h, h, loads, pin=pin)
+        soon, later = (find_rates(t + 1e-4 * h * n, y) for n in (1, 2))
+        by_time = (4 * soon - later - 3 * find_rates(t, y)) / (2e-4 * h)
+        inverse = np.linalg.inv(np.eye(11) * 2 / h - J)
+        u: list[np.ndarray] = []
+        for stage, alpha in enumerate((0.0, 1.0, 0.6, 0.6)):
+            at = y + sum(k * one for k, one in zip(a[stage], u, strict=False))
+            sides = sum(k * one for k, one in zip(c[stage], u, strict=False)) / h
+            u.append(inverse @ (find_rates(t + alpha * h, at) + sides + d[stage] * h * by_time))
+        y = y + sum(k * one for k, one in zip(b, u, strict=True))
+    _, moved, shear, *_ = move_object(
+        steps * h, h, loads, pin=pin, tolerance_n=1e9, growth_per_s=GROWTH_PER_S
+    )
     assert y[-2] > 1e-4
     assert moved[-1] == pytest.approx(y[-2], rel=3e-8)
     assert shear[:, -1] == pytest.approx(y[:3], rel=3e-8)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("pin", [pin_motion, pull_motion])
+def test_motion_agrees_with_scipy_radau(pin):
+    loads = np.array([0.8, 0.5, 0.3])
+    time, moved, shear, over, _ = move_object(0.15, 1e-3, loads, pin=pin, growth_per_s=GROWTH_PER_S)
+    state = np.zeros(11)
+    for start, end in pairwise((0.0, 0.05, 0.1, 0.15)):
+        at = (time > start + 1e-9) & (time < end + 1e-9)
+        part = solve_ivp(
+            lambda t, y: rates(t, y, loads, 0.1, 0.98, pin),
+            (start, end),
+            state,
+            "Radau",
+            time[at],
+            rtol=1e-9,
+            atol=1e-13,
+            max_step=1e-3,
+        )
+        state = part.y[:, -1]
+        assert np.abs(part.y[-2] - moved[at]).max() < 1e-9
+        assert 6000.0 * np.abs(part.y[:3] - shear[:, at]).max() < 5e-6
+        assert np.abs(part.y[3:6] - part.y[-1] - over[:, at]).max() < 1e-6
+
+
+def test_hand_that_holds_an_object_at_rest_takes_no_steps():
+    """Loads on straight bristles may change; once the object hangs on them, they may not."""
+    held = HeldObject(Friction(0.7, 0.56), (Mount(0.035, 6000.0, 60.0),) * 2, 0.1, 1.0, NO_PIN)
+    hold = np.full((2, 5001), 3.0)
+    away = np.full(5001, -1.0), np.zeros(5001)
+    weight = np.minimum(np.arange(5001) / 500, 1.0)
+
+    def advance(load_n, weight_n, max_steps):
+        grasp._constants = (*constants[:2], max_steps, *constants[3:])
+        return grasp.advance(load_n, weight_n, *away)
+
+    grasp = Grasp(held, 1e-4, 3.0)
+    constants = grasp._constants
+    closed = advance(hold * np.linspace(0.0, 1.0, 5001), np.zeros(5001), 0)
+    assert not closed.object_m.any()
+    with pytest.raises(TraceError, match="point 5001: needs more than"):
+        advance(hold, weight, 0)
+    advance(hold, weight, 1000)
+    hanging = advance(hold, np.ones(5001), 0)
+    assert hanging.object_m[0] > 1e-5
+    assert np.ptp(hanging.object_m) == 0.0
+    with pytest.raises(TraceError, match="point 15001: needs more than"):
+        advance(hold * np.linspace(1.0, 1.1, 5001), np.ones(5001), 0)
 
 
 @pytest.mark.parametrize(
@@ -332,7 +399,7 @@ def test_weight_shears_the_pad_and_reduces_the_sensor_reading():
     weight = np.array([0.5 * 9.80665 / 2])
 
     def voltage(shear_n):
-        return compute_bridge_v(DESIGN, PAD.sensed_n(np.array([10.0]), shear_n))[0]
+        return Bridge.of_board(DESIGN).voltage_v(PAD.sensed_n(np.array([10.0]), shear_n))[0]
 
     # The hysteresis of the sensor hides a part of a falling force.
     change = voltage(-weight) - voltage(None)

@@ -119,6 +119,7 @@ def test_without_numba_every_loop_runs_plain(monkeypatch):
     assert compile_for_process(_double) is _double
 
 
+@pytest.mark.second
 def test_cache_follows_a_helper_of_another_file(tmp_path):
     pytest.importorskip("numba")
     (tmp_path / "factor.py").write_text("def scale(x):\n    return 2 * x\n")

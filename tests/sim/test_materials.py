@@ -90,6 +90,7 @@ def test_a_profile_of_too_few_points_for_the_board_is_reported(tmp_path: Path) -
     assert warning.endswith("at most 298 um")
 
 
+@pytest.mark.second
 @pytest.mark.parametrize(
     ("scene", "table"), [("sliding_finger", "contact"), ("real_manipulation", "object")]
 )

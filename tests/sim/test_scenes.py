@@ -13,11 +13,12 @@ import pytest
 from fingertip.catalogues.file_kinds import SCENE, list_bundled_files
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
+from fingertip.foundation.jit import compiled
 from fingertip.pad.response import Pad
 from fingertip.sim.runs.scene import SceneRun, run_scene
 from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from fingertip.sim.signal.analog_circuit import AnalogBoard
-from fingertip.sim.signal.converter import compute_bridge_v
+from fingertip.sim.signal.bridge import Bridge
 from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.signal.grid import STAGES, CostMeter, Grid, StageCost
 from fingertip.sim.simulation import Trial, load_simulation, simulate
@@ -93,9 +94,10 @@ def test_bridge_of_the_design_gives_nearly_the_voltages_of_the_article():
     # The pose of its curve has the share of 1 N.
     assert voltages["article"] == pytest.approx(4.0, abs=0.01)
     sensed_n = Pad.from_design(DESIGN).sensed_n(np.array([0.8]))
-    assert voltages["board"] == pytest.approx(compute_bridge_v(DESIGN, sensed_n)[0], abs=1e-3)
+    board = Bridge.of_board(DESIGN)
+    assert voltages["board"] == pytest.approx(board.voltage_v(sensed_n)[0], abs=1e-3)
     # A bare sensor.
-    assert compute_bridge_v(DESIGN, np.array([0.8]))[0] == pytest.approx(4.0, abs=0.02)
+    assert board.voltage_v(np.array([0.8]))[0] == pytest.approx(4.0, abs=0.02)
     other = run_scene(
         article_design(board={"series": "E12"}),
         scene.model_copy(update={"sensing": load_scene("contact").sensing}),
@@ -307,7 +309,7 @@ def test_trial_has_the_rate_voltage_and_force_of_the_article():
     gross = simulate(ARTICLE, Trial("gross", 0.04, 1.0, 3))
     assert (gross.time_s[1] - gross.time_s[0]) == 0.0005
     assert gross.voltage_v[:200].mean() == pytest.approx(
-        compute_bridge_v(ARTICLE, np.zeros(1))[0], abs=1e-3
+        Bridge.of_board(ARTICLE).voltage_v(np.zeros(1))[0], abs=1e-3
     )
     holding = (gross.time_s > 1.4) & (gross.time_s < 1.8)
     assert gross.force_n[holding].mean() == pytest.approx(1.0, rel=1e-3)
@@ -358,14 +360,19 @@ def test_a_slide_that_is_refused_passes_with_the_values_of_the_message(slide, le
     SceneFile(**tables)
 
 
-def test_grid_that_is_too_coarse_is_refused_with_one_that_passes():
-    scene = load_scene("sliding_finger", **{"mount.mass_kg": 1e-4, "mount.stiffness_n_per_m": 1e5})
-    with pytest.raises(
-        TraceError, match=r"grid: has steps of 0.0001 s, .* give Grid\((\d)\), or leave"
-    ) as caught:
-        SceneRun(DESIGN, scene, grid=Grid())
-    needed = int(re.findall(r"Grid\((\d)\)", str(caught.value))[0])
-    assert SceneRun(DESIGN, scene, grid=Grid(needed)).grid == SceneRun(DESIGN, scene).grid
+@pytest.mark.full
+def test_a_light_pad_gets_a_grid_that_holds_its_error():
+    tables = {"mount.mass_kg": 1e-4, "mount.stiffness_n_per_m": 90.0, "outputs": ["force_n"]}
+    scene = load_scene("sliding_finger", **tables)
+    assert SceneRun(DESIGN, load_scene("sliding_finger")).grid == Grid()
+    chosen = SceneRun(DESIGN, scene).grid
+    assert chosen.refinement == 4
+    with compiled():
+        exact, found, coarse = (
+            run_scene(DESIGN, scene, grid=grid).columns["force_n"]
+            for grid in (Grid(64), None, Grid())
+        )
+    assert np.abs(found - exact).max() < 2e-5 < np.abs(coarse - exact).max()
 
 
 def test_costs_of_a_stage_add_up():

@@ -115,10 +115,10 @@ def test_hand_follows_slow_waves_only():
     )
     time = np.arange(160_000) * 1.25e-4
     for frequency in (0.5, 10.0, 90.0):
-        out = high_pass(np.sin(2 * math.pi * frequency * time), 1.25e-4, 10.0, np.zeros(2))[80_000:]
+        out = high_pass(np.sin(2 * math.pi * frequency * time), 1.25e-4, 10.0, np.zeros(5))[80_000:]
         r = frequency / 10.0
         assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(r / math.hypot(1, r), rel=0.02)
-    assert abs(high_pass(np.append(0.0, np.ones(8000)), 1.25e-4, 10.0, np.zeros(2))[-1]) < 1e-12
+    assert abs(high_pass(np.append(0.0, np.ones(8000)), 1.25e-4, 10.0, np.zeros(5))[-1]) < 1e-12
 
 
 @pytest.mark.parametrize("kind", MOUNTS)

@@ -8,6 +8,7 @@ combined at random with a fixed seed.
 
 from __future__ import annotations
 
+import functools
 import io
 import random
 from collections.abc import Iterator, Sequence
@@ -274,8 +275,16 @@ KINDS = {
 """Kind -> suffix, function that writes one, how many."""
 
 
-def list_forms() -> Iterator[Form]:
-    """Make the corpus, the same at each call."""
+NAMES = [f"{kind} {i}" for kind, (_, _, count) in KINDS.items() for i in range(count)]
+
+
+@functools.cache
+def make_forms() -> dict[str, Form]:
+    """Make the corpus, by name. It takes seconds, so only tests that read it ask for it."""
+    return {form.name: form for form in _list_forms()}
+
+
+def _list_forms() -> Iterator[Form]:
     for kind, (suffix, write, count) in KINDS.items():
         rng = random.Random(kind)
         for i in range(count):

@@ -122,6 +122,19 @@ def test_default_threshold_is_the_rounded_noise_derived_threshold(design):
     assert design.detector.threshold_v == math.ceil(derived_v * 1000) / 1000
 
 
+def test_the_threshold_of_a_board_s_output_is_not_that_of_the_chain() -> None:
+    """The article's board passes next to no noise: 0.31 mV is within the noise of `digital`."""
+    article = Design.load("article")
+    assert article.detector.kind == "analog"
+    assert make_detector("analog", article).threshold_v == 0.00031
+    level = noise_level(article)
+    assert make_detector("digital", article).threshold_v == level.rounded_threshold_v
+    assert level.mean_v > 0.00031
+
+    for_chain = Design.load("article", changes=["detector.kind=digital"])
+    assert make_detector("digital", for_chain).threshold_v == 0.00031
+
+
 def test_threshold_within_the_noise_gives_a_warning():
     level = NoiseLevel(0.010, 0.001)
     (within,) = threshold_warnings(0.0135, level)

@@ -232,6 +232,7 @@ def test_a_loud_moment_counts_as_four_times_the_floor_and_a_quiet_one_tenfold():
         assert learned_noise_v(detector) == pytest.approx(math.sqrt(ratio) * before, rel=1e-9)
 
 
+@pytest.mark.second
 def test_both_floors_follow_a_tone_that_lasts():
     """The energies of a tone of 150 Hz, which lies in both bands, become the floors."""
     detector = FastDetector(SETTINGS)

@@ -12,8 +12,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.detection.recordings import find_force_scale
-from fingertip.sim.signal.bridge import HYSTERESIS
-from fingertip.sim.signal.converter import compute_bridge_v
+from fingertip.sim.signal.bridge import HYSTERESIS, Bridge
 from fingertip.slip.detection_results import as_data, as_text
 from fingertip.slip.force import MEAN_S
 from fingertip.slip.scored_detection import detect
@@ -31,9 +30,8 @@ def test_a_force_lies_within_its_interval_also_while_it_falls(
     scale = find_force_scale(design)
     assert scale is not None
     for force_n in (1.0, 2.0, 5.0):
-        rising_v, falling_v = compute_bridge_v(
-            design, np.array([force_n, force_n * (1 + HYSTERESIS)])
-        ).tolist()
+        forces_n = np.array([force_n, force_n * (1 + HYSTERESIS)])
+        rising_v, falling_v = Bridge.of_board(design).voltage_v(forces_n).tolist()
         for volts in (rising_v, falling_v):
             found = scale.read(volts)
             assert found.low_n <= force_n <= found.high_n
@@ -58,7 +56,7 @@ def test_the_force_stands_beside_each_interval_and_changes_no_verdict() -> None:
     rate_hz = 2000.0
     time_s = np.arange(4000) / rate_hz
     noise = np.random.default_rng(1).normal(0.0, 2e-4, 4000)
-    at_v = float(compute_bridge_v(design, np.array([2.0]))[0])
+    at_v = float(Bridge.of_board(design).voltage_v(np.array([2.0]))[0])
     slides = (time_s > 1.0) & (time_s < 1.5)
     buzz = slides * 0.02 * np.random.default_rng(2).normal(0.0, 1.0, 4000)
     found = detect(Trace(time_s, at_v + noise + buzz), design, "fast")

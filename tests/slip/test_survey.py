@@ -13,8 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.board.analysis.board_values import find_tactile_response
-from fingertip.board.analysis.limits import PRELOAD
+from fingertip.board.analysis.tactile_response import PRELOAD, find_tactile_response
 from fingertip.design import Design
 from fingertip.detection.warnings import flat_warnings
 from fingertip.slip.traces.cells import bare_lines, is_named, parse_number
@@ -138,6 +137,7 @@ def test_seconds_and_nanoseconds_are_joined(tmp_path: Path) -> None:
     assert live["time_s"] - start / 1e9 == pytest.approx(ONSET, abs=1e-6)
 
 
+@pytest.mark.second
 def test_containers_list_what_they_hold_and_take_group_and_channel(tmp_path: Path) -> None:
     savemat = pytest.importorskip("scipy.io").savemat
     other = 2.0 + 1e-4 * np.random.default_rng(0).normal(size=len(T))
@@ -156,6 +156,7 @@ def test_containers_list_what_they_hold_and_take_group_and_channel(tmp_path: Pat
         assert np.array_equal(trace.voltage_v, V)
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("plugin", ["MCAP", "SQLITE3"])
 def test_a_bag_lists_its_topics_and_takes_a_field_of_one(plugin: str, tmp_path: Path) -> None:
     rosbag2 = pytest.importorskip("rosbags.rosbag2")

@@ -64,6 +64,7 @@ def test_parts_are_those_of_the_changed_design(
     assert strip_elements(answer["boxes"]).startswith("boneskinmold palmarmold dorsalcoresensor")
 
 
+@pytest.mark.second
 def test_checks_are_those_of_the_design(server: StudioServer, tables: dict[str, Any]) -> None:
     answer = post(server, "checks", tables).content
     assert answer["passed"]
@@ -276,6 +277,7 @@ def test_ends_cleanly_at_ctrl_c(arguments: list[str], tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.second
 def test_a_fit_keeps_what_was_given_and_moves_what_follows(
     server: StudioServer, tables: dict[str, Any]
 ) -> None:

@@ -30,6 +30,7 @@ from tests.sweep import worker_functions
 from tests.sweep.examples import InlineEngine, make_plan, read_rows, run_sweep_command
 
 pytest.importorskip("distributed")
+pytestmark = pytest.mark.second
 
 SWEEP = """
 name = "cluster"

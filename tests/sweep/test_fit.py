@@ -27,6 +27,7 @@ design = "adult_finger"
 """
 
 
+@pytest.mark.second
 def test_columns_hold_what_moved_and_each_row_is_a_design_that_passes(tmp_path: Path) -> None:
     (tmp_path / "fitted.toml").write_text(TEXT, encoding="utf-8")
     plan = SweepPlan.load(tmp_path / "fitted.toml", ["fit=true"])

@@ -1,4 +1,4 @@
-/* The benchmark's contact; equations in fingertip/sim/contact/coupled.py, for a pad that keeps contact. */
+/* The benchmark's contact; equations in fingertip/sim/contact/dragged_pad.py, for a pad that keeps contact. */
 
 #define STATES 5
 #include "solver.h"

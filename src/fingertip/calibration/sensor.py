@@ -14,8 +14,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.board.analysis.board_values import find_tactile_response
-from fingertip.board.analysis.limits import MAX_PRELOAD_V, TactileResponse
+from fingertip.board.analysis.tactile_response import (
+    MAX_PRELOAD_V,
+    TactileResponse,
+    find_tactile_response,
+)
 from fingertip.board.components.front_end import NEWTON_PER_GRAM
 from fingertip.design import Design
 from fingertip.design.parameters import PARAMETERS

@@ -18,7 +18,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.detectors.fast_settings import FastSettings
-from fingertip.slip.detectors.registry import find_detector_type
+from fingertip.slip.detectors.registry import find_detector_type, make_detector
 from fingertip.slip.scored_detection import Detection
 from fingertip.slip.traces.sampling import (
     MAX_RATE_HZ,
@@ -279,7 +279,8 @@ class Adaptation:
         samples = adapted.detector.window_samples
         values = f"the window is {samples} samples, {1000 * samples / rate_hz:.4g} ms"
         if not self.noise_is_measured and kind.has_design_threshold:
-            values += f"; the threshold is {adapted.detector.threshold_v:.3g} V"
+            threshold_v = make_detector(self.detector, adapted).threshold_v
+            values += f"; the threshold is {threshold_v:.3g} V"
 
         self.report(f"{prefix}filters adapted to {rate_hz:g} Hz; {values}")
         return adapted

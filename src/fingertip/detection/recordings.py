@@ -532,12 +532,12 @@ def _doubt_result(
 
 def find_force_scale(design: Design) -> ForceScale | None:
     """Return the force at each tactile voltage; None if the sensor's curve is not known."""
-    from fingertip.sim.runs.grip import ForceCurve  # noqa: PLC0415
+    from fingertip.sim.signal.finger_curve import FingerCurve  # noqa: PLC0415
 
     if design.force_curve.find_doubt(design.sensor.model):
         return None
 
-    curve = ForceCurve.from_design(design)
+    curve = FingerCurve.from_design(design)
     return ForceScale.of(design, curve.volts, curve.forces_n)
 
 
@@ -549,13 +549,14 @@ def simulate_board(
     progress: Progress,
 ) -> Trace:
     """Add the simulated output of the design's board; a force passes its bridge first."""
-    from fingertip.sim.signal.converter import SimulatedBoardDetector, compute_bridge_v  # noqa: PLC0415
+    from fingertip.sim.signal.bridge import Bridge  # noqa: PLC0415
+    from fingertip.sim.signal.converter import SimulatedBoardDetector  # noqa: PLC0415
 
     voltage_v = trace.voltage_v
     circuits = "the design's board"
 
     if not columns.in_volts:
-        voltage_v = compute_bridge_v(design, voltage_v)
+        voltage_v = Bridge.of_board(design).voltage_v(voltage_v)
         circuits = "the design's bridge and board"
         progress(design.force_curve.describe(design.sensor.model))
 

@@ -296,9 +296,9 @@ def _measure_low_tones(pieces: Array) -> Array:
 
 def polarity_warnings(volts: Array, design: Design) -> Iterator[str]:
     """Warn of a voltage that begins as if pressed hard, and then goes towards no force."""
-    from fingertip.sim.signal.converter import compute_bridge_v  # noqa: PLC0415
+    from fingertip.sim.signal.bridge import Bridge  # noqa: PLC0415
 
-    rest_v, pressed_v = compute_bridge_v(design, np.array([0.0, _HIGH_N])).tolist()
+    rest_v, pressed_v = Bridge.of_board(design).voltage_v(np.array([0.0, _HIGH_N])).tolist()
     means = _average(volts, design)
     shares = (means - rest_v) / (pressed_v - rest_v)
 
@@ -314,7 +314,7 @@ def polarity_warnings(volts: Array, design: Design) -> Iterator[str]:
 
 def preload_warnings(volts: Array, design: Design, detector: str = "") -> Iterator[str]:
     """Warn of a voltage that comes near that of an untouched finger, and not to it."""
-    from fingertip.board.analysis.board_values import find_tactile_response  # noqa: PLC0415
+    from fingertip.board.analysis.tactile_response import find_tactile_response  # noqa: PLC0415
 
     response = find_tactile_response(design)
     means = _average(volts, design)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.board.analysis.limits import IDLE_TOLERANCE_V, PRELOAD
+from fingertip.board.analysis.tactile_response import IDLE_TOLERANCE_V, PRELOAD
 from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance_s
 from fingertip.design import Design
 from fingertip.documents.template import render_page

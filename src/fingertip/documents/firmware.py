@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from fingertip.board.analysis.board_values import find_tactile_response
+from fingertip.board.analysis.tactile_response import find_tactile_response
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.channels import split_net
 from fingertip.board.components.front_end import POWER_UP_S

@@ -12,13 +12,14 @@ from string import Template
 from typing import Any
 
 from fingertip import __version__
-from fingertip.board.analysis.board_values import find_tactile_response
+from fingertip.board.analysis.tactile_response import find_tactile_response
 from fingertip.catalogues.electronics import HYSTERESIS
 from fingertip.catalogues.output_files import BUFFER, HAND, SCAN, TIMER
 from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
 from fingertip.firmware.fingers import CONVERSIONS, GENERIC, TASK_CONVERSIONS, Fingers
-from fingertip.sim.runs.grip import HISTORY, LONGEST_STEP_S, MIN_PRESENT_N, ForceCurve, GripSettings
+from fingertip.sim.runs.grip import HISTORY, LONGEST_STEP_S, GripSettings
+from fingertip.sim.signal.finger_curve import MIN_PRESENT_N, FingerCurve
 from fingertip.slip.detectors import fast_decision_and_floors, fast_state
 from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.detectors.fast_coefficients import NODES, FastModel, load_model
@@ -258,7 +259,7 @@ def _render_grip(settings: GripSettings) -> str:
     )
 
 
-def _render_curves(curves: Sequence[ForceCurve], designs: Sequence[Design]) -> str:
+def _render_curves(curves: Sequence[FingerCurve], designs: Sequence[Design]) -> str:
     """Render the distinct curves and pads, and which of them each finger has."""
     scales = [
         ForceScale.of(design, curve.volts, curve.forces_n)
@@ -320,7 +321,7 @@ def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
     constants = f"{_render_fingers(fingers, has_divider)}\n\n{_render_constants(design)}"
     designs = fingers.designs or (design,) * fingers.count
     settings = GripSettings()
-    curves = [ForceCurve.from_design(finger) for finger in designs]
+    curves = [FingerCurve.from_design(finger) for finger in designs]
     header = _insert(read_template(GRIP_HEADER), "slip_grip_constants.h", _render_grip(settings))
     backing = f"#define SLIP_BACKING_N_PER_M {real(curves[0].pad.backing.stiffness_n_per_m)}"
     header = _insert(header, "slip_grip_backing.h", backing)

@@ -30,7 +30,7 @@ from fingertip.recorded_trials.trials import (
     trial_path,
     write_trial,
 )
-from fingertip.sim.runs.grip import ForceCurve
+from fingertip.sim.signal.finger_curve import FingerCurve
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.fast_settings import GAP_S
 from fingertip.slip.traces.trace import Trace
@@ -106,7 +106,7 @@ class Recorder:
         self._rate_hz = self.design.detector.sample_rate_hz
         self._hash = hash_parameters(self.design.identity())
         self._detector = registry.make_detector("fast", self.design)
-        self._curve = ForceCurve.from_design(self.design)
+        self._curve = FingerCurve.from_design(self.design)
 
     def run(self, reader: SampleReader) -> Recorded:
         """Record all trials that the folder lacks. Raises TraceError if the samples end before."""

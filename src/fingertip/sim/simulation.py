@@ -15,9 +15,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
-from fingertip.board.analysis.board_values import find_range_warnings, find_tactile_range_v
+from fingertip.board.analysis.tactile_response import find_tactile_range_v
 from fingertip.catalogues.file_kinds import (
     DESIGN,
     MANIPULATION,
@@ -42,8 +42,6 @@ from fingertip.sim.contact.surface_files import (
     SurfaceFile,
     find_profile_warnings,
 )
-from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
-from fingertip.sim.runs.manipulation_plan import Controller
 from fingertip.sim.runs.scene import (
     SceneRecord,
     SceneResult,
@@ -55,6 +53,10 @@ from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, Sc
 from fingertip.sim.runs.timeline import SLIDE_M
 from fingertip.sim.signal.simulated_finger import FingerSignals
 from fingertip.sim.trace_file import open_trace, write_columns
+
+if TYPE_CHECKING:
+    from fingertip.sim.runs.manipulation import ManipulationResult
+    from fingertip.sim.runs.manipulation_plan import Controller
 from fingertip.slip.traces.trace import Trace
 
 
@@ -73,9 +75,12 @@ class Simulation:
         too few points.
         """
         if "voltage_v" in self.scene.outputs:
+            range_v = find_tactile_range_v(self.design)
             if self.scene.converter.bits:
-                yield from self.scene.converter.find_warnings(*find_tactile_range_v(self.design))
-            else:
+                yield from self.scene.converter.find_warnings(*range_v)
+            elif max(range_v) > self.design.detector.adc_range_v:
+                from fingertip.board.analysis.board_values import find_range_warnings  # noqa: PLC0415
+
                 yield from find_range_warnings(self.design)
 
         if (
@@ -94,6 +99,8 @@ class Simulation:
     ) -> SceneResult | ManipulationResult:
         """Run the simulation. Raises TraceError."""
         if isinstance(self.scene, ManipulationFile):
+            from fingertip.sim.runs.manipulation import run_manipulation  # noqa: PLC0415
+
             return run_manipulation(self.design, self.scene, controller, self.seed, progress)
 
         return run_scene(self.design, self.scene, self.seed, progress)
@@ -106,6 +113,8 @@ class Simulation:
         Raises TraceError.
         """
         if isinstance(self.scene, ManipulationFile):
+            from fingertip.sim.runs.manipulation import run_manipulation  # noqa: PLC0415
+
             result = run_manipulation(self.design, self.scene, None, self.seed, progress)
             write_columns(file, path, result.time_s, result.columns)
             return result

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fingertip.foundation.files import round_for_output
 from fingertip.sim.contact.surface_files import SurfaceTable
-from fingertip.sim.runs.manipulation import ManipulationResult
 from fingertip.sim.runs.scene import SceneRecord
 from fingertip.slip.traces.truth import STICK_S, merge
+
+if TYPE_CHECKING:
+    from fingertip.sim.runs.manipulation import ManipulationResult
 
 
 def as_data(

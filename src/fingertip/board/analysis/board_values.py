@@ -14,13 +14,13 @@ from typing import Any
 from fingertip.board.analysis import interference, limits, response, thresholds
 from fingertip.board.analysis.gate import GateCondition, check_gate, check_yields
 from fingertip.board.analysis.interference import SharedFigures, compute_shared_figures
-from fingertip.board.analysis.limits import TactileResponse, adc_range_warnings
+from fingertip.board.analysis.limits import adc_range_warnings
 from fingertip.board.analysis.loads import find_filter_load_ohm
 from fingertip.board.analysis.noise import NoiseLevels, compute_noise_levels
+from fingertip.board.analysis.tactile_response import TactileResponse, find_tactile_response
 from fingertip.board.analysis.tolerance import compute_yields
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Value, build_network, filter_quantities
-from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.components.selection import FilterSelection, select_filter
 from fingertip.board.components.values import SUPPLIES, ComponentValues, select_components
 from fingertip.board.parts.nets import GND, VCC, VEE
@@ -34,7 +34,7 @@ from fingertip.design.parameters.board_and_detector import Board
 class BoardValues(ComponentValues):
     """Component values of one design's board, and the resulting response, noise and limits."""
 
-    tactile_response: limits.TactileResponse
+    tactile_response: TactileResponse
     target_response: response.FrequencyResponse
     achieved_response: response.FrequencyResponse
     """Response of the circuit with preferred values and amplifiers as built."""
@@ -145,7 +145,7 @@ def board_values(design: Design) -> BoardValues:
         threshold_v=detector.threshold_v,
         envelope_gain=envelope_gain,
     )
-    tactile_response = limits.compute_tactile_response(circuit, rails, supply.signal_ground)
+    tactile_response = find_tactile_response(design)
     return BoardValues(
         **{field.name: getattr(components, field.name) for field in fields(components)},
         tactile_response=tactile_response,
@@ -179,26 +179,6 @@ def board_values(design: Design) -> BoardValues:
             else None
         ),
     )
-
-
-# Front end of any design, a board's or a divider: the tactile voltage over the sensor's
-# conductance.
-
-
-def find_tactile_response(design: Design) -> TactileResponse:
-    board = design.board
-    if board.has_filter:
-        return board_values(design).tactile_response
-
-    # The supply behind the resistor drives the sensor, whose current is read across that resistor.
-    return TactileResponse(0.0, board.supply_v, board.divider_ohm, -board.divider_ohm)
-
-
-def find_tactile_range_v(design: Design) -> tuple[float, float]:
-    """Smallest and largest tactile voltage [V], from an open sensor to its maximum force."""
-    response = find_tactile_response(design)
-    ends_v = response.open_v, response.tactile_v(sensor_conductance_s(MAX_FORCE_N))
-    return min(ends_v), max(ends_v)
 
 
 def find_range_warnings(design: Design) -> Iterator[str]:

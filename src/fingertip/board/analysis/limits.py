@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fingertip.board.analysis.response import RECTIFYING_DIODE, find_envelope_pin, find_rectifier
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.components.values import Supply
-from fingertip.board.parts.circuit import SENSOR_CONNECTOR, Circuit
+from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.nets import (
     ADC_TACTILE,
     BIAS,
@@ -36,6 +36,39 @@ _INPUT_UPPER_MARGIN_V = 1.5
 """Distance of the AD623's inputs from its positive supply for which it is specified [V] (its data
 sheet, input voltage range; recalled, unverified).
 """
+
+
+@dataclass(frozen=True)
+class FilterSwing:
+    """Limits of the filter's amplifiers as voltage followers; voltages against the signal ground.
+
+    An amplifier swings down to where its output or its input ends first.
+    """
+
+    peak_v: float
+    trough_v: float
+    """Limits above and below the signal ground, both positive [V]."""
+    guaranteed_trough_v: float
+    """Limit below that the data sheet guarantees [V]."""
+    has_phase_reversal: bool
+    """True if an input ends first: the output then jumps up."""
+
+    @property
+    def even_v(self) -> float:
+        """Largest amplitude of an oscillation [V]."""
+        return min(self.peak_v, self.trough_v)
+
+    @classmethod
+    def find(cls, amplifier: Amplifier, supply: Supply, supply_v: float) -> FilterSwing:
+        output_v = amplifier.output_from_rail_v
+        lower_v = supply.lower_headroom_v(supply_v)
+        typical_v, guaranteed_v = amplifier.input_from_lower_v
+        return cls(
+            peak_v=supply.upper_headroom_v(supply_v) - output_v,
+            trough_v=lower_v - max(typical_v, output_v),
+            guaranteed_trough_v=lower_v - max(guaranteed_v, output_v),
+            has_phase_reversal=typical_v > output_v,
+        )
 
 
 @dataclass(frozen=True)
@@ -109,13 +142,7 @@ def compute_voltage_limits(
     detector: Detector,
 ) -> VoltageLimits:
     """Compute the limits of a board, whose filter has this amplifier and this maximum gain."""
-    # Each amplifier of the filter swings as a voltage follower: down to where its output or its
-    # input ends first.
-    up_v = supply.upper_headroom_v(supply_v) - amplifier.output_from_rail_v
-    down_v, guaranteed_down_v = (
-        supply.lower_headroom_v(supply_v) - max(input_margin_v, amplifier.output_from_rail_v)
-        for input_margin_v in amplifier.input_from_lower_v
-    )
+    swing = FilterSwing.find(amplifier, supply, supply_v)
     rectifier = find_rectifier(circuit)
     quiescent = build_network(
         circuit, conducting=[RECTIFYING_DIODE] if rectifier == "precision" else []
@@ -152,12 +179,12 @@ def compute_voltage_limits(
         sensor_amplifier_margin_v=min(margins_v),
         max_sensor_input_v=max(volts[net] for volts in (open_sensor, pressed) for net in inputs),
         sensor_input_limit_v=supply_v - _INPUT_UPPER_MARGIN_V if has_bridge else supply_v,
-        filter_peak_v=up_v,
-        filter_trough_v=down_v,
-        filter_guaranteed_trough_v=guaranteed_down_v,
-        has_phase_reversal=amplifier.input_from_lower_v[0] > amplifier.output_from_rail_v,
-        vibration_peak_v=min(up_v, down_v) / gain,
-        max_envelope_v={"diode": up_v - DIODE_V, "precision": min(up_v, down_v) - DIODE_V}.get(
+        filter_peak_v=swing.peak_v,
+        filter_trough_v=swing.trough_v,
+        filter_guaranteed_trough_v=swing.guaranteed_trough_v,
+        has_phase_reversal=swing.has_phase_reversal,
+        vibration_peak_v=swing.even_v / gain,
+        max_envelope_v={"diode": swing.peak_v - DIODE_V, "precision": swing.even_v - DIODE_V}.get(
             rectifier
         ),
         clamp_high_rail_v=supply_v,
@@ -217,65 +244,4 @@ def _bridge_amplifier_margin_v(volts: dict[str, float], supply: Supply, supply_v
         common_v + _INPUT_SHIFT_V - half_v - lower_v,
         supply_v - OUTPUT_UPPER_MARGIN_V - output_v,
         output_v - lower_v - OUTPUT_LOWER_MARGIN_V,
-    )
-
-
-# Constant voltages of the front end, from the network.
-
-IDLE_TOLERANCE_V = 0.1
-MAX_PRELOAD_V = 0.5
-"""Largest offset of an untouched finger; from the second value on it is another board's [V]."""
-PRELOAD = "the skin presses on the sensor: pull it on again"
-
-
-@dataclass(frozen=True)
-class TactileResponse:
-    """Tactile voltage as a function of the sensor's conductance.
-
-    The front end drives the sensor like a source of voltage with a resistance (Thevenin), and the
-    current through the sensor moves the tactile voltage in proportion: down behind a bridge, up
-    behind a transimpedance stage.
-    """
-
-    open_v: float
-    """Tactile voltage with an open sensor, against ground [V]."""
-    sensor_v: float
-    """Voltage across an open sensor [V]."""
-    source_ohm: float
-    """Resistance of the front end as the sensor sees it."""
-    transfer_ohm: float
-    """Tactile voltage lost per current through the sensor; negative where it is gained."""
-
-    @property
-    def rises(self) -> bool:
-        return self.transfer_ohm < 0.0
-
-    def describe_preload(self, rest_v: float) -> str | None:
-        """Warn if the voltage at the least load [V] is that of a sensor under a tight skin."""
-        excess_v = rest_v - self.open_v
-        if (excess_v > 0.0) != self.rises or not IDLE_TOLERANCE_V < abs(excess_v) <= MAX_PRELOAD_V:
-            return None
-
-        return (
-            f"at the least load the voltage is {1000 * excess_v:+.0f} mV from the "
-            f"{self.open_v:.3g} V of an untouched "
-            f"finger; if nothing touches it then, {PRELOAD}."
-        )
-
-    def tactile_v(self, conductance_s: float) -> float:
-        """Return the tactile voltage [V] at a conductance [S], with an ideal amplifier output."""
-        current_a = self.sensor_v * conductance_s / (1.0 + self.source_ohm * conductance_s)
-        return self.open_v - self.transfer_ohm * current_a
-
-
-def compute_tactile_response(
-    circuit: Circuit, rails: Mapping[str, float], signal_ground: str
-) -> TactileResponse:
-    network = build_network(circuit).restrict(TACTILE, signal_ground)
-    volts = network.operating_point(rails)
-    return TactileResponse(
-        open_v=volts[TACTILE],
-        sensor_v=volts[SENSOR] - volts[circuit.net_by_pin[SENSOR_CONNECTOR, "2"]],
-        source_ohm=network.constant_transfers(SENSOR)[SENSOR],
-        transfer_ohm=network.constant_transfers(TACTILE)[SENSOR],
     )

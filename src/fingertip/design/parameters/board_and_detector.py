@@ -151,8 +151,8 @@ class Detector(ParameterTable):
         0.023,
         "V",
         (1e-9, 10),
-        "Threshold of the mean envelope above which slip is ON; default: its mean plus 6 standard "
-        "deviations in noise.",
+        "Threshold of the mean envelope above which slip is ON, of digital and analog "
+        "(kind=analog: of analog alone); default: its mean plus 6 standard deviations in noise.",
     )
     noise_v: float = quantity(
         0.5e-3,

@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from fingertip.board.analysis.limits import IDLE_TOLERANCE_V
+from fingertip.board.analysis.tactile_response import IDLE_TOLERANCE_V
 from fingertip.board.circuits.board_circuit import divider_circuit
 from fingertip.board.circuits.spice import divider_deck
 from fingertip.board.components.front_end import (

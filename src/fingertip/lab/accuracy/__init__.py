@@ -5,6 +5,6 @@ A design comes in; tables, data and a picture go out (`fingertip accuracy`). A c
 number alone:
 
 >>> from fingertip.lab.accuracy.extremes import try_cases
->>> [case.is_held for case in try_cases("contact, fixed steps", [0])]
+>>> [case.is_held for case in try_cases("contact, resonance", [0])]
 [True]
 """

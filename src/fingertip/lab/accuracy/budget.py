@@ -41,7 +41,7 @@ from fingertip.pad.layer import GRID_MM, find_contacts
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.survey import GRASP_DEG, TILTS_DEG, WIDE_DEG, try_contacts
 from fingertip.pad.touch import Pose
-from fingertip.sim.runs.scene import SceneRun, run_scene
+from fingertip.sim.runs.scene import run_scene
 from fingertip.sim.signal.grid import BASE_HZ, Grid
 from fingertip.sim.simulation import Trial, article_trials
 
@@ -181,9 +181,9 @@ def _refine_steps(design: Design) -> Iterator[Curve]:
     cases = [Case("slip", scene, seed) for scene, seed in trials_to_refine]
 
     def detect(step_us: float) -> Values:
-        grids = [SceneRun(design, case.scene, case.seed).grid or Grid() for case in cases]
-        finer = [Grid(grid.refinement * round(1e6 / BASE_HZ / step_us)) for grid in grids]
-        result = DetectorResult(1.0, tuple(chain(*map(partial(_detect, design), cases, finer))))
+        grid = Grid(round(1e6 / BASE_HZ / step_us))
+        trials = chain.from_iterable(_detect(design, case, grid) for case in cases)
+        result = DetectorResult(1.0, tuple(trials))
         onset_s = result.motion_delay_s(0.5) - result.delay_s(0.5)
 
         return {

@@ -18,7 +18,7 @@ from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.foundation.workers import find_workers, side_by_side
 from fingertip.lab.accuracy.extremes import FamilyResult, try_families
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
-from fingertip.sim.runs.scene import SceneResult, SceneRun, run_scene
+from fingertip.sim.runs.scene import SceneResult, run_scene
 from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
 from fingertip.sim.signal.grid import Grid
 from fingertip.sim.simulation import Trial
@@ -57,13 +57,10 @@ def measure_steps(
     scene = scene.model_copy(update={"outputs": signals, "sensing": quiet})
     runs = list[SceneResult | ManipulationResult]()
     cpu_s = list[float]()
-    base = 1
-    if isinstance(scene, SceneFile):
-        base = (SceneRun(design, scene).grid or Grid()).refinement
 
     for refinement in (1, *_REFINEMENTS, REFERENCE):  # the first run loads the loops
         begin = time.process_time()
-        grid = Grid(base * refinement)
+        grid = Grid(refinement)
         if isinstance(scene, SceneFile):
             runs.append(run_scene(design, scene, grid=grid))
         else:
@@ -86,7 +83,7 @@ def measure_steps(
         step_errors.append(
             StepError(
                 run=name,
-                step_s=Grid(base * refinement).step_s,
+                step_s=Grid(refinement).step_s,
                 errors=errors,
                 cpu_s=spent_s,
                 real_time_ratio=run.duration_s / spent_s,

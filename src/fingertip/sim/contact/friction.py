@@ -39,10 +39,6 @@ ELASTO_PLASTIC = 0.7
 Assumption.
 """
 
-ROS2_GAMMA = 1 - 1 / math.sqrt(2)
-"""Parameter of ROS2 that makes it L-stable (Verwer et al. 1999), the method of both loops with
-fixed steps.
-"""
 LOAD_SCALE_N = 1e-3
 """N0, a load far below all that matter [N].
 It keeps the model smooth where contact begins and ends.
@@ -68,26 +64,12 @@ GROSS_SLIP_M_S = 1e-3
 Assumption: 1/40 of the article's slowest slide.
 """
 
-Curve = tuple[float, float, float]
-"""Stribeck curve: mu_c, mu_s - mu_c, and Stribeck velocity [m/s]."""
 Velocity = TypeVar("Velocity", float, Array)
 
 
-def stribeck(curve: Curve, v: Velocity) -> tuple[Velocity, Velocity]:
-    """Compute the Stribeck curve g at a velocity [m/s], and its derivative [s/m].
-
-    Each `CompiledLoop` with fixed steps inlines it.
-    """
-    mu_c, drop, vs = curve
-    ratio = v / vs
-    denominator = 1 + ratio * ratio
-
-    return mu_c + drop / denominator, -2 * drop * ratio / (vs * denominator * denominator)
-
-
-def stribeck_fraction(mu_c: float, mu_s: float, ratio: float) -> tuple[float, float]:
-    """Compute numerator and denominator of g from v / vs, for the loop with error control: it needs
-    fewer divisions.
+def stribeck_fraction(mu_c: float, mu_s: float, ratio: Velocity) -> tuple[Velocity, Velocity]:
+    """Compute numerator and denominator of the Stribeck curve g from v / vs: loops need fewer
+    divisions.
     """
     square = ratio * ratio
     return mu_s + mu_c * square, 1 + square
@@ -159,10 +141,6 @@ class Friction:
         )
 
     @property
-    def curve(self) -> Curve:
-        return self.mu_c, self.mu_s - self.mu_c, self.stribeck_m_s
-
-    @property
     def max_ratio(self) -> float:
         """Ratio of `mu_s` to `mu_c` below which friction is passive."""
         return 1 + self.sigma2 / self.sigma1
@@ -197,7 +175,8 @@ class Friction:
         """
         v = np.abs(velocity_m_s)
         z = np.abs(bristle_m)
-        g, _ = stribeck(self.curve, v)
+        top, bottom = stribeck_fraction(self.mu_c, self.mu_s, v / self.stribeck_m_s)
+        g = top / bottom
         speed = self.sigma0 * v * z / g
 
         if self.elastic:

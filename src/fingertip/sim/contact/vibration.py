@@ -41,17 +41,23 @@ def smoothstep(x: Array) -> Array:
 # (`SurfaceTable.load_law`). Unless a scene asks for the average over the contact patch, the pad
 # follows the summits of one line, which gives an upper bound.
 #
-# Heights are taken as linear between the points of the grid, which the filter follows exactly, and
-# drives as cubic.
+# Both filters are exact for ramps. Ramps cut a curve u(t) short by h^2 u'' / 12 on average, so
+# their ends are moved by as much, which gives order 4. u'' is that of the cubic through the last
+# four points of the grid.
 
-_HAND, _HEIGHT = range(2)
-"""Indices of the state of the hand that follows a surface: its height, and the previous height of
-the surface [m].
+_HAND, _HEIGHT, _HEIGHT_1, _HEIGHT_2, _HEIGHT_3 = range(5)
+"""Indices of the state of the hand that follows a surface: its height, the end of the previous ramp
+of the surface, and the last three heights of the surface [m].
 """
 _FORCE, _RATE, _DRIVE, _ONE, _TWO, _THREE = range(6)
-"""Indices of the state of the resonance: force [N], its rate [N/s], the previous drive of its ramp,
-and the last three drives [N].
+"""Indices of the state of the resonance: force [N], its rate [N/s], the end of the previous ramp of
+the drive, and the last three drives [N].
 """
+
+
+def end_ramp(u: float, u1: float, u2: float, u3: float) -> float:
+    """End of the ramp that stands for a curve, from its last four points."""
+    return (10.0 * u + 5.0 * u1 - 4.0 * u2 + u3) * (1 / 12)
 
 
 def transmit(load_n: Array) -> Array:
@@ -94,7 +100,7 @@ class ProfileForce:
         height = self._profile.height_m(path_m)
         if self._state is None:
             # the hand has followed the surface so far
-            self._state = np.zeros(2)
+            self._state = np.zeros(5)
             self._origin_m = height[0]
 
         deflection = high_pass(
@@ -171,22 +177,29 @@ def _high_pass_loop(
     state: MutableFloats,
     out: MutableFloats,
 ) -> None:
-    """Subtract a share of the hand's height, a first-order low-pass of the heights that is exact
-    for straight lines.
-    """
+    """Subtract a share of the hand's height, a first-order low-pass of the heights."""
     hand = state[_HAND]
     before = state[_HEIGHT]
+    u1 = state[_HEIGHT_1]
+    u2 = state[_HEIGHT_2]
+    u3 = state[_HEIGHT_3]
 
     for i in range(len(heights)):
-        now = heights[i]
+        now = end_ramp(heights[i], u1, u2, u3)
+        u3 = u2
+        u2 = u1
+        u1 = heights[i]
         # On a ramp the hand stays `lag` seconds behind; what differs from that decays.
         behind = lag * ((now - before) / h)
         hand = (hand - before + behind) * decay + now - behind
         before = now
-        out[i] = now - share * hand
+        out[i] = u1 - share * hand
 
     state[_HAND] = hand
     state[_HEIGHT] = before
+    state[_HEIGHT_1] = u1
+    state[_HEIGHT_2] = u2
+    state[_HEIGHT_3] = u3
 
 
 def _resonance_loop(
@@ -212,9 +225,7 @@ def _resonance_loop(
         u1 = u1 + jump[i]
         u2 = u2 + jump[i]
         u3 = u3 + jump[i]
-        # Ramps cut a curve u(t) short by h^2 u'' / 12 on average. Their ends are moved by as much,
-        # which gives order 4. u'' is that of the cubic through the last four drives.
-        now = (10.0 * drive[i] + 5.0 * u1 - 4.0 * u2 + u3) * (1 / 12)
+        now = end_ramp(drive[i], u1, u2, u3)
         u3 = u2
         u2 = u1
         u1 = drive[i]
@@ -241,5 +252,5 @@ def _resonance_loop(
     state[_THREE] = u3
 
 
-_high_pass = CompiledLoop(_high_pass_loop, samples="heights", plain_us=0.3)
-_resonate = CompiledLoop(_resonance_loop, samples="drive", plain_us=0.35)
+_high_pass = CompiledLoop(_high_pass_loop, end_ramp, samples="heights", plain_us=0.3)
+_resonate = CompiledLoop(_resonance_loop, end_ramp, samples="drive", plain_us=0.35)

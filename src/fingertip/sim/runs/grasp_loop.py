@@ -13,46 +13,91 @@ pad over the object, normal forces N, and LuGre friction as in `fingertip.sim.co
 
 Xp is the position of the pin. Its contact model is that of Hunt and Crossley (Trans. ASME J.
 Applied Mechanics 42(2), 1975, doi:10.1115/1.3423596). Unless it is attached, it never pulls: where
-p or this force is negative, it is 0. The method is ROS2 with the analytic Jacobian, as in
-`fingertip.sim.contact.tangential`. The fingers are coupled through the velocity of the object only,
-so each one is eliminated by itself, and one scalar equation for the object remains.
+p or this force is negative, it is 0. Between samples Xp is cubic; weight and normal forces are
+linear. The method is that of `fingertip.sim.contact.dragged_pad_loop`, with the same control of its
+error. The fingers are coupled through the velocity of the object only, so each one is eliminated by
+itself, and one scalar equation for the object remains.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
+from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array
+from fingertip.sim.contact.dragged_pad import MAX_STEPS, TOLERANCE_N, Mount, weigh_errors
+from fingertip.sim.contact.dragged_pad_loop import (
+    A21,
+    A31,
+    A32,
+    ACCEPTED,
+    ALPHA2,
+    ALPHA3,
+    B1,
+    B2,
+    B3,
+    B4,
+    C21,
+    C31,
+    C32,
+    C41,
+    C42,
+    C43,
+    D1,
+    D2,
+    D3,
+    D4,
+    E1,
+    E2,
+    E4,
+    FAILED_SAMPLE,
+    GAMMA,
+    GIVEN,
+    MIN_STEP_RATIO,
+    REJECTED,
+    REST,
+    REST_S,
+    Bristles,
+    Curve,
+    bristle_rate,
+    linearise,
+    normal_rate,
+)
 from fingertip.sim.contact.friction import (
     LOAD_SCALE_N,
     RELAX_PER_S,
-    ROS2_GAMMA,
-    Curve,
     Friction,
-    stribeck,
+    stribeck_fraction,
 )
-from fingertip.sim.contact.tangential import MAX_DAMPING, MAX_PHASE, Mount
 
 PAD_STATES = 3
 """Number of states of each pad: x, v, s. The pads come first in the state."""
-OBJECT_X, OBJECT_V, HAS_LEFT = range(3)
-"""Indices of the object's states, counted from the end of the pads' states."""
-OBJECT_STATES = 3
-"""Number of states of the object: X, V, and 1 once it has left the fingers."""
-PIN_PHASE = 0.15
-"""Longest step, as the angle by which the object swings on the pin in one step [rad]: less than on
-the bristles, as a pin that is attached hardly damps, and goes on ringing.
+OBJECT_X, OBJECT_V, HAS_LEFT, STEP, MOVED = range(5)
+"""Indices of what follows the pads' states: X, V, 1 once the object has left the fingers, length of
+the next step [s], and present motion in `REST_S` as a share of the tolerance.
 """
-_A, _B, _PIVOT_S, _J_SW, _PIVOT_V, _J_VS, _RS1, _DRIFT_S, _DRIFT_V, _C1 = range(10)
-_KX1, _KV1, _KS1, _S, _E, _RX, _RS2, _SLIDING, _MOST = range(10, 19)
-"""Indices of the values kept for each finger between the parts of a step, named like the variables
-of the loop.
+OBJECT_STATES = 5
+_PIVOT_S, _PIVOT_V, _Q, _J_SV, _J_VS, _LATE_V, _LATE_S, _DV, _DS, _A, _RX, _RS = range(12)
+_UX = 12
+_UV = 16
+_US = 20
+"""Indices of the values kept for each finger within a step, named like the variables of the loop.
+The last three begin the increments of the four stages. Those of the object's X and V follow the
+fingers.
 """
-SCRATCH_SIZE = 19
+SCRATCH_SIZE = 24
+STAGES = 4
+_TIMES = (0.0, ALPHA2, ALPHA3, ALPHA3)
+_STATES = ((0.0, 0.0, 0.0), (A21, 0.0, 0.0), (A31, A32, 0.0), (A31, A32, 0.0))
+_SIDES = ((0.0, 0.0, 0.0), (C21, 0.0, 0.0), (C31, C32, 0.0), (C41, C42, C43))
+_DERIVATIVES = (D1, D2, D3, D4)
+_NEW = (B1, B2, B3, B4)
+_ERRORS = (E1, E2, 0.0, E4)
+"""Coefficients alpha_i, a_ij, c_ij, d_i, b_i and e_i of the method by stage."""
 
 
 def pin_n(
@@ -77,28 +122,27 @@ def pin_n(
     return f if f > 0.0 else 0.0
 
 
-def relax_rate(full: float, load_ratio: float, stretch: float) -> tuple[float, float]:
-    """Rate at which bristles relax from R, N / N0 and sigma0 z / mu_s, and its derivative by s,
-    times s.
-    """
-    r = full * (1 - load_ratio) if load_ratio < 1.0 else 0.0
-    stretch = stretch if stretch >= 0.0 else -stretch
-    if stretch <= 1.0:
-        return r, 0.0
+def combine(coefficients: tuple[float, float, float], stage: int, u: Floats, first: int) -> float:
+    """Sum the increments of the stages before, each with its coefficient."""
+    total = 0.0
+    for k in range(stage):
+        total += coefficients[k] * u[first + k]
 
-    return r + full * (stretch - 1), full * stretch
+    return total
 
 
 def _grasp_loop(
     curve: Curve,
-    sigma: tuple[float, float, float, float, float],
-    h: float,
+    sigma: Bristles,
+    max_steps: int,
+    H: float,
     mass: float,
     pin: tuple[float, float, float],
     exit_x: float,
     count: int,
     length: int,
     mount: Floats,
+    weights: Floats,
     weight: Floats,
     pin_x: Floats,
     pin_v: Floats,
@@ -110,217 +154,265 @@ def _grasp_loop(
     z_out: MutableFloats,
     object_out: MutableFloats,
     pin_out: MutableFloats,
+    stats: MutableFloats,
 ) -> None:
-    # Parameters: bristle coefficients s0, s1, s2, their rate of relaxation, N0; stiffness and
-    # damping of the pin, 1 if it is attached. Arrays hold one finger after the other: mount (mass,
-    # stiffness, damping), state (x, v, s), load.
-    s0, s1, s2, relax_per_s, N0 = sigma
-    per_mu_s = 1 / (curve[0] + curve[1])
+    # Parameters: as in `dragged_pad_loop`; stiffness and damping of the pin, 1 if it is attached.
+    # Arrays hold one finger after the other: mount (stiffness and damping per mass, inverse mass),
+    # weights of the errors (x, v, s, and at the end X and V), state (x, v, s), load.
+    s0, s1, s2, _, n0 = sigma
     kp, damping, attached = pin
-    G = ROS2_GAMMA * h
+    per_H = 1 / H
     target = PAD_STATES * count  # index of the object's first state
+    object_u = SCRATCH_SIZE * count
     X = state[target + OBJECT_X]
     V = state[target + OBJECT_V]
     has_left = state[target + HAS_LEFT]
+    h = state[target + STEP]
+    moved = state[target + MOVED]
+    steps = rejected = 0
 
     for j in range(length):
-        # No finger touches an object that has left.
-        if has_left > 0.0:
-            for i in range(count):
-                load[i * (length + 1) + j + 1] = 0.0
+        # Drive between the samples: the pin's position is Xp + t (Vp + t (q2 + t q3)).
+        Xp = pin_x[j]
+        Vp = pin_v[j]
+        rise = (pin_x[j + 1] - Xp) * per_H
+        q2 = (3 * rise - 2 * Vp - pin_v[j + 1]) * per_H
+        q3 = (Vp + pin_v[j + 1] - 2 * rise) * per_H * per_H
+        falls = weight[j]
+        falls_more = (weight[j + 1] - falls) * per_H
 
-        # First stage, object: forces of weight and pin at the start of the step, their time
-        # derivative (drift, from the differences over the step) and their derivatives by X and V.
-        P0 = pin_n(kp, damping, attached, X, V, pin_x[j], pin_v[j])
-        P1 = pin_n(kp, damping, attached, X, V, pin_x[j + 1], pin_v[j + 1])
-        jx = jv = 0.0
+        # Nothing moves pads and an object that have come to rest, as long as weight, pin and loads
+        # stay; loads on straight bristles may change.
+        if attached > 0.0:
+            is_still = Xp == pin_x[j + 1] and Vp == 0.0 and pin_v[j + 1] == 0.0
+        else:
+            is_still = Xp <= X and pin_x[j + 1] <= X
 
-        if P0 > 0.0 or attached > 0.0:
-            depth = pin_x[j] - X
-            side = 1.0 if depth >= 0.0 else -1.0
-            jx = -kp * (1 + side * damping * (pin_v[j] - V)) / mass
-            jv = -kp * side * damping * depth / mass
-
-        dV = (weight[j] + P0) / mass
-        drift_V = ROS2_GAMMA * (weight[j + 1] - weight[j] + P1 - P0) / mass
-        # diagonal * kV = rhs is the scalar equation of the object; each finger adds to both sides.
-        diagonal = 1 - G * jv - G * G * jx
-        rhs = 0.0
+        is_still = is_still and moved < REST and falls_more == 0.0
 
         for i in range(count):
-            # Friction of this finger: ds/dt, and its derivatives J_ss by s and J_sw by w.
-            m = mount[3 * i]
-            k = mount[3 * i + 1]
-            d = mount[3 * i + 2]
-            x = state[3 * i]
-            v = state[3 * i + 1]
-            s = state[3 * i + 2]
-            N = load[i * (length + 1) + j]
-            N1 = load[i * (length + 1) + j + 1]
-            w = v - V
-            g, dg = stribeck(curve, w)
-            speed = w if w >= 0.0 else -w
-            c = 1 / math.sqrt(N + N0)
-            z = c * s
-            grip = N * c
-            slides = grip * c * s0 * speed / g
-            relax, steeper = relax_rate(relax_per_s, N / N0, s0 * z * per_mu_s)
-            J_ss = -slides - relax - steeper
-            J_sw = grip * (1 - s0 * z * ((1.0 if w >= 0.0 else -1.0) - speed * dg / g) / g)
-            ds = grip * w - (slides + relax) * s
-            mu = s0 * z + s1 * c * ds + s2 * w
-            dv = (-k * x - d * v - N * mu) / m
-
-            # Rates at the end of the step for the present state: the step times the partial
-            # derivative by time.
-            c1 = 1 / math.sqrt(N1 + N0)
-            relax, _ = relax_rate(relax_per_s, N1 / N0, s0 * c1 * s * per_mu_s)
-            late = N1 * c1 * (w - c1 * s0 * speed / g * s) - relax * s
-            change = N1 * (s0 * c1 * s + s1 * c1 * late + s2 * w) - N * mu
-            drift_s = ROS2_GAMMA * (late - ds)
-            drift_v = -ROS2_GAMMA * change / m
-            dV += N * mu / mass
-            drift_V += ROS2_GAMMA * change / mass
-
-            # Row v of the finger's Jacobian: J_vx, J_vv, J_vs, and J_vV = e / m. Eliminating x and
-            # s leaves kv = A + B kV, and with it the finger's contribution to the object's
-            # equation.
-            J_vx = -k / m
-            e = N * (s1 * c * J_sw + s2)
-            J_vv = -(d + e) / m
-            J_vs = -grip * (s0 + s1 * J_ss) / m
-            pivot_s = 1 / (1 - G * J_ss)
-            pivot_v = 1 / (1 - G * (J_vv + G * (J_vx + J_vs * J_sw * pivot_s)))
-            rs = ds + drift_s
-            A = (dv + drift_v + G * (J_vx * v + J_vs * pivot_s * rs)) * pivot_v
-            B = G * (e / m - G * J_vs * J_sw * pivot_s) * pivot_v
-            S = -J_vs * m / mass
-            E = e / mass
-            diagonal += G * E - G * (E * B + S * pivot_s * G * J_sw * (B - 1))
-            rhs += G * (E * A + S * pivot_s * (rs + G * J_sw * A))
-            offset = SCRATCH_SIZE * i
-            scratch[offset + _A] = A
-            scratch[offset + _B] = B
-            scratch[offset + _PIVOT_S] = pivot_s
-            scratch[offset + _PIVOT_V] = pivot_v
-            scratch[offset + _J_SW] = J_sw
-            scratch[offset + _J_VS] = J_vs
-            scratch[offset + _RS1] = rs
-            scratch[offset + _DRIFT_S] = drift_s
-            scratch[offset + _DRIFT_V] = drift_v
-            scratch[offset + _C1] = c1
-            scratch[offset + _S] = S
-            scratch[offset + _E] = E
-            scratch[offset + _MOST] = g
-
-        kV1 = (dV + drift_V + G * jx * V + rhs) / diagonal
-        kX1 = V + G * kV1
-
-        # Second stage, object: right-hand side at the end of the step, solved with the same matrix.
-        Xe = X + h * kX1
-        Ve = V + h * kV1
-        dV = (
-            weight[j + 1] + pin_n(kp, damping, attached, Xe, Ve, pin_x[j + 1], pin_v[j + 1])
-        ) / mass
-        rhs = 0.0
-
-        for i in range(count):
-            m = mount[3 * i]
-            k = mount[3 * i + 1]
-            d = mount[3 * i + 2]
-            x = state[3 * i]
-            v = state[3 * i + 1]
-            s = state[3 * i + 2]
-            N1 = load[i * (length + 1) + j + 1]
-            offset = SCRATCH_SIZE * i
-            pivot_s = scratch[offset + _PIVOT_S]
-            pivot_v = scratch[offset + _PIVOT_V]
-            J_sw = scratch[offset + _J_SW]
-            J_vs = scratch[offset + _J_VS]
-            c1 = scratch[offset + _C1]
-            # First-stage increments of this finger, from the object's.
-            kv1 = scratch[offset + _A] + scratch[offset + _B] * kV1
-            kx1 = v + G * kv1
-            ks1 = pivot_s * (scratch[offset + _RS1] + G * J_sw * (kv1 - kV1))
-            xe = x + h * kx1
-            ve = v + h * kv1
-            se = s + h * ks1
-            # Friction at the end of the step, and the finger's contribution to the object's
-            # equation.
-            w = ve - Ve
-            g, _ = stribeck(curve, w)
-            most = g if g > scratch[offset + _MOST] else scratch[offset + _MOST]
-            z = c1 * se
-
-            if s0 * abs(z) > 2 * most and abs(se) > abs(s):
-                # Bristles bent beyond sliding only straighten up. The step is longer than they are:
-                # they slide.
-                z = (g if w >= 0.0 else -g) / s0
-                se = z / c1
-
-            scratch[offset + _SLIDING] = g
-            scratch[offset + _MOST] = most
-            relax, _ = relax_rate(relax_per_s, N1 / N0, s0 * z * per_mu_s)
-            ds = N1 * c1 * (w - s0 * (w if w >= 0.0 else -w) * z / g) - relax * se
-            mu = s0 * z + s1 * c1 * ds + s2 * w
-            dv = (-k * xe - d * ve - N1 * mu) / m
-            dV += N1 * mu / mass
-            rx = ve - 2 * kx1
-            rv = dv - scratch[offset + _DRIFT_V] - 2 * kv1
-            rs = ds - scratch[offset + _DRIFT_S] - 2 * ks1
-            A = (rv + G * (-k / m * rx + J_vs * pivot_s * rs)) * pivot_v
-            rhs += G * (
-                scratch[offset + _E] * A + scratch[offset + _S] * pivot_s * (rs + G * J_sw * A)
-            )
-            scratch[offset + _A] = A
-            scratch[offset + _KX1] = kx1
-            scratch[offset + _KV1] = kv1
-            scratch[offset + _KS1] = ks1
-            scratch[offset + _RX] = rx
-            scratch[offset + _RS2] = rs
-
-        # New state of the object: y + h (3/2 k1 + 1/2 k2).
-        rX = Ve - 2 * kX1
-        kV2 = (dV - drift_V - 2 * kV1 + G * jx * rX + rhs) / diagonal
-        kX2 = rX + G * kV2
-        X += h * (1.5 * kX1 + 0.5 * kX2)
-        V += h * (1.5 * kV1 + 0.5 * kV2)
-        if exit_x < X and has_left == 0.0:
-            has_left = 1.0
-
-        if has_left > 0.0:
-            # the object has left the fingers; its fall does not matter here
-            X = exit_x
-            V = 0.0
-
-        # New state of each pad, and outputs.
-        for i in range(count):
-            offset = SCRATCH_SIZE * i
-            kx1 = scratch[offset + _KX1]
-            kv1 = scratch[offset + _KV1]
-            ks1 = scratch[offset + _KS1]
-            kv2 = scratch[offset + _A] + scratch[offset + _B] * kV2
-            kx2 = scratch[offset + _RX] + G * kv2
-            ks2 = scratch[offset + _PIVOT_S] * (
-                scratch[offset + _RS2] + G * scratch[offset + _J_SW] * (kv2 - kV2)
-            )
-            state[3 * i] += h * (1.5 * kx1 + 0.5 * kx2)
-            state[3 * i + 1] += h * (1.5 * kv1 + 0.5 * kv2)
-            before = abs(state[3 * i + 2])
-            state[3 * i + 2] += h * (1.5 * ks1 + 0.5 * ks2)
-            w = state[3 * i + 1] - V
-            s = state[3 * i + 2]
-            z = scratch[offset + _C1] * s
-
-            if s0 * abs(z) > 2 * scratch[offset + _MOST] and abs(s) > before:
-                z = (scratch[offset + _SLIDING] if w >= 0.0 else -scratch[offset + _SLIDING]) / s0
-                state[3 * i + 2] = z / scratch[offset + _C1]
-
-            x_out[i * length + j] = state[3 * i]
-            over_object[i * length + j] = w
-            z_out[i * length + j] = z
+            at = i * (length + 1) + j
+            # No finger touches an object that has left.
             if has_left > 0.0:
-                load[i * (length + 1) + j + 1] = 0.0
+                load[at] = 0.0
+                load[at + 1] = 0.0
+
+            if load[at] != load[at + 1] and state[PAD_STATES * i + 2] != 0.0:
+                is_still = False
+
+        t = 0.0
+        if is_still:
+            t = H
+            steps += 1
+
+        attempts = 0
+
+        while t < H:
+            attempts += 1
+            if attempts > max_steps:
+                stats[FAILED_SAMPLE] = j + 1
+                return
+
+            h = max(h, MIN_STEP_RATIO * H)
+            is_last = t + h >= H * (1 - 1e-9)
+            if is_last:
+                step = H - t
+            elif t + 2 * h > H:
+                step = 0.5 * (H - t)
+            else:
+                step = h
+
+            per_step = 1 / step
+            e = per_step / GAMMA
+            per_e = GAMMA * step
+
+            # The pin at the start of the step: its force, and the derivatives by X, V and time of
+            # the acceleration that it gives.
+            at_x = Xp + t * (Vp + t * (q2 + t * q3))
+            at_v = Vp + t * (2 * q2 + 3 * q3 * t)
+            pushed = 0.0 if has_left > 0.0 else pin_n(kp, damping, attached, X, V, at_x, at_v)
+            jx = 0.0
+            jv = 0.0
+
+            if pushed != 0.0:
+                depth = at_x - X
+                side = 1.0 if depth >= 0.0 else -1.0
+                jx = -kp * (1 + side * damping * (at_v - V)) / mass
+                jv = -kp * side * damping * depth / mass
+
+            late_V = -jx * at_v - jv * (2 * q2 + 6 * q3 * t)
+            late_V += 0.0 if has_left > 0.0 else falls_more / mass
+            diagonal = e - jx * per_e - jv
+
+            # Each finger's rates and derivatives by its own states, and what it adds to the object.
+            for i in range(count):
+                k_m = mount[3 * i]
+                c_m = mount[3 * i + 1]
+                per_m = mount[3 * i + 2]
+                N = load[i * (length + 1) + j]
+                slope = (load[i * (length + 1) + j + 1] - N) * per_H
+                x = state[3 * i]
+                v = state[3 * i + 1]
+                dv, ds, _, J_vv, J_vs, J_vN, J_sv, J_ss, J_sN, _, _ = linearise(
+                    curve,
+                    sigma,
+                    (k_m, c_m, per_m),
+                    GIVEN,
+                    -c_m * V,
+                    0.0,
+                    x,
+                    v - V,
+                    state[3 * i + 2],
+                    N + slope * t,
+                    0.0,
+                )
+                pivot_s = 1 / (e - J_ss)
+                q = -(J_vv + c_m) - J_vs * pivot_s * J_sv
+                pivot_v = 1 / (e + c_m + k_m * per_e + q)
+                diagonal += q * (1 - pivot_v * q) / (per_m * mass)
+                late_V -= J_vN * slope / (per_m * mass)
+                offset = SCRATCH_SIZE * i
+                scratch[offset + _PIVOT_S] = pivot_s
+                scratch[offset + _PIVOT_V] = pivot_v
+                scratch[offset + _Q] = q
+                scratch[offset + _J_SV] = J_sv
+                scratch[offset + _J_VS] = J_vs
+                scratch[offset + _LATE_V] = step * J_vN * slope
+                scratch[offset + _LATE_S] = step * J_sN * slope
+                scratch[offset + _DV] = dv
+                scratch[offset + _DS] = ds
+
+            dV = 0.0
+
+            for stage in range(STAGES):
+                # The fourth stage has the argument of the third, and its rates.
+                ts = t + _TIMES[stage] * step
+                Xe = X + combine(_STATES[stage], stage, scratch, object_u)
+                Ve = V + combine(_STATES[stage], stage, scratch, object_u + STAGES)
+                rX = Ve + per_step * combine(_SIDES[stage], stage, scratch, object_u)
+                rV = per_step * combine(_SIDES[stage], stage, scratch, object_u + STAGES)
+                rV += _DERIVATIVES[stage] * step * late_V
+                is_new = stage < STAGES - 1
+
+                if is_new:
+                    dV = 0.0
+                    if has_left == 0.0:
+                        at_x = Xp + ts * (Vp + ts * (q2 + ts * q3))
+                        at_v = Vp + ts * (2 * q2 + 3 * q3 * ts)
+                        dV = pin_n(kp, damping, attached, Xe, Ve, at_x, at_v)
+                        dV = (dV + falls + falls_more * ts) / mass
+
+                for i in range(count):
+                    offset = SCRATCH_SIZE * i
+                    k_m = mount[3 * i]
+                    c_m = mount[3 * i + 1]
+                    per_m = mount[3 * i + 2]
+                    xe = state[3 * i] + combine(_STATES[stage], stage, scratch, offset + _UX)
+                    ve = state[3 * i + 1] + combine(_STATES[stage], stage, scratch, offset + _UV)
+
+                    if is_new:
+                        if stage > 0:
+                            N = load[i * (length + 1) + j]
+                            N += (load[i * (length + 1) + j + 1] - N) * per_H * ts
+                            scale = 1 / math.sqrt(N + n0)
+                            se = state[3 * i + 2]
+                            se += combine(_STATES[stage], stage, scratch, offset + _US)
+                            ds = bristle_rate(curve, sigma, N, scale, ve - Ve, se)
+                            mu = s0 * scale * se + s1 * scale * ds + s2 * (ve - Ve)
+                            scratch[offset + _DS] = ds
+                            scratch[offset + _DV] = -k_m * xe - c_m * ve - N * per_m * mu
+
+                        dV -= (scratch[offset + _DV] + k_m * xe + c_m * ve) / (per_m * mass)
+
+                    rx = ve + per_step * combine(_SIDES[stage], stage, scratch, offset + _UX)
+                    r = scratch[offset + _DV] + _DERIVATIVES[stage] * scratch[offset + _LATE_V]
+                    r += per_step * combine(_SIDES[stage], stage, scratch, offset + _UV)
+                    rs = scratch[offset + _DS] + _DERIVATIVES[stage] * scratch[offset + _LATE_S]
+                    rs += per_step * combine(_SIDES[stage], stage, scratch, offset + _US)
+                    bent = scratch[offset + _J_VS] * scratch[offset + _PIVOT_S] * rs
+                    a = scratch[offset + _PIVOT_V] * (r - k_m * per_e * rx + bent)
+                    rV += (scratch[offset + _Q] * a - bent) / (per_m * mass)
+                    scratch[offset + _RX] = rx
+                    scratch[offset + _RS] = rs
+                    scratch[offset + _A] = a
+
+                UV = (rV + dV + jx * per_e * rX) / diagonal
+                scratch[object_u + stage] = (rX + UV) * per_e
+                scratch[object_u + STAGES + stage] = UV
+
+                for i in range(count):
+                    offset = SCRATCH_SIZE * i
+                    uv = scratch[offset + _PIVOT_V] * scratch[offset + _Q] * UV
+                    uv += scratch[offset + _A]
+                    scratch[offset + _UX + stage] = (scratch[offset + _RX] + uv) * per_e
+                    scratch[offset + _UV + stage] = uv
+                    scratch[offset + _US + stage] = scratch[offset + _PIVOT_S] * (
+                        scratch[offset + _RS] + scratch[offset + _J_SV] * (uv - UV)
+                    )
+
+            # Error: the largest of all states, each as a force relative to the tolerance.
+            error = 0.0
+            change = 0.0
+            for n in range(target + 2):
+                # Pads have three states with four increments each, then the object has two.
+                offset = n // 3 * SCRATCH_SIZE + _UX + n % 3 * STAGES
+                if n >= target:
+                    offset = object_u + (n - target) * STAGES
+
+                new = off = 0.0
+                for k in range(STAGES):
+                    new += _NEW[k] * scratch[offset + k]
+                    off += _ERRORS[k] * scratch[offset + k]
+
+                # NaN counts as too large.
+                if not abs(off) * weights[n] <= error:
+                    error = abs(off) * weights[n]
+
+                change += abs(new) * weights[n]
+                scratch[offset] = new
+
+            factor = 6.0 if error <= 1e-6 else 0.9 / math.sqrt(math.sqrt(error))
+            if factor > 6.0:
+                factor = 6.0
+            elif not factor > 0.15:
+                factor = 0.15
+
+            if error <= 1.0 or step <= MIN_STEP_RATIO * H:
+                for i in range(count):
+                    offset = SCRATCH_SIZE * i
+                    state[3 * i] += scratch[offset + _UX]
+                    state[3 * i + 1] += scratch[offset + _UV]
+                    state[3 * i + 2] += scratch[offset + _US]
+
+                X += scratch[object_u]
+                V += scratch[object_u + STAGES]
+                moved = change * REST_S * per_step
+                steps += 1
+                t = H if is_last else t + step
+                # A step that a sample cut short is no reason to give up a longer one.
+                h = max(h, step * factor) if is_last and factor > 1.0 else step * factor
+                if h > 64 * H:
+                    h = 64 * H
+
+                if exit_x < X and has_left == 0.0:
+                    # The object has left the fingers; its fall does not matter here.
+                    has_left = 1.0
+                    for i in range(count):
+                        load[i * (length + 1) + j] = 0.0
+                        load[i * (length + 1) + j + 1] = 0.0
+
+                if has_left > 0.0:
+                    X = exit_x
+                    V = 0.0
+            else:
+                rejected += 1
+                h = step * factor
+
+        for i in range(count):
+            x_out[i * length + j] = state[3 * i]
+            over_object[i * length + j] = state[3 * i + 1] - V
+            N = load[i * (length + 1) + j + 1]
+            z_out[i * length + j] = state[3 * i + 2] / math.sqrt(N + n0)
 
         object_out[j] = X
         pin_out[j] = (
@@ -332,15 +424,28 @@ def _grasp_loop(
     state[target + OBJECT_X] = X
     state[target + OBJECT_V] = V
     state[target + HAS_LEFT] = has_left
+    state[target + STEP] = h
+    state[target + MOVED] = moved
+    stats[ACCEPTED] = steps
+    stats[REJECTED] = rejected
 
 
-_advance = CompiledLoop(_grasp_loop, stribeck, pin_n, relax_rate, samples="x_out", plain_us=6.0)
+_advance = CompiledLoop(
+    _grasp_loop,
+    stribeck_fraction,
+    bristle_rate,
+    linearise,
+    normal_rate,
+    pin_n,
+    combine,
+    samples="x_out",
+    plain_us=20.0,
+)
 """Advances the grasp over a chunk.
 
-The state (x, v, s of each pad; X, V and whether the object has left) and the scratch values are
-carried from chunk to chunk. Loads become 0 once the object has left. The outputs are, at the end of
-each step: position of each pad, its velocity w over the object, its bristle deflection, position of
-the object, and force of the pin.
+The state and the scratch values are carried from chunk to chunk. Loads become 0 once the object has
+left. The outputs are, at the samples: position of each pad, its velocity w over the object, its
+bristle deflection, position of the object, and force of the pin; then the statistics.
 """
 
 
@@ -351,8 +456,6 @@ class Pin:
     stiffness_n_per_m: float
     damping_s_per_m: float
     is_attached: bool
-    speed_m_s: float
-    """Largest velocity."""
 
 
 @dataclass(frozen=True)
@@ -367,31 +470,6 @@ class HeldObject:
     """Distance after which it has left the fingers."""
     pin: Pin
 
-    def count_parts(self, max_load_n: float, step_s: float) -> int:
-        """Return the number of parts into which a step is divided, so that they resolve all motion
-        under a load.
-
-        Pads and object swing against each other on the bristles of all fingers, and the object on
-        the pin. Thumb and fingers press alike.
-        """
-        friction = self.friction
-        pin = self.pin
-        rate = 0.0
-        on_pin = (
-            pin.stiffness_n_per_m * (1 + 2 * pin.damping_s_per_m * pin.speed_m_s) / self.mass_kg
-        )
-
-        for mount in self.mounts:
-            per_kg = 1 / mount.mass_kg + 2 / self.mass_kg
-            on_bristles = (
-                mount.stiffness_n_per_m / mount.mass_kg + max_load_n * friction.sigma0 * per_kg
-            )
-            turns = math.sqrt(on_bristles / MAX_PHASE**2 + on_pin / PIN_PHASE**2)
-            damping = max_load_n * (friction.sigma1 + friction.sigma2) * per_kg / MAX_DAMPING
-            rate = max(rate, turns, damping)
-
-        return max(1, math.ceil(step_s * rate))
-
 
 @dataclass(frozen=True, eq=False)
 class GraspMotion:
@@ -405,30 +483,41 @@ class GraspMotion:
     bristle_m: Array
     object_m: Array
     pin_n: Array
+    evaluations: int = 0
+    """Number of evaluations of the right-hand side, at most: a sample at rest counts as a step."""
 
 
 class Grasp:
-    """Held object and its pads in motion, at rest before the first chunk, with steps that are
-    divided into parts.
-    """
+    """Held object and its pads in motion, at rest before the first chunk. Raises TraceError."""
 
-    def __init__(self, held: HeldObject, step_s: float, parts: int) -> None:
+    def __init__(
+        self, held: HeldObject, step_s: float, max_load_n: float, tolerance_n: float = TOLERANCE_N
+    ) -> None:
         friction = held.friction
         mounts = held.mounts
         pin = held.pin
-        self.parts = parts
         self._constants = (
-            friction.curve,
+            (friction.mu_c, friction.mu_s, 1 / friction.stribeck_m_s, 0.0),
             (friction.sigma0, friction.sigma1, friction.sigma2, RELAX_PER_S, LOAD_SCALE_N),
-            step_s / parts,
+            MAX_STEPS,
+            step_s,
             held.mass_kg,
             (pin.stiffness_n_per_m, pin.damping_s_per_m, float(pin.is_attached)),
             held.length_m,
             len(mounts),
         )
-        self._mounts = np.array([astuple(mount) for mount in mounts]).ravel()
+        per_kg = [
+            (m.stiffness_n_per_m / m.mass_kg, m.damping_n_s_per_m / m.mass_kg, 1 / m.mass_kg)
+            for m in mounts
+        ]
+        self._mounts = np.array(per_kg).ravel()
+        weights = [weigh_errors(friction, m, max_load_n, step_s, tolerance_n) for m in mounts]
+        of_object = np.max(weights, axis=0)[:2]
+        self._weights = np.concatenate((np.ravel(weights), of_object))
         self._state = np.zeros(PAD_STATES * len(mounts) + OBJECT_STATES)
-        self._scratch = np.zeros(SCRATCH_SIZE * len(mounts))
+        self._state[STEP - OBJECT_STATES] = step_s
+        self._scratch = np.zeros(SCRATCH_SIZE * len(mounts) + 2 * STAGES)
+        self._samples = 0
 
     @property
     def is_lost(self) -> bool:
@@ -441,21 +530,22 @@ class Grasp:
         pin_m: Array,
         pin_m_s: Array,
     ) -> GraspMotion:
-        """Advance by one step less than there are loads, (fingers, points).
+        """Advance by one step of the grid less than there are loads, (fingers, points).
 
-        Weight, and position and velocity of the pin, are given at the ends of the parts of all
-        steps.
+        Weight, and position and velocity of the pin, are given at the same points.
         """
         count = len(load_n)
         length = len(weight_n) - 1
-        load = refine(load_n, self.parts).ravel()
+        load = load_n.ravel().copy()
         pads = [np.zeros(count * length) for _ in range(3)]
         object_m = np.zeros(length)
         pin = np.zeros(length)
+        stats = np.zeros(3)
         _advance(
             *self._constants,
             length,
             self._mounts,
+            self._weights,
             weight_n,
             pin_m,
             pin_m_s,
@@ -465,26 +555,23 @@ class Grasp:
             *pads,
             object_m,
             pin,
+            stats,
         )
-        every = slice(self.parts - 1, None, self.parts)
-        x, w, z = (values.reshape(count, -1)[:, every] for values in pads)
+        failed = int(stats[FAILED_SAMPLE])
+        if failed:
+            problem = f"needs more than {MAX_STEPS} steps"
+            remedy = "choose a heavier object, or a softer pin or surface."
+            raise TraceError(Issue(f"point {self._samples + failed}", f"{problem}; {remedy}"))
+
+        self._samples += length
+        x, w, z = (values.reshape(count, -1) for values in pads)
 
         return GraspMotion(
-            load_n=load.reshape(count, -1)[:, 1:][:, every],
+            load_n=load.reshape(count, -1)[:, 1:],
             position_m=x,
             over_object_m_s=w,
             bristle_m=z,
-            object_m=object_m[every],
-            pin_n=pin[every],
+            object_m=object_m,
+            pin_n=pin,
+            evaluations=3 * int(stats[ACCEPTED] + stats[REJECTED]),
         )
-
-
-def refine(values: Array, parts: int) -> Array:
-    """Divide the steps between the points of each row into parts, by straight lines."""
-    if parts == 1:
-        return values.copy()
-
-    fraction = np.arange(1, parts + 1) / parts
-    steps = values[:, :-1, None] + (values[:, 1:] - values[:, :-1])[:, :, None] * fraction
-    steps[:, :, -1] = values[:, 1:]
-    return np.concatenate((values[:, :1], steps.reshape(len(values), -1)), axis=1)

@@ -24,24 +24,14 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
-from fingertip.pad.response import Pad
 from fingertip.sim.runs.manipulation_plan import Observation
-from fingertip.sim.signal.bridge import reads_whole_finger
-from fingertip.sim.signal.converter import compute_bridge_v
+from fingertip.sim.signal.finger_curve import FingerCurve
 from fingertip.slip.detectors.registry import find_detector_type, make_detector, select_inputs
 
 LONGEST_STEP_S = 0.02
 """Time of a step that counts at most for the speed of a command [s]: a late step makes no jump."""
-MIN_PRESENT_N = 0.1
-"""Smallest present force that the force ratio is applied to [N]: with a smaller one a finger would
-hardly close.
-"""
 HISTORY = 16
 """Moments that are kept over the window of growth, at least a fifteenth of it apart."""
-_TABLE_N = np.concatenate((np.linspace(0.0, 0.5, 41), np.geomspace(0.5, 20.0, 88)[1:])).round(9)
-"""Forces of a curve [N], rounded, since processors differ in the last bit of a power.
-
-Lines between them are within 0.5 % of the force above 0.3 N, where the sensor is on."""
 
 
 @dataclass(frozen=True)
@@ -101,38 +91,6 @@ class GripDecision:
     """True if the fingers were commanded to close further."""
 
 
-@dataclass(frozen=True, eq=False)
-class ForceCurve:
-    """Knowledge of a hand about a finger: the force that a tactile voltage means, and the travel
-    that a force needs.
-    """
-
-    volts: Array
-    """Ascending tactile voltages [V]."""
-    forces_n: Array
-    pad: Pad
-
-    @classmethod
-    def from_design(cls, design: Design) -> ForceCurve:
-        """Take both from a design. The hand knows what part of a grip's force its sensors feel."""
-        pad = Pad.from_design(design)
-        volts = compute_bridge_v(
-            design, pad.sensed_n(_TABLE_N, None, reads_whole_finger(design, "board"))
-        )
-        order = np.argsort(volts)
-
-        return cls(volts[order], _TABLE_N[order], pad)
-
-    def force_n(self, voltage_v: float) -> float:
-        return float(np.interp(voltage_v, self.volts, self.forces_n))
-
-    def further_m(self, force_n: float, ratio: float, max_force_n: float) -> float:
-        """Closing that increases a force by a ratio, but not beyond a limit [m]. It never opens."""
-        present_n = max(force_n, MIN_PRESENT_N)
-        target_n = min(present_n * ratio, max_force_n)
-        return max(self.pad.depth_m(target_n) - self.pad.depth_m(present_n), 0.0)
-
-
 def _whole_us(seconds: float) -> int:
     return round(1e6 * seconds)
 
@@ -140,7 +98,7 @@ def _whole_us(seconds: float) -> int:
 class GripLaw:
     """The law for some fingers, each with the curve of its sensor and pad, and its state."""
 
-    def __init__(self, settings: GripSettings, curves: Sequence[ForceCurve]) -> None:
+    def __init__(self, settings: GripSettings, curves: Sequence[FingerCurve]) -> None:
         self.settings = settings
         self.curves = tuple(curves)
         self.added_m = np.zeros(len(self.curves))
@@ -235,7 +193,7 @@ class GripController:
             make_detector(settings.detector, design, threshold_scale=settings.threshold_scale)
             for _ in range(fingers)
         ]
-        self.law = GripLaw(settings, [ForceCurve.from_design(design)] * fingers)
+        self.law = GripLaw(settings, [FingerCurve.from_design(design)] * fingers)
 
     def step(self, observation: Observation) -> Array:
         """Return the commanded closing [m]: the planned closing, and what detections have added to

@@ -188,7 +188,7 @@ def run_manipulation(
     The design gives the shape of the pads, the board, the ADC and its noise; all fingers are alike.
     The controller closes the loop; None keeps the planned grip. The seed is that of grip, friction,
     surfaces and noise: the same design, scene, seed and commands give the same columns. `progress`
-    and `grid` are as for `run_scene`: pads and object take more steps where the bristles need it.
+    and `grid` are as for `run_scene`.
 
     Raises TraceError if the seed is negative, the plan needs more force than a finger can press
     with, the board of this design has no such output, or a command of the controller is not valid.

@@ -27,7 +27,6 @@ from fingertip.pad.touch import Pose
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
 from fingertip.sim.contact.surface_files import SurfaceTable
 from fingertip.sim.contact.surfaces import SurfaceProfile
-from fingertip.sim.contact.tangential import admissible_step_s
 from fingertip.sim.runs.scene_and_manipulation_files import DIRECTIONS, SceneFile
 from fingertip.sim.runs.timeline import (
     CoupledPad,
@@ -37,7 +36,14 @@ from fingertip.sim.runs.timeline import (
     mount_pad,
 )
 from fingertip.sim.runs.tremor_and_servo import HandMotion, largest_factor
-from fingertip.sim.signal.grid import CostMeter, Grid, StageCost, count_samples, report_share
+from fingertip.sim.signal.grid import (
+    BASE_HZ,
+    CostMeter,
+    Grid,
+    StageCost,
+    count_samples,
+    report_share,
+)
 from fingertip.sim.signal.parameters import FILTER_OUTPUTS
 from fingertip.sim.signal.simulated_finger import (
     OF_BRIDGE,
@@ -55,8 +61,8 @@ COMPILE_FROM_S = 3.0
 Loading numba and the loops takes 0.8 s.
 """
 _PLAIN_US = {
-    "friction": 2.5,
-    "error control": 40.0,
+    "friction": 5.0,
+    "coupled contact": 20.0,
     "shaking": 2.0,
     "bridge": 0.8,
     "ADC": 0.3,
@@ -64,6 +70,10 @@ _PLAIN_US = {
     "comparator": 3.5,
 }
 """Time per point in plain Python of each group of stages [us], measured once."""
+MAX_PHASE = 0.5
+"""Largest angle by which a stuck pad oscillates on its bristles in one step of the grid [rad]. Its
+vibration is sampled at the points.
+"""
 CHUNK = 32_768
 """Number of points that are computed at a time: 3 s. A finger needs some 10 MB for them."""
 
@@ -154,24 +164,19 @@ class SceneRun:
 
     def __post_init__(self) -> None:
         raise_issues(TraceError, self.scene.find_design_issues(self.design, self.seed))
-        if self.scene.slide.distance_m:
-            plain = replace(self.friction, elastic=0.0)
-            longest = admissible_step_s(plain, mount_pad(self.pad, self.force_n), self.max_load_n)
-            needed = Grid.finer_than(longest)
-            is_controlled = self.scene.contact.feedback or self.friction.elastic
+        self.grid = self.grid or self._choose_grid()
 
-            if self.grid and self.grid.refinement < needed.refinement and not is_controlled:
-                what = (
-                    f"has steps of {self.grid.step_s:g} s, which are too long for a pad so "
-                    "light or stiff"
-                )
-                raise TraceError(
-                    Issue("grid", f"{what}; give Grid({needed.refinement}), or leave grid out.")
-                )
+    def _choose_grid(self) -> Grid:
+        """Choose the base grid, refined where a light or stiff pad that sticks turns by more than
+        `MAX_PHASE` in a step.
+        """
+        if not self.scene.slide.distance_m:
+            return Grid()
 
-            self.grid = self.grid or needed
-
-        self.grid = self.grid or Grid()
+        mount = mount_pad(self.pad, self.force_n)
+        stiffness = mount.stiffness_n_per_m + self.max_load_n * self.friction.sigma0
+        phase = math.sqrt(stiffness / mount.mass_kg) / BASE_HZ
+        return Grid(max(1, math.ceil(phase / MAX_PHASE)))
 
     @functools.cached_property
     def force_n(self) -> float:
@@ -236,10 +241,9 @@ class SceneRun:
         contact = self.scene.contact
         outputs = frozenset(self.scene.outputs)
         slides = self.timeline.slide is not None
-        adaptive = slides and (contact.feedback or contact.bristles == "elasto_plastic")
         runs = {
             "friction": slides,
-            "error control": adaptive,
+            "coupled contact": slides and contact.feedback,
             "shaking": bool(outputs & OF_CONTACT),
             "bridge": bool(outputs & OF_BRIDGE),
             "ADC": "voltage_v" in outputs,
@@ -341,7 +345,7 @@ def run_scene(
     The design gives the shape of the pad, the board, the ADC and its noise; the seed is that of
     force, surface, motors and noise. The same design, scene and seed give the same columns.
     `progress` receives messages of scenes longer than `progress.LONG_S`. Without a grid, the
-    computation takes the base grid, refined where the bristles need it.
+    computation takes the base grid, refined where the pad needs it.
 
     Raises TraceError if the scene cannot be simulated with this design.
     """

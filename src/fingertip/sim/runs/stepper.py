@@ -15,11 +15,11 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
-from fingertip.sim.runs.grasp_loop import Grasp, GraspMotion, HeldObject, Pin, refine
+from fingertip.sim.runs.grasp_loop import Grasp, GraspMotion, HeldObject, Pin
 from fingertip.sim.runs.manipulation_plan import MotionPlan, Motors, put_on_object
 from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile
-from fingertip.sim.runs.timeline import mount_pad
-from fingertip.sim.signal.grid import BASE_HZ, CostMeter, Grid, SampleClock, Sampler
+from fingertip.sim.runs.timeline import limit_error_n, mount_pad
+from fingertip.sim.signal.grid import CostMeter, Grid, SampleClock, Sampler
 from fingertip.sim.signal.simulated_finger import Finger, FingerDrive, FingerSetup, FingerSignals
 
 PROFILE_MARGIN_M = 2e-3
@@ -89,7 +89,7 @@ class ManipulationStepper:
         )
         knock = scene.knock
         target = scene.object
-        pin = Pin(knock.stiffness_n_per_m, knock.damping_s_per_m, knock.attached, knock.speed_m_s)
+        pin = Pin(knock.stiffness_n_per_m, knock.damping_s_per_m, knock.attached)
         mounts = tuple(mount_pad(self.pad, force) for force in plan.force_n.tolist())
         held_object = HeldObject(
             friction=plan.friction,
@@ -98,9 +98,12 @@ class ManipulationStepper:
             length_m=target.length_m,
             pin=pin,
         )
-        # A refined grid keeps the number of parts, so that all errors fall with its step.
-        parts = held_object.count_parts(scene.hand.max_force_n, 1 / BASE_HZ)
-        self._grasp = Grasp(held_object, self.grid.step_s, parts)
+        self._grasp = Grasp(
+            held_object,
+            step_s=self.grid.step_s,
+            max_load_n=float(plan.force_n.max()),
+            tolerance_n=limit_error_n(self.grid),
+        )
         self._last_load_n = np.zeros(count)
         self._points = 1
         self._clock = SampleClock(self.grid, self.design.detector.sample_rate_hz)
@@ -139,10 +142,10 @@ class ManipulationStepper:
         time_s = self.grid.time_s(self._points - 1, length + 1)
         self._points += length
 
-        with self.meter.stage("object", 3 * count + 2, 2 * length * self._grasp.parts):
-            fine_s = refine(time_s[None], self._grasp.parts)[0]
-            moved = self._grasp.advance(loads, self.plan.weight_n(fine_s), *self.plan.pin_m(fine_s))
+        with self.meter.stage("object", 3 * count + 2):
+            moved = self._grasp.advance(loads, self.plan.weight_n(time_s), *self.plan.pin_m(time_s))
 
+        self.meter.add("object", 3 * count + 2, moved.evaluations)
         self._last_load_n = motors.force_n[:, -1] * (0.0 if self.is_lost else 1.0)
 
         # The pin hits off centre: it presses on the thumb and relieves the fingers.

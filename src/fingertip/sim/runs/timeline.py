@@ -17,8 +17,14 @@ from fingertip.design import Design
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
-from fingertip.sim.contact import coupled
-from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion
+from fingertip.sim.contact.dragged_pad import (
+    STATES,
+    TOLERANCE_N,
+    DraggedPad,
+    Mount,
+    NormalContact,
+    PadMotion,
+)
 from fingertip.sim.contact.vibration import smoothstep, transmit
 from fingertip.sim.runs.scene_and_manipulation_files import Motor, SceneFile, Slide, Tap
 from fingertip.sim.signal.bridge import Bridge, reads_whole_finger
@@ -300,12 +306,7 @@ def _events_end_s(scene: SceneFile) -> float:
     return max(ends)
 
 
-# Motion of a pad that a carriage drags over a surface, by one of three integrators, chunk by chunk.
-
-_FAST_CONTACT = coupled.NormalContact(2000.0, 1.0)
-"""Contact that follows the load, because it is far faster than any change of the load."""
-_TOLERANCE_N = 1e-6
-"""Permitted error of one step of the error-controlled integration [N]."""
+# Motion of a pad that a carriage drags over a surface, chunk by chunk.
 
 
 def mount_pad(pad: Pad, force_n: float) -> Mount:
@@ -314,12 +315,20 @@ def mount_pad(pad: Pad, force_n: float) -> Mount:
     return Mount(behind.mass_kg, k, 2 * behind.damping_ratio * math.sqrt(k * behind.mass_kg))
 
 
-class UncoupledPad:
-    """Pad on which vibration does not act back: the contact force follows elsewhere.
+_ROUNDING_N = 1e-9
+"""Error of a step below which rounding is larger [N]."""
 
-    Plain bristles are integrated with the steps of the grid, elasto-plastic ones with error
-    control.
+
+def limit_error_n(grid: Grid) -> float:
+    """Return the permitted error of a step [N].
+
+    All errors fall with the step of the grid, as far as rounding permits.
     """
+    return max(TOLERANCE_N / grid.refinement**2, _ROUNDING_N)
+
+
+class UncoupledPad:
+    """Pad on which vibration does not act back: the contact force follows elsewhere."""
 
     def __init__(
         self,
@@ -328,21 +337,14 @@ class UncoupledPad:
         max_load_n: float,
         meter: CostMeter,
     ) -> None:
-        friction = setup.friction
-        mount = mount_pad(setup.pad, setup.held_n)
         self._meter = meter
-        self._states = coupled.STATES if friction.elastic else 3
-        self._integrator: DraggedPad | coupled.CoupledContact = (
-            coupled.CoupledContact(
-                friction=friction,
-                mount=mount,
-                normal=_FAST_CONTACT,
-                step_s=grid.step_s,
-                max_pressing_n=max_load_n,
-                tolerance_n=_TOLERANCE_N,
-            )
-            if friction.elastic
-            else DraggedPad(friction, mount, grid.step_s)
+        self._pad = DraggedPad(
+            friction=setup.friction,
+            mount=mount_pad(setup.pad, setup.held_n),
+            normal=None,
+            step_s=grid.step_s,
+            max_pressing_n=max_load_n,
+            tolerance_n=limit_error_n(grid),
         )
 
     def process(
@@ -355,10 +357,10 @@ class UncoupledPad:
         """Follow the pad over the next points: position [m] and velocity [m/s] of the carriage, and
         forces [N].
         """
-        with self._meter.stage("friction", self._states):
-            motion = self._integrator.process(carriage_m, carriage_m_s, load_n)
+        with self._meter.stage("friction", 3):
+            motion = self._pad.process(carriage_m, carriage_m_s, load_n)
 
-        self._meter.add("friction", self._states, motion.evaluations)
+        self._meter.add("friction", 3, motion.evaluations)
         return _describe(motion, carriage_m, load_n, push_n)
 
 
@@ -375,26 +377,28 @@ class CoupledPad:
         max_load_n: float,
         meter: CostMeter,
     ) -> None:
-        pad, held_n, friction, mount = (
-            setup.pad,
-            setup.held_n,
-            setup.friction,
-            mount_pad(setup.pad, setup.held_n),
+        pad = setup.pad
+        held_n = setup.held_n
+        mount = mount_pad(pad, held_n)
+        self._first = DraggedPad(
+            friction=replace(setup.friction, elastic=0.0),
+            mount=mount,
+            normal=None,
+            step_s=grid.step_s,
+            max_pressing_n=max_load_n,
+            tolerance_n=limit_error_n(grid),
         )
-        self._first = DraggedPad(replace(friction, elastic=0.0), mount, grid.step_s)
         self._profile = setup.make_profile_force(grid.step_s)
         self._meter = meter
         hand_ratio = pad.backing.stiffness_n_per_m / pad.normal_stiffness_n_per_m(held_n)
-        normal = coupled.NormalContact(
-            pad.resonance_hz(held_n), pad.backing.damping_ratio, hand_ratio
-        )
-        self._contact = coupled.CoupledContact(
-            friction=friction,
+        normal = NormalContact(pad.resonance_hz(held_n), pad.backing.damping_ratio, hand_ratio)
+        self._contact = DraggedPad(
+            friction=setup.friction,
             mount=mount,
             normal=normal,
             step_s=grid.step_s,
             max_pressing_n=max_load_n,
-            tolerance_n=_TOLERANCE_N,
+            tolerance_n=limit_error_n(grid),
         )
 
     def process(
@@ -405,7 +409,7 @@ class CoupledPad:
         push_n: Array | None,
     ) -> FingerDrive:
         """Follow the pad over the next points. The contact force is part of the result."""
-        with self._meter.stage("coupled contact", coupled.STATES, 2 * len(load_n)):
+        with self._meter.stage("coupled contact", STATES):
             first = self._first.process(carriage_m, carriage_m_s, load_n)
             pressing = load_n + self._profile.process(load_n, first.position_m)
             if push_n is not None:
@@ -413,7 +417,7 @@ class CoupledPad:
 
             motion = self._contact.process(carriage_m, carriage_m_s, pressing)
 
-        self._meter.add("coupled contact", coupled.STATES, motion.evaluations)
+        self._meter.add("coupled contact", STATES, first.evaluations + motion.evaluations)
         contact_n = np.where(load_n > 0.0, motion.force_n, 0.0)
         return _describe(motion, carriage_m, load_n, push_n, contact_n)
 

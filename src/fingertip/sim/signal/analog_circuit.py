@@ -22,7 +22,7 @@ from typing import Literal
 
 import numpy as np
 
-from fingertip.board.analysis.board_values import board_values
+from fingertip.board.analysis.limits import FilterSwing
 from fingertip.board.analysis.response import (
     EnvelopeModel,
     find_rectifier,
@@ -32,7 +32,7 @@ from fingertip.board.analysis.response import (
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Network, Value, build_network
 from fingertip.board.components.front_end import EMISSION, SATURATION_A, SERIES_OHM, THERMAL_V
-from fingertip.board.components.values import select_components
+from fingertip.board.components.values import SUPPLIES, select_components
 from fingertip.board.parts.nets import FILTERED, STAGE1_OUT, STAGE2_IN, TACTILE, VMID
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier
@@ -155,19 +155,15 @@ class Amplifiers:
     @classmethod
     def from_design(cls, design: Design) -> Amplifiers:
         amplifier = choose_amplifier(design.board)
-        limits = board_values(design).voltage_limits
-        reverses = limits.has_phase_reversal
-        up_v = limits.filter_peak_v
-        trough_v, reversal_v = (
-            (up_v, limits.filter_trough_v) if reverses else (limits.filter_trough_v, None)
-        )
+        swing = FilterSwing.find(amplifier, SUPPLIES[design.board.variant], design.board.supply_v)
+        reverses = swing.has_phase_reversal
 
         return cls(
             bandwidth_hz=amplifier.bandwidth_hz,
             slew_v_per_s=amplifier.slew_v_per_s,
-            peak_v=up_v,
-            trough_v=trough_v,
-            reversal_v=reversal_v,
+            peak_v=swing.peak_v,
+            trough_v=swing.peak_v if reverses else swing.trough_v,
+            reversal_v=swing.trough_v if reverses else None,
         )
 
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.board.analysis.board_values import find_tactile_response
-from fingertip.board.analysis.limits import TactileResponse
+from fingertip.board.analysis.tactile_response import TactileResponse, find_tactile_response
 from fingertip.board.components.front_end import ARTICLE_POINTS, sensor_conductance_s
 from fingertip.catalogues.electronics import HYSTERESIS as HYSTERESIS
 from fingertip.design import Design

@@ -34,7 +34,6 @@ from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats, as_samples
 from fingertip.foundation.numerics import Array
 from fingertip.sim.signal.analog_circuit import AnalogBoard, augment, exponentials
-from fingertip.sim.signal.bridge import Bridge
 from fingertip.sim.signal.filter_board import AnalogStream, simulate_board
 from fingertip.sim.signal.grid import (
     BASE_HZ,
@@ -364,11 +363,6 @@ class SimulatedBoardDetector(Detector):
         """
         output_v = self._source.select(*self._board.process(voltage_v))
         return self._source.finish(self._adc.quantise_v(self._poles.process(output_v)))
-
-
-def compute_bridge_v(design: Design, force_n: Array) -> Array:
-    """Compute the bridge's voltage [V] for a normal force [N], without the sensor's hysteresis."""
-    return Bridge.of_board(design).voltage_v(force_n)
 
 
 def simulate_quiescent_level(design: Design, diode: str = "1N4148") -> NoiseLevel:

@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.board.analysis.board_values import board_values
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
@@ -296,6 +295,8 @@ class Comparator:
 
         Raises TraceError.
         """
+        from fingertip.board.analysis.board_values import board_values  # noqa: PLC0415
+
         values = board_values(design)
         if values.comparator_levels is None:
             raise TraceError(Issue("outputs", describe_missing_comparator(design.board.variant)))

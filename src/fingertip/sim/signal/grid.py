@@ -37,11 +37,6 @@ class Grid:
     Noise is drawn on the base grid, so it stays the same.
     """
 
-    @classmethod
-    def finer_than(cls, longest_step_s: float) -> Grid:
-        """Coarsest grid whose step is not above a limit [s]."""
-        return cls(max(1, math.ceil(1 / (BASE_HZ * longest_step_s))))
-
     @property
     def rate_hz(self) -> float:
         return BASE_HZ * self.refinement

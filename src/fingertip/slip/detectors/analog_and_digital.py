@@ -125,15 +125,18 @@ class SlipChain(Detector):
     def for_design(
         cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0
     ) -> SlipChain:
-        """Create the chain for a design; a noise [V] gives the
-        noise-derived threshold, rounded up as the default.
+        """Create the chain for a design.
+
+        The threshold is the design's. A noise [V] gives the noise-derived threshold instead,
+        rounded up as the default. So does a design for the detector `analog`, whose threshold is
+        that of the board's output.
         """
         settings = ChainSettings.from_design(design)
-        threshold_v = (
-            settings.threshold_v
-            if noise_v is None
-            else noise_level(design, noise_v).rounded_threshold_v
-        )
+        if noise_v is None and design.detector.kind != "analog":
+            threshold_v = settings.threshold_v
+        else:
+            threshold_v = noise_level(design, noise_v).rounded_threshold_v
+
         return cls(replace(settings, threshold_v=threshold_v * threshold_scale))
 
     @classmethod

@@ -1,5 +1,5 @@
-"""Contact in both directions with error control: a pad that is dragged and pressed, and that
-sticks, slips or bounces.
+"""Pad that is dragged over a surface and pressed on it, and that sticks, slips or bounces, with
+error control.
 
 States: position x [m] and velocity v [m/s] of the pad along the surface, bristles s [m sqrt(N)],
 compression of the contact expressed as its force y [N], and its rate w [N/s]. The normal force is N
@@ -16,9 +16,10 @@ compression of the contact expressed as its force y [N], and its rate w [N/s]. T
 k and c_m are stiffness and damping of the mount, X and V position and velocity of the carriage
 (cubic between samples), d is the pressing force (linear between samples), alpha is the
 elasto-plastic factor of Dupont et al. 2002, and r relaxes bristles without contact or beyond
-breakaway. Every sample is the end of a step, so kinks and jumps of the drive at samples do not
-reduce the order. The method is Shampine's of order 4 with the analytic Jacobian
-(`fingertip.sim.contact.coupled_loop`).
+breakaway. Without a resonance in the normal direction, y is d. Losing contact is not singular: at N
+= 0 friction vanishes. Every sample is the end of a step, so kinks and jumps of the drive at samples
+do not reduce the order. The method is Shampine's of order 4 with the analytic Jacobian
+(`fingertip.sim.contact.dragged_pad_loop`).
 """
 
 from __future__ import annotations
@@ -30,11 +31,12 @@ import numpy as np
 
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
-from fingertip.sim.contact import coupled_loop
+from fingertip.sim.contact import dragged_pad_loop
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, Friction
-from fingertip.sim.contact.tangential import Mount, PadMotion
 
 MAX_STEPS = 200_000
+TOLERANCE_N = 1e-6
+"""Permitted error of one step [N]."""
 STATES = 5
 _MIN_LOAD_N = 1e-3
 """Smallest load for which errors are weighted [N]."""
@@ -44,6 +46,15 @@ _MAX_BENT = 100.0
 """Largest weight of what an error of v bends, relative to its other weight: stiff bristles would
 take ten times the steps.
 """
+
+
+@dataclass(frozen=True)
+class Mount:
+    """Spring and damper between the pad and the carriage that drags it."""
+
+    mass_kg: float
+    stiffness_n_per_m: float
+    damping_n_s_per_m: float
 
 
 @dataclass(frozen=True)
@@ -58,11 +69,29 @@ class NormalContact:
     Some 0.008 in trials (`pad.response`).
     """
 
+    @property
+    def period_s(self) -> float:
+        """Time of one radian of the resonance [s]."""
+        return 1 / (2 * math.pi * self.resonance_hz)
+
+    @property
+    def rates(self) -> dragged_pad_loop.Normal:
+        """Stiffness and damping while touching, ratio of the hand's stiffness, and damping in
+        flight.
+        """
+        omega = 2 * math.pi * self.resonance_hz
+        damping_per_s = 2 * self.damping_ratio * omega
+        in_flight = math.sqrt(self.hand_ratio) * damping_per_s
+        return omega * omega, damping_per_s, self.hand_ratio, in_flight
+
 
 @dataclass(frozen=True)
-class CoupledMotion(PadMotion):
+class PadMotion:
     """Motion of the pad and normal force, one value per sample, and the number of steps."""
 
+    position_m: Array
+    velocity_m_s: Array
+    bristle_m: Array
     force_n: Array
     """Normal force [N], exactly 0 in flight."""
     steps: int
@@ -70,26 +99,47 @@ class CoupledMotion(PadMotion):
 
     @property
     def evaluations(self) -> int:
+        """Number of evaluations of the right-hand side, at most: a sample at rest counts as a
+        step.
+        """
         return 3 * (self.steps + self.rejected)
 
 
-class CoupledContact:
-    """A pad under a drive in any chunks, from standstill in balance with the first force.
+def weigh_errors(
+    friction: Friction, mount: Mount, max_load_n: float, step_s: float, tolerance_n: float
+) -> tuple[float, float, float]:
+    """Return weights that turn errors of x, v and s into forces as shares of the tolerance:
+    stiffness for x, damping for v, bristle stiffness for z = s / sqrt(N).
 
-    Raises TraceError.
+    An error of v or w also counts with what it moves within a sample: bristles that stick forget
+    nothing, and a pad in flight meets the surface too early or too late.
+    """
+    max_load = max(max_load_n, _MIN_LOAD_N)
+    stiffness = max(mount.stiffness_n_per_m, max_load * friction.sigma0 * 1e-3)
+    damping = (mount.stiffness_n_per_m * mount.mass_kg) ** 0.5 + mount.damping_n_s_per_m
+    damping += max_load * (friction.sigma1 + friction.sigma2)
+    damping += min(max_load * friction.sigma0 * step_s, _MAX_BENT * damping)
+    per_n = _SHARE / tolerance_n
+
+    return stiffness * per_n, damping * per_n, math.sqrt(max_load) * friction.sigma0 * per_n
+
+
+class DraggedPad:
+    """A pad under a drive in any chunks, from standstill with relaxed bristles, in balance with the
+    first force.
+
+    Without a `NormalContact` the pressing force is the normal force. Raises TraceError.
     """
 
     def __init__(
         self,
         friction: Friction,
         mount: Mount,
-        normal: NormalContact,
+        normal: NormalContact | None,
         step_s: float,
         max_pressing_n: float,
-        tolerance_n: float = 1e-6,
+        tolerance_n: float = TOLERANCE_N,
     ) -> None:
-        omega = 2 * math.pi * normal.resonance_hz
-        damping_per_s = 2 * normal.damping_ratio * omega
         self._parameters = (
             (friction.mu_c, friction.mu_s, 1 / friction.stribeck_m_s, friction.elastic),
             (friction.sigma0, friction.sigma1, friction.sigma2, RELAX_PER_S, LOAD_SCALE_N),
@@ -98,38 +148,20 @@ class CoupledContact:
                 mount.damping_n_s_per_m / mount.mass_kg,
                 1 / mount.mass_kg,
             ),
-            (
-                omega * omega,
-                damping_per_s,
-                normal.hand_ratio,
-                math.sqrt(normal.hand_ratio) * damping_per_s,
-            ),
+            normal.rates if normal else dragged_pad_loop.GIVEN,
         )
-        # Weights that turn the error of each state into a force: stiffness for x, damping for v,
-        # bristle stiffness for z = s / sqrt(N). An error of v or w also counts with what it moves
-        # within a sample: bristles that stick forget nothing, and a pad in flight meets the surface
-        # too early or too late.
-        max_load = max(max_pressing_n, _MIN_LOAD_N)
-        stiffness = max(mount.stiffness_n_per_m, max_load * friction.sigma0 * 1e-3)
-        damping = (mount.stiffness_n_per_m * mount.mass_kg) ** 0.5 + mount.damping_n_s_per_m
-        damping += max_load * (friction.sigma1 + friction.sigma2)
-        damping += min(max_load * friction.sigma0 * step_s, _MAX_BENT * damping)
+        x, v, bristles = weigh_errors(friction, mount, max_pressing_n, step_s, tolerance_n)
         per_n = _SHARE / tolerance_n
-        self._weights = (
-            stiffness * per_n,
-            damping * per_n,
-            math.sqrt(max_load) * friction.sigma0 * per_n,
-            per_n,
-            (1 / omega + step_s) * per_n,
-        )
+        rate_s = (normal.period_s if normal else 0.0) + step_s
+        self._weights = (x, v, bristles, per_n, rate_s * per_n)
         self._step_s = step_s
         self._tolerance_n = tolerance_n
-        self._hand_ratio = normal.hand_ratio
-        self._carried = np.zeros(6)
+        self._hand_ratio = normal.hand_ratio if normal else 1.0
+        self._carried = np.zeros(7)
         self._last = np.zeros((3, 0))
         self._samples = 0
 
-    def process(self, carriage_m: Array, carriage_m_s: Array, pressing_n: Array) -> CoupledMotion:
+    def process(self, carriage_m: Array, carriage_m_s: Array, pressing_n: Array) -> PadMotion:
         """Return the motion at the next samples; the very first sample is the start.
 
         Raises TraceError.
@@ -143,15 +175,15 @@ class CoupledContact:
         else:
             start_n = float(pressing_n[0])
             balance_n = start_n if start_n > 0.0 else start_n / self._hand_ratio
-            self._carried[:] = (carriage_m[0], 0.0, 0.0, balance_n, 0.0, self._step_s)
+            self._carried[:] = (carriage_m[0], 0.0, 0.0, balance_n, 0.0, self._step_s, 0.0)
 
         out = [np.zeros(len(drive[0])) for _ in range(4)]
         carried = self._carried.copy()
         stats = np.zeros(3)
-        coupled_loop.run(
+        dragged_pad_loop.run(
             *self._parameters, self._weights, MAX_STEPS, self._step_s, *drive, carried, *out, stats
         )
-        failed = int(stats[coupled_loop.FAILED_SAMPLE])
+        failed = int(stats[dragged_pad_loop.FAILED_SAMPLE])
 
         if failed > 0:
             problem = f"needs more than {MAX_STEPS} steps from the previous sample"
@@ -168,10 +200,10 @@ class CoupledContact:
         x, v, s, y = (column[repeated:] for column in out)
         force_n = np.maximum(y, 0.0)
         deflection_m = s / np.sqrt(force_n + LOAD_SCALE_N)
-        steps = int(stats[coupled_loop.ACCEPTED])
-        rejected = int(stats[coupled_loop.REJECTED])
+        steps = int(stats[dragged_pad_loop.ACCEPTED])
+        rejected = int(stats[dragged_pad_loop.REJECTED])
 
-        return CoupledMotion(
+        return PadMotion(
             position_m=x,
             velocity_m_s=v,
             bristle_m=deflection_m,
@@ -184,19 +216,19 @@ class CoupledContact:
 def integrate(
     friction: Friction,
     mount: Mount,
-    normal: NormalContact,
+    normal: NormalContact | None,
     step_s: float,
     carriage_m: Array,
     carriage_m_s: Array,
     pressing_n: Array,
-    tolerance_n: float = 1e-6,
-) -> CoupledMotion:
+    tolerance_n: float = TOLERANCE_N,
+) -> PadMotion:
     """Integrate from standstill, in balance with the pressing force of the first sample.
 
     Raises TraceError.
     """
     max_pressing_n = max(float(np.max(pressing_n)), 0.0)
-    contact = CoupledContact(
+    pad = DraggedPad(
         friction=friction,
         mount=mount,
         normal=normal,
@@ -204,4 +236,4 @@ def integrate(
         max_pressing_n=max_pressing_n,
         tolerance_n=tolerance_n,
     )
-    return contact.process(carriage_m, carriage_m_s, pressing_n)
+    return pad.process(carriage_m, carriage_m_s, pressing_n)

@@ -1,4 +1,4 @@
-"""Error-controlled contact: comparison with scipy and with fixed steps, and stiff or
+"""Dragged pad: comparison with scipy, and stiff or
 extreme cases.
 """
 
@@ -12,9 +12,15 @@ import pytest
 
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
-from fingertip.sim.contact import coupled, coupled_loop
-from fingertip.sim.contact.coupled import CoupledContact, CoupledMotion, NormalContact, integrate
-from fingertip.sim.contact.coupled_loop import bristle_rate, normal_rate
+from fingertip.sim.contact import dragged_pad, dragged_pad_loop
+from fingertip.sim.contact.dragged_pad import (
+    DraggedPad,
+    Mount,
+    NormalContact,
+    PadMotion,
+    integrate,
+)
+from fingertip.sim.contact.dragged_pad_loop import bristle_rate, normal_rate
 from fingertip.sim.contact.friction import (
     ELASTO_PLASTIC,
     GROSS_SLIP_M_S,
@@ -22,7 +28,6 @@ from fingertip.sim.contact.friction import (
     RELAX_PER_S,
     Friction,
 )
-from fingertip.sim.contact.tangential import DraggedPad, Mount
 from fingertip.sim.runs.timeline import TrapezoidalMove
 from tests.first_set import FULL
 from tests.oracles.steady_friction import steady_coefficient
@@ -39,7 +44,7 @@ def grid(seconds: float, rate_hz: float = RATE_HZ) -> np.ndarray:
     return np.arange(round(seconds * rate_hz) + 1) / rate_hz
 
 
-def slide(friction=FRICTION, mount=MOUNT, tolerance=1e-6) -> CoupledMotion:
+def slide(friction=FRICTION, mount=MOUNT, tolerance=1e-6) -> PadMotion:
     """Rest for 0.2 s, then slide by 4 cm, under an oscillating load that keeps contact."""
     time = grid(1.4)
     ramp = TrapezoidalMove.with_speed(0.2, 0.04, 0.04)
@@ -52,7 +57,8 @@ def slide(friction=FRICTION, mount=MOUNT, tolerance=1e-6) -> CoupledMotion:
 
 
 @pytest.mark.full
-def test_motion_agrees_with_scipy_radau():
+@pytest.mark.parametrize("normal", [NORMAL, None], ids=["resonance", "given"])
+def test_motion_agrees_with_scipy_radau(normal):
     """scipy solves an independent copy of the equations and restarts at the kinks of the drive."""
     from scipy.integrate import solve_ivp
 
@@ -63,11 +69,14 @@ def test_motion_agrees_with_scipy_radau():
     ramp = TrapezoidalMove.with_speed(0.05, 0.04, 0.04)
     load = FORCE_N * (1 + 0.1 * time / until)
     ours = integrate(
-        f, MOUNT, NORMAL, 1 / RATE_HZ, ramp.position_m(time), ramp.velocity_m_s(time), load, 1e-9
+        f, MOUNT, normal, 1 / RATE_HZ, ramp.position_m(time), ramp.velocity_m_s(time), load, 1e-9
     )
 
     def rates(t, s):
         x, v, bristles, y, w = s
+        pressing = FORCE_N * (1 + 0.1 * t / until)
+        if normal is None:
+            y = pressing
         g = f.mu_c + (f.mu_s - f.mu_c) / (1 + (v / f.stribeck_m_s) ** 2)
         root = math.sqrt(y + LOAD_SCALE_N)
         z = bristles / root
@@ -77,7 +86,7 @@ def test_motion_agrees_with_scipy_radau():
             ramp.velocity_m_s(at)[0] - v
         )
         dv = (pull - y * (f.sigma0 * z + f.sigma1 * rate / root + f.sigma2 * v)) / MOUNT.mass_kg
-        return [v, dv, rate, w, omega**2 * (FORCE_N * (1 + 0.1 * t / until) - y) - 0.3 * omega * w]
+        return [v, dv, rate, w, omega**2 * (pressing - y) - 0.3 * omega * w]
 
     state = [0.0, 0.0, 0.0, FORCE_N, 0.0]
     worst = 0.0
@@ -88,10 +97,9 @@ def test_motion_agrees_with_scipy_radau():
         )
         state = part.y[:, -1]
         worst = max(worst, float(np.abs(part.y[1] - ours.velocity_m_s[at]).max()))
-        assert np.abs(part.y[3] - ours.force_n[at]).max() < 1e-7
-        assert (
-            np.abs(part.y[2] / np.sqrt(part.y[3] + LOAD_SCALE_N) - ours.bristle_m[at]).max() < 1e-11
-        )
+        force = part.y[3] if normal else load[at]
+        assert np.abs(force - ours.force_n[at]).max() < 1e-7
+        assert np.abs(part.y[2] / np.sqrt(force + LOAD_SCALE_N) - ours.bristle_m[at]).max() < 1e-11
     assert worst < 2e-7
 
 
@@ -121,18 +129,6 @@ def test_tolerance_is_an_error_in_newtons():
     assert pull[0] < 5e-6
     assert pull[1] < 5e-7
     assert pull[2] < 5e-8
-
-
-def test_fixed_steps_of_a_trial_agree():
-    rate = 8000.0
-    time = grid(1.4, rate)
-    ramp = TrapezoidalMove.with_speed(0.2, 0.04, 0.04)
-    stage = ramp.position_m(time)
-    speed = ramp.velocity_m_s(time)
-    load = np.full_like(time, FORCE_N)
-    fixed = DraggedPad(FRICTION, MOUNT, 1 / rate).process(stage, speed, load)
-    controlled = integrate(FRICTION, MOUNT, NORMAL, 1 / rate, stage, speed, load, 1e-8)
-    assert np.abs(fixed.velocity_m_s - controlled.velocity_m_s).max() < 1e-5
 
 
 @pytest.mark.every_case
@@ -274,7 +270,7 @@ def test_jacobian_agrees_with_finite_differences(elastic):
         s = rng.uniform(-1.2, 1.2) * curve[0] / sigma[0] * math.sqrt(max(y, 0.0) + LOAD_SCALE_N)
         state = np.array([1e-4, v, s, y, 3.0])
         given = curve, sigma, mount, normal, 90.0, 0.7
-        found = coupled_loop.linearise(*given, *state)
+        found = dragged_pad_loop.linearise(*given, *state)
         assert found[:3] == pytest.approx(compute_rates(*given, *state), rel=1e-12, abs=1e-12)
         J_vv, J_vs, J_vy, J_sv, J_ss, J_sy, J_wy, J_ww = found[3:]
         expected = np.array(
@@ -302,16 +298,19 @@ def test_jacobian_agrees_with_finite_differences(elastic):
 
 @pytest.mark.parametrize("chunk", [1, 2, 7, 1000])
 @pytest.mark.parametrize("elastic", [0.0, ELASTO_PLASTIC])
-def test_any_chunks_give_the_same_bits(elastic, chunk):
+@pytest.mark.parametrize("normal", [NORMAL, None], ids=["resonance", "given"])
+def test_any_chunks_give_the_same_bits(normal, elastic, chunk):
     """Also across flights, stick and slip, and when the first chunks are single samples."""
     friction = Friction(0.6, 0.48, elastic=elastic)
     time = grid(0.5)
     ramp = TrapezoidalMove.with_speed(0.1, 0.01, 0.04)
-    load = FORCE_N + 1.5 * np.sin(2 * math.pi * 70 * time)
+    load = np.maximum(
+        FORCE_N + 1.5 * np.sin(2 * math.pi * 70 * time), 0.0 if normal is None else -9
+    )
     drive = ramp.position_m(time), ramp.velocity_m_s(time), load
-    whole = integrate(friction, MOUNT, NORMAL, 1 / RATE_HZ, *drive)
+    whole = integrate(friction, MOUNT, normal, 1 / RATE_HZ, *drive)
     assert 0.1 < (whole.force_n == 0.0).mean() < 0.9
-    contact = CoupledContact(friction, MOUNT, NORMAL, 1 / RATE_HZ, float(load.max()))
+    contact = DraggedPad(friction, MOUNT, normal, 1 / RATE_HZ, float(load.max()))
     cuts = [0, 1, *range(2, len(time), chunk), len(time)]
     parts = [contact.process(*(column[a:b] for column in drive)) for a, b in pairwise(cuts)]
     for name in ("position_m", "velocity_m_s", "bristle_m", "force_n"):
@@ -328,10 +327,10 @@ def test_chunk_that_fails_leaves_the_state_as_it_was(monkeypatch):
     drive = ramp.position_m(time), ramp.velocity_m_s(time), np.full_like(time, FORCE_N)
     first = [column[:150] for column in drive]
     second = [column[150:] for column in drive]
-    contact = CoupledContact(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, FORCE_N)
+    contact = DraggedPad(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, FORCE_N)
     contact.process(*first)
     with monkeypatch.context() as patch:
-        patch.setattr(coupled, "MAX_STEPS", 0)
+        patch.setattr(dragged_pad, "MAX_STEPS", 0)
         with pytest.raises(
             TraceError, match=r"sample 150: needs more than 0 steps .* choose a larger tolerance_n"
         ):
@@ -350,12 +349,12 @@ def test_few_steps_are_rejected():
     assert tight.steps < 4 * found.steps  # order 3 of the estimate: 100^(1/4) = 3.2
 
 
-def test_equal_steps_have_order_4():
+@pytest.mark.parametrize("normal", [NormalContact(90.0, 0.3), None], ids=["resonance", "given"])
+def test_equal_steps_have_order_4(normal):
     """A drive that is exact between samples, a pad that moves forward
     only, and a tolerance that allows any step.
     """
     mount = Mount(0.035, 1500.0, 10.0)
-    normal = NormalContact(90.0, 0.3)
 
     def forces_at_end(samples: int, tolerance_n: float) -> np.ndarray:
         t = np.arange(samples + 1) * (0.01 / samples)
@@ -373,4 +372,5 @@ def test_equal_steps_have_order_4():
 
     exact = forces_at_end(640, 1e-12)
     coarse, fine = (np.abs(forces_at_end(samples, 1e9) - exact) for samples in (40, 80))
-    assert (np.log2(coarse / fine) > 3.6).all()
+    order = np.log2(coarse / fine) if normal else np.log2(coarse[:2] / fine[:2])
+    assert (order > 3.6).all()

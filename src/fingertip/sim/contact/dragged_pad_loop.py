@@ -1,5 +1,5 @@
-"""Loop of `fingertip.sim.contact.coupled`: a Rosenbrock method on five states, with linear systems
-in closed form.
+"""Loop of `fingertip.sim.contact.dragged_pad`: a Rosenbrock method on five states, with linear
+systems in closed form.
 
 The method is Shampine's (L. F. Shampine, ACM TOMS 8(2), 1982, doi:10.1145/355993.355994; form and
 coefficients of E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., 1996,
@@ -53,20 +53,28 @@ E4 = 125 / 108
 
 MIN_STEP_RATIO = 1e-12
 """Shortest step as a fraction of the time between samples.
-Such a step is accepted whatever its error.
+Such a step is accepted whatever its error; motion that is no number takes no longer one, and runs
+out of steps.
 """
-POSITION, VELOCITY, BRISTLE, COMPRESSION, RATE, STEP = range(6)
-"""Indices of what a chunk carries to the next one: the states x, v, s, y and w, and the length of
-the next step [s].
+REST = 1e-3
+REST_S = 1e-4
+"""Motion, as a share of a step's tolerance, below which a pad has come to rest, and the time in
+which it is counted [s].
+"""
+POSITION, VELOCITY, BRISTLE, COMPRESSION, RATE, STEP, MOVED = range(7)
+"""Indices of what a chunk carries to the next one: the states x, v, s, y and w, the length of the
+next step [s], and the present motion in `REST_S` as a share of the tolerance.
 """
 ACCEPTED, REJECTED, FAILED_SAMPLE = range(3)
-"""Indices of the statistics: accepted steps, rejected steps, and the sample at which the loop gave
-up, or 0.
+"""Indices of the statistics: accepted steps, of which a sample at rest counts as one; rejected
+steps; and the sample at which the loop gave up, or 0.
 """
 
 Curve = tuple[float, float, float, float]
 Bristles = tuple[float, float, float, float, float]
 Normal = tuple[float, float, float, float]
+GIVEN: Normal = (0.0, 0.0, 0.0, 0.0)
+"""Contact without a resonance: its force is the pressing force."""
 
 
 def bristle_rate(
@@ -207,7 +215,7 @@ def linearise(
     return dv, ds, dw, J_vv, J_vs, 0.0, J_sv, J_ss, J_sy, -stiffness * rho, -flight_damping
 
 
-def _coupled_loop(
+def _drag_loop(
     curve: Curve,
     sigma: Bristles,
     mount: tuple[float, float, float],
@@ -233,6 +241,7 @@ def _coupled_loop(
     k_m, c_m, per_m = mount
     weight_x, weight_v, weight_s, weight_y, weight_w = weights
     per_H = 1 / H
+    is_given = normal[0] == 0.0
 
     x = carried[POSITION]
     v = carried[VELOCITY]
@@ -240,6 +249,7 @@ def _coupled_loop(
     y = carried[COMPRESSION]
     w = carried[RATE]
     h = carried[STEP]
+    moved = carried[MOVED]
     xs[0] = x
     vs_out[0] = v
     ss[0] = s
@@ -265,12 +275,23 @@ def _coupled_loop(
         t = 0.0
         attempts = 0
 
+        if is_given:
+            y = d0
+            w = slope
+            # Nothing moves a pad that has come to rest below its carriage, as long as the load
+            # stays, or bristles are straight.
+            if moved < REST and X0 == X1 and V0 == V1 == 0.0 and (d0 == d1 or s == 0.0):
+                t = H
+                y = d1
+                steps += 1
+
         while t < H:
             attempts += 1
             if attempts > max_steps:
                 stats[FAILED_SAMPLE] = i + 1
                 return
 
+            h = max(h, MIN_STEP_RATIO * H)
             # Step size: end exactly on the sample; two equal steps avoid a tiny last one. Usually a
             # step is a whole sample: its length then comes from a branch, which a processor
             # foresees, not from the error before it.
@@ -423,9 +444,14 @@ def _coupled_loop(
                 factor = 0.15
 
             if error <= 1.0 or step <= MIN_STEP_RATIO * H:
-                x += B1 * ux1 + B2 * ux2 + B3 * ux3 + B4 * ux4
-                v += B1 * uv1 + B2 * uv2 + B3 * uv3 + B4 * uv4
-                s += B1 * us1 + B2 * us2 + B3 * us3 + B4 * us4
+                dx = B1 * ux1 + B2 * ux2 + B3 * ux3 + B4 * ux4
+                dv = B1 * uv1 + B2 * uv2 + B3 * uv3 + B4 * uv4
+                ds = B1 * us1 + B2 * us2 + B3 * us3 + B4 * us4
+                moved = abs(dx) * weight_x + abs(dv) * weight_v + abs(ds) * weight_s
+                moved *= REST_S * per_step
+                x += dx
+                v += dv
+                s += ds
                 y += B1 * uy1 + B2 * uy2 + B3 * uy3 + B4 * uy4
                 w += B1 * uw1 + B2 * uw2 + B3 * uw3 + B4 * uw4
                 steps += 1
@@ -449,17 +475,18 @@ def _coupled_loop(
     carried[COMPRESSION] = y
     carried[RATE] = w
     carried[STEP] = h
+    carried[MOVED] = moved
     stats[ACCEPTED] = steps
     stats[REJECTED] = rejected
 
 
 run = CompiledLoop(
-    _coupled_loop,
+    _drag_loop,
     stribeck_fraction,
     bristle_rate,
     normal_rate,
     linearise,
     samples="Xs",
-    plain_us=14.0,
+    plain_us=7.0,
 )
 """Fills x, v, s and y at the samples, and the statistics; carries the state to the next chunk."""

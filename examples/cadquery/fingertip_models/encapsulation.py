@@ -174,7 +174,7 @@ def wires(finger: Finger) -> Solid:
     """
     dims = finger.dimensions
     radius = finger.sensor.wire_diameter_mm / 2
-    floor = dims.pocket_depth - dims.flat_depth - _ON_FLOOR_MM
+    floor = -floor_depth(finger) - _ON_FLOOR_MM
     half = dims.sensor.tab_pitch_mm / 2
     end = dims.tail_end_z - _ON_FLOOR_MM
     runs = (
@@ -200,7 +200,6 @@ def wires(finger: Finger) -> Solid:
     )
 
 
-def knot_depth(finger: Finger) -> float:
-    """Depth of the knot below the parting plane [mm]: it lies on the floor of the trough."""
-    dims = finger.dimensions
-    return dims.flat_depth - dims.pocket_depth + KNOT_WIRES * finger.sensor.wire_diameter_mm
+def floor_depth(finger: Finger) -> float:
+    """Depth of the trough's floor, on which the knot lies, below the parting plane [mm]."""
+    return finger.dimensions.flat_depth - finger.dimensions.pocket_depth

@@ -13,20 +13,20 @@ name = "article"  # engraved into the mold
 skin = Table(
     # Full width at the proximal end [16.9 to 23.1 mm]
     width_mm=17.0,
-    # Height of the pad, at the apex of a crown, from the parting plane [7.18 to 7.62 mm]
+    # Height of the pad, at the apex of a crown, from the parting plane [7.02 to 7.62 mm]
     semi_axis_palmar_mm=7.4,
-    # Height of the dorsal side, measured from the parting plane [7.76 to 24.8 mm]
-    semi_axis_dorsal_mm=8.1,
-    # Length from the proximal end to the tip [31.7 to 40.4 mm]
+    # Height of the dorsal side, measured from the parting plane [8.68 to 25.2 mm]
+    semi_axis_dorsal_mm=9.4,
+    # Length from the proximal end to the tip [31.7 to 42.8 mm]
     length_mm=34.0,
     # Length of the rounded tip, part of the length [6.04 to 11.1 mm]
     tip_length_mm=10.0,
     # Size of the cross-section where the tip begins, relative to the proximal end [0.936 to 1]
     taper_ratio=0.94,
     # Width of the pulp at half its height, relative to the full width (0.5: triangle, 0.866:
-    # ellipse, 1: box) [0.896 to 0.9925]
+    # ellipse, 1: box) [0.884 to 0.9925]
     pulp_fullness=0.91,
-    # Width of the nail side at half its height, relative to the full width [0.862 to 0.9925]
+    # Width of the nail side at half its height, relative to the full width [0.86 to 0.9925]
     nail_fullness=0.875,
     # Size of the cross-section halfway along the rounded tip, relative to where the tip begins
     # [0.825 to 0.982]
@@ -44,8 +44,8 @@ skin = Table(
     # Skin thickness over the centre of the sensor, from its platform or flat to the pad's
     # surface [2.98 to 5.15 mm]
     thickness_palmar_mm=3.0,
-    # Skin thickness on the dorsal side [0.799 to 1.84 mm]
-    thickness_dorsal_mm=1.5,
+    # Skin thickness on the dorsal side [0.799 to 1.82 mm]
+    thickness_dorsal_mm=1.1,
     # Skin thickness at the tip, distal to the bone [2.09 to 3.75 mm]
     thickness_tip_mm=2.6,
     # Minimum skin thickness anywhere, measured from bone to surface [0.2 to 1.04 mm]
@@ -96,7 +96,7 @@ bone = Table(
     # a clevis [19.7 to 60 mm]
     base_length_mm=22.0,
     # Width of the bone at half its palmar height, before the flat is cut, relative to its full
-    # width [0.964 to 0.983]
+    # width [0.964 to 0.997]
     palmar_fullness=0.966,
     # Design width of the rim around the sensor; checks require 95 % of it or, if less, of
     # printer.min_wall_mm [0.2 to 0.673 mm]
@@ -110,7 +110,7 @@ bone = Table(
     # Diameter of the hole for both wires, from the trough of the tail to the back of the base
     # [2.2 to 3 mm]
     channel_diameter_mm=2.8,
-    # Bend radius of the channel's centre line [1.7 to 8.82 mm]
+    # Bend radius of the channel's centre line [1.7 to 10.5 mm]
     channel_bend_radius_mm=3.0,
     # Length of the collar on which the skin ends [0.8 to 10 mm]
     collar_length_mm=2.0,
@@ -126,12 +126,12 @@ bone = Table(
     # hole for the phalanx's post; flange: a plate with bolt holes; clevis: a joint with a pin,
     # whose sizes stand in [hand]; file: an adapter of your own [post, socket, flange, clevis]
     interface="post",
-    # Diameter of the post, which is its width (interface post) [4.8 to 11 mm]
-    post_width_mm=10.8,
+    # Diameter of the post, which is its width (interface post) [4.8 to 11.7 mm]
+    post_width_mm=11.5,
     # Height of the post between its two flats, which lock rotation; from post_width_mm on it is
-    # round [4.8 to 8.21 mm]
+    # round [4.8 to 40 mm]
     post_height_mm=7.5,
-    # Length of the post (interface post) [7.69 to 40 mm]
+    # Length of the post (interface post) [7.91 to 40 mm]
     post_length_mm=14.5,
     # Diameter of the socket (interface socket) [2 to 25 mm]
     socket_diameter_mm=5.0,
@@ -222,13 +222,13 @@ printer = Table(
 
 strength = Table(
     # Force of a firm grip, at the pad, the apex and the side, in any direction [1 to 200 N]
-    grip_force_n=8.0,
+    grip_force_n=11.0,
     # Minimum safety factor of the bone at grip_force_n [0 to 20]
     min_grip_factor=2.0,
     # Mass that moves with the fingertip when it knocks against something hard [0.01 to 10 kg]
     hand_mass_kg=0.4,
     # Speed of that knock, at the same places [0.01 to 10 m/s]
-    knock_speed_m_s=0.13,
+    knock_speed_m_s=0.17,
     # Minimum safety factor of the bone at that knock [0 to 20]
     min_knock_factor=1.5,
     # Material of the bone: three SLA resins, PETG, nylon 12, or own: the figures below then

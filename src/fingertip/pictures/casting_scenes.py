@@ -618,10 +618,16 @@ def connect(workbench: Workbench, sheet: CastingSheet) -> Scene:
     )
     black_to = f"black wire to A0 (GP26,\npin 31), {kohm or 0:g} kohm from\nthere to GND (pin 33)"
     mount, labels = _show_mount(workbench, sheet)
+    finger = workbench.assembled_bone()
+    pressed = workbench.head
+
+    if making_of(workbench.design).is_bonded:
+        finger = [workbench.part(name) for name in ("bone", "plug", "skin")]
+        pressed = (0.0, -workbench.design.skin.semi_axis_palmar_mm, dims.sensor_z)
 
     return Scene(
         (
-            *workbench.assembled_bone(),
+            *finger,
             *mount,
             workbench.solid(red, colours.WIRE),
             workbench.solid(black, _BLACK),
@@ -633,7 +639,7 @@ def connect(workbench: Workbench, sheet: CastingSheet) -> Scene:
         ),
         *([Label(black_to, (far - 6.0, y, z - 1.2))] if kohm else []),
         *labels,
-        Label("press here, to try it", workbench.head),
+        Label("press here, to try it", pressed),
     )
 
 

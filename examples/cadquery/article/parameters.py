@@ -32,17 +32,17 @@ skin = Table(
     # [0.825 to 0.982]
     tip_fullness=0.875,
     # Radius of the pad's crown along the finger; 0: a straight pad, without a crown [0 or 7.43
-    # to 20.2 mm]
+    # to 13.5 mm]
     crown_radius_mm=10.0,
-    # Distance from the sensor's centre to the apex of the crown, towards the base [0.633 to
+    # Distance from the sensor's centre to the apex of the crown, towards the base [0.774 to
     # 1.65 mm]
     crown_offset_mm=0.9,
-    # Height by which the pad at its base lies below the apex of the crown [0 to 2.02 mm]
+    # Height by which the pad at its base lies below the apex of the crown [0 to 2.01 mm]
     crown_drop_mm=2.0,
     # Skin thickness at the sides [1.58 to 1.93 mm]
     thickness_side_mm=1.9,
     # Skin thickness over the centre of the sensor, from its platform or flat to the pad's
-    # surface [2.98 to 5.15 mm]
+    # surface [2.99 to 5.15 mm]
     thickness_palmar_mm=3.0,
     # Skin thickness on the dorsal side [0.799 to 1.82 mm]
     thickness_dorsal_mm=1.1,
@@ -73,7 +73,7 @@ sensor = Table(
     wire_diameter_mm=1.0,
     # Gap around the sensor in its pocket and trough [0.25 to 0.373 mm]
     clearance_mm=0.3,
-    # Thickness of the adhesive film under the sensor; it deepens the pocket. (unverified) [0.11
+    # Thickness of the adhesive film under the sensor; it deepens the pocket. (unverified) [0.12
     # to 0.5 mm]
     adhesive_thickness_mm=0.13,
 )
@@ -102,7 +102,7 @@ bone = Table(
     # printer.min_wall_mm [0.2 to 0.673 mm]
     rim_mm=0.6,
     # Height of the platform under the sensor's head above the flat of the bone, down to which
-    # the tail runs [1.68 to 3.85 mm]
+    # the tail runs [1.69 to 3.85 mm]
     platform_mm=1.7,
     # Design wall between cable channel, trough and outer surface; checks require
     # printer.min_wall_mm [0.8 to 1.28 mm]
@@ -114,7 +114,7 @@ bone = Table(
     channel_bend_radius_mm=3.0,
     # Length of the collar on which the skin ends [0.8 to 10 mm]
     collar_length_mm=2.0,
-    # Inset of the collar from the outline of the skin [0.1 to 0.32 mm]
+    # Inset of the collar from the outline of the skin [0.1 to 0.31 mm]
     collar_inset_mm=0.3,
     # Depth of the groove around the bone that retains the skin; 0: no groove [0.4 to 1.82 mm]
     groove_depth_mm=0.8,
@@ -204,7 +204,7 @@ printer = Table(
     # Scale of the printed parts in STL and 3MF, relative to the design; STEP stays at 100 [95
     # to 105 %]
     scale_percent=100.0,
-    # Error of each printed surface that locates bone or core in the mold [0.0295 to 0.5 mm]
+    # Error of each printed surface that locates bone or core in the mold [0.0395 to 0.5 mm]
     surface_error_mm=0.05,
     # Length by which printed solids are too long and hollows too short; gaps of the design
     # close by as much [-0.5 to 0.5 mm]

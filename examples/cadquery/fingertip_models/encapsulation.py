@@ -174,7 +174,7 @@ def wires(finger: Finger) -> Solid:
     """
     dims = finger.dimensions
     radius = finger.sensor.wire_diameter_mm / 2
-    floor = -floor_depth(finger) - _ON_FLOOR_MM
+    floor = -floor_depth(finger)
     half = dims.sensor.tab_pitch_mm / 2
     end = dims.tail_end_z - _ON_FLOOR_MM
     runs = (
@@ -201,5 +201,5 @@ def wires(finger: Finger) -> Solid:
 
 
 def floor_depth(finger: Finger) -> float:
-    """Depth of the trough's floor, on which the knot lies, below the parting plane [mm]."""
-    return finger.dimensions.flat_depth - finger.dimensions.pocket_depth
+    """Depth below the parting plane at which wires and knot lie on the floor of the trough [mm]."""
+    return finger.dimensions.flat_depth - finger.dimensions.pocket_depth + _ON_FLOOR_MM

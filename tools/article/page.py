@@ -92,7 +92,8 @@ def measure() -> dict[str, Any]:
 def render_page(data: Mapping[str, Any]) -> str:
     """Write the page from the data."""
     summary: dict[str, Any] = {
-        "level": {**data["level"], "summary": level.summarise(data["level"]["points"])}
+        "level": {**data["level"], "summary": level.summarise(data["level"]["points"])},
+        "strength": Design.load("article").strength,
     }
     return lay_out_page(
         render_text(TEMPLATE.read_text(encoding="utf-8"), **{**data, **summary}), WIDTH

@@ -14,6 +14,7 @@ from fingertip.cad.verification import assembly, encapsulation, mold
 from fingertip.cad.verification.check import Check, Solids
 from fingertip.design import Design
 from fingertip.models import encapsulation as shapes
+from fingertip.models import holder
 from fingertip.models.bone import bone
 from fingertip.models.making import making_of
 from fingertip.models.mold import cavity
@@ -93,15 +94,42 @@ def test_silicone_that_fills_the_tail_s_end_is_found(monkeypatch: pytest.MonkeyP
 @pytest.mark.parametrize(
     ("change", "wanted"),
     [
-        ({"bone.groove_depth_mm": 0.4}, {"encapsulation.pull_off"}),
+        ({"strength.grip_force_n": 25.0}, {"encapsulation.pull_off"}),
         (
             {"printer.surface_error_mm": 0.3},
-            {"encapsulation.bone_play", "mold.palmar_error", "mold.creep"},
+            {
+                "encapsulation.bone_play",
+                "encapsulation.creep_past_collar",
+                "mold.palmar_error",
+                "mold.creep",
+            },
         ),
     ],
 )
 def test_checks_find_their_defects(change: dict[str, float], wanted: set[str]) -> None:
     assert find_failed(ARTICLE.with_values(change)) == wanted
+
+
+def test_plug_is_held_by_the_collar_and_by_the_film() -> None:
+    """It overlaps the bone where it slides by half a millimetre, either way."""
+    for name in ("article", "fsr402", "first_finger"):
+        design = encapsulated(name)
+        plug, bone_ = (EVALUATOR.manifold(part) for part in (shapes.plug(design), bone(design)))
+        assert float((plug ^ bone_).volume()) == pytest.approx(0.0, abs=1e-3)
+        for z in (-0.5, 0.5):
+            assert float((plug.translate((0.0, 0.0, z)) ^ bone_).volume()) > 0.1
+
+
+def test_wires_that_do_not_pass_the_holder_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A way of the wires that ends behind their hole blocks the bone."""
+    way = holder._wire_way
+
+    def short_way(finger: Design) -> Box:
+        box = way(finger)
+        return Box(box.low, (*box.high[:2], finger.dimensions.channel_exit_z))
+
+    monkeypatch.setattr(holder, "_wire_way", short_way)
+    assert find_failed(ARTICLE) == {"encapsulation.inserting_overlap"}
 
 
 def test_a_wide_gap_around_the_collar_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -110,7 +138,7 @@ def test_a_wide_gap_around_the_collar_is_found(monkeypatch: pytest.MonkeyPatch) 
     design = encapsulated("fsr402")
     solids = Solids.of(design, EVALUATOR, parts_by_name(design))
     found = encapsulation.check_encapsulation(design, solids)
-    assert "encapsulation.creep_to_hole" in {check.name for check in found if not check.passed}
+    assert "encapsulation.creep_past_collar" in {check.name for check in found if not check.passed}
 
 
 def test_creep_is_that_of_the_integral_of_the_pressure() -> None:

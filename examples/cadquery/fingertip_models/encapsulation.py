@@ -3,7 +3,8 @@ tail.
 
 The silicone covers the sensor's film, whose vent is at the end of its tail, and stops at the
 collar. The plug fills the notch that the trough cuts into the collar, and lies on the film up to a
-lap past the end of the tail: neither the vent nor the wires meet silicone. It stays in the finger.
+lap past the end of the tail: neither the vent nor the wires meet silicone. Its wings behind the
+collar keep it from sliding into the cup. It stays in the finger.
 """
 
 from __future__ import annotations
@@ -11,10 +12,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .allowances import PAST_MM
-from .bone import filled_bone
-from .conic import ConicBody
-from .dimensions import KNOT_WIRES
-from .mold_layout import PLATE_MM
+from .bone import filled_bone, find_collar_slope
+from .conic import ConicBody, offset_section
 from .sensor_pocket import film_column, flat_slab, sensor_recess
 from .solids import Box, Prism, Solid, SuperconicSolid, cylinder, union
 
@@ -39,6 +38,16 @@ _BELOW_SILICONE_MM = 0.02
 """Gap between the plug and the plane in which the skin ends [mm]."""
 _ON_FLOOR_MM = 0.01
 """Gap between the wires and what they lie on [mm]."""
+_KNOT_ROOM_WIRES = 4.0
+"""Most thickness of a knot in both wires, in diameters of one of them. An assumption."""
+WING_MM = 1.2
+"""Width of a wing behind the collar, beside the trough [mm]."""
+_WING_LENGTH_MM = 1.5
+"""Length of a wing along the finger, behind the slope of the collar [mm]."""
+_BESIDE_KNOT_MM = 0.3
+"""Gap between the knot and the plug, and the slot of the holder, to either side [mm]."""
+KEEL_GAP_MM = 0.15
+"""Gap around the keel in its slot [mm]."""
 _INTO_FLAT_MM = 0.2
 """Depth to which the silicone's form of the plug reaches into the filled bone [mm]."""
 
@@ -83,9 +92,26 @@ def roof_height(finger: Finger) -> float:
 
 
 def plug_begin_z(finger: Finger) -> float:
-    """Find the proximal end of the plug: level with the plate's top, or distal to the knot."""
-    knot = KNOT_WIRES * finger.sensor.wire_diameter_mm / 2
-    return max(-PLATE_MM, finger.dimensions.channel_exit_z + knot + _WIRE_GAP_MM)
+    """Find the proximal end of the plug, that of its wings behind the slope of the collar."""
+    return find_collar_slope(finger).begin_z - PLUG_GAP_MM - _WING_LENGTH_MM
+
+
+def wing_reach(finger: Finger) -> float:
+    """Half of the width of the plug behind the collar."""
+    return finger.dimensions.tail_half_width + WING_MM
+
+
+def knot_radius(finger: Finger) -> float:
+    return _KNOT_ROOM_WIRES * finger.sensor.wire_diameter_mm / 2
+
+
+def keel_half_width(finger: Finger) -> float:
+    return knot_radius(finger) + _BESIDE_KNOT_MM - KEEL_GAP_MM
+
+
+def knot_depth(finger: Finger) -> float:
+    """Depth of the knot, and of the keel, below the parting plane."""
+    return floor_depth(finger) + 2 * knot_radius(finger)
 
 
 def _beside_film(finger: Finger) -> Solid:
@@ -129,22 +155,17 @@ def plug(finger: Finger) -> Solid:
        plug_begin_z    within the collar's outline
     """
     dims = finger.dimensions
-    begin = plug_begin_z(finger)
     half = dims.tail_half_width - PLUG_GAP_MM
-    surface = -dims.flat_depth
-    deep = 2 * dims.collar.section.palmar
-    outline = SuperconicSolid(
-        ConicBody(dims.collar.section, ((begin, 1.0), (-_BELOW_SILICONE_MM, 1.0)))
-    )
-    notch = Box((-half, -deep, -2 * PLATE_MM), (half, surface - _FILM_GAP_MM, PAST_MM))
     neck = _lay_on_flat(finger, -_FILM_GAP_MM, half, -PAST_MM, PAST_MM)
     roof = _roof(finger, -_FILM_GAP_MM, _FILM_GAP_MM)
-    whole = outline.intersect(notch).union(neck, roof)
+    whole = _block(finger).union(neck, roof)
+    begin = _filling_begin_z(finger)
     end = dims.tail_end_z - _WIRE_GAP_MM
     if end <= begin:
         return whole
 
     # Walls down to the floor of the trough, and the tunnel between them, whose end slopes.
+    surface = -dims.flat_depth
     floor = surface + dims.pocket_depth - _FILM_GAP_MM
     walls = Box((-half, surface - PAST_MM / 2, begin), (half, floor, end))
     ceiling = surface - _tunnel_height(finger)
@@ -157,7 +178,104 @@ def plug(finger: Finger) -> Solid:
     )
     inner = half - finger.printer.min_wall_mm
 
-    return whole.union(walls).cut(Prism("x", corners, -inner, inner))
+    tunnel = Prism("x", corners, -inner, inner)
+    return whole.union(walls).cut(tunnel, _knot_room(finger), _slope_below_filling(finger))
+
+
+def _block(finger: Finger) -> Solid:
+    """Build the plug within the plate: what fills the notch, wings behind the collar, and a keel.
+
+    Seen from the palm, tip to the right; the notch in the collar is as wide as the block:
+
+             ________
+            |  wing  \  collar
+            |         |_________
+            |  keel             |  block
+            |          _________|
+            |  wing   |
+            |________/  collar
+                               z = 0
+    """
+    dims = finger.dimensions
+    begin = plug_begin_z(finger)
+    half = dims.tail_half_width - PLUG_GAP_MM
+    wide = keel_half_width(finger)
+    surface = -dims.flat_depth - _FILM_GAP_MM
+    deep = 2 * dims.collar.section.palmar
+    ends = ((begin, 1.0), (-_BELOW_SILICONE_MM, 1.0))
+    outline = SuperconicSolid(ConicBody(dims.collar.section, ends))
+    flat = -dims.base_flat_depth - PLUG_GAP_MM
+    trough_z = max(begin, dims.channel_exit_z - finger.bone.channel_diameter_mm / 2)
+    filling = outline.intersect(
+        Box((-half, -deep, _filling_begin_z(finger)), (half, surface, PAST_MM)).union(
+            Box((-half, -deep, trough_z), (half, flat, PAST_MM))
+        )
+    )
+
+    deepest = -knot_depth(finger)
+    keel = Box((-wide, deepest, _filling_begin_z(finger)), (wide, flat, -_BELOW_SILICONE_MM))
+    behind = Box((-wide, deepest, begin), (wide, flat, -finger.bone.collar_length_mm))
+    wings = outline.intersect(_behind_collar(finger))
+
+    return filling.union(keel, wings.union(behind).cut(_collar_slope(finger)))
+
+
+def _filling_begin_z(finger: Finger) -> float:
+    """Find the proximal end of what fills the trough, which ends at the hole of the wires."""
+    return max(plug_begin_z(finger), finger.dimensions.channel_exit_z)
+
+
+def _slope_below_filling(finger: Finger) -> Solid:
+    """Build what is left out at the proximal end of the filling: it stands on its wings while it
+    prints, and begins in a slope of 45 degrees.
+    """
+    dims = finger.dimensions
+    begin = _filling_begin_z(finger)
+    flat = -dims.base_flat_depth - PLUG_GAP_MM
+    floor = -floor_depth(finger) + PAST_MM
+    corners = (
+        (flat, begin - PAST_MM),
+        (floor, begin - PAST_MM),
+        (floor, begin + floor - flat),
+        (flat, begin),
+    )
+
+    return Prism("x", corners, -dims.tail_half_width, dims.tail_half_width)
+
+
+def _behind_collar(finger: Finger) -> Box:
+    """Build the room of both wings, on the flat of the base."""
+    reach = wing_reach(finger)
+    deep = 2 * finger.dimensions.collar.section.palmar
+    begin = plug_begin_z(finger)
+    flat = -finger.dimensions.base_flat_depth - PLUG_GAP_MM
+
+    return Box((-reach, -deep, begin - PAST_MM), (reach, flat, -finger.bone.collar_length_mm))
+
+
+def _collar_slope(finger: Finger) -> Solid:
+    """Build the slope of the collar, larger by a gap."""
+    slope = find_collar_slope(finger)
+    section = finger.dimensions.collar.section
+    stations = (
+        (slope.begin_z - PLUG_GAP_MM, slope.share),
+        (slope.end_z - PLUG_GAP_MM, 1.0),
+        (PAST_MM, 1.0),
+    )
+
+    return SuperconicSolid(ConicBody(offset_section(section, PLUG_GAP_MM), stations))
+
+
+def _knot_room(finger: Finger) -> Solid:
+    """Build what stays open around the knot on the hole of the wires, and proximal to it: wider
+    than the keel.
+    """
+    exit_z = finger.dimensions.channel_exit_z
+    far = 2 * knot_depth(finger)
+    radius = knot_radius(finger) + _BESIDE_KNOT_MM
+    around = cylinder("y", centre=(exit_z, 0.0), low=-far, high=far, radius=radius)
+
+    return around.union(Box((-radius, -far, exit_z - far), (radius, far, exit_z)))
 
 
 def wires(finger: Finger) -> Solid:
@@ -187,16 +305,37 @@ def wires(finger: Finger) -> Solid:
         )
         for x in (-half, half)
     )
-    knot = KNOT_WIRES * radius
     return union(
         cylinder(
             "y",
             centre=(dims.channel_exit_z, 0.0),
-            low=floor - 2 * knot,
+            low=-knot_depth(finger),
             high=floor,
-            radius=knot,
+            radius=knot_radius(finger),
         ),
         *runs,
+    )
+
+
+def wires_on_back(finger: Finger) -> Solid:
+    """Build both wires side by side on the back of the bone, from their hole past the post, for
+    checks.
+    """
+    radius = finger.sensor.wire_diameter_mm / 2
+    centre_y = finger.dimensions.bone_outline.section.dorsal + radius + _ON_FLOOR_MM
+    end = finger.bone.base_length_mm + 2 * finger.bone.post_length_mm
+
+    return union(
+        *(
+            cylinder(
+                "z",
+                centre=(x, centre_y),
+                low=-end,
+                high=finger.dimensions.channel_exit_z,
+                radius=radius,
+            )
+            for x in (-radius, radius)
+        )
     )
 
 

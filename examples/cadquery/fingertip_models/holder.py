@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from . import post
+from . import encapsulation, post
 from .allowances import PAST_MM
 from .bone import find_collar_slope
 from .conic import ConicBody, offset_section
@@ -37,9 +37,6 @@ WALL_MM = 1.6
 """Least wall of the tower around what is open in it [mm]."""
 BESIDE_NUT_MM = 3.5
 """Distance of the walls and the ceiling of the pockets from the axis of the bolt [mm]."""
-_BEHIND_WIRES_MM = 1.0
-_BEHIND_COLLAR_MM = 0.5
-"""Length of the wires' way past their hole, and its least distance from the collar [mm]."""
 
 
 def holder(finger: Finger) -> Solid:
@@ -84,7 +81,8 @@ def tower_sides(finger: Finger) -> tuple[tuple[float, float], tuple[float, float
     around = post_gap_mm(finger) + WALL_MM
     wide = max(dims.bone_outline.section.half_width, finger.bone.post_width_mm / 2)
     x = max(layout.half_width + PLATE_LEDGE_MM - rise, wide + around)
-    low = max(layout.palmar_height - rise, dims.collar.section.palmar + around)
+    deepest = max(dims.collar.section.palmar, encapsulation.knot_depth(finger))
+    low = max(layout.palmar_height - rise, deepest + around)
     high = max(layout.dorsal_height - rise, _wire_way(finger).high[1] + WALL_MM)
 
     return (-x, x), (-low, high)
@@ -111,8 +109,8 @@ def _tower(finger: Finger) -> Solid:
 
 
 def seat(finger: Finger) -> tuple[Solid, ...]:
-    """Build what is open around the bone: collar with its slope, base, post, and the knot in both
-    wires.
+    """Build what is open around the bone: collar with its slope, base, post, and the plug's wings
+    and keel, whose slot takes the knot too.
     """
     dims = finger.dimensions
     bone = finger.bone
@@ -123,8 +121,11 @@ def seat(finger: Finger) -> tuple[Solid, ...]:
         ConicBody(offset_section(dims.bone_outline.section, gap), ((low, 1.0), (-gap, 1.0)))
     ).cut(Box((-far, -far, low - PAST_MM), (far, -dims.base_flat_depth - gap, PAST_MM)))
     depth = dims.collar.section.palmar + gap
-    half = dims.tail_half_width
-    knot = Box((-half, -depth, low), (half, 0.0, -bone.collar_length_mm))
+    wing = encapsulation.wing_reach(finger) + gap
+    wings = Box((-wing, -depth, low), (wing, 0.0, -bone.collar_length_mm))
+    keel = encapsulation.keel_half_width(finger) + encapsulation.KEEL_GAP_MM
+    slot_y = -encapsulation.knot_depth(finger) - encapsulation.KEEL_GAP_MM
+    slot = Box((-keel, slot_y, low), (keel, 0.0, PAST_MM))
     stem = post.post_body(
         finger,
         width=bone.post_width_mm + 2 * gap,
@@ -132,7 +133,7 @@ def seat(finger: Finger) -> tuple[Solid, ...]:
         length=bone.post_length_mm + 2 * PAST_MM,
     )
 
-    return base, _collar_seat(finger, gap), knot, stem
+    return base, _collar_seat(finger, gap), wings, slot, stem
 
 
 def flat_play_mm(finger: Finger) -> float:
@@ -162,12 +163,13 @@ def _collar_seat(finger: Finger, gap: float) -> Solid:
 
 
 def _wire_way(finger: Finger) -> Box:
-    """Build the way of the wires on the back of the bone, open at the tower's end."""
+    """Build the way of the wires on the back of the bone, from the collar to the tower's end: the
+    bone goes in with its wires on its back.
+    """
     dims = finger.dimensions
     radius = finger.bone.channel_diameter_mm / 2
     high = dims.bone_outline.section.dorsal + post_gap_mm(finger) + finger.bone.channel_diameter_mm
-    behind_collar = -finger.bone.collar_length_mm - _BEHIND_COLLAR_MM
-    end = min(dims.channel_exit_z + radius + _BEHIND_WIRES_MM, behind_collar)
+    end = -finger.bone.collar_length_mm
 
     return Box((-radius, dims.base_middle_y, top_z(finger) - PAST_MM), (radius, high, end))
 

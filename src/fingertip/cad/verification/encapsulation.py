@@ -20,6 +20,7 @@ from fingertip.models.holder import flat_play_mm
 from fingertip.models.making import making_of
 from fingertip.models.mold_layout import GAP_MM, LIP_GAP_MM, LIP_WIDTH_MM, NOTCH_MM
 from fingertip.models.sensor_pocket import sensor_body
+from fingertip.models.solids import union
 from fingertip.models.stand import post_gap_mm
 
 CHECKS = Checks()
@@ -28,6 +29,8 @@ _PLAY_SHARE = 0.05
 """Largest part of the skin over the sensor by which the bone's play in its holder may move it."""
 _FRICTION = 0.6
 """Friction of silicone on what is held, by which a grip pulls along the finger. An assumption."""
+_INSERTING_STEPS = 12
+"""Places along the way of the bone into its holder that are looked at."""
 _WAY_MM = 5.0
 _STEPS = 100
 """Last way of the plate over which the pressure is added up [mm], and steps along it."""
@@ -40,7 +43,8 @@ _STEPS = 100
     "holder",
     change={
         "encapsulation.creep_to_vent": ("sensor.clearance_mm",),
-        "encapsulation.creep_to_hole": ("printer.surface_error_mm", "bone.collar_length_mm"),
+        "encapsulation.creep_past_collar": ("printer.surface_error_mm", "bone.collar_length_mm"),
+        "encapsulation.inserting_overlap": ("sensor.wire_diameter_mm", "skin.thickness_dorsal_mm"),
         "encapsulation.bone_play": ("bone.post_length_mm", "printer.surface_error_mm"),
         "encapsulation.pull_off": ("bone.groove_depth_mm", "skin.thickness_side_mm"),
     },
@@ -57,8 +61,10 @@ def check_encapsulation(design: Design, solids: Solids) -> Iterator[Check]:
     dims = design.dimensions
     reach = encapsulation.roof_end_z(design) - dims.tail_end_z
     yield Check("encapsulation.creep_to_vent", creep_beside_film_mm(design), reach, "mm")
-    hole = -dims.channel_exit_z - design.bone.channel_diameter_mm / 2
-    yield Check("encapsulation.creep_to_hole", creep_at_collar_mm(design), hole, "mm")
+    length = design.bone.collar_length_mm
+    yield Check("encapsulation.creep_past_collar", creep_at_collar_mm(design), length, "mm")
+    inserting = inserting_overlap_mm3(design, solids)
+    yield Check.zero_volume("encapsulation.inserting_overlap", inserting)
     play = _PLAY_SHARE * design.skin.thickness_palmar_mm
     yield Check("encapsulation.bone_play", bone_play_mm(design), play, "mm")
     yield Check(
@@ -68,6 +74,20 @@ def check_encapsulation(design: Design, solids: Solids) -> Iterator[Check]:
         unit="N",
         relation="at least",
     )
+
+
+def inserting_overlap_mm3(design: Design, solids: Solids) -> float:
+    """Measure the largest overlap with the holder while the bone goes in, its wires on its back
+    [mm3].
+    """
+    evaluator = solids.evaluator
+    holder = evaluator.manifold(solids.parts["holder"])
+    back = encapsulation.wires_on_back(design)
+    moved = evaluator.manifold(union(solids.parts["bone"], solids.parts["plug"], back))
+    way = design.bone.base_length_mm + design.bone.post_length_mm
+    steps = (way * i / _INSERTING_STEPS for i in range(1, _INSERTING_STEPS + 1))
+
+    return max(float((moved.translate((0.0, 0.0, z)) ^ holder).volume()) for z in steps)
 
 
 def closing_integral(design: Design) -> float:

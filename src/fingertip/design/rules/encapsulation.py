@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from fingertip.design.geometry import DesignTables
 from fingertip.design.rules.ruleset import Limit, Ruleset, Violation
-from fingertip.models.dimensions import KNOT_WIRES
-from fingertip.models.encapsulation import floor_depth, roof_end_z
+from fingertip.models.encapsulation import roof_end_z
 from fingertip.models.making import is_encapsulated
 from fingertip.models.stand import post_gap_mm
 
@@ -50,6 +49,8 @@ def plug_ends_before_head(design: DesignTables) -> Limit:
 
 
 @RULES.at_most("sensor.wire_diameter_mm", bone_hangs_by_its_post)
-def knot_passes_holder(design: DesignTables) -> Limit:
-    room = design.dimensions.collar.section.palmar + post_gap_mm(design) - floor_depth(design)
-    return Limit(room / KNOT_WIRES, "makes a knot that does not pass the holder")
+def wires_pass_holder(design: DesignTables) -> Limit:
+    """The wires lie on the back of the bone while it passes the seat of its collar."""
+    dims = design.dimensions
+    room = dims.collar.section.dorsal - dims.bone_outline.section.dorsal + post_gap_mm(design)
+    return Limit(room, "does not pass the seat of the collar in the holder")

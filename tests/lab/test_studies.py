@@ -20,6 +20,7 @@ from fingertip.sim.runs.timeline import TrapezoidalMove
 from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.traces.trace import Trace
+from tests.approved import check_text
 from tests.designs import ARTICLE, article_design
 from tools.article import page
 from tools.article import protocol as article_protocol
@@ -124,7 +125,7 @@ def test_previous_works_are_slower_or_miss_more_with_higher_thresholds() -> None
 
 def test_page_beside_the_article_is_that_of_the_data() -> None:
     data = json.loads(DATA.read_text())
-    assert page.PAGE.read_text() == page.render_page(data)
+    check_text(page.PAGE, page.render_page(data))
 
 
 @pytest.mark.parametrize("bits", [10, 12])

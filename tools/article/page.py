@@ -23,6 +23,7 @@ from tools.article.previous_works import study_previous_works
 from tools.article.protocol import study_article_protocol
 from tools.article.protocol_table import PROTOCOL_COLUMNS, list_protocol_rows
 from tools.article.robustness import variations_as_data
+from tools.article.rows import STATES, fill_reason, load_rows
 from tools.article.sensitivity import (
     LOADED_ON,
     LOADS_N,
@@ -91,9 +92,12 @@ def measure() -> dict[str, Any]:
 
 def render_page(data: Mapping[str, Any]) -> str:
     """Write the page from the data."""
+    rows = load_rows()
     summary: dict[str, Any] = {
         "level": {**data["level"], "summary": level.summarise(data["level"]["points"])},
         "strength": Design.load("article").strength,
+        "states": {state: sum(row.state == state for row in rows) for state in STATES},
+        "unmet": [(row, fill_reason(row, data["protocol"])) for row in rows if not row.is_met],
     }
     return lay_out_page(
         render_text(TEMPLATE.read_text(encoding="utf-8"), **{**data, **summary}), WIDTH

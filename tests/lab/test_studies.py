@@ -124,7 +124,8 @@ def test_previous_works_are_slower_or_miss_more_with_higher_thresholds() -> None
 
 def test_page_beside_the_article_is_that_of_the_data() -> None:
     data = json.loads(DATA.read_text())
-    assert page.PAGE.read_text() == page.render_page(data)
+    figures = json.loads(page.FIGURES.read_text())
+    assert page.PAGE.read_text() == page.render_page(data, figures)
 
 
 @pytest.mark.parametrize("bits", [10, 12])

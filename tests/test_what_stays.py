@@ -22,6 +22,14 @@ def test_bone_skin_and_two_mold_halves_are_parts_of_every_design(name: str) -> N
     assert {"stl", "step"} <= set(PART_FORMATS)
 
 
+def test_the_article_s_bone_is_encapsulated_with_its_sensor() -> None:
+    assert Design.load("article").skin.made == "encapsulated"
+    for name in ("fsr400", "fsr402", "first_finger"):
+        assert {"holder", "plug"} <= set(
+            parts_by_name(Design.load(name, changes=["skin.made=encapsulated"]))
+        )
+
+
 def test_cable_channel_and_pockets_keep_their_parameters() -> None:
     assert {"bone.channel_diameter_mm", "bone.channel_bend_radius_mm", "sensor.model"} <= set(
         PARAMETERS

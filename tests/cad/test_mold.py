@@ -17,13 +17,13 @@ from fingertip.cad.verification import mold as checks
 from fingertip.cad.verification.check import Solids
 from fingertip.design import Design
 from fingertip.design.geometry.casting_layout import POURED
-from fingertip.design.geometry.plunge import LOWERING_S
 from fingertip.foundation.errors import DesignError
-from fingertip.models import mold
+from fingertip.models import making, mold
 from fingertip.models.core import core_within_skin
+from fingertip.models.making import making_of
 from fingertip.models.parts import parts_by_name
 from fingertip.models.skin import skin
-from fingertip.models.solids import Box, cylinder
+from fingertip.models.solids import Box, Solid, cylinder
 from tests.cad.part_checks import TOLERANCE
 
 EVALUATOR = MeshEvaluator(TOLERANCE)
@@ -100,10 +100,10 @@ def test_core_and_halves_that_catch_are_found(monkeypatch: pytest.MonkeyPatch) -
     """A core wider than its cavity, and a dorsal half that is pulled off before the core
     is lifted.
     """
-    core = checks.build_core
+    lowered = checks.build_lowered
     barb = Box((-9.3, 0.0, 14.0), (9.3, 1.0, 15.0))
     with monkeypatch.context() as patch:
-        patch.setattr(checks, "build_core", lambda design: core(design).union(barb))
+        patch.setattr(checks, "build_lowered", lambda design: lowered(design).union(barb))
         found = {
             check.name for check in checks._check_motions(FINGER, EVALUATOR) if not check.passed
         }
@@ -119,6 +119,12 @@ def test_core_and_halves_that_catch_are_found(monkeypatch: pytest.MonkeyPatch) -
         )
 
 
+def hang(monkeypatch: pytest.MonkeyPatch, solid: Solid) -> None:
+    """Let another solid hang in the silicone."""
+    other = replace(making_of(FINGER), in_cup=lambda finger: solid)
+    monkeypatch.setitem(making.MAKINGS, "cast", other)
+
+
 def test_air_in_a_pocket_is_found_whole_and_none_in_the_design(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -132,11 +138,11 @@ def test_air_in_a_pocket_is_found_whole_and_none_in_the_design(
         assert trapped_air._flood_mm3(free, lean) == 0.0, "the flood agrees that there is no summit"
     bore = cylinder("z", (3.0, 1.0), 15.0, 40.0, 1.0)
     held = float((EVALUATOR.manifold(bore) ^ EVALUATOR.manifold(whole)).volume())
-    monkeypatch.setattr(checks, "core_within_skin", lambda design: whole.cut(bore))
+    hang(monkeypatch, whole.cut(bore))
     assert checks.worst_air_mm3(FINGER, EVALUATOR) == pytest.approx(held, rel=0.12)
     dims = FINGER.dimensions
     steep = cylinder("y", (dims.sensor_z, 0.0), -20.0, 0.4 - dims.platform_depth, 3.4)
-    monkeypatch.setattr(checks, "core_within_skin", lambda design: whole.cut(steep))
+    hang(monkeypatch, whole.cut(steep))
     assert checks.worst_air_mm3(FINGER, EVALUATOR) > 0.0
 
 
@@ -164,7 +170,8 @@ def test_seam_fills_to_the_depth_of_creeping_flow() -> None:
     silicone = FINGER.silicone.material
     length = FINGER.skin.length_mm
     head = silicone.density_g_cm3.high * 9.81 * length * 60 * silicone.planned_pot_life_min
-    integral = head / silicone.viscosity_pa_s.low + 1500 * LOWERING_S / silicone.viscosity_pa_s.high
+    lowering = 1500 * making_of(FINGER).lowering_s / silicone.viscosity_pa_s.high
+    integral = head / silicone.viscosity_pa_s.low + lowering
     seam = 2 * FINGER.mold_layout.cavity_half_width + 4 / 3 * length
     assert checks.seam_mm3(FINGER, 1.5) == pytest.approx(0.1**2 * math.sqrt(integral / 6) * seam)
 

@@ -44,7 +44,7 @@ CALIBRATED = (
 DESIGNS = {
     # name of the files -> changes and documents
     "adult_finger": (CALIBRATED, ("start", "casting", "acceptance", "firmware", "basis")),
-    "article": ("", ("firmware",)),
+    "article": ("", ("casting", "firmware")),
     "fsr402": ("board.channels=3", ("firmware", "basis")),
 }
 FILES = {"acceptance.md", "board/README.md", "print/plate_fdm.3mf"}

@@ -178,7 +178,7 @@ def test_every_step_has_a_picture_that_names_what_the_step_names_by_a_word_of_it
 def test_every_scene_is_used() -> None:
     used = {
         step.picture
-        for name in ("first_finger", "adult_finger")
+        for name in ("first_finger", "adult_finger", "article")
         for step in list_steps(load(name)[1])
     }
     assert used == set(SCENES)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from fingertip.design import Design
 
-_BONDED = {"skin.bonded": True, "silicone.product": "addition_40a"}
+_BONDED = {"skin.made": "encapsulated", "silicone.product": "addition_40a"}
 CROWNED = Design().with_values(_BONDED)
 STRAIGHT = CROWNED.with_values(
     {

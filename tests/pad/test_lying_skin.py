@@ -26,7 +26,7 @@ from tests.tools import require_tool
 
 FIRST, STUDIED = (
     replace(PadForm.of_design(Design.load("first_finger", changes=changes)), friction=0.0)
-    for changes in ((), ("silicone.product=addition_40a", "skin.bonded=true"))
+    for changes in ((), ("silicone.product=addition_40a", "skin.made=encapsulated"))
 )
 
 
@@ -153,7 +153,8 @@ def test_calculix_finds_the_gap_closed_where_the_bump_presses(tmp_path: Path) ->
 @pytest.mark.full
 def test_a_bonded_skin_feels_less_and_differs_in_all_that_follows() -> None:
     lying, bonded = (
-        Design.load("first_finger", changes=[f"skin.bonded={value}"]) for value in ("false", "true")
+        Design.load("first_finger", changes=[f"skin.made={value}"])
+        for value in ("cast", "encapsulated")
     )
     pads = Pad.from_design(lying), Pad.from_design(bonded)
     assert 0.05 < survey_pad(lying).shares[2] - survey_pad(bonded).shares[2] < 0.12

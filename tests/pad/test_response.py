@@ -15,7 +15,7 @@ from fingertip.sim.runs.scene_and_manipulation_files import SceneFile
 from tests.pad.bonded import CROWNED
 
 ONE = np.ones(1)
-OWN = "skin.bonded=true silicone.product=own silicone.modulus_mpa="
+OWN = "skin.made=encapsulated silicone.product=own silicone.modulus_mpa="
 POSES = {"share": REFERENCE_POSE, "tilted": Pose(12.0), "rolled": Pose(2.0, 8.0)}
 ACTS = {
     "skin.crown_radius_mm=14": {
@@ -81,7 +81,7 @@ def test_a_parameter_acts_on_the_trace_s_pad(changes: str) -> None:
 
 @pytest.mark.parametrize("changes", SILENT)
 def test_what_does_not_touch_the_pad_leaves_it_as_it_is(changes: str) -> None:
-    base = ["skin.bonded=true", "silicone.product=addition_40a"]
+    base = ["skin.made=encapsulated", "silicone.product=addition_40a"]
     assert Pad.from_design(Design.load(changes=[*base, *changes.split()])) == Pad.from_design(
         CROWNED
     )
@@ -102,7 +102,7 @@ def test_a_silicone_acts_as_its_modulus_over_the_force() -> None:
 
 @pytest.mark.full
 def test_silicone_and_pose_change_the_recorded_voltage() -> None:
-    def volts(changes: str = "skin.bonded=true", **pose: float) -> float:
+    def volts(changes: str = "skin.made=encapsulated", **pose: float) -> float:
         scene = SceneFile(
             hold={"min_force_n": 1.0, "max_force_n": 1.0, "release": False}, pose=pose
         )

@@ -107,10 +107,10 @@ def test_command_page_and_picture_show_the_survey(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("bonded", "shares"), [("false", ("0.90", "0.63")), ("true", ("0.40", "0.28"))]
+    ("made", "shares"), [("cast", ("0.90", "0.63")), ("encapsulated", ("0.40", "0.28"))]
 )
 def test_rows_of_the_elements_stand_below_that_of_the_layer_model(
-    bonded, shares, monkeypatch, capsys
+    made, shares, monkeypatch, capsys
 ):
     """Shares that say half of the mesh's edges, refused at the
     first tilt, with strains that say the tilt.
@@ -122,7 +122,7 @@ def test_rows_of_the_elements_stand_below_that_of_the_layer_model(
         assert (model.is_half, forces_n, friction) == (
             True,
             (1.0,),
-            0.0 if bonded == "true" else 0.3,
+            0.0 if made == "encapsulated" else 0.3,
         )
         part = dict.fromkeys(("depth_mm", "bond_shear_mpa", "bond_tension_mpa"), 0.1)
         yield SimpleNamespace(share=model.size.edge_mm / 2, strain=pose.tilt_deg / 100, **part)
@@ -142,7 +142,7 @@ def test_rows_of_the_elements_stand_below_that_of_the_layer_model(
         import_module("fingertip.pad.fem_large_strain"), "press_large_strain", press
     )
     with suppress(SystemExit):
-        app(["pad", "fsr400", "--refine", "--set", f"skin.bonded={bonded}"])
+        app(["pad", "fsr400", "--refine", "--set", f"skin.made={made}"])
     text = capsys.readouterr().out
     first, *rows = [re.split("  +", row) for row in text.splitlines()[2:5]]
     assert first[0] == "share of 1 N"
@@ -151,7 +151,7 @@ def test_rows_of_the_elements_stand_below_that_of_the_layer_model(
         [title, "-", *[share] * (len(TILTS_DEG) - 1)]
         for title, share in zip(titles, shares, strict=True)
     ]
-    assert ("strain 20%" in text) == ("not small" in text) == (bonded == "true")
+    assert ("strain 20%" in text) == ("not small" in text) == (made == "encapsulated")
 
 
 @pytest.mark.full

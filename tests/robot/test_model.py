@@ -14,7 +14,7 @@ from scipy.spatial import ConvexHull
 from fingertip import Design
 from fingertip.cad.convert import part_mesh
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays, to_manifold
-from fingertip.models.skin import skin_outline
+from fingertip.models.outline import skin_outline
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.robot.collision_pieces import cut_skin
 from fingertip.robot.contact import fit_contact

@@ -95,7 +95,8 @@ def measure() -> dict[str, Any]:
 def render_page(data: Mapping[str, Any], figures: Sequence[Mapping[str, Any]]) -> str:
     """Write the page from its data, and those of the figures."""
     summary: dict[str, Any] = {
-        "level": {**data["level"], "summary": level.summarise(data["level"]["points"])}
+        "level": {**data["level"], "summary": level.summarise(data["level"]["points"])},
+        "strength": Design.load("article").strength,
     }
     return lay_out_page(
         render_text(

@@ -13,46 +13,47 @@ name = "article"  # engraved into the mold
 skin = Table(
     # Full width at the proximal end [16.9 to 23.1 mm]
     width_mm=17.0,
-    # Height of the pad, at the apex of a crown, from the parting plane [7.18 to 7.62 mm]
+    # Height of the pad, at the apex of a crown, from the parting plane [7.02 to 7.62 mm]
     semi_axis_palmar_mm=7.4,
-    # Height of the dorsal side, measured from the parting plane [7.76 to 24.8 mm]
-    semi_axis_dorsal_mm=8.1,
-    # Length from the proximal end to the tip [31.7 to 36.4 mm]
+    # Height of the dorsal side, measured from the parting plane [8.68 to 25.2 mm]
+    semi_axis_dorsal_mm=9.4,
+    # Length from the proximal end to the tip [31.7 to 42.8 mm]
     length_mm=34.0,
     # Length of the rounded tip, part of the length [6.04 to 11.1 mm]
     tip_length_mm=10.0,
     # Size of the cross-section where the tip begins, relative to the proximal end [0.936 to 1]
     taper_ratio=0.94,
     # Width of the pulp at half its height, relative to the full width (0.5: triangle, 0.866:
-    # ellipse, 1: box) [0.896 to 0.9925]
+    # ellipse, 1: box) [0.884 to 0.9925]
     pulp_fullness=0.91,
-    # Width of the nail side at half its height, relative to the full width [0.862 to 0.9925]
+    # Width of the nail side at half its height, relative to the full width [0.86 to 0.9925]
     nail_fullness=0.875,
     # Size of the cross-section halfway along the rounded tip, relative to where the tip begins
     # [0.825 to 0.982]
     tip_fullness=0.875,
     # Radius of the pad's crown along the finger; 0: a straight pad, without a crown [0 or 7.43
-    # to 26.9 mm]
+    # to 13.5 mm]
     crown_radius_mm=10.0,
-    # Distance from the sensor's centre to the apex of the crown, towards the base [-1.05 to
+    # Distance from the sensor's centre to the apex of the crown, towards the base [0.774 to
     # 1.65 mm]
     crown_offset_mm=0.9,
-    # Height by which the pad at its base lies below the apex of the crown [0 to 2.22 mm]
+    # Height by which the pad at its base lies below the apex of the crown [0 to 2.01 mm]
     crown_drop_mm=2.0,
     # Skin thickness at the sides [1.58 to 1.93 mm]
     thickness_side_mm=1.9,
     # Skin thickness over the centre of the sensor, from its platform or flat to the pad's
-    # surface [2.96 to 5.15 mm]
+    # surface [2.99 to 5.15 mm]
     thickness_palmar_mm=3.0,
-    # Skin thickness on the dorsal side [0.799 to 1.84 mm]
-    thickness_dorsal_mm=1.5,
+    # Skin thickness on the dorsal side [0.799 to 1.82 mm]
+    thickness_dorsal_mm=1.1,
     # Skin thickness at the tip, distal to the bone [2.09 to 3.75 mm]
     thickness_tip_mm=2.6,
     # Minimum skin thickness anywhere, measured from bone to surface [0.2 to 1.04 mm]
     min_thickness_mm=0.8,
-    # true: the skin counts as bonded to the bone, for comparison; as it is made, it lies on it
-    # [False, True]
-    bonded=False,
+    # cast: the skin is cast around a core and pulled over the bone, on which it lies;
+    # encapsulated: it is cast around the bone with its sensor, as in the article [cast,
+    # encapsulated]
+    made="encapsulated",
     # Radius of the bump inside the skin, which presses on the sensor [1 to 30 mm]
     bump_radius_mm=3.2,
     # Height by which this bump is proud of the bone's shape; 0: no bump [0 to 1 mm]
@@ -68,12 +69,12 @@ sensor = Table(
     distance_from_tip_mm=11.5,
     # Length by which the crimped tabs stick out of the film. (unverified) [0 to 6.63 mm]
     tab_length_mm=4.3,
-    # Outer diameter of the wires on the sensor's tabs [0.934 to 1.3 mm]
+    # Outer diameter of the wires on the sensor's tabs [0.934 to 1 mm]
     wire_diameter_mm=1.0,
     # Gap around the sensor in its pocket and trough [0.25 to 0.373 mm]
     clearance_mm=0.3,
-    # Thickness of the adhesive film under the sensor; it deepens the pocket. (unverified) [0 to
-    # 0.5 mm]
+    # Thickness of the adhesive film under the sensor; it deepens the pocket. (unverified) [0.12
+    # to 0.5 mm]
     adhesive_thickness_mm=0.13,
 )
 
@@ -95,13 +96,13 @@ bone = Table(
     # a clevis [19.7 to 60 mm]
     base_length_mm=22.0,
     # Width of the bone at half its palmar height, before the flat is cut, relative to its full
-    # width [0.964 to 0.983]
+    # width [0.964 to 0.997]
     palmar_fullness=0.966,
     # Design width of the rim around the sensor; checks require 95 % of it or, if less, of
     # printer.min_wall_mm [0.2 to 0.673 mm]
     rim_mm=0.6,
     # Height of the platform under the sensor's head above the flat of the bone, down to which
-    # the tail runs [1.28 to 3.85 mm]
+    # the tail runs [1.69 to 3.85 mm]
     platform_mm=1.7,
     # Design wall between cable channel, trough and outer surface; checks require
     # printer.min_wall_mm [0.8 to 1.28 mm]
@@ -109,13 +110,13 @@ bone = Table(
     # Diameter of the hole for both wires, from the trough of the tail to the back of the base
     # [2.2 to 3 mm]
     channel_diameter_mm=2.8,
-    # Bend radius of the channel's centre line [1.7 to 8.82 mm]
+    # Bend radius of the channel's centre line [1.7 to 10.5 mm]
     channel_bend_radius_mm=3.0,
     # Length of the collar on which the skin ends [0.8 to 10 mm]
     collar_length_mm=2.0,
-    # Inset of the collar from the outline of the skin [0.1 to 0.42 mm]
+    # Inset of the collar from the outline of the skin [0.1 to 0.31 mm]
     collar_inset_mm=0.3,
-    # Depth of the groove around the bone that retains the skin; 0: no groove [0 to 1.82 mm]
+    # Depth of the groove around the bone that retains the skin; 0: no groove [0.4 to 1.82 mm]
     groove_depth_mm=0.8,
     # Width of the groove at its floor [0.5 to 10.7 mm]
     groove_width_mm=1.6,
@@ -125,12 +126,12 @@ bone = Table(
     # hole for the phalanx's post; flange: a plate with bolt holes; clevis: a joint with a pin,
     # whose sizes stand in [hand]; file: an adapter of your own [post, socket, flange, clevis]
     interface="post",
-    # Diameter of the post, which is its width (interface post) [4.8 to 11 mm]
-    post_width_mm=10.8,
+    # Diameter of the post, which is its width (interface post) [4.8 to 11.7 mm]
+    post_width_mm=11.5,
     # Height of the post between its two flats, which lock rotation; from post_width_mm on it is
-    # round [4.8 to 8.21 mm]
+    # round [4.8 to 40 mm]
     post_height_mm=7.5,
-    # Length of the post (interface post) [7.69 to 40 mm]
+    # Length of the post (interface post) [7.91 to 40 mm]
     post_length_mm=14.5,
     # Diameter of the socket (interface socket) [2 to 25 mm]
     socket_diameter_mm=5.0,
@@ -187,7 +188,7 @@ hand = Table(
 )
 
 mold = Table(
-    # Inset of the core from the bone on every side, so that the skin fits tightly [0 to 1 mm]
+    # Inset of the core from the bone on every side, so that the skin fits tightly [0 mm]
     core_inset_mm=0.0,
     # Linear shrinkage of the silicone, by which cavity and core are enlarged [0 to 5 %]
     silicone_shrinkage_percent=0.1,
@@ -203,7 +204,7 @@ printer = Table(
     # Scale of the printed parts in STL and 3MF, relative to the design; STEP stays at 100 [95
     # to 105 %]
     scale_percent=100.0,
-    # Error of each printed surface that locates bone or core in the mold [0 to 0.5 mm]
+    # Error of each printed surface that locates bone or core in the mold [0.0395 to 0.5 mm]
     surface_error_mm=0.05,
     # Length by which printed solids are too long and hollows too short; gaps of the design
     # close by as much [-0.5 to 0.5 mm]
@@ -221,13 +222,13 @@ printer = Table(
 
 strength = Table(
     # Force of a firm grip, at the pad, the apex and the side, in any direction [1 to 200 N]
-    grip_force_n=8.0,
+    grip_force_n=11.0,
     # Minimum safety factor of the bone at grip_force_n [0 to 20]
     min_grip_factor=2.0,
     # Mass that moves with the fingertip when it knocks against something hard [0.01 to 10 kg]
     hand_mass_kg=0.4,
     # Speed of that knock, at the same places [0.01 to 10 m/s]
-    knock_speed_m_s=0.13,
+    knock_speed_m_s=0.17,
     # Minimum safety factor of the bone at that knock [0 to 20]
     min_knock_factor=1.5,
     # Material of the bone: three SLA resins, PETG, nylon 12, or own: the figures below then

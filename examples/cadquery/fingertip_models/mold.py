@@ -24,7 +24,7 @@ from .mold_layout import (
     RIDGE_LENGTH_MM,
     STRAP_Y_MM,
 )
-from .skin import skin_outline
+from .outline import skin_outline
 from .solids import Axis, Box, Cone, Prism, Solid, SuperconicSolid, extrude
 
 if TYPE_CHECKING:

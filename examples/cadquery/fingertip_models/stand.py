@@ -17,7 +17,7 @@ from .solids import Box, Solid
 if TYPE_CHECKING:
     from .program_types import Finger
 
-_WALL_MM = 2.4
+BESIDE_POST_MM = 2.4
 _ABOVE_FLOOR_MM = 0.5
 _BELOW_FILLET_MM = 0.3
 _HANDLE_MM = 26.0
@@ -35,7 +35,7 @@ def post_gap_mm(finger: Finger) -> float:
 
 def stand_outline(finger: Finger) -> Box:
     bone = finger.bone
-    around = post_gap_mm(finger) + _WALL_MM
+    around = post_gap_mm(finger) + BESIDE_POST_MM
     x = bone.post_width_mm / 2 + around
     half = bone.post_height_mm / 2 + around
     y = finger.dimensions.base_middle_y
@@ -52,7 +52,7 @@ def stand(finger: Finger) -> Solid:
     Section at x = 0, back up, tip of the finger to the right:
 
            ________________________________________
-          |                    ____________________|   _WALL_MM
+          |                    ____________________|   BESIDE_POST_MM
           |                   |                        post_height_mm + 2 post_gap_mm
           |                   |   (o)  socket          cross bolt
           |                   |____________________

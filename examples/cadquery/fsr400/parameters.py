@@ -50,9 +50,10 @@ skin = Table(
     thickness_tip_mm=2.6,
     # Minimum skin thickness anywhere, measured from bone to surface [0.2 to 1.04 mm]
     min_thickness_mm=0.8,
-    # true: the skin counts as bonded to the bone, for comparison; as it is made, it lies on it
-    # [False, True]
-    bonded=False,
+    # cast: the skin is cast around a core and pulled over the bone, on which it lies;
+    # encapsulated: it is cast around the bone with its sensor, as in the article [cast,
+    # encapsulated]
+    made="cast",
     # Radius of the bump inside the skin, which presses on the sensor [1 to 30 mm]
     bump_radius_mm=3.2,
     # Height by which this bump is proud of the bone's shape; 0: no bump [0 to 1 mm]

@@ -20,6 +20,7 @@ from fingertip.design import Design
 from fingertip.foundation.display import html_table, to_dataframe
 from fingertip.foundation.files import round_for_output
 from fingertip.models.hardware import hardware
+from fingertip.models.making import making_of
 from fingertip.models.parts import PARTS, Part
 from fingertip.pad.survey import survey_pad
 
@@ -141,7 +142,7 @@ class Build:
 
         if any(built.part.name == "skin" for built in self.parts):
             report["pad"] = survey_pad(self.design).to_dict()
-            if not self.design.skin.bonded:
+            if not making_of(self.design).is_bonded:
                 report["skin"] = describe_lying_skin(self.design)
 
         return report | ({"casting": asdict(self.casting)} if self.casting else {})

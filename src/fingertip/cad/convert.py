@@ -24,6 +24,7 @@ from fingertip.foundation import extras
 from fingertip.foundation.errors import ArgumentError, DesignError, Issue
 from fingertip.models.frames import find_frames
 from fingertip.models.hardware import hardware
+from fingertip.models.making import making_of
 from fingertip.models.named_solids import find_solid
 from fingertip.models.parts import parts_by_name
 from fingertip.models.solids import Solid
@@ -54,7 +55,7 @@ def part_solid(design: Design, name: str) -> cadquery.Solid:
 
 
 class Mold(NamedTuple):
-    """Two-part mold, and the core that is lowered into it."""
+    """Two-part mold, and the core that is lowered into it, or the holder of the bone that is."""
 
     palmar: cadquery.Workplane
     dorsal: cadquery.Workplane
@@ -73,7 +74,8 @@ def skin(design: Design) -> cadquery.Workplane:
 
 def mold(design: Design) -> Mold:
     """Build the mold of the skin as `part_workplane`."""
-    return Mold(*(part_workplane(design, name) for name in ("mold_palmar", "mold_dorsal", "core")))
+    names = ("mold_palmar", "mold_dorsal", making_of(design).hanger)
+    return Mold(*(part_workplane(design, name) for name in names))
 
 
 def part_workplane(design: Design, name: str) -> cadquery.Workplane:

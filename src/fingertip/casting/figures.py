@@ -14,11 +14,11 @@ from fingertip.cad.verification.mold import palmar_limits
 from fingertip.casting.mixture import Mixture
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.design import Design
-from fingertip.design.geometry.plunge import LOWERING_S
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
 from fingertip.models.allowances import MATING_PLAY_MM
 from fingertip.models.dimensions import HEAD_MM, LONGER_MM, SHORTER_MM
+from fingertip.models.making import making_of
 
 _WORK_H = (4.0, 3.0)
 """Work on both days besides printing, with what dries meanwhile [h]. An assumption: nobody has made
@@ -150,11 +150,16 @@ def _describe_mount(design: Design) -> Mount:
 
 @dataclass(frozen=True)
 class CoreSeat:
-    """Readings of calipers that tell that the core is seated in the cup."""
+    """Readings of calipers that tell that the core, or the holder of the bone, is seated in the
+    cup.
+    """
 
+    made: str
+    """Way to make the skin, as skin.made."""
     lowering_s: float
     height_mm: tuple[float, float]
-    """Least and largest height from the foot of the cup to the top of the seated core's plate [mm].
+    """Least and largest height from the foot of the cup to the top of the seated plate, or of the
+    holder's tower [mm].
     """
     tilt_mm: float
     """Largest difference of this height between edge and edge, for a skin that is right to 10 %
@@ -165,7 +170,8 @@ class CoreSeat:
 def describe_core_seat(design: Design) -> CoreSeat:
     seat = palmar_limits(design)
     return CoreSeat(
-        lowering_s=LOWERING_S,
+        made=design.skin.made,
+        lowering_s=making_of(design).lowering_s,
         height_mm=(math.ceil(10 * seat.low) / 10, math.floor(10 * seat.high) / 10),
         tilt_mm=math.floor(100 * seat.tilt) / 100,
     )

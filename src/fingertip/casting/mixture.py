@@ -8,7 +8,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.catalogues.materials import Silicone
 from fingertip.design import Design
 from fingertip.design.geometry.casting_layout import POURED
-from fingertip.models.core import core_within_skin
+from fingertip.models.making import making_of
 from fingertip.models.mold import cavity
 
 WASTE_FRACTION = 0.25
@@ -42,7 +42,7 @@ class Mixture:
 def measure_poured_cm3(design: Design, evaluator: MeshEvaluator) -> float:
     """Measure the silicone to pour, with what overflows, on meshes. Raises GeometryError."""
     room = evaluator.manifold(cavity(design))
-    core = evaluator.manifold(core_within_skin(design))
+    core = evaluator.manifold(making_of(design).in_cup(design))
     return POURED * float(room.volume() - (room ^ core).volume()) / 1000.0
 
 

@@ -93,7 +93,7 @@ def pad(
             "shares leave that out"
         )
         lines.append(
-            f"the skin lies on the bone without a bond (skin.bonded=true compares); {at_rest}"
+            f"the skin lies on the bone without a bond (skin.made=encapsulated compares); {at_rest}"
         )
 
     lines.append(

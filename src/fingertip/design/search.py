@@ -18,7 +18,7 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.interfaces import adapter, clevis_rules, flange, post_and_socket
 from fingertip.design.parameters import ELECTRONIC_TABLES, PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit
-from fingertip.design.rules import amplifiers, board, bone, skin
+from fingertip.design.rules import amplifiers, board, bone, encapsulation, skin
 from fingertip.design.rules.ruleset import Rule, RuleChecker, find_violations
 from fingertip.foundation.errors import join_words
 from fingertip.foundation.numerics import bisect
@@ -34,6 +34,7 @@ PART_RULES = (
     *clevis_rules.RULES,
     *adapter.RULES,
     *bone.MOLD_RULES,
+    *encapsulation.RULES,
 )
 """Rules of the printed parts and the skin. They read no electronic table."""
 ELECTRONIC_RULES = (

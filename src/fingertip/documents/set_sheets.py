@@ -29,7 +29,7 @@ from fingertip.foundation.files import format_csv
 
 STIR_MIN = 4.0
 MOLD_MIN = 6.0
-"""Time to stir a mixture, and to coat one mold, fill it and lower its core [min].
+"""Time to stir a mixture, and to coat one mold, fill it and lower in what hangs in it [min].
 Assumptions: nobody has made one.
 """
 _LONG_LIVED = "smooth_sil_940"
@@ -54,7 +54,7 @@ class Pour:
     finger: str
     poured_g: float
     closed_min: float
-    """Time after the first stir at which the core must be in."""
+    """Time after the first stir at which the cup must be finished."""
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ _MADE_ANEW = (
     "bone.wall_",
     "sensor.clearance_",
     "sensor.wire_",
-    "skin.bonded",
+    "skin.made",
     "skin.bump_",
 )
 """Beginnings of the parameters that stay those of the bundled design: bone and mold are new."""
@@ -124,6 +124,9 @@ def renew_design(
 
     tables = parse_tables(DesignTables, load_tables([base], changes).tables | {"name": name})
     fixed = tuple(path for path, _ in flatten(load_tables([], changes).tables))
+    if old.bone.interface != "post" and "skin.made" not in fixed:
+        tables = tables.with_values({"skin.made": "cast"})  # no other bone hangs in a holder
+
     not_taken = (*_MADE_ANEW, *fixed, *left_out)
     sizes = {
         path: old.value(path)

@@ -5,7 +5,7 @@ The pocket of the sensor is `sensor_pocket`, the joint or post one of `interface
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from . import sensor_pocket
 from .allowances import LEDGE_MM
@@ -186,6 +186,24 @@ def _sloping_collar(finger: Finger) -> Solid:
     """Build a collar whose foot rises from the base at 45 degrees or more, but for a short palmar
     ledge.
     """
+    slope = find_collar_slope(finger)
+    section = finger.dimensions.collar.section
+    return SuperconicSolid(
+        ConicBody(section, ((slope.begin_z, slope.share), (slope.end_z, 1.0), (0.0, 1.0)))
+    )
+
+
+class CollarSlope(NamedTuple):
+    """Slope from the base out to a collar: heights z at which it begins and ends [mm], and the
+    collar's scale at its beginning.
+    """
+
+    begin_z: float
+    end_z: float
+    share: float
+
+
+def find_collar_slope(finger: Finger) -> CollarSlope:
     dims = finger.dimensions
     base = finger.dimensions.bone_outline.section
     section = finger.dimensions.collar.section
@@ -198,6 +216,4 @@ def _sloping_collar(finger: Finger) -> Solid:
     )
     low = dims.collar.stations[0][0]
 
-    return SuperconicSolid(
-        ConicBody(section, ((low - corner * (1.0 - share), share), (low, 1.0), (0.0, 1.0)))
-    )
+    return CollarSlope(low - corner * (1.0 - share), low, share)

@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING
 
 from .bone import bone
 from .core import core
+from .encapsulation import plug
 from .hand_stub import hand_stub
+from .holder import holder
+from .making import is_encapsulated
 from .mold import mold_dorsal, mold_palmar
 from .pin import pin
 from .skin import skin
@@ -21,6 +24,10 @@ if TYPE_CHECKING:
 
 def _is_in_every_design(finger: Finger) -> bool:
     return True
+
+
+def _has_core(finger: Finger) -> bool:
+    return not is_encapsulated(finger)
 
 
 def _has_post(finger: Finger) -> bool:
@@ -91,6 +98,22 @@ _ALL_PARTS = (
         solid=core,
         colour=(0.70, 0.78, 0.62),
         is_printed=True,
+        exists_in=_has_core,
+    ),
+    Part(
+        name="holder",
+        solid=holder,
+        colour=(0.70, 0.78, 0.62),
+        is_printed=True,
+        exists_in=is_encapsulated,
+    ),
+    Part(
+        name="plug",
+        solid=plug,
+        colour=(0.58, 0.66, 0.50),
+        is_printed=True,
+        exists_in=is_encapsulated,
+        is_in_finger=True,
     ),
     Part(
         name="stand",

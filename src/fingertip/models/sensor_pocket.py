@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from .allowances import PAST_MM
 from .solids import Box, Prism, Solid, cylinder
 
 if TYPE_CHECKING:
@@ -79,6 +80,31 @@ def sensor_body(finger: Finger) -> Solid:
             low_mm=0.0,
             high_mm=thickness,
             half_width=half_tail,
+            begin=dims.tail_end_z,
+            end=dims.sensor_z,
+        )
+    )
+
+
+def film_column(finger: Finger) -> Solid:
+    """Build what lies over and under the sensor's film, adhesive included."""
+    dims = finger.dimensions
+    outside = -2 * (dims.collar.section.palmar + dims.bone_outline.section.palmar)
+    inside = dims.pocket_depth + PAST_MM
+    head = cylinder(
+        "y",
+        centre=(dims.sensor_z, 0.0),
+        low=outside,
+        high=inside - dims.platform_depth,
+        radius=dims.sensor.head_diameter_mm / 2,
+    )
+
+    return head.union(
+        flat_slab(
+            finger,
+            low_mm=outside,
+            high_mm=inside,
+            half_width=dims.sensor.tail_width_mm / 2,
             begin=dims.tail_end_z,
             end=dims.sensor_z,
         )

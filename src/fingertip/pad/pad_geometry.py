@@ -15,6 +15,7 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.models.conic import ConicBody
+from fingertip.models.making import making_of
 
 POISSON = 0.49
 """Poisson's ratio of silicone. Between 0.49 and 0.4999 the share of the sensor changes by 0.001 at
@@ -81,7 +82,7 @@ class PadForm:
             if is_loose
             else 0.0
         )
-        apart = not design.skin.bonded
+        apart = not making_of(design).is_bonded
 
         return cls(
             outer=dims.outer,

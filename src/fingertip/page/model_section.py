@@ -129,6 +129,8 @@ def _find_offsets(sizes: Mapping[str, Array]) -> dict[str, tuple[Offset, Offset]
         "skin": ((0.0, 0.0, 0.0), (0.0, 0.0, pull / 2)),
         "bone": ((0.0, 0.0, 0.0), (0.0, 0.0, -pull / 2)),
         "core": ((0.0, 0.0, 0.0), (0.0, 0.0, -pull / 2 - beyond)),
+        "holder": ((0.0, 0.0, 0.0), (0.0, 0.0, -pull / 2 - beyond)),
+        "plug": ((0.0, 0.0, 0.0), (0.0, -2 * _GAP_MM, -pull / 2)),
         "joint_pin": ((0.0, 0.0, 0.0), (pull / 2, 0.0, -pull / 2)),
         "sensor": ((0.0, 0.0, 0.0), (0.0, -_GAP_MM, -pull / 2)),
     }

@@ -1,4 +1,5 @@
-"""Pictures of the casting steps, the skin cast around a core in a cup, and of the finished finger.
+"""Pictures of the casting steps, the skin cast around a core or the bone, and of the finished
+finger.
 
 The cup stands on its foot, tip down: distal (z) points down in all pictures of it.
 """
@@ -20,6 +21,8 @@ from fingertip.design import Design
 from fingertip.design.interfaces.post_and_socket import Post, Socket
 from fingertip.foundation.progress import Work
 from fingertip.models.dimensions import KNOT_WIRES
+from fingertip.models.holder import tower_sides
+from fingertip.models.making import making_of
 from fingertip.models.mold import cavity
 from fingertip.models.mold_layout import (
     BELT_MM,
@@ -34,6 +37,7 @@ from fingertip.models.solids import (
     Point3,
     Solid,
     cylinder,
+    extrude,
     union,
 )
 from fingertip.pictures import cameras, colours
@@ -94,6 +98,15 @@ def print_parts(workbench: Workbench, sheet: CastingSheet) -> Scene:
             "ring groove": ring,
             "round dent": (0.0, head_y, head_z),
         },
+        "holder": {
+            "holder: plate with\nthree ridges": (
+                0.9 * layout.half_width,
+                -layout.palmar_height,
+                -PLATE_MM / 2,
+            ),
+            "ridge": (layout.half_width - 1.0, 0.0, 1.5),
+        },
+        "plug": {"plug": (0.0, head_y, 0.0)},
         "bone": {"bone": (0.0, workbench.dims.bone_outline.section.dorsal, middle)},
         "stand": {"stand": (0.0, 0.0, -30.0)},
         "hand_stub": {"stub of a hand": (0.0, 0.0, -40.0)},
@@ -105,7 +118,7 @@ def print_parts(workbench: Workbench, sheet: CastingSheet) -> Scene:
 
     for name, lies in print_orientations(workbench.design).items():
         part = workbench.part(name)
-        front = name in ("mold_palmar", "mold_dorsal", "core")
+        front = name in ("mold_palmar", "mold_dorsal", making_of(workbench.design).hanger, "plug")
         pose = bed_pose(part.mesh, lies.rotate_x_deg).on_bed(part.mesh, ends[front])
         points = pose.apply(
             Mesh(np.array([*names[name].values()]), np.zeros((0, 3), dtype=np.int32))
@@ -162,11 +175,48 @@ def _stick(workbench: Workbench, at: tuple[float, float], low: float, high: floa
     )
 
 
+def _lowered(workbench: Workbench, shift: Point3 = (0.0, 0.0, 0.0)) -> list[PaintedMesh]:
+    """Show what is lowered into the cup: a core, or the bone in its holder."""
+    making = making_of(workbench.design)
+    parts = [workbench.part(name, shift) for name in making.lowered]
+    return [*parts, workbench.sensor(shift)] if making.is_bonded else parts
+
+
+def hang(workbench: Workbench, sheet: CastingSheet) -> Scene:
+    """Show the bone with its plug below the holder, drawn cut."""
+    dims = workbench.dims
+    below = (0.0, 0.0, 0.9 * workbench.design.skin.length_mm)
+    apart = (0.0, -8.0, below[2])
+    top = making_of(workbench.design).top_z(workbench.design)
+    y = dims.bone_outline.section.dorsal
+    wire = cylinder("z", centre=(0.0, y + 0.8), low=top - 12.0, high=0.0, radius=0.6)
+
+    return Scene(
+        (
+            workbench.part("holder", cut=True),
+            workbench.part("bone", below),
+            workbench.sensor(below),
+            workbench.part("plug", apart),
+            workbench.solid(wire, colours.WIRE),
+        ),
+        _CUT,
+        Label("plug, over the tail", (0.0, -dims.flat_depth - 1.0 + apart[1], below[2])),
+        Label("notch in the collar", (0.0, -dims.flat_depth, below[2] - 1.0)),
+        Label("post, into the holder\n(drawn cut)", (0.0, 0.0, below[2] + top + 2.0)),
+        Label("seat of the collar", (0.0, dims.collar.section.dorsal, -0.5)),
+        Label("wires, out at the top", (0.0, y + 0.8, top - 8.0)),
+        Label("bolt goes here", (0.0, dims.base_middle_y, Post().cross_bolt_z(workbench.design))),
+        Arrow((0.0, 14.0, below[2] + 4.0), (0.0, 14.0, below[2] - 10.0)),
+    )
+
+
 def try_core(workbench: Workbench, sheet: CastingSheet) -> Scene:
-    """Show the core seated in the closed cup, and calipers over both."""
+    """Show the core or holder seated in the closed cup, and calipers over both."""
     layout = workbench.design.mold_layout
-    face = -layout.palmar_height
-    top = -PLATE_MM
+    making = making_of(workbench.design)
+    top = making.top_z(workbench.design)
+    top_name = "top of the tower" if making.is_bonded else "top of the plate"
+    face = making.top_y(workbench.design)[0]
     foot = layout.foot_z
     x = 4.0 - layout.half_width
     low = face + 3.5
@@ -180,15 +230,15 @@ def try_core(workbench: Workbench, sheet: CastingSheet) -> Scene:
     )
 
     return Scene(
-        (*_banded_cup(workbench), workbench.part("core"), workbench.solid(calipers, colours.STEEL)),
+        (*_banded_cup(workbench), *_lowered(workbench), workbench.solid(calipers, colours.STEEL)),
         _FROM_BELOW,
         Label(
-            f"calipers, from the foot\nto the top of the plate:\n{reading}",
+            f"calipers, from the foot\nto the {top_name}:\n{reading}",
             (beam - 3.0, low, top - 10.0),
         ),
         Label("the same narrow gap\nall around", (-layout.half_width * 0.6, face, GAP_MM / 2)),
         Label("foot", (-layout.half_width * 0.5, face, foot - 0.5)),
-        Label("core, by its plate", (layout.half_width, face, top / 2)),
+        Label(f"{making.hanger}, by its plate", (layout.half_width, face, -PLATE_MM / 2)),
         Label("ridge in its groove,\none of three", (layout.half_width, 0.0, 1.2)),
         Label("two rubber bands", (layout.half_width / 2, face, layout.belts_z[0])),
     )
@@ -366,6 +416,7 @@ def coat(workbench: Workbench, sheet: CastingSheet) -> Scene:
     bone = workbench.design.bone
     wall = workbench.design.mold.wall_mm
     lift = _LIFT_MM + layout.foot_z
+    is_bonded = making_of(workbench.design).is_bonded
     _, y, z = workbench.head
     waist = workbench.dims.bone_outline.section.half_width
     groove = (
@@ -378,7 +429,7 @@ def coat(workbench: Workbench, sheet: CastingSheet) -> Scene:
         (
             *_cup(workbench, cut=True),
             workbench.solid(_coated(workbench), colours.SILICONE, cut=True),
-            workbench.part("core", (0.0, 0.0, -lift)),
+            *_lowered(workbench, (0.0, 0.0, -lift)),
             _stick(workbench, (0.5, 3.0), -24.0, layout.foot_z - wall - 2.0),
         ),
         Camera.looking_from((-1.0, -0.5, 0.12), _UP),
@@ -386,7 +437,7 @@ def coat(workbench: Workbench, sheet: CastingSheet) -> Scene:
             "thin coat on all of the\nhollow (cup drawn cut)", (0.0, wall - layout.palmar_height, z)
         ),
         Label("second stick", (0.5, 3.0, -20.0)),
-        Label("round dent: coat it", (0.0, y, z - lift)),
+        Label("sensor: coat it" if is_bonded else "round dent: coat it", (0.0, y, z - lift)),
         Label("ring groove: coat it", groove),
         Label("foot", (0.0, layout.dorsal_height / 2, layout.foot_z)),
     )
@@ -419,19 +470,20 @@ def pour(workbench: Workbench, sheet: CastingSheet) -> Scene:
 
 
 def lower(workbench: Workbench, sheet: CastingSheet) -> Scene:
-    """Show the core seated under a third rubber band, and the silicone that comes out."""
+    """Show what is seated under a third rubber band, and the silicone that comes out."""
     layout = workbench.design.mold_layout
     y = STRAP_Y_MM
     side = 0.4 * BELT_MM[0]
     depth = BELT_MM[1]
     x = layout.half_width + PLATE_LEDGE_MM - depth
-    top = -PLATE_MM
+    making = making_of(workbench.design)
+    held = "tower" if making.is_bonded else "plate"
+    top = making.top_z(workbench.design)
     foot = layout.foot_z - depth
     face = -layout.palmar_height
-    outer = Box(
-        (-x - _BAND_MM, y - side, top - _BAND_MM), (x + _BAND_MM, y + side, foot + _BAND_MM)
+    band = _around(workbench, x, foot, _BAND_MM, side).cut(
+        _around(workbench, x, foot, 0.0, 2 * side)
     )
-    band = outer.cut(Box((-x, y - 2 * side, top), (x, y + 2 * side, foot)))
     places = [
         (across, out)
         for across in (-layout.notch_x, layout.notch_x)
@@ -450,7 +502,7 @@ def lower(workbench: Workbench, sheet: CastingSheet) -> Scene:
         )
     )
     meshes = (
-        workbench.part("core"),
+        *_lowered(workbench),
         workbench.solid(drops, colours.SILICONE),
         workbench.solid(band, _BAND),
     )
@@ -459,14 +511,34 @@ def lower(workbench: Workbench, sheet: CastingSheet) -> Scene:
         (*_banded_cup(workbench), *meshes),
         _FROM_BELOW,
         Label("silicone comes out\nof all four notches", (layout.notch_x, face, GAP_MM + 1.0)),
-        Label("hold it here,\nat both ends", (x + depth, face / 2, top / 2)),
-        Label("third band, around\nplate and foot", (-x / 2, y, foot + _BAND_MM)),
+        Label("hold it here,\nat both ends", (x + depth, face / 2, -PLATE_MM / 2)),
+        Label(f"third band, around\n{held} and foot", (-x / 2, y, foot + _BAND_MM)),
         Label("ridge in its groove,\nthree times", (layout.half_width, 0.0, 1.2)),
         Arrow((-8.0, -4.0, top - 18.0), (-8.0, -4.0, top - 3.0)),
     )
 
 
+def _around(workbench: Workbench, x: float, foot: float, further_mm: float, side: float) -> Solid:
+    """Build what a band around the seats of the lips, the top and the foot encloses, larger on all
+    sides.
+    """
+    making = making_of(workbench.design)
+    top = making.top_z(workbench.design)
+    at_top = tower_sides(workbench.design)[0][1] if making.is_bonded else x
+    right = (
+        (foot + further_mm, x + further_mm),
+        (-PLATE_MM, x + further_mm),
+        (top - further_mm, at_top + further_mm),
+    )
+    left = [(z, -across) for z, across in reversed(right)]
+    ring = [*right, *left] if top < -PLATE_MM else [right[0], right[2], left[0], left[2]]
+
+    return extrude("y", ring, STRAP_Y_MM - side, STRAP_Y_MM + side)
+
+
 def open_cup(workbench: Workbench, sheet: CastingSheet) -> Scene:
+    making = making_of(workbench.design)
+    top = making.top_z(workbench.design)
     layout = workbench.design.mold_layout
     apart = 16.0
     lifted = (0.0, 0.0, -6.0)
@@ -481,23 +553,23 @@ def open_cup(workbench: Workbench, sheet: CastingSheet) -> Scene:
         (
             workbench.part("mold_palmar", (0.0, -apart, 0.0)),
             workbench.part("mold_dorsal", (0.0, apart / 2, 0.0)),
-            workbench.part("core", lifted),
+            *_lowered(workbench, lifted),
             workbench.part("skin", lifted),
             workbench.solid(fins, colours.SILICONE, lifted),
         ),
         Camera.looking_from((1.0, -0.4, -0.25), _UP),
-        Label("skin, still on the core", (0.0, -2.0, tip - 7.0)),
+        Label(f"skin, still on the {making.lowered[0]}", (0.0, -2.0, tip - 7.0)),
         Label("fin: cut it off", (layout.cavity_half_width + 0.4, 0.0, tip / 2 - 6.0)),
         Label(
             "1: half marked PAD,\nstraight off", (layout.half_width, low + 5.0, layout.foot_z / 2)
         ),
         Label("slot for the knife", (layout.half_width, -apart - 0.6, layout.foot_z - 3.0)),
         Label(
-            "2: lift the core\nout of the groove",
+            f"2: lift the {making.hanger}\nout of the groove",
             (layout.half_width, layout.dorsal_height, -PLATE_MM / 2 - 6.0),
         ),
         Arrow((0.0, low + 4.0, edge), (0.0, low - 10.0, edge)),
-        Arrow((0.0, 0.0, -PLATE_MM - 8.0), (0.0, 0.0, -PLATE_MM - 18.0)),
+        Arrow((0.0, 0.0, top - 8.0), (0.0, 0.0, top - 18.0)),
     )
 
 
@@ -546,10 +618,16 @@ def connect(workbench: Workbench, sheet: CastingSheet) -> Scene:
     )
     black_to = f"black wire to A0 (GP26,\npin 31), {kohm or 0:g} kohm from\nthere to GND (pin 33)"
     mount, labels = _show_mount(workbench, sheet)
+    finger = workbench.assembled_bone()
+    pressed = workbench.head
+
+    if making_of(workbench.design).is_bonded:
+        finger = [workbench.part(name) for name in ("bone", "plug", "skin")]
+        pressed = (0.0, -workbench.design.skin.semi_axis_palmar_mm, dims.sensor_z)
 
     return Scene(
         (
-            *workbench.assembled_bone(),
+            *finger,
             *mount,
             workbench.solid(red, colours.WIRE),
             workbench.solid(black, _BLACK),
@@ -561,7 +639,7 @@ def connect(workbench: Workbench, sheet: CastingSheet) -> Scene:
         ),
         *([Label(black_to, (far - 6.0, y, z - 1.2))] if kohm else []),
         *labels,
-        Label("press here, to try it", workbench.head),
+        Label("press here, to try it", pressed),
     )
 
 
@@ -631,6 +709,7 @@ SCENES: dict[str, Callable[[Workbench, CastingSheet], Scene]] = {
     "varnish": varnish,
     "solder": solder,
     "lay_in": lay_in,
+    "hang": hang,
     "try_core": try_core,
     "mix": mix,
     "coat": coat,

@@ -208,7 +208,8 @@ def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
         "bone": (0.0, 2.0, behind),
         "sensor": (0.0, 2.0 - gap, behind),
         "mold_palmar": (0.0, -spread, 0.0),
-        "core": (0.0, 2.0, behind - size["bone"][2] - 2 * gap),
+        "plug": (0.0, 2.0 - 2 * gap, behind),
+        **dict.fromkeys(("core", "holder"), (0.0, 2.0, behind - size["bone"][2] - 2 * gap)),
         **dict.fromkeys(("stand", "hand_stub"), (0.0, -1.2 * spread, behind)),
         "pin": (0.0, -spread / 2, 2 * behind),
     }

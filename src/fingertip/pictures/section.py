@@ -22,6 +22,7 @@ from fingertip.design import Design
 from fingertip.design.interfaces import interface_of
 from fingertip.foundation.numerics import Array
 from fingertip.models import mold
+from fingertip.models.making import making_of
 from fingertip.models.mold_layout import GAP_MM, PLATE_MM
 from fingertip.models.parts import PARTS, parts_by_name
 from fingertip.models.sensor_pocket import sensor_body
@@ -64,11 +65,13 @@ def list_sections(design: Design) -> list[Section]:
     """List the sections of a design: of its closed mold and of its bone."""
     solids = {name: part.solid(design) for name, part in parts_by_name(design).items()}
     finger = {"bone": solids["bone"], "sensor": sensor_body(design)}
-    cast = {name: solids[name] for name in ("mold_dorsal", "mold_palmar", "skin", "core")}
+    making = making_of(design)
+    names = ("mold_dorsal", "mold_palmar", "skin", *making.lowered)
+    cast = {name: solids[name] for name in names}
     notch = mold.notches(design)[1].intersect(mold.block(design))
     title = (
-        "longitudinal section of the closed cup and its core; it stands on its right end; "
-        "dashed: an overflow notch"
+        f"longitudinal section of the closed cup and its {making.lowered[0]}; it stands on its "
+        "right end; dashed: an overflow notch"
     )
 
     return [
@@ -194,7 +197,8 @@ def _list_mold_features(design: Design) -> Iterable[Feature]:
     dims = design.dimensions
     layout = design.mold_layout
     bone = design.bone
-    yield "plate of the core", (-PLATE_MM / 2, layout.dorsal_height / 2)
+    making = making_of(design)
+    yield f"plate of the {making.hanger}", (-PLATE_MM / 2, layout.dorsal_height / 2)
     yield "ridge in its groove", (1.0, layout.dorsal_height - 2.0)
     yield "dorsal half", (0.5 * design.skin.length_mm, 0.75 * layout.dorsal_height)
     yield "seat of a rubber band", (layout.belts_z[1], layout.dorsal_height - 0.5)
@@ -203,9 +207,13 @@ def _list_mold_features(design: Design) -> Iterable[Feature]:
         z = bone.groove_distance_mm + bone.groove_depth_mm + bone.groove_width_mm / 2
         yield "rib of the skin", (z, dims.bone_outline.section.dorsal - bone.groove_depth_mm / 2)
 
-    yield "core", (0.4 * design.skin.length_mm, 0.5)
+    yield making.lowered[0], (0.4 * design.skin.length_mm, 0.5)
     yield "skin", (design.skin.length_mm - design.skin.thickness_tip_mm / 2, 0.5)
-    yield "bump over the sensor", (dims.sensor_z, -dims.platform_depth - 0.3)
+    if making.is_bonded:
+        yield "plug over the tail", (PLATE_MM / -2, -dims.flat_depth - 0.8)
+    else:
+        yield "bump over the sensor", (dims.sensor_z, -dims.platform_depth - 0.3)
+
     yield (
         "palmar half",
         (0.85 * design.skin.length_mm, -(dims.outer.section.palmar + layout.palmar_height) / 2),

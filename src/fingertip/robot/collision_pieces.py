@@ -16,7 +16,7 @@ import numpy as np
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_arrays, to_canonical_mesh
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
-from fingertip.models.skin import skin_outline
+from fingertip.models.outline import skin_outline
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

@@ -262,10 +262,11 @@ def compute_mold(context: PointContext) -> OutputValues:
 def compute_casting(context: PointContext) -> OutputValues:
     from fingertip.cad.verification.skin import pull_off_n, slide_mm
     from fingertip.casting.mixture import compute_batch, measure_poured_cm3
+    from fingertip.models.making import making_of
 
     poured_cm3 = measure_poured_cm3(context.design, context.evaluator())
     batch = compute_batch(context.design.silicone.material, poured_cm3)
-    is_bonded = context.design.skin.bonded
+    is_bonded = making_of(context.design).is_bonded
 
     return {
         "silicone_in_mold_g": batch.in_cup_g,

@@ -34,8 +34,12 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
         "bone": Orientation(0.0, interface_of(design).face_on_plate),
         "mold_palmar": standing,
         "mold_dorsal": standing,
-        "core": Orientation(0.0, "the plate, with its name"),
     }
+    if PARTS["core"].exists_in(design):
+        orientations["core"] = Orientation(0.0, "the plate, with its name")
+    else:
+        orientations["holder"] = Orientation(0.0, "the end of its tower, ridges up")
+        orientations["plug"] = Orientation(0.0, "its end, away from the tip")
 
     if PARTS["stand"].exists_in(design):
         lies = print_scale(design, PARTS["stand"]) * socket_ceiling_mm(design) <= MAX_BRIDGE_MM

@@ -16,10 +16,9 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, Checks, Solids
 from fingertip.design import Design
 from fingertip.models import mold
-from fingertip.models.core import core_within_skin
-from fingertip.models.mold import cavity
+from fingertip.models.making import making_of
 from fingertip.models.mold_layout import RIDGE_HEIGHT_MM
-from fingertip.models.parts import PARTS
+from fingertip.models.outline import skin_outline
 from fingertip.models.solids import Box, Cone, Solid, intersection, signed_area, union
 
 CHECKS = Checks()
@@ -36,21 +35,21 @@ _BREP_VOLUME_ERROR = 2e-6
 @CHECKS.register()
 def check_assembly(design: Design, solids: Solids) -> Iterator[Check]:
     evaluator = solids.evaluator
-    parts = {name: solid for name, solid in solids.parts.items() if not PARTS[name].is_tool}
+    making = making_of(design)
+    parts = solids.parts
     if "skin" in parts:
-        growth = design.dimensions.shrinkage**3
+        growth = making.scale(design) ** 3
         silicone = evaluator.manifold(parts["skin"]).volume()
-        room = evaluator.manifold(cavity(design)).volume()
-        core = evaluator.manifold(cavity(design).intersect(core_within_skin(design))).volume()
+        outer = _outline_in_cup(design)
+        room = evaluator.manifold(outer).volume()
+        core = evaluator.manifold(outer.intersect(making.in_cup(design))).volume()
         yield Check.zero_volume(
             "volume_balance.cavity", abs(float(room - core - growth * silicone))
         )
 
-    inside = {name: solid for name, solid in parts.items() if name not in HALVES}
-    # The bone does not lie in the mold, and the skin that does is larger by its shrinkage.
-    inside.pop("bone", None)
+    inside = {name: solid for name, solid in parts.items() if name in ("skin", *making.lowered)}
     if "skin" in inside:
-        inside["skin"] = inside["skin"].scaled(design.dimensions.shrinkage)
+        inside["skin"] = making.silicone(design, inside["skin"])
 
     halves = {name: solid for name, solid in parts.items() if name in HALVES}
     yield from _check_overlaps(evaluator, inside, halves)
@@ -75,6 +74,11 @@ def check_assembly(design: Design, solids: Solids) -> Iterator[Check]:
         )
 
 
+def _outline_in_cup(design: Design) -> Solid:
+    """Build the outside of the skin at the scale of what lies in it."""
+    return skin_outline(design).scaled(making_of(design).scale(design))
+
+
 def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[str, Solid], ...]:
     """List the solids, besides the parts, whose volumes `check_brep_assembly` needs, by name."""
     solids: list[tuple[str, Solid]] = []
@@ -82,8 +86,8 @@ def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[s
         far = 10 * design.skin.length_mm
         above_plate = Box((-far, -far, 0.0), (far, far, far))
         solids += [
-            ("cavity", cavity(design)),
-            ("core_in_cavity", core_within_skin(design).intersect(above_plate)),
+            ("cavity", _outline_in_cup(design)),
+            ("core_in_cavity", making_of(design).in_cup(design).intersect(above_plate)),
         ]
 
     if set(HALVES) <= set(parts):
@@ -96,7 +100,7 @@ def check_brep_assembly(
     design: Design, parts: Mapping[str, BrepMeasurements], volumes_mm3: Mapping[str, float]
 ) -> Iterator[Check]:
     if "cavity" in volumes_mm3:
-        growth = design.dimensions.shrinkage**3
+        growth = making_of(design).scale(design) ** 3
         skin = parts["skin"].volume_mm3
         whole = volumes_mm3["cavity"]
         imbalance = abs(whole - volumes_mm3["core_in_cavity"] - growth * skin)

@@ -1,4 +1,4 @@
-"""Checks of the cup, the core that is lowered into it, and the skin between them."""
+"""Checks of the cup, what is lowered into it, and the skin between them."""
 
 from __future__ import annotations
 
@@ -22,11 +22,9 @@ from fingertip.cad.verification.skin import check_fitting_stretch
 from fingertip.cad.verification.trapped_air import LEANS_DEG, trapped_mm3
 from fingertip.design import Design
 from fingertip.design.geometry.casting_layout import BAND_N, MAX_BENDING_MM
-from fingertip.design.geometry.plunge import LOWERING_S
 from fingertip.foundation.numerics import Array
 from fingertip.models import mold
-from fingertip.models.core import core as build_core
-from fingertip.models.core import core_within_skin
+from fingertip.models.making import making_of
 from fingertip.models.mold import cavity
 from fingertip.models.mold_layout import (
     GAP_MM,
@@ -35,8 +33,9 @@ from fingertip.models.mold_layout import (
     RIDGE_HEIGHT_MM,
     RIDGE_LENGTH_MM,
 )
+from fingertip.models.parts import PARTS
 from fingertip.models.skin import skin
-from fingertip.models.solids import Solid
+from fingertip.models.solids import Solid, union
 
 CHECKS = Checks()
 _THINNER = ("silicone.product", "silicone.viscosity_pa_s")
@@ -56,7 +55,6 @@ _SECTIONS = 24
 
 
 @CHECKS.register(
-    "core",
     *HALVES,
     change={
         "mold.trapped_air": ("skin.bump_height_mm", "bone.groove_depth_mm"),
@@ -71,6 +69,10 @@ _SECTIONS = 24
 )
 def check_mold(design: Design, solids: Solids) -> Iterator[Check]:
     evaluator = solids.evaluator
+    making = making_of(design)
+    if making.hanger not in solids.parts:
+        return
+
     yield from _check_motions(design, evaluator)
     yield Check("mold.trapped_air", worst_air_mm3(design, evaluator), _MAX_AIR_MM3, "mm3")
     share = palmar_error_share(design)
@@ -105,16 +107,18 @@ def check_mold(design: Design, solids: Solids) -> Iterator[Check]:
         unit="mm",
         relation="at least",
     )
-    yield check_fitting_stretch(design, evaluator)
+    if not making.is_bonded:
+        yield check_fitting_stretch(design, evaluator)
 
 
 def _check_motions(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check that the core goes straight down into the closed cup, and comes out of the dorsal half
-    with its skin.
+    """Check that what is lowered goes straight down into the closed cup, and comes out of the
+    dorsal half with its skin.
     """
     palmar = evaluator.manifold(mold.mold_palmar(design))
     dorsal = evaluator.manifold(mold.mold_dorsal(design))
-    core = evaluator.manifold(build_core(design))
+    lowered = build_lowered(design)
+    core = evaluator.manifold(lowered)
     length = core.bounding_box()[5]
     way = [length * i / 8 for i in range(1, 9)]
     overlaps = []
@@ -123,16 +127,19 @@ def _check_motions(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
         overlaps += [float((raised ^ palmar).volume()), float((raised ^ dorsal).volume())]
 
     yield Check.zero_volume("mold.lowering_overlap", max(overlaps))
-    cast = evaluator.manifold(
-        build_core(design).union(skin(design).scaled(design.dimensions.shrinkage))
-    )
+    cast = evaluator.manifold(lowered.union(making_of(design).silicone(design, skin(design))))
     lifts = (LIFT_MM * i / 2 for i in (1, 2))
     lifting = max(float((cast.translate((0.0, 0.0, -up)) ^ dorsal).volume()) for up in lifts)
     yield Check.zero_volume("mold.lifting_overlap", lifting)
 
 
+def build_lowered(design: Design) -> Solid:
+    """Build what is lowered into the cup, as one solid."""
+    return union(*(PARTS[name].solid(design) for name in making_of(design).lowered))
+
+
 def worst_air_mm3(design: Design, evaluator: MeshEvaluator) -> float:
-    free = evaluator.manifold(cavity(design).cut(core_within_skin(design)))
+    free = evaluator.manifold(cavity(design).cut(making_of(design).in_cup(design)))
     return max(trapped_mm3(free, lean) for lean in LEANS_DEG)
 
 
@@ -189,9 +196,7 @@ def palmar_limits(design: Design) -> SeatLimits:
     thickness = design.skin.thickness_palmar_mm
     flank = design.mold_layout.flanks[0]
     hidden = worst_motion(design, (0.0, 0.0, flank.point_mm[2]))
-    lever = (design.dimensions.sensor_z - flank.point_mm[2]) / (
-        layout.palmar_height + layout.dorsal_height
-    )
+    lever = (design.dimensions.sensor_z - flank.point_mm[2]) / layout.overall_depth
     tilt = _ERRORS_MM[1] * max(0.0, _SHARE_PER_MM * thickness - hidden) / lever
     height = layout.overall_height
 
@@ -203,10 +208,10 @@ def plunge_pressure_kpa(design: Design, evaluator: MeshEvaluator) -> float:
     solids.
     """
     room = evaluator.manifold(cavity(design))
-    core = evaluator.manifold(core_within_skin(design))
+    core = evaluator.manifold(making_of(design).in_cup(design))
     length = core.bounding_box()[5]
     pressure = 0.0
-    speed = (length - design.mold_layout.pour_z) / LOWERING_S
+    speed = (length - design.mold_layout.pour_z) / making_of(design).lowering_s
 
     for i in range(_SECTIONS):
         gaps, along, area = _measure_gap_around(room, core, length * (i + 0.5) / _SECTIONS)
@@ -248,7 +253,7 @@ def seam_mm3(design: Design, pressure_kpa: float) -> float:
     silicone = design.silicone.material
     layout = design.mold_layout
     gap = 2 * design.printer.surface_error_mm
-    lowering = 1e3 * pressure_kpa * LOWERING_S / silicone.viscosity_pa_s.high
+    lowering = 1e3 * pressure_kpa * making_of(design).lowering_s / silicone.viscosity_pa_s.high
     head = silicone.density_g_cm3.high * _GRAVITY_M_S2 * design.skin.length_mm
     # A flow q per width loses the pressure 12 mu q / h^3 per length (H. Schlichting, Boundary-Layer
     # Theory, chapter 6).

@@ -34,6 +34,8 @@ from fingertip.models.joint import joint_of
 from fingertip.models.parts import PARTS, Part, print_scale
 from fingertip.models.solids import Solid
 
+_HOLDER_GENUS = 3
+"""Number of through holes of a holder: that of the bone, and those of the cross bolt into it."""
 _STAND_GENUS = 2
 """Number of through holes of a stand: those of the cross bolt open into its blind socket."""
 
@@ -312,6 +314,8 @@ def part_genus(design: Design, name: str) -> int:
             return 1 + interface_of(design).genus(design)
         case "stand":
             return _STAND_GENUS
+        case "holder":
+            return _HOLDER_GENUS
         case "hand_stub":  # the bore, in each cheek of a fork, and the guides
             way = guide(design)
             return (1 if joint_of(design).is_fork else 2) + (len(way.x) if way else 0)

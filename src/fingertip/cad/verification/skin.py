@@ -26,7 +26,9 @@ from fingertip.cad.verification.check import (
 from fingertip.cad.verification.deviation import max_facet_deviation
 from fingertip.design import Design
 from fingertip.models.bone import filled_bone
-from fingertip.models.skin import skin_interior, skin_outline
+from fingertip.models.making import making_of
+from fingertip.models.outline import skin_outline
+from fingertip.models.skin import skin_interior
 from fingertip.pad.pad_geometry import INNER_FRICTION
 from fingertip.pad.survey import FORCE_N, MAX_TURN_ON_N, survey_pad
 
@@ -69,7 +71,7 @@ def check_skin(design: Design, solids: Solids) -> Iterator[Check]:
     deviation = max_facet_deviation(design.dimensions.outer, mesh.vertices, mesh.triangles)
     yield Check("skin.surface_deviation", deviation, tolerance_mm, "mm")
     yield check_pad(design)
-    if not design.skin.bonded:
+    if not making_of(design).is_bonded:
         yield check_rest_force(design)
 
 

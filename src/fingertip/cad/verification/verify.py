@@ -12,7 +12,7 @@ from fingertip.cad.files import threemf
 from fingertip.cad.files.part_formats import PART_FORMATS, MeshFormat, part_file
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.print_files import PrintFiles, make_print_files
-from fingertip.cad.verification import assembly, bone, joint, mold, printing, skin
+from fingertip.cad.verification import assembly, bone, encapsulation, joint, mold, printing, skin
 from fingertip.cad.verification.check import Check, RegisteredCheck, Solids
 from fingertip.cad.verification.printing import check_mesh_file, check_print_files
 from fingertip.cad.verification.strength import BoneStrength
@@ -29,6 +29,7 @@ CHECKS: tuple[RegisteredCheck, ...] = (
     *bone.CHECKS,
     *joint.CHECKS,
     *mold.CHECKS,
+    *encapsulation.CHECKS,
     *bone.STRENGTH_CHECKS,
 )
 """Checks of parts, in the order of a report."""

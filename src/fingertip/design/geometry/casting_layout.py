@@ -10,9 +10,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 from fingertip.design.geometry.plunge import estimate_pressure_kpa
+from fingertip.models.making import making_of
 from fingertip.models.mold_layout import (
     GAP_MM,
-    PLATE_MM,
     RIDGE_HALF_CREST_MM,
     RIDGE_HEIGHT_MM,
     MoldLayout,
@@ -47,10 +47,16 @@ class CastingLayout(MoldLayout):
 
     @property
     def overall_height(self) -> float:
-        """Height from the foot to the top of the seated plate: the
-        one reading that tells how the core sits.
+        """Height from the foot to the top of what is seated in the cup: the one reading that tells
+        how it sits.
         """
-        return self.foot_z + PLATE_MM
+        return self.foot_z - making_of(self._finger).top_z(self._finger)
+
+    @property
+    def overall_depth(self) -> float:
+        """Depth of the face at the top, whose edges tell how far it leans."""
+        low, high = making_of(self._finger).top_y(self._finger)
+        return high - low
 
     @cached_property
     def flanks(self) -> tuple[Flank, ...]:
@@ -86,7 +92,8 @@ class CastingLayout(MoldLayout):
         """Pressure of the silicone at the tip of the core while it is
         lowered, up to a tenth more than in the cup.
         """
-        return estimate_pressure_kpa(self._finger, self._dims, self.pour_z)
+        lowering_s = making_of(self._finger).lowering_s
+        return estimate_pressure_kpa(self._finger, self._dims, self.pour_z, lowering_s)
 
     @cached_property
     def held_kpa(self) -> float:

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
 _SAFE = 1.01
 """Factor on the estimate, which is up to 0.8 % below what sections of the solids give."""
-LOWERING_S = 30.0
-"""Time in which the core is lowered [s]."""
 _SECTIONS = 12
 _ARC_POINTS = 4
 _CHORDS = 8
@@ -24,7 +22,9 @@ of an outline, and points of the flat.
 """
 
 
-def estimate_pressure_kpa(design: Tables, dims: Dimensions, pour_z: float) -> float:
+def estimate_pressure_kpa(
+    design: Tables, dims: Dimensions, pour_z: float, lowering_s: float
+) -> float:
     """Compute the pressure at the tip at the end of the way by lubrication: dp/dz = 12 mu v (A + g
     / 2) / c.
 
@@ -52,7 +52,7 @@ def estimate_pressure_kpa(design: Tables, dims: Dimensions, pour_z: float) -> fl
     cubes = (g * g * g * ds).sum(axis=1)
     fallen = float((12.0 * (area + gaps / 2) / cubes).sum()) * length / _SECTIONS
 
-    speed = (length * dims.shrinkage - pour_z) / LOWERING_S
+    speed = (length * dims.shrinkage - pour_z) / lowering_s
     return (
         _SAFE
         * 1e-3

@@ -151,10 +151,10 @@ class Skin(ParameterTable):
     min_thickness_mm: float = quantity(
         0.8, "mm", (0.2, 10), "Minimum skin thickness anywhere, measured from bone to surface."
     )
-    bonded: bool = choice(
-        False,
-        "true: the skin counts as bonded to the bone, for comparison; as it is made, it lies "
-        "on it.",
+    made: Literal["cast", "encapsulated"] = choice(
+        "cast",
+        "cast: the skin is cast around a core and pulled over the bone, on which it lies; "
+        "encapsulated: it is cast around the bone with its sensor, as in the article.",
     )
     bump_radius_mm: float = quantity(
         3.2, "mm", (1, 30), "Radius of the bump inside the skin, which presses on the sensor."

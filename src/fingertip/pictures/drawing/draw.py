@@ -30,6 +30,8 @@ _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
     "mold_palmar": part_sizes.palmar_drawing,
     "mold_dorsal": part_sizes.dorsal_drawing,
     "core": part_sizes.core_drawing,
+    "holder": part_sizes.holder_drawing,
+    "plug": part_sizes.plug_drawing,
     "stand": part_sizes.stand_drawing,
     "pin": part_sizes.pin_drawing,
     "hand_stub": part_sizes.hand_stub_drawing,

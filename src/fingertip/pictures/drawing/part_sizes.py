@@ -31,6 +31,7 @@ from fingertip.design.geometry.sizes import (
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.interface import bolt_clearance
 from fingertip.design.interfaces.post_and_socket import Post
+from fingertip.models import encapsulation, holder
 from fingertip.models import mold_layout as mold
 from fingertip.models.hand_stub import bars, guide, stub_bore_radius
 from fingertip.models.joint import joint_of
@@ -530,17 +531,69 @@ def _key_sizes(design: Design, plan: ViewName, gap: float) -> Iterator[Size]:
         )
 
 
+def _plate_sizes(design: Design) -> Iterator[Size]:
+    """Size the plate with its ridges, of a core or a holder."""
+    layout = design.mold_layout
+    half = layout.half_width + mold.PLATE_LEDGE_MM
+    ridge = mold.RIDGE_HALF_CREST_MM + mold.RIDGE_HEIGHT_MM
+    end = layout.dorsal_height - mold.RIDGE_END_MM
+    yield Length(
+        name="thickness of the plate",
+        growth=OUTER,
+        view="front",
+        side="below",
+        axis="z",
+        start=(0.0, -layout.palmar_height, -mold.PLATE_MM),
+        end=(0.0, -layout.palmar_height, 0.0),
+    )
+    yield Length(
+        name="width of the plate",
+        growth=OUTER,
+        view="palmar",
+        side="right",
+        axis="x",
+        start=(half, -layout.palmar_height, 0.0),
+        end=(-half, -layout.palmar_height, 0.0),
+    )
+    yield Length(
+        name="depth of the plate",
+        growth=OUTER,
+        view="front",
+        side="left",
+        axis="y",
+        start=(0.0, -layout.palmar_height, -mold.PLATE_MM),
+        end=(0.0, layout.dorsal_height, -mold.PLATE_MM),
+    )
+    yield Length(
+        name="height of the ridges",
+        growth=STEP,
+        view="section",
+        side="above",
+        axis="z",
+        start=(0.0, layout.dorsal_height, 0.0),
+        end=(0.0, end, mold.RIDGE_HEIGHT_MM),
+    )
+    yield Length(
+        name="width of the ridges at the plate",
+        growth=OUTER,
+        view="end",
+        side="above",
+        axis="x",
+        start=(ridge, end, 0.0),
+        end=(-ridge, end, 0.0),
+        tolerance=located(design, 2 * ridge),
+        action="out of tolerance: the core leans, measure it as the sheet says",
+    )
+
+
 def core_drawing(design: Design) -> PartDrawing:
     layout = design.mold_layout
     dims = design.dimensions
     inset = design.mold.core_inset_mm
     tip = dims.bone_outline.tip
-    half = layout.half_width + mold.PLATE_LEDGE_MM
     growth = dims.shrinkage
     assert tip
     apex = (0.0, 0.0, (tip.z - inset) * growth)
-    ridge = mold.RIDGE_HALF_CREST_MM + mold.RIDGE_HEIGHT_MM
-    end = layout.dorsal_height - mold.RIDGE_END_MM
     sizes = (
         Length(
             name="plate to tip",
@@ -562,59 +615,101 @@ def core_drawing(design: Design) -> PartDrawing:
             start=(0.0, -layout.palmar_height, -mold.PLATE_MM),
             end=apex,
         ),
-        Length(
-            name="thickness of the plate",
-            growth=OUTER,
-            view="front",
-            side="below",
-            axis="z",
-            start=(0.0, -layout.palmar_height, -mold.PLATE_MM),
-            end=(0.0, -layout.palmar_height, 0.0),
-        ),
-        Length(
-            name="width of the plate",
-            growth=OUTER,
-            view="palmar",
-            side="right",
-            axis="x",
-            start=(half, -layout.palmar_height, 0.0),
-            end=(-half, -layout.palmar_height, 0.0),
-        ),
-        Length(
-            name="depth of the plate",
-            growth=OUTER,
-            view="front",
-            side="left",
-            axis="y",
-            start=(0.0, -layout.palmar_height, -mold.PLATE_MM),
-            end=(0.0, layout.dorsal_height, -mold.PLATE_MM),
-        ),
-        Length(
-            name="height of the ridges",
-            growth=STEP,
-            view="section",
-            side="above",
-            axis="z",
-            start=(0.0, layout.dorsal_height, 0.0),
-            end=(0.0, end, mold.RIDGE_HEIGHT_MM),
-        ),
-        Length(
-            name="width of the ridges at the plate",
-            growth=OUTER,
-            view="end",
-            side="above",
-            axis="x",
-            start=(ridge, end, 0.0),
-            end=(-ridge, end, 0.0),
-            tolerance=located(design, 2 * ridge),
-            action="out of tolerance: the core leans, measure it as the sheet says",
-        ),
+        *_plate_sizes(design),
         *platform_size(design, inset, growth),
     )
 
     return PartDrawing(
         part="core",
         title="Core",
+        plan="palmar",
+        material=ANY_MATERIAL,
+        sizes=sizes,
+    )
+
+
+def holder_drawing(design: Design) -> PartDrawing:
+    bone = design.bone
+    layout = design.mold_layout
+    gap = post_gap_mm(design)
+    top = holder.top_z(design)
+    y = design.dimensions.base_middle_y
+    hole = bone.cross_bolt_diameter_mm
+    bolt_z = Post().cross_bolt_z(design) - holder.DRAW_MM
+    sizes = (
+        Length(
+            name="overall height",
+            growth=OUTER,
+            view="front",
+            side="below",
+            axis="z",
+            start=(0.0, -layout.palmar_height, top),
+            end=(0.0, layout.dorsal_height - mold.RIDGE_END_MM, mold.RIDGE_HEIGHT_MM),
+        ),
+        *_plate_sizes(design),
+        Circle(
+            name="hole of the post",
+            growth=INNER,
+            view="end",
+            axis="z",
+            centre=(0.0, y, top),
+            radius=bone.post_width_mm / 2 + gap,
+            tolerance=clearance(gap - design.printer.offset_mm),
+            action="narrow: file it until the post slides in",
+        ),
+        Circle(
+            name="hole of the cross bolt",
+            growth=INNER,
+            view="front",
+            axis="x",
+            centre=(bone.post_width_mm / 2, y, bolt_z),
+            radius=hole / 2,
+            tolerance=bolt_clearance(design, hole),
+            action="narrow: drill it to size",
+        ),
+    )
+
+    return PartDrawing(
+        part="holder",
+        title="Holder of the bone",
+        plan="palmar",
+        material=ANY_MATERIAL,
+        sizes=sizes,
+    )
+
+
+def plug_drawing(design: Design) -> PartDrawing:
+    dims = design.dimensions
+    half = dims.tail_half_width - encapsulation.PLUG_GAP_MM
+    begin = encapsulation.plug_begin_z(design)
+    end = encapsulation.roof_end_z(design)
+    surface = -dims.flat_depth
+    sizes = (
+        Length(
+            name="overall length",
+            growth=OUTER,
+            view="front",
+            side="below",
+            axis="z",
+            start=(0.0, surface, begin),
+            end=(0.0, surface, end),
+        ),
+        Length(
+            name="width in the collar",
+            growth=OUTER,
+            view="palmar",
+            side="left",
+            axis="x",
+            start=(half, surface, begin),
+            end=(-half, surface, begin),
+            tolerance=shared_clearance(2 * encapsulation.PLUG_GAP_MM),
+            action="wide: sand it until it drops into the notch",
+        ),
+    )
+
+    return PartDrawing(
+        part="plug",
+        title="Plug over the tail",
         plan="palmar",
         material=ANY_MATERIAL,
         sizes=sizes,

@@ -1,4 +1,4 @@
-"""Core of the fingertip article, in CadQuery.
+"""Holder of the fingertip article, in CadQuery.
 
 Run it with Python, or open it in CQ-editor. Sizes stand in parameters.py, and the shape in
 fingertip_models.
@@ -16,13 +16,13 @@ from fingertip_models.finger import read_finger  # noqa: E402
 from fingertip_models.workplanes import make_part  # noqa: E402
 
 finger = read_finger(folder, __name__)
-core = make_part(finger, "core")
+holder = make_part(finger, "holder")
 
 # Add your own features here. Tags of faces: none.
 
 if show := globals().get("show_object"):  # in CQ-editor, or imported from ocp_vscode
-    show(core, name="core")
+    show(holder, name="holder")
 elif __name__ == "__main__":
-    size = core.val().BoundingBox()
-    print(f"core: {size.xlen:.3f} x {size.ylen:.3f} x {size.zlen:.3f} mm")
-    cq.exporters.export(core, "core.step")
+    size = holder.val().BoundingBox()
+    print(f"holder: {size.xlen:.3f} x {size.ylen:.3f} x {size.zlen:.3f} mm")
+    cq.exporters.export(holder, "holder.step")

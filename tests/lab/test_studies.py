@@ -125,7 +125,8 @@ def test_previous_works_are_slower_or_miss_more_with_higher_thresholds() -> None
 
 def test_page_beside_the_article_is_that_of_the_data() -> None:
     data = json.loads(DATA.read_text())
-    check_text(page.PAGE, page.render_page(data))
+    figures = json.loads(page.FIGURES.read_text())
+    check_text(page.PAGE, page.render_page(data, figures))
 
 
 @pytest.mark.parametrize("bits", [10, 12])

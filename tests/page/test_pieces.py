@@ -13,6 +13,8 @@ import pytest
 
 from fingertip import Design
 from fingertip.board.analysis.board_analysis import bode_table
+from fingertip.board.analysis.board_values import board_values
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.kicad.project import read_archive
 from fingertip.board.kicad.sexpr import read_expression
 from fingertip.cad.kernel.mesh import Mesh
@@ -21,6 +23,7 @@ from fingertip.catalogues.output_files import SCHEMATIC
 from fingertip.foundation.output_set import SetWriter
 from fingertip.models.parts import parts_by_name
 from fingertip.page import markdown_sheets
+from fingertip.page.block_diagram_svg import ON_OFF, draw_block_diagram, list_blocks
 from fingertip.page.board_section import draw_response
 from fingertip.page.html import Markup, code, element, figure, table
 from fingertip.page.layout_svg import list_pads, render_back
@@ -33,6 +36,50 @@ from tests.conftest import ROOT
 from tests.page.conftest import Page
 
 EVIL = "<script>alert(1)</script>\"'&"
+
+
+VARIANTS = {
+    "article": ["board.variant=article", "board.supply_v=5", "detector.kind=analog"],
+    "precision": ["detector.kind=digital"],
+    "comparator": ["board.variant=comparator", "detector.kind=analog"],
+    "divider": ["board.variant=divider"],
+}
+
+
+@pytest.mark.parametrize("changes", VARIANTS.values(), ids=VARIANTS)
+def test_blocks_are_the_stages_of_the_circuit(changes: list[str]) -> None:
+    design = Design.load("fsr400", changes=changes)
+    blocks = list_blocks(design)
+    assert blocks[-1].output == ON_OFF
+    assert [block.is_software for block in blocks] == sorted(block.is_software for block in blocks)
+    for block in blocks:
+        longest = max(map(len, (block.title, *block.lines)))
+        assert longest <= 25, f"{block} is wider than its frame"
+        assert len(block.lines) <= 3
+
+    if design.board.has_filter:
+        values = board_values(design)
+        nets = set(board_circuit(values).net_by_pin.values()) | {"current of D1"}
+        part = values.by_reference
+        assert nets.issuperset(block.output for block in blocks if not block.is_software)
+        first, second = (block for block in blocks if "order" in block.title and block.lines[1:])
+        pole_hz = 1 / (2 * math.pi * part["R1"] * part["C1"])
+        section_hz = 1 / (2 * math.pi * math.sqrt(part["R2"] * part["R3"]) * part["C2"])
+        assert first.lines[0].startswith(f"{pole_hz:.1f} Hz")
+        assert second.lines[1].startswith(f"{section_hz:.1f} Hz")
+
+
+def test_every_variant_has_a_block_diagram_of_its_own() -> None:
+    titles = {
+        name: tuple(block.title for block in list_blocks(Design.load("fsr400", changes=changes)))
+        for name, changes in VARIANTS.items()
+    }
+    assert len(set(titles.values())) == len(VARIANTS)
+    assert {name for name, found in titles.items() if "Wheatstone bridge" in found} == {"article"}
+    assert "Comparator" in titles["comparator"]
+    drawn = draw_block_diagram(Design.load("fsr400", changes=VARIANTS["comparator"]))
+    # The software reads the envelope, and not the comparator before it: one arrow less.
+    assert drawn.count('Z"') == len(titles["comparator"]) - 2
 
 
 def test_text_is_never_markup() -> None:

@@ -6,7 +6,7 @@ The data stand in `tools/article/beside_article.json`, which the page of the stu
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from fingertip.sim.contact.surface_files import ARTICLE_SURFACES
 from fingertip.sim.signal.converter import simulate_quiescent_level
 from tools.article import level
 from tools.article.boards import VARIANTS
+from tools.article.pictures.collect import draw_figures, render_figures
 from tools.article.previous_works import study_previous_works
 from tools.article.protocol import study_article_protocol
 from tools.article.protocol_table import PROTOCOL_COLUMNS, list_protocol_rows
@@ -37,6 +38,8 @@ from tools.article.studies import DATA
 PAGE = Path(__file__).resolve().parents[2] / "docs/beside_article.md"
 PICTURE = PAGE.with_name("vibration_level.png")
 TEMPLATE = Path(__file__).with_name("beside_article.md")
+FIGURES = Path(__file__).with_name("figures.json")
+"""Titles, captions and statements of the article's figures."""
 FORCES_N = (0.3, 0.5, 0.8, 1.2, 2.0)
 SEEDS = range(10)
 DESIGNS = ("article",)
@@ -90,8 +93,8 @@ def measure() -> dict[str, Any]:
     }
 
 
-def render_page(data: Mapping[str, Any]) -> str:
-    """Write the page from the data."""
+def render_page(data: Mapping[str, Any], figures: Sequence[Mapping[str, Any]]) -> str:
+    """Write the page from its data, and those of the figures."""
     rows = load_rows()
     summary: dict[str, Any] = {
         "level": {**data["level"], "summary": level.summarise(data["level"]["points"])},
@@ -100,15 +103,31 @@ def render_page(data: Mapping[str, Any]) -> str:
         "unmet": [(row, fill_reason(row, data["protocol"])) for row in rows if not row.is_met],
     }
     return lay_out_page(
-        render_text(TEMPLATE.read_text(encoding="utf-8"), **{**data, **summary}), WIDTH
+        render_text(
+            TEMPLATE.read_text(encoding="utf-8"),
+            **{**data, **summary},
+            figures=render_figures(figures),
+        ),
+        WIDTH,
     )
 
 
 def write_page() -> None:
-    """Measure, and write data, page and picture."""
+    """Measure, and write data, page and pictures."""
     with side_by_side(find_workers(None)):
         data = json.loads(json.dumps(measure(), allow_nan=False))
 
     PICTURE.write_bytes(level.plot(data["level"]["points"]))
     DATA.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
-    PAGE.write_text(render_page(data), encoding="utf-8")
+    write_figures()
+
+
+def write_figures() -> None:
+    """Draw the article's figures, and write them, their data and the page."""
+    figures = draw_figures(Design.load("article"))
+    for one in figures:
+        PAGE.with_name(one.file).write_bytes(one.picture)
+
+    texts = [one.as_data() for one in figures]
+    FIGURES.write_text(json.dumps(texts, indent=1) + "\n", encoding="utf-8")
+    PAGE.write_text(render_page(json.loads(DATA.read_bytes()), texts), encoding="utf-8")

@@ -21,6 +21,7 @@ from fingertip.board.kicad.sexpr import read_expression
 from fingertip.catalogues import output_files as outputs
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
+from fingertip.page.block_diagram_svg import draw_block_diagram
 from fingertip.page.html import (
     Markup,
     element,
@@ -82,6 +83,10 @@ _COPPER = (
     "Copper, seen through the board from the front: front layer in orange, back layer in "
     "blue, pale where it is poured."
 )
+_BLOCKS = (
+    "What each stage does, with its parts as the schematic names them. The last line of a block is "
+    "the net that it drives; a block to which no arrow leads names the nets that it reads."
+)
 _BACK = (
     "Back, seen from the back: the printed list of values. Frames show where the parts are, "
     "all of them on the front."
@@ -133,6 +138,10 @@ def render_board(sources: Sources) -> Markup:
         ]
     else:
         parts.append(buy)
+
+    if schematic:
+        diagram = figure(draw_block_diagram(sources.design), _BLOCKS, "block diagram", "wide")
+        folded.append(("Block diagram", diagram))
 
     sheets = (
         (schematic, "Schematic of the board", ""),

@@ -105,7 +105,7 @@ def test_bundled_board_is_up_to_date(
 
 @functools.cache
 def analysis_of(variant: str) -> Analysis:
-    return analyse(load_article(VARIANT_CHANGES[variant]), boards=20)
+    return analyse(load_article(VARIANT_CHANGES[variant]), boards=400)
 
 
 @pytest.mark.parametrize("variant", ["article", "precision", "comparator"])

@@ -144,9 +144,10 @@ def test_commands_do_what_the_transcript_shows(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("fingertip.sweep.engines.ProcessEngine", InlineEngine)
-    # Each sweep takes two seconds.
-    clock = SimpleNamespace(perf_counter=itertools.count(0.0, 2.0).__next__)
-    monkeypatch.setattr(importlib.import_module("fingertip.cli.sweep"), "time", clock)
+    for module in ("sweep", "simulate"):  # each takes two seconds
+        clock = SimpleNamespace(perf_counter=itertools.count(0.0, 2.0).__next__)
+        monkeypatch.setattr(importlib.import_module(f"fingertip.cli.{module}"), "time", clock)
+
     if name in WITHOUT_EXTRAS:
         request.getfixturevalue("core")
     found = replay(TRANSCRIPTS[name].read_text(encoding="utf-8"))

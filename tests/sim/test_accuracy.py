@@ -20,8 +20,10 @@ from fingertip.lab.accuracy.accuracy_summary import FILES
 from fingertip.sim.runs.manipulation import run_manipulation
 from fingertip.sim.runs.scene import run_scene
 from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
-from fingertip.sim.signal.grid import Grid
+from fingertip.sim.signal.grid import TARGETS, Grid
+from fingertip.sim.simulation_summary import has_target
 from tests.conftest import run_fingertip
+from tools.accuracy.stated_errors import draw_simulation, try_simulation
 
 PULL = {"attached": True, "trigger_v": 0.01, "stroke_m": 0.04, "stiffness_n_per_m": 20_000.0}
 QUIET = {"noise_v": 0.0, "adc_bits": 24}
@@ -106,6 +108,38 @@ def test_manipulation_converges_with_order_2(kind, mass, knock):
     assert all(order > 1.7 for order in orders.values()), orders  # the pin hits between two points
     for name, limit in BASE_ERRORS.items():
         assert np.abs(columns[1][name] - columns[256][name]).max() < limit, name
+
+
+@pytest.mark.parametrize("number", range(12))
+def test_errors_that_simulate_states_hold(number):
+    """Against steps of a sixteenth, which the bounds from half the step do not know."""
+    with compiled():
+        tried = try_simulation(draw_simulation(number))
+    for signal, error in tried.errors.items():
+        assert error <= tried.bounds[signal] <= 6.0 * error + 1e-9, signal
+        if has_target(tried.simulation.design, signal):
+            assert error <= TARGETS[signal], signal
+
+
+def test_simulate_states_errors_and_time_in_one_line(tmp_path: Path) -> None:
+    """The targets, or what half of the step changes, of what is written; with a grip, the time."""
+    words = ("simulate", "hard_tap", "--set", "tap.count=1", "--out", tmp_path / "t.csv")
+    outputs = ("--set", "outputs=['force_n','envelope_v']")
+    brief = run_fingertip(*words, *outputs).stdout.splitlines()[-2]
+    assert brief.startswith("computed in ")
+    assert brief.partition(": ")[2] == (
+        "force within 5.0e-05 N, envelope within 8.0e-04 V, in at least 95 % of runs; "
+        "--verbose measures this one"
+    )
+    data = json.loads(run_fingertip(*words, "--json", "--verbose").stdout)
+    assert set(data["errors"]) == {"force_n", "tactile_v"}
+    assert data["errors_from"] == "half the step"
+    assert 0.0 < data["errors"]["force_n"] < TARGETS["force_n"]
+    assert data["computed_s"] > 0.0
+    article = run_fingertip(*words, *outputs, "--set", "board.variant=article").stdout
+    assert "envelope within" not in article
+    idle = run_fingertip("simulate", "real_manipulation", "--grip", "fast", "--verbose")
+    assert "--verbose: has no effect with --grip" in idle.stderr
 
 
 @pytest.mark.second

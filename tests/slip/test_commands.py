@@ -33,6 +33,8 @@ ARTICLE = (
     "detector.threshold_v=0.017",
     "--set",
     "detector.kind=fast",
+    "--detector",
+    "digital",
 )
 
 
@@ -64,6 +66,24 @@ def test_slip_of_a_simulated_trace_is_detected(tmp_path, surface):
     assert data["intervals"][0]["confidence"] > 1.0
     assert data["incipient"] is data["learned_noise_v"] is None
     assert data["missed_slips"] == []
+
+
+def test_without_a_detector_the_designs_own_judges(tmp_path):
+    """Its result is that of the detector by its name; without a design the article's chain is."""
+    trace = tmp_path / "t.csv"
+    trace.write_text(PLAIN)
+    divider = ("--set", "board.variant=divider")
+    for words, kind, is_said in (
+        (("--design", "fsr400"), "fast", True),
+        (("--design", "article"), "analog", True),
+        (("--set", "detector.kind=fft"), "fft", True),
+        (divider, "fast", True),
+        ((), "digital", False),
+    ):
+        done = run("detect", trace, *words, "--json")
+        assert done.stdout == run("detect", trace, *words, "--detector", kind, "--json").stdout
+        assert json.loads(done.stdout)["detector"] == kind
+        assert (f"detector {kind}, that of the design" in done.stderr) == is_said
 
 
 def test_simulate_reports_every_issue_and_writes_nothing(tmp_path):
@@ -365,7 +385,11 @@ def test_a_stated_threshold_does_not_change_with_the_rate(tmp_path):
             0.0123,
             "adapted to 5000 Hz; the window is 150 samples, 30 ms; the threshold is 0.0123",
         ),
-        ((*rate, "--design", tmp_path / "d.toml"), 0.0123, "the threshold is 0.0123 V"),
+        (
+            (*rate, "--design", tmp_path / "d.toml", "--detector", "digital"),
+            0.0123,
+            "the threshold is 0.0123 V",
+        ),
         ((*rate, "--detector", "analog"), default, f"the threshold is {default:g} V"),
     ):
         done = run("detect", tmp_path / "t.csv", *words, "--json")

@@ -18,6 +18,7 @@ from fingertip.foundation.interruption import INTERRUPTIONS, exit_code
 from fingertip.slip.detectors.registry import DEFAULT
 
 if TYPE_CHECKING:
+    from fingertip.design import Design
     from fingertip.detection.live import StreamDetection
 
 
@@ -37,7 +38,8 @@ def detect(
         help="Design file or bundled name; the default design if left out.",
     ),
     detector: str | None = typer.Option(
-        None, help=f"{{detectors}}. Default: {DEFAULT}; on a divider fast; or the design's."
+        None,
+        help=f"{{detectors}}. Default: the design's; without --design {DEFAULT}.",
     ),
     rate_hz: float | None = typer.Option(
         None, help="Sampling rate of the trace; if the file holds times, they must agree with it."
@@ -93,9 +95,9 @@ def detect(
 
     loaded = load_design(design, changes)
     if detector is None:
-        # "fast" is the kind of a design that states none.
-        is_open = loaded.detector.kind == "fast" and loaded.board.has_filter
-        detector = DEFAULT if is_open else loaded.detector.kind
+        detector = _choose_detector(loaded, is_given=design is not None)
+        if detector == loaded.detector.kind:
+            console.progress(f"detector {detector}, that of the design {loaded.name}")
 
     column_names, channels = _parse_columns(columns or [])
     time_scale_s = _parse_time_scale(time_scale)
@@ -144,6 +146,13 @@ def detect(
         as_data(result.detection, result.noise) | {"warnings": result.warnings},
         as_text(result.detection),
     )
+
+
+def _choose_detector(design: Design, *, is_given: bool) -> str:
+    """Return the detector of a design that was given or states one, else the article's chain."""
+    # "fast" is the kind of a design that states none.
+    is_stated = is_given or design.detector.kind != "fast"
+    return design.detector.kind if is_stated or not design.board.has_filter else DEFAULT
 
 
 def _parse_columns(columns: list[str]) -> tuple[dict[str, str], list[str]]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
@@ -17,13 +19,14 @@ from fingertip.cli.options import (
     flag,
     parse_design,
 )
-from fingertip.foundation.errors import FingertipError, gather
+from fingertip.foundation.errors import FingertipError, Issue, gather
 from fingertip.foundation.files import temporary_folder
 
 if TYPE_CHECKING:
     from fingertip.sim.runs.manipulation import ManipulationResult
     from fingertip.sim.runs.scene import SceneRecord
     from fingertip.sim.simulation import Simulation
+    from fingertip.sim.simulation_summary import Cost
 
 
 def parse_simulated(typed: str) -> Path:
@@ -79,6 +82,7 @@ def simulate(
     ),
     parameters: bool = flag("Print the scene's parameters with unit, bounds and meaning."),
     plan: bool = flag("Print the stages that would run for the scene's outputs, and their cost."),
+    verbose: bool = flag("Measure the error of the time step, by half of it, in 3 times the time."),
     force: bool = FORCE,
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
@@ -93,7 +97,14 @@ def simulate(
 
     for option, is_given in {"--parameters": parameters, "--plan": plan}.items():
         if is_given:
-            issues += find_idle_issues(option, {"--out": out, "--plot": plot, "--grip": grip})
+            idle = {"--out": out, "--plot": plot, "--grip": grip, "--verbose": verbose}
+            issues += find_idle_issues(option, idle)
+
+    if verbose and grip is not None:
+        message = (
+            "has no effect with --grip, whose commands change with the step; leave one of them out."
+        )
+        issues.append(Issue("--verbose", message))
 
     simulation: Simulation | None = None
     with gather(issues):
@@ -137,6 +148,7 @@ def simulate(
             out=out,
             plot=plot,
             grip=grip,
+            verbose=verbose,
             force=force,
         )
 
@@ -147,6 +159,7 @@ def _write(
     out: Path | None,
     plot: Path | None,
     grip: str | None,
+    verbose: bool,
     force: bool,
 ) -> None:
     """Simulate, and write trace and plot; without `out`, beside the parts of the design."""
@@ -159,6 +172,7 @@ def _write(
     if out is None:  # refused before the work starts
         SIGNAL.writer(simulation.design, path.parent, force).check((path.name,))
 
+    begin = time.perf_counter()
     with temporary_folder() as folder:
         finished = folder / path.name
         with open_atomic(out) if out else finished.open("wb") as opened:
@@ -171,6 +185,7 @@ def _write(
                 progress=console.progress,
             )
 
+        computed_s = time.perf_counter() - begin
         removed = []
         if out is None:
             removed = [*trace_file.write_trace(simulation.design, path, finished, force)]
@@ -186,8 +201,30 @@ def _write(
         write_file(plot, picture, "--plot")
 
     files = {"trace": path.as_posix()} | ({"plot": plot.as_posix()} if plot else {})
-    lines = [*summary.as_text(record, grips_s), f"wrote {' and '.join(files.values())}"]
-    console.result(files | summary.as_data(record, grips_s), "\n".join(lines))
+    cost = summary.Cost(computed_s, record.step_s)
+    if verbose:
+        cost = _measure_error(cost, simulation)
+    elif grip is None:
+        cost = replace(cost, errors=summary.find_targets(simulation))
+
+    lines = [*summary.as_text(record, grips_s), cost.as_text()]
+    lines.append(f"wrote {' and '.join(files.values())}")
+    data = files | summary.as_data(record, grips_s) | cost.as_data()
+    console.result(data, "\n".join(lines))
+
+
+def _measure_error(cost: Cost, simulation: Simulation) -> Cost:
+    """Add the errors by half the step, of what the simulation writes."""
+    from fingertip.lab.accuracy.step_error import bound_errors
+    from fingertip.sim.simulation_summary import list_error_signals
+
+    signals = list_error_signals(simulation)
+    if not signals:
+        return cost
+
+    begin = time.perf_counter()
+    errors = bound_errors(simulation, signals)
+    return replace(cost, errors=errors, compared_s=time.perf_counter() - begin)
 
 
 def _simulate(

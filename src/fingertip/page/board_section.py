@@ -322,8 +322,9 @@ def draw_response(design: Design) -> Markup:
         f"{gain.nominal:.1f}. "
         f"Of {BOARDS} boards with components anywhere within the tolerances that are bought, 95 % "
         "have "
-        f"{cutoff.low_95:.1f} to {cutoff.high_95:.1f} Hz and a gain of {gain.low_95:.1f} to "
-        f"{gain.high_95:.1f}."
+        f"{cutoff.low_95:.1f} to {cutoff.high_95:.1f} Hz (each ±{cutoff.error_95:.1f}) and a gain "
+        f"of {gain.low_95:.1f} to {gain.high_95:.1f} (±{gain.error_95:.1f}); ± is the 95 % "
+        "interval of an end, from so many boards."
     )
 
     return figure(svg, caption, "response of the filter", "wide")

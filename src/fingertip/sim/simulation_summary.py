@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from fingertip.foundation.files import round_for_output
 from fingertip.sim.contact.surface_files import SurfaceTable
 from fingertip.sim.runs.scene import SceneRecord
+from fingertip.sim.signal.grid import TARGETS
 from fingertip.slip.traces.truth import STICK_S, merge
 
 if TYPE_CHECKING:
+    from fingertip.design import Design
     from fingertip.sim.runs.manipulation import ManipulationResult
+    from fingertip.sim.simulation import Simulation
 
 
 def as_data(
@@ -64,6 +68,74 @@ def as_data(
         "moved_m": round(float(result.signals.object_m[-1]), 9),
     }
     return data if grips_s is None else data | {"grips_s": [*grips_s]}
+
+
+_NAMES = {
+    "force_n": ("force", "N", ""),
+    "tactile_v": ("voltage", "V", " ahead of the converter"),
+    "envelope_v": ("envelope", "V", ""),
+}
+"""Signal whose error is stated -> its name, its unit, and where it is taken."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Time that a simulation took, and the errors of its time step."""
+
+    computed_s: float
+    step_s: float
+    errors: Mapping[str, float] = field(default_factory=dict)
+    """Signal -> bound of its error [N, V]."""
+    compared_s: float | None = None
+    """Time of the comparison with half the step, whose errors these are.
+    None: they are the targets.
+    """
+
+    def as_data(self) -> dict[str, Any]:
+        basis = "95 % of runs" if self.compared_s is None else "half the step"
+        return {
+            "computed_s": round(self.computed_s, 3),
+            "step_s": round(self.step_s, 9),
+            "errors": {name: float(f"{error:.2g}") for name, error in self.errors.items()},
+            "errors_from": basis if self.errors else None,
+        }
+
+    def as_text(self) -> str:
+        """Return one line."""
+        text = f"computed in {self.computed_s:.2g} s with steps of {1e6 * self.step_s:.3g} us"
+        bounds = []
+        for signal, error in self.errors.items():
+            name, unit, place = _NAMES[signal]
+            bounds.append(f"{name} within {error:.1e} {unit}{place}")
+
+        if not bounds:
+            return text
+
+        basis = "in at least 95 % of runs; --verbose measures this one"
+        if self.compared_s is not None:
+            basis = f"by half the step, in {self.compared_s:.2g} s more"
+
+        return f"{text}: {', '.join(bounds)}, {basis}"
+
+
+def list_error_signals(simulation: Simulation) -> list[str]:
+    """List the signals behind the outputs of a simulation whose errors can be stated."""
+    outputs = {*simulation.scene.outputs}
+    if "voltage_v" in outputs:
+        outputs.add("tactile_v")
+
+    return [signal for signal in TARGETS if signal in outputs]
+
+
+def has_target(design: Design, signal: str) -> bool:
+    """True unless it is an envelope of the board `article`, whose amplifier can reverse."""
+    return signal != "envelope_v" or design.board.variant != "article"
+
+
+def find_targets(simulation: Simulation) -> dict[str, float]:
+    """Return the targets of these signals."""
+    signals = list_error_signals(simulation)
+    return {name: TARGETS[name] for name in signals if has_target(simulation.design, name)}
 
 
 MAX_OUT_OF_CONTACT_SHARE = 0.02

@@ -6,6 +6,7 @@ from the transfer function of the circuit, evaluated for thousands of boards at 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
@@ -70,6 +71,8 @@ class Spread:
     low_95: float
     """Lower end of the central interval that contains 95 % of the boards."""
     high_95: float
+    error_95: float
+    """Half of the 95 % interval of either end, the wider: that of the number of boards."""
     worst_low: float
     """Minimum over all corners of the tolerances."""
     worst_high: float
@@ -89,10 +92,37 @@ def monte_carlo(
     for name, values in random.items():
         low, high = np.quantile(values, BAND_QUANTILES).tolist()
         worst = corners[name]
-        middle = float(exact[name]), float(values.mean()), float(values.std(ddof=1))
-        result[name] = Spread(*middle, low, high, float(worst.min()), float(worst.max()))
+        result[name] = Spread(
+            nominal=float(exact[name]),
+            mean=float(values.mean()),
+            deviation=float(values.std(ddof=1)),
+            low_95=low,
+            high_95=high,
+            error_95=max(find_quantile_error(values, quantile) for quantile in BAND_QUANTILES),
+            worst_low=float(worst.min()),
+            worst_high=float(worst.max()),
+        )
 
     return result
+
+
+def find_quantile_error(values: Array, quantile: float) -> float:
+    """Find half of the 95 % interval of a quantile of independent values.
+
+    Between the order statistics at its ends the quantile lies with 95 %, whatever the distribution:
+    the number of values below it is binomial (David, Nagaraja: Order Statistics, section 7.1).
+    Infinite where there are too few values to have one beyond each end.
+    """
+    count = len(values)
+    middle = quantile * count
+    half = 1.96 * math.sqrt(count * quantile * (1.0 - quantile))
+    low = math.floor(middle - half)
+    high = math.ceil(middle + half)
+    if low < 0 or high >= count:
+        return math.inf
+
+    ordered = np.sort(values)
+    return float(ordered[high] - ordered[low]) / 2.0
 
 
 def draw_deviations(

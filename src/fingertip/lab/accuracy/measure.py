@@ -6,19 +6,15 @@ stays the same, so every difference is an error of the step.
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import dataclass
-
-import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation import extras
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.foundation.workers import find_workers, side_by_side
 from fingertip.lab.accuracy.extremes import FamilyResult, try_families
-from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
-from fingertip.sim.runs.scene import SceneResult, run_scene
+from fingertip.lab.accuracy.step_error import find_comparable_s, find_differences, run_on_grid
 from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile, SceneFile
 from fingertip.sim.signal.grid import Grid
 from fingertip.sim.simulation import Trial
@@ -26,10 +22,6 @@ from fingertip.sim.simulation import Trial
 REFERENCE = 16
 """Number of steps of the reference per step of the shipped grid."""
 _REFINEMENTS = (1, 2, 4)
-_BEFORE_LOSS_S = 0.005
-"""Time before the loss of an object from which on a grasp is not compared [s]: a finger that hits
-nothing rings.
-"""
 
 
 @dataclass(frozen=True)
@@ -55,36 +47,23 @@ def measure_steps(
     signals = ["force_n", "tactile_v", *(["envelope_v"] if design.board.has_filter else [])]
     quiet = scene.sensing.model_copy(update={"noise": False})
     scene = scene.model_copy(update={"outputs": signals, "sensing": quiet})
-    runs = list[SceneResult | ManipulationResult]()
+    runs = []
     cpu_s = list[float]()
 
     for refinement in (1, *_REFINEMENTS, REFERENCE):  # the first run loads the loops
         begin = time.process_time()
-        grid = Grid(refinement)
-        if isinstance(scene, SceneFile):
-            runs.append(run_scene(design, scene, grid=grid))
-        else:
-            runs.append(run_manipulation(design, scene, grid=grid))
-
+        runs.append(run_on_grid(design, scene, grid=Grid(refinement)))
         cpu_s.append(time.process_time() - begin)
 
-    lost_s = [run.lost_s for run in runs if isinstance(run, ManipulationResult) and run.lost_s]
-    compared = runs[0].time_s < min(lost_s, default=math.inf) - _BEFORE_LOSS_S
+    until_s = find_comparable_s(runs)
     step_errors = []
 
     for refinement, run, spent_s in zip(_REFINEMENTS, runs[1:], cpu_s[1:], strict=False):
-        errors = dict.fromkeys(signals, 0.0)
-        for column, exact in runs[-1].columns.items():
-            # Columns of a grasp begin with the name of the finger.
-            signal = next(signal for signal in signals if column.endswith(signal))
-            error = float(np.abs(run.columns[column] - exact)[compared].max())
-            errors[signal] = max(errors[signal], error)
-
         step_errors.append(
             StepError(
                 run=name,
                 step_s=Grid(refinement).step_s,
-                errors=errors,
+                errors=find_differences(run, runs[-1], signals, until_s),
                 cpu_s=spent_s,
                 real_time_ratio=run.duration_s / spent_s,
             )

@@ -64,6 +64,8 @@ class ManipulationResult:
     lost_s: float | None
     """Moment at which the object left the fingers [s]. None: it was held to the end."""
     stages: tuple[StageCost, ...]
+    step_s: float
+    """Step of the grid on which it was computed [s]."""
 
     @property
     def time_s(self) -> Array:
@@ -229,6 +231,7 @@ def run_manipulation(
         signals=signals,
         lost_s=lost_s,
         stages=stepper.meter.costs,
+        step_s=stepper.grid.step_s,
     )
 
 

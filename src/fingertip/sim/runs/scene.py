@@ -103,6 +103,8 @@ class SceneRecord:
     """Share of the true slip in which the board clips.
     None if the scene records no slip, or nothing of the board.
     """
+    step_s: float = Grid().step_s
+    """Step of the grid on which it was computed [s]."""
 
     @property
     def duration_s(self) -> float:
@@ -397,6 +399,7 @@ def stream_scene(
     pose = scene.draw_pose(run.design, seed)
     costs = run.meter.costs
     count = count_samples(run.timeline.duration_s, rate)
+    assert run.grid
     lost = airborne / max(1, slipping)
     clips = clipping / slipping if is_clipping_known and slipping else None
 
@@ -413,4 +416,5 @@ def stream_scene(
         motion_s=motion_s,
         out_of_contact_share=lost,
         clip_share=clips,
+        step_s=run.grid.step_s,
     )

@@ -147,7 +147,7 @@ DETECTORS: dict[str, DetectorType] = {
 GROUP = "fingertip.detectors"
 """Group of entry points by which other packages bring detectors."""
 DEFAULT = "digital"
-"""Detector of `detect` and of its command, unless another one is named: the article's."""
+"""Detector of `detect` where neither a detector nor a design is named: the article's."""
 
 
 def make_detector(

@@ -21,21 +21,24 @@ from tools.article.steps import generate_trials
 
 ROWS = load_rows()
 ARTICLE = Design.load("article")
-MET = 83
+MET = 87
 """Rows that were met when this test was written; raise it when another one is."""
 NOT_MET_BEFORE = frozenset(
-    {29, 33, 36, 38, 44, 46, 49, 51, 54, 57, 61, 71, 76, 81, 82, 86, 88, 90, 91, 93, 95, 96, 97}
+    {29, 33, 36, 37, 38, 44, 46, 49, 51, 54, 57, 61, 71, 76, 81, 82, 86, 88, 90, 91, 93, 95, 96, 97}
     | {103, 104}
 )
 MET_BEFORE = frozenset(range(1, 105)) - NOT_MET_BEFORE
-"""Rows that an earlier count found met (79 of the first 104): none of them may be lost."""
+"""Rows that an earlier count found met (79 of the first 104): none of them may be lost.
+
+Row 37 was: its figure held for a skin that lies on the bone, but `article` is encapsulated now.
+"""
 
 
 def test_every_statement_has_one_row_and_none_that_was_met_is_lost() -> None:
     assert [row.row for row in ROWS] == [*range(1, 108)]
     met = {row.row for row in ROWS if row.is_met}
     assert len(met) >= MET
-    assert len(MET_BEFORE) == 79
+    assert len(MET_BEFORE) == 78
     assert sorted(MET_BEFORE - met) == []
 
 
@@ -110,7 +113,7 @@ def test_delays_depend_on_the_surface_and_not_on_the_speed() -> None:
 
 
 @pytest.mark.full
-def test_the_finger_holds_11_n_and_a_hand_of_them_1100_g() -> None:
+def test_the_finger_holds_10_n_and_a_hand_of_them_1100_g() -> None:
     """How much the bone holds is tested in `tests/design/test_preset_margins.py`."""
     assert ARTICLE.strength.grip_force_n > 10.0
     changes = ["object.mass_kg=1.1", 'outputs=["force_n", "slip", "object_m", "voltage_v"]']

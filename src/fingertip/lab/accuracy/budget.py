@@ -27,6 +27,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.verification.skin import min_thickness
 from fingertip.cad.verification.strength import STATIONS, assess_strength
 from fingertip.casting.mixture import compute_batch, measure_poured_cm3
+from fingertip.catalogues.stated_errors import load_errors
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.foundation import extras
@@ -45,8 +46,9 @@ from fingertip.sim.runs.scene import run_scene
 from fingertip.sim.signal.grid import BASE_HZ, Grid
 from fingertip.sim.simulation import Trial, article_trials
 
-_SHARES = "0.011 rms, 0.024 worst (finite elements)"
-_STRESSES = "-21 to +7 % (finite elements)"
+_ERRORS = load_errors()
+_SHARES = f"{_ERRORS['share'].bounds}; {_ERRORS['share_lying'].bounds}; finite elements"
+_STRESSES = f"{_ERRORS['strength'].bounds} (finite elements)"
 MODEL_ERRORS = {
     "pad_share": _SHARES,
     "pad_share_wide": _SHARES,

@@ -15,6 +15,7 @@ from fingertip import Design, make
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.catalogues.output_files import PAGE, PART_FILES
+from fingertip.catalogues.stated_errors import list_mesh_errors
 from fingertip.models.parts import parts_by_name
 from fingertip.page.page import render_page
 from fingertip.page.parameters_and_checks import ReportedCheck
@@ -126,7 +127,7 @@ def make_report() -> Report:
     plates = {"sla": ("bone", "mold_palmar"), "fdm": ("mold_palmar",), "lost": ("bone",)}
     prints = {f"print/plate_{kind}.3mf": names for kind, names in plates.items()}
     prints |= {f"print/{name}.stl": (name,) for name in ("bone", "mold_palmar")}
-    return Report(checks, prints, CASTING, None)
+    return Report(checks, prints, CASTING, None, list_mesh_errors(0.01))
 
 
 def make_sources(

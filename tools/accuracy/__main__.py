@@ -25,9 +25,10 @@ from fingertip.foundation import display
 from fingertip.foundation.jit import compiled
 from fingertip.lab.accuracy import accuracy_summary
 from fingertip.lab.accuracy.budget import Curve, measure_budget
-from fingertip.lab.accuracy.measure import measure_accuracy
+from fingertip.lab.accuracy.measure import measure_accuracy, measure_steps
+from fingertip.sim.runs.scene_and_manipulation_files import ManipulationFile
 from fingertip.sim.signal.grid import TARGETS
-from fingertip.sim.simulation import Simulation
+from fingertip.sim.simulation import Simulation, Trial
 from fingertip.sim.simulation_summary import has_target
 from fingertip.sweep.outputs import load_outputs
 from tools.accuracy.stated_errors import try_simulation, try_simulations
@@ -39,6 +40,7 @@ DESIGN = "fsr400"
 COMPARED = ("fsr400", "article", "first_finger")
 TRIALS = 60
 STATED = 60
+LARGER = 2.0
 SOLVERS = ("odeint", "CVODE", "RADAU5", "RADAU", "Rodas5P")
 
 
@@ -65,7 +67,8 @@ def main() -> None:
         "cases": f"{options.cases or 50_000}",
         "rounds": f"{options.rounds}",
         "budget": "\n".join([line for line in budget if line.startswith("|")]),
-        "steps": "\n".join(_cut(whole, "| run |")),
+        "steps": "\n".join(_compare_steps()),
+        "others": "\n".join(_list_larger(curves)),
         "extremes": "\n".join(_cut(tried, "| family |")),
         "trials": "\n".join(_compare_trials()),
         "stated": "\n".join(_check_stated()),
@@ -88,6 +91,56 @@ def _cut(lines: list[str], header: str) -> list[str]:
         for line in lines[first : lines.index("", first) if "" in lines[first:] else None]
         if line[:1] == "|"
     ]
+
+
+def _compare_steps() -> Iterator[str]:
+    """Yield the table of the errors by time step, of each design; bold beyond the target."""
+    yield "| design | run | step [us] | force [N] | tactile voltage [V] | envelope [V] | CPU [s] |"
+    yield "| --- | --- | --- | --- | --- | --- | --- |"
+    grasp = ManipulationFile.load("real_manipulation")
+
+    with compiled():
+        for name in COMPARED:
+            design = Design.load(name)
+            for run, scene in (("trial", Trial().scene), ("grasp", grasp)):
+                for step in measure_steps(design, run, scene):
+                    cells = [
+                        f"**{error:.1e}**" if error > TARGETS[signal] else f"{error:.1e}"
+                        for signal, error in step.errors.items()
+                    ]
+                    cells += ["-"] * (len(TARGETS) - len(cells))
+                    yield (
+                        f"| {name} | {run} | {1e6 * step.step_s:g} | {' | '.join(cells)} | "
+                        f"{step.cpu_s:.2f} |"
+                    )
+
+
+def _list_larger(curves: Sequence[Curve]) -> Iterator[str]:
+    """Yield the outputs of the other designs whose relative errors at the setting in use are more
+    than `LARGER` times those of the first one.
+    """
+    yield f"| design | output | value | with | error in use | that of `{DESIGN}` |"
+    yield "| --- | --- | --- | --- | --- | --- |"
+    known = {(curve.source, name): curve for curve in curves for name in curve.errors}
+
+    for design in COMPARED[1:]:
+        for curve in measure_budget(Design.load(design)):
+            for name in curve.errors:
+                first = known.get((curve.source, name))
+                if first is None:
+                    continue
+
+                error, usual = (_relate(one, name) for one in (curve, first))
+                if error > LARGER * usual:
+                    yield (
+                        f"| {design} | {name} | {curve.values[name]:.4g} | {curve.source} | "
+                        f"{error:.1e} | {usual:.1e} |"
+                    )
+
+
+def _relate(curve: Curve, name: str) -> float:
+    """Return the error of an output at the setting in use over its value."""
+    return curve.errors[name][curve.used] / (abs(curve.values[name]) or 1.0)
 
 
 def _compare_trials() -> Iterator[str]:

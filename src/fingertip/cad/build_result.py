@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,16 @@ from fingertip.cad.verification.check import Check, count_checks
 from fingertip.cad.verification.skin import describe_lying_skin
 from fingertip.cad.verification.strength import BoneStrength, strength_data
 from fingertip.catalogues.output_files import ASSEMBLY, PRINT_FOLDER
+from fingertip.catalogues.stated_errors import (
+    StatedError,
+    find_volume_error_mm3,
+    list_mesh_errors,
+    list_pad_errors,
+    load_errors,
+    to_entries,
+)
 from fingertip.design import Design
+from fingertip.design.geometry.casting_layout import POURED
 from fingertip.foundation.display import html_table, to_dataframe
 from fingertip.foundation.files import round_for_output
 from fingertip.models.hardware import hardware
@@ -120,6 +129,7 @@ class Build:
                 for file, data in self.prints.contents.items()
             },
             "checks": [check.to_dict() for check in self.checks],
+            "errors": to_entries(self._list_errors()),
         }
         if ASSEMBLY in self.contents:
             names = [built.part.name for built in self.parts]
@@ -147,10 +157,33 @@ class Build:
 
         return report | ({"casting": asdict(self.casting)} if self.casting else {})
 
+    def _list_errors(self) -> Iterator[StatedError]:
+        """Yield the errors of what the report states."""
+        yield from list_mesh_errors(self.tolerance_mm)
+        errors = load_errors()
+        skin = next((built.mesh for built in self.parts if built.part.name == "skin"), None)
+
+        if self.strength:
+            yield errors["strength"]
+
+        if skin:
+            yield from list_pad_errors(bonded=making_of(self.design).is_bonded)
+
+        if self.casting and skin:
+            volume_mm3 = POURED * find_volume_error_mm3(self.tolerance_mm, skin.area())
+            by_mesh_g = self.casting.batch.density_g_cm3 * volume_mm3 / 1000.0
+            rounded = errors["silicone"]
+            bound = round(rounded.high + by_mesh_g, 3)
+            yield replace(rounded, low=-bound, high=bound)
+            yield errors["filament"]
+            yield errors["print_time"]
+
     def _part_entry(self, built: BuiltPart) -> dict[str, Any]:
+        area_mm2 = built.mesh.area()
         entry: dict[str, Any] = {
             "volume_mm3": round_for_output(built.mesh.volume()),
-            "area_mm2": round_for_output(built.mesh.area()),
+            "volume_error_mm3": round(find_volume_error_mm3(self.tolerance_mm, area_mm2), 3),
+            "area_mm2": round_for_output(area_mm2),
             "triangles": len(built.mesh.triangles),
             "files": dict(built.files),
             "sha256": {

@@ -63,6 +63,7 @@ def pad(
     of the pad at its base is parallel to the plate; a positive tilt turns the tip down. `fingertip
     picture DESIGN --pad` draws the same over the place and the force.
     """
+    from fingertip.catalogues.stated_errors import list_pad_errors, to_entries
     from fingertip.pad.pad_geometry import PadForm
     from fingertip.pad.survey import find_own_mode_hz, survey_pad
 
@@ -82,6 +83,8 @@ def pad(
         **survey.to_dict(),
     }
     data["own_mode_hz"] = round(find_own_mode_hz(loaded), 1)
+    errors = list_pad_errors(bonded=form.bonded)
+    data["errors"] = to_entries(errors)
     lines = _list_lines(loaded.name, form, survey)
 
     if not form.bonded:
@@ -100,6 +103,7 @@ def pad(
         f"silicone over the sensor resonates at {data['own_mode_hz']:.0f} Hz; simulations leave "
         "its mass out"
     )
+    lines += [error.line for error in errors]
     if fem or refine:
         stretch_percent = loaded.silicone.material.elongation_percent.low
         lines += _add_elements(

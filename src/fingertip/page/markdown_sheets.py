@@ -5,13 +5,14 @@ they make: printing, shopping, casting, tests.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import PurePath
 
 from markdown_it import MarkdownIt
 from markdown_it.tree import SyntaxTreeNode
 
 from fingertip.catalogues import output_files as outputs
+from fingertip.catalogues.stated_errors import StatedError
 from fingertip.design import Design
 from fingertip.design.design_file import list_parameters
 from fingertip.documents.finger_sheets import render_basis_table
@@ -215,12 +216,17 @@ def render_drawing(sources: Sources) -> Markup:
     )
 
 
-def render_basis(design: Design) -> Markup:
-    """Render where each kind of figure comes from, and which parameters nobody verified."""
+def render_basis(design: Design, errors: Sequence[StatedError]) -> Markup:
+    """Render where each kind of figure comes from, its error, and which parameters nobody
+    verified.
+    """
     unverified = [
         parameter.path for parameter in list_parameters() if "(unverified)" in parameter.description
     ]
     sources = element(
         "p", "Parameters for which no document was found: ", link_parameters(unverified), "."
     )
-    return join((render_markdown(render_basis_table(design)), sources if unverified else ""))
+    rows = ((error.figure, error.bounds, error.against, f"{error.cpu_s:.2g} s") for error in errors)
+    known = table(("figure", "error", "beside", "CPU time"), rows, "errors of computed figures")
+    basis = render_markdown(render_basis_table(design))
+    return join((basis, known, sources if unverified else ""))

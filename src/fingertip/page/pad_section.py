@@ -7,7 +7,9 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from fingertip.catalogues.stated_errors import list_pad_errors
 from fingertip.design import Design
+from fingertip.models.making import making_of
 from fingertip.pad.layer import Contact, map_shares
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.survey import (
@@ -63,8 +65,14 @@ def render_pad(design: Design, still_wanted: Callable[[], None] = lambda: None) 
         f"Computed by the layer model, with silicone of {form.young_mpa:.2g} MPa on rigid bone."
     )
 
+    errors = list_pad_errors(bonded=making_of(design).is_bonded)
+    known = join(element("p", f"Error of {error.line}.") for error in errors)
     return join(
-        (element("p", summary), figure(draw_pad(design, still_wanted), "", "what the sensor feels"))
+        (
+            element("p", summary),
+            known,
+            figure(draw_pad(design, still_wanted), "", "what the sensor feels"),
+        )
     )
 
 

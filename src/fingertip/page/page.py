@@ -270,7 +270,7 @@ def _fold_references(sources: Sources, prepared: Prepared) -> list[Markup]:
     """Build the folded sections to look something up."""
     design = sources.design
     words = ((element("dfn", row["word"]), row["meaning"]) for row in read_rows(_WORDS))
-    basis = markdown_sheets.render_basis(design)
+    basis = markdown_sheets.render_basis(design, sources.report.errors)
     sections = (
         ("basis", "What is simulated and what is measured", basis),
         ("checks", "Checks", render_checks(sources.report.checks)),

@@ -24,6 +24,7 @@ from fingertip.catalogues.output_files import (
     SIGNAL_FOLDER,
     STEPS_FOLDER,
 )
+from fingertip.catalogues.stated_errors import StatedError
 from fingertip.design import Design
 from fingertip.documents.finger_sheets import Loads
 from fingertip.foundation.errors import Issue, OutputError, raise_issues
@@ -56,6 +57,7 @@ class Report:
     """File for the printer -> parts that it holds."""
     casting: CastingSheet | None
     loads: Loads | None
+    errors: tuple[StatedError, ...]
 
     @classmethod
     def read(cls, data: bytes) -> Report:
@@ -73,6 +75,7 @@ class Report:
             prints,
             TypeAdapter(CastingSheet).validate_python(casting) if casting else None,
             loads,
+            tuple(StatedError(key, **entry) for key, entry in content.get("errors", {}).items()),
         )
 
 

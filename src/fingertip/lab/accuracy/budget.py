@@ -27,6 +27,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.verification.skin import min_thickness
 from fingertip.cad.verification.strength import STATIONS, assess_strength
 from fingertip.casting.mixture import compute_batch, measure_poured_cm3
+from fingertip.catalogues.stated_errors import load_errors
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.foundation import extras
@@ -45,8 +46,9 @@ from fingertip.sim.runs.scene import run_scene
 from fingertip.sim.signal.grid import BASE_HZ, Grid
 from fingertip.sim.simulation import Trial, article_trials
 
-_SHARES = "0.011 rms, 0.024 worst (finite elements)"
-_STRESSES = "-21 to +7 % (finite elements)"
+_ERRORS = load_errors()
+_SHARES = f"{_ERRORS['share'].bounds}; {_ERRORS['share_lying'].bounds}; finite elements"
+_STRESSES = f"{_ERRORS['strength'].bounds} (finite elements)"
 MODEL_ERRORS = {
     "pad_share": _SHARES,
     "pad_share_wide": _SHARES,
@@ -84,7 +86,9 @@ Values: TypeAlias = Mapping[str, float]
 
 @dataclass(frozen=True)
 class Curve:
-    """Errors of some outputs at three settings of step, grid or sample, and the cost of each."""
+    """Errors of some outputs at three or four settings of step, grid or sample, and the cost of
+    each.
+    """
 
     source: str
     settings: tuple[float, ...]
@@ -261,10 +265,11 @@ def refine_meshes(design: Design) -> Iterator[Curve]:
             **load(evaluator, STATIONS),
         }
 
-    yield _refine("mesh, tolerance [mm]", (0.08, 0.02, 0.005), 1, 0.00125, measure)
+    # Files and checks have 0.01 mm, sweeps 0.02 mm.
+    yield _refine("mesh, tolerance [mm]", (0.08, 0.02, 0.01, 0.005), 2, 0.00125, measure)
     sections = (40.0, float(STATIONS), 640.0)
     yield _refine(
-        "strength, sections", sections, 1, 16.0 * STATIONS, partial(load, MeshEvaluator(0.02))
+        "strength, sections", sections, 1, 16.0 * STATIONS, partial(load, MeshEvaluator(0.01))
     )
 
 

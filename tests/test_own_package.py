@@ -59,7 +59,7 @@ def test_an_installed_package_brings_a_detector_and_a_check(tmp_path: Path) -> N
     done = run_beside(site, *lines, "detect a.csv --detector own")
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[0] == "own"
-    for text in ("own (of another package)", "detector own, on voltage_v", "own.bone_mass 7.9"):
+    for text in ("own (of another package)", "detector own, on voltage_v", "own.bone_mass 9.0"):
         assert text in " ".join(done.stdout.split())
 
 

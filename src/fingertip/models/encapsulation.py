@@ -183,7 +183,7 @@ def plug(finger: Finger) -> Solid:
 
 
 def _block(finger: Finger) -> Solid:
-    """Build the plug within the plate: what fills the notch, wings behind the collar, and a keel.
+    r"""Build the plug within the plate: what fills the notch, wings behind the collar, and a keel.
 
     Seen from the palm, tip to the right; the notch in the collar is as wide as the block:
 

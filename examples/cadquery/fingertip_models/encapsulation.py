@@ -154,32 +154,53 @@ def plug(finger: Finger) -> Solid:
                        z = 0              roof_end_z
        plug_begin_z    within the collar's outline
     """
-    dims = finger.dimensions
-    half = dims.tail_half_width - PLUG_GAP_MM
+    half = finger.dimensions.tail_half_width - PLUG_GAP_MM
     neck = _lay_on_flat(finger, -_FILM_GAP_MM, half, -PAST_MM, PAST_MM)
     roof = _roof(finger, -_FILM_GAP_MM, _FILM_GAP_MM)
     whole = _block(finger).union(neck, roof)
-    begin = _filling_begin_z(finger)
-    end = dims.tail_end_z - _WIRE_GAP_MM
-    if end <= begin:
+    if _tunnel_end_z(finger) <= _filling_begin_z(finger):
         return whole
 
-    # Walls down to the floor of the trough, and the tunnel between them, whose end slopes.
-    surface = -dims.flat_depth
-    floor = surface + dims.pocket_depth - _FILM_GAP_MM
-    walls = Box((-half, surface - PAST_MM / 2, begin), (half, floor, end))
-    ceiling = surface - _tunnel_height(finger)
-    low = begin - PAST_MM
+    hollows = (_tunnel(finger), _knot_room(finger), _slope_below_filling(finger))
+    return whole.union(_tunnel_walls(finger)).cut(*hollows)
+
+
+def _tunnel_end_z(finger: Finger) -> float:
+    """Find the distal end of the tunnel, before that of the tail."""
+    return finger.dimensions.tail_end_z - _WIRE_GAP_MM
+
+
+def _tunnel_floor(finger: Finger) -> float:
+    """Height of what lies on the floor of the trough, over a gap."""
+    return -finger.dimensions.flat_depth + finger.dimensions.pocket_depth - _FILM_GAP_MM
+
+
+def _tunnel_walls(finger: Finger) -> Box:
+    """Build both walls of the tunnel down to the floor of the trough, and what is between them."""
+    half = finger.dimensions.tail_half_width - PLUG_GAP_MM
+    surface = -finger.dimensions.flat_depth
+
+    return Box(
+        (-half, surface - PAST_MM / 2, _filling_begin_z(finger)),
+        (half, _tunnel_floor(finger), _tunnel_end_z(finger)),
+    )
+
+
+def _tunnel(finger: Finger) -> Prism:
+    """Build the tunnel of the wires, whose end slopes by 45 degrees."""
+    ceiling = -finger.dimensions.flat_depth - _tunnel_height(finger)
+    low = _filling_begin_z(finger) - PAST_MM
+    end = _tunnel_end_z(finger)
+    past_floor = _tunnel_floor(finger) + PAST_MM
     corners = (
-        (floor + PAST_MM, low),
-        (floor + PAST_MM, end + floor + PAST_MM - ceiling),
+        (past_floor, low),
+        (past_floor, end + past_floor - ceiling),
         (ceiling, end),
         (ceiling, low),
     )
-    inner = half - finger.printer.min_wall_mm
+    inner = finger.dimensions.tail_half_width - PLUG_GAP_MM - finger.printer.min_wall_mm
 
-    tunnel = Prism("x", corners, -inner, inner)
-    return whole.union(walls).cut(tunnel, _knot_room(finger), _slope_below_filling(finger))
+    return Prism("x", corners, -inner, inner)
 
 
 def _block(finger: Finger) -> Solid:
@@ -204,7 +225,7 @@ def _block(finger: Finger) -> Solid:
     deep = 2 * dims.collar.section.palmar
     ends = ((begin, 1.0), (-_BELOW_SILICONE_MM, 1.0))
     outline = SuperconicSolid(ConicBody(dims.collar.section, ends))
-    flat = -dims.base_flat_depth - PLUG_GAP_MM
+    flat = _over_base(finger)
     trough_z = max(begin, dims.channel_exit_z - finger.bone.channel_diameter_mm / 2)
     filling = outline.intersect(
         Box((-half, -deep, _filling_begin_z(finger)), (half, surface, PAST_MM)).union(
@@ -220,6 +241,11 @@ def _block(finger: Finger) -> Solid:
     return filling.union(keel, wings.union(behind).cut(_collar_slope(finger)))
 
 
+def _over_base(finger: Finger) -> float:
+    """Height of what lies on the flat of the base, over a gap."""
+    return -finger.dimensions.base_flat_depth - PLUG_GAP_MM
+
+
 def _filling_begin_z(finger: Finger) -> float:
     """Find the proximal end of what fills the trough, which ends at the hole of the wires."""
     return max(plug_begin_z(finger), finger.dimensions.channel_exit_z)
@@ -231,7 +257,7 @@ def _slope_below_filling(finger: Finger) -> Solid:
     """
     dims = finger.dimensions
     begin = _filling_begin_z(finger)
-    flat = -dims.base_flat_depth - PLUG_GAP_MM
+    flat = _over_base(finger)
     floor = -floor_depth(finger) + PAST_MM
     corners = (
         (flat, begin - PAST_MM),
@@ -248,7 +274,7 @@ def _behind_collar(finger: Finger) -> Box:
     reach = wing_reach(finger)
     deep = 2 * finger.dimensions.collar.section.palmar
     begin = plug_begin_z(finger)
-    flat = -finger.dimensions.base_flat_depth - PLUG_GAP_MM
+    flat = _over_base(finger)
 
     return Box((-reach, -deep, begin - PAST_MM), (reach, flat, -finger.bone.collar_length_mm))
 

@@ -12,6 +12,7 @@ from fingertip.board.analysis.tactile_response import IDLE_TOLERANCE_V, PRELOAD
 from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance_s
 from fingertip.design import Design
 from fingertip.documents.template import render_page
+from fingertip.models.making import making_of
 from fingertip.pad.response import Pad
 from fingertip.sim.signal.bridge import Bridge, reads_whole_finger
 
@@ -124,6 +125,8 @@ class AcceptanceSheet:
     weights: tuple[WeightLimits, ...]
     doubt: list[str]
     """Reasons why the voltages under the weights are not known."""
+    is_bonded: bool
+    """True if the skin is cast around the bone, so that nobody can pull it on again."""
 
 
 def acceptance_sheet(design: Design) -> AcceptanceSheet:
@@ -145,6 +148,7 @@ def acceptance_sheet(design: Design) -> AcceptanceSheet:
         rises=Bridge.of_board(design).response.rises,
         weights=tuple(weights),
         doubt=doubt,
+        is_bonded=making_of(design).is_bonded,
     )
 
 

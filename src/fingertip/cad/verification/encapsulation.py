@@ -29,7 +29,7 @@ _PLAY_SHARE = 0.05
 """Largest part of the skin over the sensor by which the bone's play in its holder may move it."""
 _FRICTION = 0.6
 """Friction of silicone on what is held, by which a grip pulls along the finger. An assumption."""
-_INSERTING_STEPS = 12
+_INSERTING_STEPS = 24
 """Places along the way of the bone into its holder that are looked at."""
 _WAY_MM = 5.0
 _STEPS = 100
@@ -77,13 +77,13 @@ def check_encapsulation(design: Design, solids: Solids) -> Iterator[Check]:
 
 
 def inserting_overlap_mm3(design: Design, solids: Solids) -> float:
-    """Measure the largest overlap with the holder while the bone goes in, its wires on its back
-    [mm3].
+    """Measure the largest overlap with the holder while the bone goes in, with plug and knot, its
+    wires on its back [mm3].
     """
     evaluator = solids.evaluator
     holder = evaluator.manifold(solids.parts["holder"])
-    back = encapsulation.wires_on_back(design)
-    moved = evaluator.manifold(union(solids.parts["bone"], solids.parts["plug"], back))
+    wires = encapsulation.wires(design).union(encapsulation.wires_on_back(design))
+    moved = evaluator.manifold(union(solids.parts["bone"], solids.parts["plug"], wires))
     way = design.bone.base_length_mm + design.bone.post_length_mm
     steps = (way * i / _INSERTING_STEPS for i in range(1, _INSERTING_STEPS + 1))
 

@@ -72,13 +72,40 @@ def bone_drawing(design: Design) -> PartDrawing:
     )
 
 
-def stand_drawing(design: Design) -> PartDrawing:
-    bone = design.bone
+def _post_hole(design: Design, name: str, end_z: float) -> Circle:
+    """Size what takes the post of a bone, and opens at a height z [mm]."""
     gap = post_gap_mm(design)
+    return Circle(
+        name=name,
+        growth=INNER,
+        view="end",
+        axis="z",
+        centre=(0.0, design.dimensions.base_middle_y, end_z),
+        radius=design.bone.post_width_mm / 2 + gap,
+        tolerance=clearance(gap - design.printer.offset_mm),
+        action="narrow: file it until the post slides in",
+    )
+
+
+def _cross_bolt_hole(design: Design, side_x: float, bolt_z: float) -> Circle:
+    """Size the hole of the cross bolt beside the post, in a face at x [mm]."""
+    hole = design.bone.cross_bolt_diameter_mm
+    return Circle(
+        name="hole of the cross bolt",
+        growth=INNER,
+        view="front",
+        axis="x",
+        centre=(side_x, design.dimensions.base_middle_y, bolt_z),
+        radius=hole / 2,
+        tolerance=bolt_clearance(design, hole),
+        action="narrow: drill it to size",
+    )
+
+
+def stand_drawing(design: Design) -> PartDrawing:
     (_, _, low), (side, _, high) = astuple(stand_outline(design))
     y = design.dimensions.base_middle_y
     bolt_z = Post().cross_bolt_z(design)
-    hole = bone.cross_bolt_diameter_mm
     sizes = (
         Length(
             name="overall length",
@@ -89,26 +116,8 @@ def stand_drawing(design: Design) -> PartDrawing:
             start=(0.0, y, low),
             end=(0.0, y, high),
         ),
-        Circle(
-            name="socket of the post",
-            growth=INNER,
-            view="end",
-            axis="z",
-            centre=(0.0, y, high),
-            radius=bone.post_width_mm / 2 + gap,
-            tolerance=clearance(gap - design.printer.offset_mm),
-            action="narrow: file it until the post slides in",
-        ),
-        Circle(
-            name="hole of the cross bolt",
-            growth=INNER,
-            view="front",
-            axis="x",
-            centre=(side, y, bolt_z),
-            radius=hole / 2,
-            tolerance=bolt_clearance(design, hole),
-            action="narrow: drill it to size",
-        ),
+        _post_hole(design, "socket of the post", high),
+        _cross_bolt_hole(design, side, bolt_z),
         Length(
             name="axis of the cross bolt",
             growth=BEHIND_FACE,
@@ -631,10 +640,7 @@ def core_drawing(design: Design) -> PartDrawing:
 def holder_drawing(design: Design) -> PartDrawing:
     bone = design.bone
     layout = design.mold_layout
-    gap = post_gap_mm(design)
     top = holder.top_z(design)
-    y = design.dimensions.base_middle_y
-    hole = bone.cross_bolt_diameter_mm
     bolt_z = Post().cross_bolt_z(design) - holder.DRAW_MM
     sizes = (
         Length(
@@ -647,26 +653,8 @@ def holder_drawing(design: Design) -> PartDrawing:
             end=(0.0, layout.dorsal_height - mold.RIDGE_END_MM, mold.RIDGE_HEIGHT_MM),
         ),
         *_plate_sizes(design),
-        Circle(
-            name="hole of the post",
-            growth=INNER,
-            view="end",
-            axis="z",
-            centre=(0.0, y, top),
-            radius=bone.post_width_mm / 2 + gap,
-            tolerance=clearance(gap - design.printer.offset_mm),
-            action="narrow: file it until the post slides in",
-        ),
-        Circle(
-            name="hole of the cross bolt",
-            growth=INNER,
-            view="front",
-            axis="x",
-            centre=(bone.post_width_mm / 2, y, bolt_z),
-            radius=hole / 2,
-            tolerance=bolt_clearance(design, hole),
-            action="narrow: drill it to size",
-        ),
+        _post_hole(design, "hole of the post", top),
+        _cross_bolt_hole(design, bone.post_width_mm / 2, bolt_z),
     )
 
     return PartDrawing(

@@ -8,7 +8,7 @@ sensor; it is pressed at three random tilts with 1 and 5 N. Forms that break a r
 that the finite elements refuse because the collar touches first or the strain is too large, are
 drawn again. The force of the layer model is that at the depth of the finite elements. With
 `--turn-on` the forces at which the sensor turns on are compared instead, at the tilts of a grasp:
-of such forms, and of bundled designs whose skin lies on the bone.
+of such forms, and of bundled designs, encapsulated and with a skin that lies on the bone.
 """
 
 from __future__ import annotations
@@ -40,6 +40,7 @@ _NEAR = (0.7, 1.0, 1.4)
 """The same about the layer model's turn-on."""
 _TURN_ON_DEG = (0.0, 5.0, 10.0)
 _LYING = ("fsr400", "first_finger", "adult_thumb", "child_finger")
+_ENCAPSULATED = ("article", "first_finger", "fsr402")
 _LYING_MM = 1.8
 """Edges of the mesh of a skin that lies on the bone [mm]."""
 
@@ -122,6 +123,10 @@ def main() -> None:
     if given.turn_on:
         kinds = {
             "bonded": [draw_form(rng) for _ in range(given.designs)],
+            "encapsulated": [
+                PadForm.of_design(Design.load(name, changes=["skin.made=encapsulated"]))
+                for name in _ENCAPSULATED
+            ],
             "lying": [PadForm.of_design(Design.load(name)) for name in _LYING],
         }
         for kind, forms in kinds.items():

@@ -56,4 +56,4 @@ def test_report_states_errors_that_page_and_command_show(tmp_path: Path) -> None
     done = run_fingertip("pad", "fsr400", "--set", "skin.made=encapsulated", "--json")
     of_pad = json.loads(done.stdout)["errors"]
     assert of_pad == {error.key: error.to_dict() for error in list_pad_errors(bonded=True)}
-    assert [*of_pad] == ["share"]
+    assert [*of_pad] == ["share", "turn_on"]

@@ -72,8 +72,8 @@ def list_mesh_errors(tolerance_mm: float) -> tuple[StatedError, ...]:
 
 
 def list_pad_errors(*, bonded: bool) -> tuple[StatedError, ...]:
-    """List the errors of what is stated of a pad; nobody compared the turn-on of a bonded one."""
-    keys = ("share",) if bonded else ("share_lying", "turn_on_lying")
+    """List the errors of what is stated of a pad."""
+    keys = ("share", "turn_on") if bonded else ("share_lying", "turn_on_lying")
     return tuple(load_errors()[key] for key in keys)
 
 

@@ -1,320 +1,217 @@
-"""Detector `fast`: short-time energies over a learned noise floor, beside the slow force, judged by
-small trees.
+"""Detector `fast`: the article's filter and envelope, with a floor that it learns and a veto for
+blows.
 
-A contact, a release, a change of grip and a knock leave energy in the band of slip, as slip does.
-What distinguishes them is the slow force: it changes much for the energy it leaves, and one way,
-and the energy of a knock decays. The detector computes features that express this
-(`fast_coefficients.FEATURES`), and a sum of small decision trees weighs them. The trees were fitted
-to simulated slips and to a wider mix of what is not slip (`tools/detector_training/`).
+    samples -> checks -> high-pass filter -> rectifier, means of 32 and 48 ms
+                                          -> energies in five bands, 4 ms each
+    floor   <- what is no slip
+    incipient: a mean crosses a multiple of the floor
+    on:        the table of small trees does not veto it as a blow, a servo's step or a set-down
 
-A board for a controller gives its filtered signal beside the tactile voltage. Ahead of the
-converter it is amplified, so that the converter's steps and noise hardly count in it. The energies
-then come from this signal, and the slow force from the tactile voltage. Where a stage of the board
-is at its limit, and on boards without that signal, the same filter is computed from the tactile
-voltage instead.
-
-Every feature is relative: to the noise floors, which the detector learns, or to another feature. So
-the unit of the input does not matter, and the stated noise hardly does. docs/detector.md says when
-the floors learn and the flags end.
+`fast_inputs` checks and filters, `fast_decision` decides, `fast_features` and `fast_table` make up
+the veto. docs/detector.md says what it finds, and when.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.foundation.jit import as_samples
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors import fast_coefficients, fast_settings, fast_state
 from fingertip.slip.detectors.detector import Detector, DetectorOutput
-from fingertip.slip.detectors.fast_loop import LOOP
-from fingertip.slip.detectors.fast_settings import (
-    FILTERS_SETTLE_S,
-    LONG_S,
-    SETTLING_S,
-    STAY_RATIO,
-    STAY_SCORE,
-    FastSettings,
+from fingertip.slip.detectors.fast_decision import (
+    LONG_TICKS,
+    QUANTILE_RATIO,
+    Decisions,
+    FastDecision,
+    Floors,
 )
-from fingertip.slip.detectors.fast_state import COUNT
+from fingertip.slip.detectors.fast_inputs import Block, FastInputs, Singles
+from fingertip.slip.detectors.fast_settings import (
+    NOISE_MEAN,
+    TICK_S,
+    FastSettings,
+    min_noise_v,
+    white_energies,
+)
+from fingertip.slip.detectors.fast_table import BlowTable, load_table
 
+__all__ = ["FastDetector", "FastOutput", "Floors", "IncipientDetector", "collect_rows"]
 
-@dataclass(frozen=True)
-class Floors:
-    """Floors that a detector has learned while its signal rested,
-    stored for a start in which nothing rests [V^2].
-    """
-
-    wide: float
-    upper: float
-    tactile: float
+BLOCK = 1 << 16
+"""Samples that are processed at a time."""
 
 
 @dataclass(frozen=True, eq=False)
 class FastOutput(DetectorOutput):
-    """Output of the detector: one value per input sample."""
+    """Output of the detector: one value per input sample.
+
+    The statistic is the greater of the two means, the threshold a multiple of the floor.
+    """
 
     filtered_v: Array
-    """Wide band [V]."""
-    confidence: Array
-    """Statistic over threshold: from 1 on, slip turns ON."""
+    """Vibration behind the high-pass filter, at its input's scale [V]."""
     incipient: NDArray[np.bool_]
-    """True if slip may have begun: earlier than `on`, with more
-    false alarms, and true as long as `on` is.
+    """True if slip may have begun: earlier than `on`, with more false alarms, and true as long as
+    `on` is.
     """
     is_replaced: NDArray[np.bool_]
-    """True for 50 ms after a sample that was no voltage, or a
-    glitch: the last one was used in its place.
+    """True for 50 ms after a sample that was no voltage, or a glitch: the last one was used in its
+    place.
     """
     is_outside: NDArray[np.bool_]
-    """True while the tactile voltage is one that no force gives: an
-    open wire, a shorted sensor, or too much force.
+    """True while the tactile voltage is one that no force gives: an open wire, a shorted sensor, or
+    too much force.
     """
 
 
 class FastDetector(Detector):
     """Fast detector with its state. It starts in the steady state of the first sample."""
 
-    memory_s = math.log(1 / (fast_state.DECAY_RATIO * STAY_RATIO)) * LONG_S
-    """Time until an abrupt end is recognised [s]: by the ratio of the
-    energies or, after a weak slip, the floor.
-    """
+    memory_s = LONG_TICKS * TICK_S
+    """Time until an abrupt end is recognised [s]: the longer mean must have left the slip."""
 
     def __init__(
         self,
         settings: FastSettings,
-        model: fast_coefficients.FastModel | None = None,
+        table: BlowTable | None = None,
         floors: Floors | None = None,
     ) -> None:
         self.settings = settings
         self.stored_floors = floors
-        self._model = model = model or fast_coefficients.load_model()
-        self.coefficients = fast_settings.compute_coefficients(settings, model, with_filtered=False)
-        """Constants of the loop at this sampling rate and noise."""
-        self._state = [0.0] * fast_state.STATES
-        self._state[fast_state.FLOOR] = self.coefficients.wide_share * settings.noise_v**2
-        self._state[fast_state.PHASE] = float(settings.phase % int(self.coefficients.tick_samples))
-        self._started = False
+        self._table = table or load_table()
+        self._inputs: FastInputs | None = None
+        self._decision = FastDecision(settings, self._table, with_filtered=False, floors=floors)
+        self._incipient = False
+        self._on = False
+        self._statistic_v = np.float32(0.0)
+        self._level_v = np.float32(0.0)
 
     @classmethod
     def for_design(
         cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0
     ) -> FastDetector:
-        return cls(
-            replace(FastSettings.from_design(design, noise_v), threshold_scale=threshold_scale)
-        )
-
-    @property
-    def state(self) -> tuple[float, ...]:
-        """Present state, by the indices of `fingertip.slip.detectors.fast_state`."""
-        return tuple(self._state)
+        settings = FastSettings.from_design(design, noise_v)
+        return cls(replace(settings, threshold_scale=threshold_scale))
 
     @property
     def floors(self) -> Floors:
         """Floors that were learned, for the next start of a detector of the same inputs."""
-        return Floors(
-            *(
-                self._state[at]
-                for at in (fast_state.FLOOR, fast_state.UPPER_FLOOR, fast_state.INPUT_FLOOR)
-            )
-        )
+        return self._decision.floors
 
     @property
     def threshold_v(self) -> float:
-        """Threshold above the present noise floor, as a voltage in the wide band [V]."""
-        return self.coefficients.statistic_gain * math.sqrt(self._state[fast_state.FLOOR])
+        """Threshold of the mean vibration above the present floor [V]."""
+        return float(self._level_v)
 
     @property
     def noise_v(self) -> float:
-        """White RMS noise that has the energy of the learned wide
-        floor, which lies below the mean [V].
-        """
-        return math.sqrt(self._state[fast_state.FLOOR] / self.coefficients.wide_share)
+        """White RMS noise whose floor is the learned one [V]."""
+        wide = white_energies(self.settings.sample_rate_hz, self.settings.cutoff_hz)[-1]
+        return float(self._decision.floor) / (QUANTILE_RATIO * NOISE_MEAN * math.sqrt(wide))
 
     @classmethod
     def equivalent_noise_v(cls, design: Design, quiet_v: Array) -> float:
-        """Compute the white RMS noise that has as much energy in the
-        bands as these samples of a quiet signal [V].
-        """
-        rate = design.detector.sample_rate_hz
-        responses = fast_coefficients.design_filters(rate).impulse_responses(
-            round(4 * rate / fast_coefficients.LOW_HZ)
-        )
-        return max(
-            math.sqrt(float(np.mean(np.convolve(quiet_v - quiet_v[0], h, "valid") ** 2)) / energy)
-            for h, energy in zip(responses, fast_coefficients.noise_energies(rate), strict=True)
-        )
+        """Compute the white RMS noise that vibrates as much as these samples of a rest [V]."""
+        settings = FastSettings.from_design(design, 1.0)
+        settling = min(len(quiet_v) // 2, settings.samples(0.1))
+        vibration = FastInputs(settings, with_filtered=False).process(quiet_v, None).vibration
+        wide = white_energies(settings.sample_rate_hz, settings.cutoff_hz)[-1]
+        rest = vibration[settling:].astype(np.float64)
+        return math.sqrt(float(np.mean(rest * rest)) / wide)
 
     @staticmethod
     def min_noise_v(design: Design) -> float:
         """Smallest noise that is taken for stated, where the input is in volts [V]."""
-        return fast_settings.min_noise_v(design.detector.sample_rate_hz)
+        return min_noise_v(design.detector.sample_rate_hz)
 
     def process(
         self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None = None
     ) -> FastOutput:
-        return self._run(voltage_v, filtered_v, np.zeros(COUNT), 0)
+        outputs = [self._process_block(*part) for part in self._divide(voltage_v, filtered_v)]
+        return _join(outputs)
 
     def select(self, output: FastOutput) -> FastOutput:
         """Return the output of a detector `fast` at this operating point."""
         return output
 
     def is_off_beyond(self, output: FastOutput) -> bool:
-        """Return whether a greater threshold would give no ON either, because nothing here came
-        near this one.
+        """Return whether a greater threshold would give no ON either.
 
-        Every threshold grows with the scale, and until a score exceeds one of them no state depends
-        on it.
+        Both thresholds grow with the scale, and no state depends on it before the first crossing.
         """
-        return self.coefficients.stay_threshold == STAY_SCORE and not output.incipient.any()
-
-    def compute_features(
-        self, voltage_v: Array, filtered_v: Array | None = None
-    ) -> tuple[FastOutput, Array]:
-        """Process samples and return the output and the features of every tick, (ticks,
-        features).
-        """
-        ticks = len(voltage_v) // int(self.coefficients.tick_samples)
-        rows = np.zeros((ticks + 1) * COUNT)
-        output = self._run(voltage_v, filtered_v, rows, COUNT)
-
-        return output, rows[: ticks * COUNT].reshape(ticks, COUNT)
+        return not output.incipient.any()
 
     def step(self, voltage_v: float, filtered_v: float | None = None) -> bool:
-        """Process one sample of the tactile voltage, and of the
-        filtered signal if given [V]; return if slip is ON.
+        """Process one sample of the tactile voltage, and of the filtered signal if given [V];
+        return if slip is ON.
         """
-        self._start(voltage_v, filtered_v)
-        m = self._model
-        filtered = (voltage_v if filtered_v is None else filtered_v,)
-        LOOP.plain(
-            self.coefficients,
-            *m.lists,
-            0,
-            (voltage_v,),
-            filtered,
-            self._state,
-            [0.0] * COUNT,
-            [0.0],
-            [0.0],
-            [0.0],
-            [0.0],
-        )
+        self.process([voltage_v], None if filtered_v is None else [filtered_v])
+        return self._on
 
-        return self._state[fast_state.ON] > 0.0
+    @property
+    def is_incipient(self) -> bool:
+        """Whether slip may have begun, at the last sample."""
+        return self._incipient
 
-    def _run(
-        self,
-        voltage_v: Iterable[float],
-        filtered_v: Iterable[float] | None,
-        rows: Array,
-        stride: int,
-    ) -> FastOutput:
-        samples = as_samples(voltage_v)
-        filtered = samples if filtered_v is None else as_samples(filtered_v)
-        if len(samples):
-            self._start(float(samples[0]), None if filtered_v is None else float(filtered[0]))
+    def _divide(
+        self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None
+    ) -> Iterator[tuple[Array, Array | None]]:
+        """Divide samples into blocks that fit into memory; one empty block if there are none."""
+        tactile = _as_array(voltage_v)
+        filtered = None if filtered_v is None else _as_array(filtered_v)
+        for begin in range(0, max(len(tactile), 1), BLOCK):
+            part = slice(begin, begin + BLOCK)
+            yield tactile[part], None if filtered is None else filtered[part]
 
-        out: Array = np.zeros((4, len(samples)))
-        m = self._model
-        LOOP(
-            self.coefficients,
-            m.features,
-            m.thresholds,
-            m.leaves,
-            stride,
-            samples,
-            filtered,
-            self._state,
-            rows,
-            *out,
-        )
-        wide, confidence, level, flags = out
-        bits = flags.astype(np.int8)
-        on, incipient, is_replaced, is_outside = (
-            np.asarray(bits & int(flag) > 0)
-            for flag in (
-                fast_state.IS_ON,
-                fast_state.IS_INCIPIENT,
-                fast_state.IS_REPLACED,
-                fast_state.IS_OUTSIDE,
+    def _process_block(self, voltage_v: Array, filtered_v: Array | None) -> FastOutput:
+        if not len(voltage_v):
+            return _empty_output()
+
+        block = self._take(voltage_v, filtered_v)
+        decisions = self._decision.process(block.ticks)
+        return self._spread(block, decisions)
+
+    def _take(self, voltage_v: Array, filtered_v: Array | None) -> Block:
+        """Check and filter a block; the first one tells which inputs there are."""
+        if self._inputs is None:
+            with_filtered = filtered_v is not None and self.settings.filtered is not None
+            self._inputs = FastInputs(self.settings, with_filtered)
+            self._decision = FastDecision(
+                self.settings, self._table, with_filtered=with_filtered, floors=self.stored_floors
             )
+
+        return self._inputs.process(voltage_v, filtered_v)
+
+    def _spread(self, block: Block, decisions: Decisions) -> FastOutput:
+        """Let each decision hold from its tick on until the next."""
+        count = len(block.vibration)
+        lengths = np.diff(np.concatenate(([0], block.ends, [count])))
+
+        def spread(before: Any, values: NDArray[Any]) -> NDArray[Any]:
+            return np.repeat(np.concatenate(([before], values)), lengths)
+
+        output = FastOutput(
+            statistic_v=spread(self._statistic_v, decisions.statistic_v).astype(np.float64),
+            threshold_v=spread(self._level_v, decisions.threshold_v).astype(np.float64),
+            on=spread(self._on, decisions.on).astype(bool),
+            filtered_v=block.vibration.astype(np.float64),
+            incipient=spread(self._incipient, decisions.incipient).astype(bool),
+            is_replaced=block.is_replaced,
+            is_outside=block.is_outside,
         )
+        if len(block.ends):
+            self._statistic_v = decisions.statistic_v[-1]
+            self._level_v = decisions.threshold_v[-1]
+            self._on = bool(decisions.on[-1])
+            self._incipient = bool(decisions.incipient[-1])
 
-        return FastOutput(
-            statistic_v=confidence * level,
-            threshold_v=level,
-            on=on,
-            filtered_v=wide,
-            confidence=confidence,
-            incipient=incipient,
-            is_replaced=is_replaced,
-            is_outside=is_outside,
-        )
-
-    def _start(self, voltage_v: float, filtered_v: float | None) -> None:
-        """Take the first sample for constant inputs until then: there
-        is no difference, and nothing in the bands.
-        """
-        if self._started:
-            return
-
-        self._started = True
-        settings = self.settings
-        state = self._state
-        with_filtered = filtered_v is not None and settings.filtered is not None
-        self.coefficients = c = fast_settings.compute_coefficients(
-            settings, self._model, with_filtered
-        )
-        state[fast_state.INPUT] = voltage_v if abs(voltage_v) <= c.number_limit else 0.0
-        state[fast_state.MEAN_SCORE] = c.lowest_score
-        state[fast_state.STEP] = state[fast_state.FILTERED_STEP] = math.inf
-        state[fast_state.REST] = (
-            filtered_v if filtered_v is not None and abs(filtered_v) <= c.number_limit else 0.0
-        )
-        state[fast_state.LEVEL] = state[fast_state.REST]
-        state[fast_state.STILL] = c.still_samples  # until it changes for the first time
-        state[fast_state.MEAN_MOVE] = c.filtered_jump_limit  # noise that may be as great as stated
-        # Energies and floors start at those of the stated noise.
-        band_noise_v = fast_settings.band_noise_v(settings, with_filtered)
-        wide = c.wide_share * band_noise_v**2
-        upper = c.upper_share * band_noise_v**2
-
-        for index in (
-            fast_state.WIDE_SHORT,
-            fast_state.WIDE_LONG,
-            fast_state.WIDE_MEAN,
-            fast_state.FLOOR,
-        ):
-            state[index] = wide
-
-        for index in (
-            fast_state.UPPER_SHORT,
-            fast_state.UPPER_LONG,
-            fast_state.UPPER_MEAN,
-            fast_state.UPPER_FLOOR,
-        ):
-            state[index] = upper
-
-        for index in (fast_state.INPUT_LONG, fast_state.INPUT_FLOOR):
-            state[index] = settings.noise_v**2
-
-        ticks_per_s = settings.sample_rate_hz / c.tick_samples
-        if self.stored_floors:  # only the filters must settle
-            state[fast_state.FLOOR] = max(self.stored_floors.wide, c.min_floor)
-            state[fast_state.UPPER_FLOOR] = max(self.stored_floors.upper, c.min_upper_floor)
-            state[fast_state.INPUT_FLOOR] = max(self.stored_floors.tactile, c.min_input_floor)
-            state[fast_state.SETTLING] = float(round(FILTERS_SETTLE_S * ticks_per_s))
-            state[fast_state.FLOOR_TICKS] = c.max_floor_ticks
-            return
-
-        state[fast_state.SETTLING] = float(round(SETTLING_S * ticks_per_s))
-        state[fast_state.FLOOR_TICKS] = -float(round(FILTERS_SETTLE_S * ticks_per_s))
+        return output
 
 
 class IncipientDetector(FastDetector):
@@ -330,4 +227,49 @@ class IncipientDetector(FastDetector):
 
     def step(self, voltage_v: float, filtered_v: float | None = None) -> bool:
         super().step(voltage_v, filtered_v)
-        return self._state[fast_state.INCIPIENT] > 0.0
+        return self._incipient
+
+
+def collect_rows(
+    detector: FastDetector, voltage_v: Array, filtered_v: Array | None, is_slip: NDArray[np.bool_]
+) -> tuple[Singles, NDArray[np.int64]]:
+    """Compute the features at all ticks at which the table would be asked, for its training.
+
+    `is_slip` is the truth at each sample; it takes the place of the table.
+
+    Returns:
+        (asked, features), and the sample at which each of these ticks ends.
+    """
+    block = detector._take(_as_array(voltage_v), filtered_v)
+    asked = detector._decision.collect(block.ticks, is_slip[block.ends])
+    return asked.rows, block.ends[asked.ticks]
+
+
+def _as_array(values: Iterable[float]) -> Array:
+    sized = values if isinstance(values, (np.ndarray, list, tuple)) else list(values)
+    return np.asarray(sized, dtype=np.float64)
+
+
+def _empty_output() -> FastOutput:
+    numbers = np.zeros(0)
+    flags = np.zeros(0, dtype=bool)
+    return FastOutput(
+        statistic_v=numbers,
+        threshold_v=numbers,
+        on=flags,
+        filtered_v=numbers,
+        incipient=flags,
+        is_replaced=flags,
+        is_outside=flags,
+    )
+
+
+def _join(outputs: list[FastOutput]) -> FastOutput:
+    if len(outputs) == 1:
+        return outputs[0]
+
+    columns = {
+        name: np.concatenate([getattr(output, name) for output in outputs])
+        for name in vars(outputs[0])
+    }
+    return FastOutput(**columns)

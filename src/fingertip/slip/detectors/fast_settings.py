@@ -1,96 +1,58 @@
-"""Settings of the detector `fast`, its times and limits, and the
-constants of its loop that follow from them.
-"""
+"""Settings of the detector `fast`, and the constants of its filters that follow from them."""
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
-from fingertip.slip.detectors import fast_coefficients
-from fingertip.slip.detectors.fast_decision_and_floors import SILENT_RATIO
+from fingertip.slip.detectors.analog_and_digital import FirstOrder, SecondOrder
 from fingertip.slip.detectors.noise_and_threshold import input_noise_v
 
-SHORT_S = 0.006
-LONG_S = 0.02
-"""Time constants of the energies and movements [s]."""
 TICK_S = 0.002
-"""Time between two evaluations of the trees [s]."""
-SLOT_S = 0.04
-"""Duration of a slot of the peaks [s]; three of them are kept."""
-FILTERS_SETTLE_S = 0.04
-"""Time in which the filters settle after the first sample [s]."""
-SETTLING_S = 0.2
-"""Initial OFF, in which the floors are learned [s]."""
-FLOOR_S = 2.0
-"""Time over which the floors average in the end [s]."""
-TONE_S = 3.0
-"""Time of ON after which a tone is unlearned [s]."""
-UNLEARNING_S = 0.5
-"""Time constant with which it is unlearned [s]."""
-LOWEST_SCORE = -4.0
-"""Score of confidence 0: odds of 1 to 55 in the training mix."""
-STAY_SCORE = -1.0
-"""Score above which slip stays incipient or ON, and the floors stand still."""
-STAY_RATIO = 2.0
-"""Ratio of an energy of 20 ms to its floor above which vibration is
-heard, and slip stays ON if the trees allow it.
-"""
-MEAN_S = 0.025
-"""Time constant of the mean score, which decides ON: most blows
-have high scores for less than this [s].
-"""
-WEAK_S = 0.08
-"""Time constant of the longest energies: what tells a weak slide from a motor's steps [s]."""
-HOLD_S = 0.1
-"""Time constant with which the score is smoothed while a flag is set and vibration is heard [s]."""
-MIN_NOISE_SHARE = SILENT_RATIO**-0.5
-MIN_FILTERED_SHARE = 0.5
-"""Smallest noise that is learned, as a share of the stated noise, from
-the tactile voltage and the filtered signal.
-"""
-NOISY_RATIO = 1.5
-"""Ratio of a floor to that of the stated noise from which on more must speak for slip."""
-MIN_NOISE_V_RTHZ = 1.26e-5
-"""Smallest noise density taken for stated [V/sqrt(Hz)], that of
-training: a slip would look like a contact.
-"""
+"""Time between two decisions [s]."""
+LAG_S = 0.001
+"""Time between the samples that are compared to tell a tone [s]."""
+SLOW_HZ = (3.0, 28.0)
+"""Band of the slow force [Hz]: a change of grip lies in it, drift lies below it."""
+BANDS_HZ = ((28.0, 60.0), (60.0, 120.0), (120.0, 250.0), (250.0, 700.0))
+"""Bands of vibration whose energies tell slip from a blow [Hz]."""
+HIGHEST_SHARE = 0.38
+"""Upper end of the last band, as the greatest share of the sampling rate."""
+GAP_S = 0.02
+"""Time without a voltage after which the next one begins anew [s]."""
+FAULT_S = 0.05
+"""Time for which a replaced sample is reported, and after which an impossible voltage is [s]."""
+BLOCKED_S = 0.05
+"""Time for which the detector stays OFF after a gap or the loss of the filtered signal [s]."""
+STILL_S = 0.2
+"""Time without any change after which the filtered signal is not used [s]: noise moves it."""
+LIMITED_S = 0.03
+"""Time in which the board's filter recovers from a limit [s]."""
 LIMIT_SHARE = 0.9
 """Share of the filtered signal's range that is used: a stage may be at its limit beyond it."""
 REST_SHARE = 0.5
-"""Share of the range of the filtered signal by which its mean
-of `STILL_S` may differ from its rest.
-"""
-LIMITED_S = 0.03
-"""Time in which the board's filter recovers from a limit [s]."""
-STILL_S = 0.2
-"""Time without any change after which the filtered signal is not used
-[s]: the converter's noise always moves it.
-"""
+"""Share of that range by which the signal's mean over `STILL_S` may differ from its rest."""
+MOVE_S = 0.006
+"""Time over which the movement between two samples is averaged [s]."""
 NUMBER_RATIO = 1e6
 """Ratio to the stated noise from which on a value is no voltage."""
 JUMP_RATIO = 36.0
-"""Ratio to the stated noise of a jump between two samples that the
-next one must confirm: a touch moves it less.
-"""
 FILTERED_JUMP_RATIO = 1.0
-"""The same for the smallest jump of the filtered signal, 70 times its noise; in slip,
-`fast_state.JUMP_MOVES` holds.
+"""Ratio to the stated noise of the smallest jump that the next sample must confirm, in the tactile
+voltage and in the filtered signal.
 """
-TRUSTED_S = 0.01
-"""Time after a confirmed jump in which no jump is suspected [s]: a fast movement goes on."""
-GAP_S = 0.02
-"""Time without a voltage after which the next one begins anew [s];
-the detector is OFF until `FAULT_S` later.
-"""
-FAULT_S = 0.05
-"""Time for which a replaced sample is reported, and after which an impossible voltage is [s]."""
-STATISTIC_RATIO = 2.5
-"""Threshold in volts over the RMS noise in the wide band.
-It only gives the statistic a scale in volts.
-"""
+MIN_NOISE_V_RTHZ = 1.26e-5
+"""Smallest noise density taken for stated [V/sqrt(Hz)]."""
+MIN_NOISE_SHARE = 0.2
+"""Smallest noise that is learned from the tactile voltage, as a share of the stated noise."""
+MIN_FILTERED_V = 6e-5
+"""Smallest mean vibration that is learned from the filtered signal, at the filter's input [V]."""
+NOISE_MEAN = math.sqrt(2 / math.pi)
+"""Mean size of noise of unit variance."""
 
 
 @dataclass(frozen=True)
@@ -102,150 +64,186 @@ class FilteredSignal:
     range_v: float
     """Largest deviation from its rest that the board and the converter pass [V]."""
     rest_v: float | None = None
-    """Rest that its mean is compared with, as the library does with
-    codes [V]; None: a recording may have another.
-    """
+    """Rest that its mean is compared with [V]; None: a recording may have any."""
 
     @classmethod
     def from_design(cls, design: Design, in_codes: bool = False) -> FilteredSignal | None:
-        """Take the filtered signal from a design; None if its
-        board does not give it to a controller.
+        """Take it from a design; None if the board does not give it to a controller.
+
+        The library of a controller, which takes codes, knows the rest: half the supply.
         """
         range_v = filtered_range_v(design.board, design.detector.adc_range_v)
+        if range_v is None:
+            return None
+
         rest_v = signal_ground_ratio(design.board) * design.board.supply_v if in_codes else None
-        return None if range_v is None else cls(design.board.passband_gain, range_v, rest_v)
+        return cls(design.board.passband_gain, range_v, rest_v)
 
 
 @dataclass(frozen=True)
 class FastSettings:
+    """What a detector `fast` is made for."""
+
     sample_rate_hz: float
     noise_v: float
-    """White RMS noise at the input, before the noise is learned [V]."""
+    """Stated white RMS noise [V]. It tells what is no voltage, and the least that is learned."""
     threshold_scale: float = 1.0
-    """Factor of the threshold of the confidence, to trade delay for false alarms."""
+    """Factor of both thresholds, to trade delay for false alarms."""
     cutoff_hz: float = 67.0
-    """Cutoff of the board's filter [Hz].
-    It matters only where the board's filtered signal is given.
-    """
+    """Cutoff of the high-pass filter [Hz]."""
     filtered: FilteredSignal | None = None
     """Filtered signal of the board. None: the detector is given the tactile voltage alone."""
-    direction: float = 1.0
-    """1 if the tactile voltage falls with the force, -1 if it rises."""
     possible_v: tuple[float, float] = (-1e30, 1e30)
     """Tactile voltages that forces give; others are reported [V]."""
     phase: int = 0
-    """Samples by which its ticks come sooner: the detectors of a
-    hand's fingers tick one sample apart.
+    """Samples by which its ticks come sooner: the detectors of a hand's fingers tick one sample
+    apart.
     """
-    suspects_inputs: bool = True
-    """True if the next sample must confirm a jump, and a voltage that stands still teaches nothing.
-    Not in the fit.
-    """
-    mean_s: float = MEAN_S
-    """Time constant of the mean score [s]: 0 in the fit, which judges each tick alone."""
 
     @classmethod
     def from_design(cls, design: Design, noise_v: float | None = None) -> FastSettings:
         rate_hz = design.detector.sample_rate_hz
-        noise = max(input_noise_v(design), min_noise_v(rate_hz)) if noise_v is None else noise_v
-        filtered = FilteredSignal.from_design(design)
-        direction = -1.0 if design.board.tactile_rises else 1.0
-
+        stated_v = max(input_noise_v(design), min_noise_v(rate_hz))
         return cls(
-            rate_hz, noise, cutoff_hz=design.board.cutoff_hz, filtered=filtered, direction=direction
+            sample_rate_hz=rate_hz,
+            noise_v=stated_v if noise_v is None else noise_v,
+            cutoff_hz=design.board.cutoff_hz,
+            filtered=FilteredSignal.from_design(design),
         )
+
+    @property
+    def tick_samples(self) -> int:
+        return max(1, round(TICK_S * self.sample_rate_hz))
+
+    @property
+    def tick_s(self) -> float:
+        """Time between two decisions at this sampling rate [s]."""
+        return self.tick_samples / self.sample_rate_hz
+
+    def samples(self, time_s: float) -> int:
+        """Number of samples of a time."""
+        return max(1, round(time_s * self.sample_rate_hz))
+
+    def ticks(self, time_s: float) -> int:
+        """Number of ticks of a time."""
+        return max(1, round(time_s / self.tick_s))
+
+    @property
+    def least_level_v(self) -> float:
+        """Least mean vibration that the floor of the tactile voltage may have [V]."""
+        wide = white_energies(self.sample_rate_hz, self.cutoff_hz)[-1]
+        return MIN_NOISE_SHARE * self.noise_v * NOISE_MEAN * math.sqrt(wide)
+
+
+class FastFilters(NamedTuple):
+    """Filters of the detector at one sampling rate.
+
+    Those of first order take differences between samples: their numerator ``1 - 1/z`` is applied
+    by the difference.
+    """
+
+    high_1: FirstOrder
+    high_2: SecondOrder
+    """The board's third-order high-pass filter, with a gain of 1."""
+    leak: FirstOrder
+    """Sum of differences that forgets drift: a high-pass filter of first order."""
+    slow: SecondOrder
+    """Low-pass filter of the slow force."""
+    bands: tuple[SecondOrder, ...]
+    """Band-pass filters of `BANDS_HZ`, behind the high-pass filter."""
+
+
+@functools.lru_cache(maxsize=16)
+def design_filters(sample_rate_hz: float, cutoff_hz: float) -> FastFilters:
+    """Design the filters by the bilinear transform, which is exact at the cutoff."""
+    low_hz, high_hz = SLOW_HZ
+    high_1, high_2 = _high_pass(sample_rate_hz, cutoff_hz)
+    leak = FirstOrder(b0=1.0, b1=0.0, a1=-math.exp(-2 * math.pi * low_hz / sample_rate_hz))
+    highest_hz = HIGHEST_SHARE * sample_rate_hz
+    return FastFilters(
+        high_1=high_1,
+        high_2=high_2,
+        leak=leak,
+        slow=_low_pass(sample_rate_hz, high_hz),
+        bands=tuple(
+            _band_pass(sample_rate_hz, begin_hz, min(end_hz, highest_hz))
+            for begin_hz, end_hz in BANDS_HZ
+        ),
+    )
+
+
+def _high_pass(sample_rate_hz: float, cutoff_hz: float) -> tuple[FirstOrder, SecondOrder]:
+    """Butterworth filter of third order; its first section takes differences (article, eq. 1)."""
+    K = math.tan(math.pi * cutoff_hz / sample_rate_hz)
+    norm = 1 / (1 + K + K * K)
+    first = FirstOrder(b0=1 / (1 + K), b1=0.0, a1=(K - 1) / (K + 1))
+    second = SecondOrder(
+        b0=norm, b1=-2 * norm, b2=norm, a1=2 * (K * K - 1) * norm, a2=(1 - K + K * K) * norm
+    )
+    return first, second
+
+
+def _low_pass(sample_rate_hz: float, cutoff_hz: float) -> SecondOrder:
+    K = math.tan(math.pi * cutoff_hz / sample_rate_hz)
+    norm = 1 / (1 + math.sqrt(2) * K + K * K)
+    b = K * K * norm
+    a2 = (1 - math.sqrt(2) * K + K * K) * norm
+    return SecondOrder(b0=b, b1=2 * b, b2=b, a1=2 * (K * K - 1) * norm, a2=a2)
+
+
+def _band_pass(sample_rate_hz: float, begin_hz: float, end_hz: float) -> SecondOrder:
+    """Resonator with unit gain at the geometric mean of a band's ends, and its width."""
+    middle_hz = math.sqrt(begin_hz * end_hz)
+    angle = 2 * math.pi * middle_hz / sample_rate_hz
+    alpha = math.sin(angle) * (end_hz - begin_hz) / (2 * middle_hz)
+    norm = 1 / (1 + alpha)
+    return SecondOrder(
+        b0=alpha * norm,
+        b1=0.0,
+        b2=-alpha * norm,
+        a1=-2 * math.cos(angle) * norm,
+        a2=(1 - alpha) * norm,
+    )
+
+
+@functools.lru_cache(maxsize=16)
+def white_energies(sample_rate_hz: float, cutoff_hz: float) -> tuple[float, ...]:
+    """Mean energies of white noise of unit variance in the slow band, in `BANDS_HZ` and behind the
+    high-pass filter alone.
+    """
+    filters = design_filters(sample_rate_hz, cutoff_hz)
+    count = math.ceil(sample_rate_hz)  # a second, in which all has decayed
+    impulse = [1.0, -1.0] + [0.0] * count  # differences of an impulse
+    wide = _run_second(filters.high_2, _run_first(filters.high_1, impulse))
+    slow = _run_second(filters.slow, _run_first(filters.leak, impulse))
+    signals = [slow, *(_run_second(band, wide) for band in filters.bands), wide]
+    return tuple(math.fsum(value * value for value in signal) for signal in signals)
+
+
+def _run_first(section: FirstOrder, samples: list[float]) -> list[float]:
+    out = list[float]()
+    last = 0.0
+    for sample in samples:
+        last = section.b0 * sample - section.a1 * last
+        out.append(last)
+
+    return out
+
+
+def _run_second(section: SecondOrder, samples: list[float]) -> list[float]:
+    b0, b1, b2, a1, a2 = section
+    out = list[float]()
+    state_1 = 0.0
+    state_2 = 0.0
+    for sample in samples:
+        value = b0 * sample + state_1
+        state_1 = b1 * sample - a1 * value + state_2
+        state_2 = b2 * sample - a2 * value
+        out.append(value)
+
+    return out
 
 
 def min_noise_v(sample_rate_hz: float) -> float:
+    """Smallest noise that is taken for stated, where the input is in volts [V]."""
     return MIN_NOISE_V_RTHZ * math.sqrt(sample_rate_hz / 2)
-
-
-def band_noise_v(settings: FastSettings, with_filtered: bool) -> float:
-    """Stated noise in the bands, as white noise at the input [V]: the
-    filtered signal has less than any that counts.
-    """
-    return min_noise_v(settings.sample_rate_hz) if with_filtered else settings.noise_v
-
-
-def compute_coefficients(
-    settings: FastSettings, model: fast_coefficients.FastModel, with_filtered: bool
-) -> fast_coefficients.FastCoefficients:
-    rate = settings.sample_rate_hz
-    filters = fast_coefficients.design_filters(settings.sample_rate_hz)
-    board, restore = fast_coefficients.design_board_filter(rate, settings.cutoff_hz)
-    wide, upper = fast_coefficients.noise_energies(rate)
-    tick = max(1, round(TICK_S * rate))
-    ticks_per_s = rate / tick
-    stated = band_noise_v(settings, with_filtered) ** 2
-    least = stated * (MIN_FILTERED_SHARE if with_filtered else MIN_NOISE_SHARE) ** 2
-    filtered_gain = 0.0
-    filtered_limit = math.inf
-    filtered_rest = 0.0
-    rest_limit = math.inf
-
-    if with_filtered and settings.filtered:
-        filtered_gain = 1 / settings.filtered.gain
-        filtered_limit = LIMIT_SHARE * settings.filtered.range_v * filtered_gain
-        if settings.filtered.rest_v is not None:
-            filtered_rest = settings.filtered.rest_v
-            rest_limit = REST_SHARE * settings.filtered.range_v
-
-    lowest, highest = settings.possible_v
-    threshold = LOWEST_SCORE + settings.threshold_scale * (model.threshold - LOWEST_SCORE)
-    jump_ratios = (
-        (JUMP_RATIO, FILTERED_JUMP_RATIO)
-        if settings.suspects_inputs
-        else (NUMBER_RATIO, NUMBER_RATIO)
-    )
-    return fast_coefficients.FastCoefficients(
-        *board,
-        *restore,
-        filters.high_edge,
-        filters.upper,
-        filters.wide,
-        filters.slow,
-        sample_rate_hz=rate,
-        direction=settings.direction,
-        filtered_gain=filtered_gain,
-        filtered_limit=filtered_limit,
-        filtered_rest=filtered_rest,
-        rest_limit=rest_limit,
-        level_smoothing=1 / (STILL_S * rate),
-        limited_samples=float(round(LIMITED_S * rate)),
-        still_samples=float(round(STILL_S * rate)),
-        short_smoothing=1 / (1 + rate * SHORT_S),
-        long_smoothing=1 / (1 + rate * LONG_S),
-        tick_samples=float(tick),
-        slot_ticks=float(round(SLOT_S * ticks_per_s)),
-        max_floor_ticks=FLOOR_S * ticks_per_s,
-        tone_ticks=TONE_S * ticks_per_s,
-        unlearning=1 / (UNLEARNING_S * ticks_per_s),
-        wide_share=wide,
-        upper_share=upper,
-        min_floor=wide * least,
-        min_upper_floor=upper * least,
-        min_input_floor=(MIN_NOISE_SHARE * settings.noise_v) ** 2,
-        silent_floor=(MIN_NOISE_SHARE * settings.noise_v) ** 2 * settings.suspects_inputs,
-        noisy_floor=NOISY_RATIO * wide * stated,
-        noisy_slow_floor=NOISY_RATIO * wide * settings.noise_v**2,
-        offset=model.offset,
-        lowest_score=LOWEST_SCORE,
-        threshold=threshold,
-        incipient_rise=settings.threshold_scale * (model.incipient_threshold - model.threshold),
-        noise_rise=settings.threshold_scale * model.noise_rise,
-        stay_threshold=min(STAY_SCORE, threshold),
-        stay_ratio=STAY_RATIO,
-        mean_smoothing=1 / (1 + settings.mean_s * ticks_per_s),
-        hold_smoothing=1 / (1 + HOLD_S * ticks_per_s),
-        weak_smoothing=1 / (1 + WEAK_S * ticks_per_s),
-        statistic_gain=STATISTIC_RATIO,
-        number_limit=NUMBER_RATIO * settings.noise_v,
-        jump_limit=jump_ratios[0] * settings.noise_v,
-        filtered_jump_limit=jump_ratios[1] * settings.noise_v,
-        middle_input=(lowest + highest) / 2,
-        half_range=(highest - lowest) / 2,
-        trusted_samples=float(round(TRUSTED_S * rate)),
-        gap_samples=float(round(GAP_S * rate)),
-        fault_samples=float(round(FAULT_S * rate)),
-        restart_ticks=float(round(FAULT_S * ticks_per_s)),
-    )

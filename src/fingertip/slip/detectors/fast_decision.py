@@ -1,0 +1,347 @@
+"""Floor and flags of `fast`, decided every 2 ms.
+
+Stage 1 is the article's chain: the mean of the rectified vibration against a multiple of a floor.
+Its crossing is `incipient`. The floor follows three sentences:
+
+1. It is the level below which four of five means lie: each tick it rises by a fixed share where the
+   mean lies above it, falls by a quarter of that where it lies below, and fast where it lies below
+   half of it.
+2. It stands while the mean is above the threshold, while slip is ON and 0.3 s after that: this may
+   be slip.
+3. Only what was vetoed for a second on end lifts it all the same.
+
+Stage 2 looks at each tick above the threshold: a table of small trees gives the log odds of slip,
+and their sum turns ON. A strong slip gathers them sooner; a blow loses what it gathered. ON holds
+while the mean lies above a lower multiple of the floor and the table does not call it a blow.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.slip.detectors.fast_features import RING, measure
+from fingertip.slip.detectors.fast_inputs import ENERGIES, Flags, Singles, Ticks
+from fingertip.slip.detectors.fast_settings import (
+    MIN_FILTERED_V,
+    NOISE_MEAN,
+    FastSettings,
+    white_energies,
+)
+from fingertip.slip.detectors.fast_table import BlowTable
+
+SHORT_TICKS = 16
+LONG_TICKS = 24
+"""Ticks of the two means of stage 1: 32 and 48 ms."""
+SHORT_RATIO = 1.85
+LONG_RATIO = 1.65
+"""Multiples of the floor above which the two means are incipient slip."""
+HOLD_RATIO = 0.95
+"""Multiple of the floor above which a mean keeps slip ON."""
+MIN_AGE_TICKS = 3
+"""Ticks after the crossing from which on the table is asked."""
+GAP_TICKS = 5
+"""Ticks below the threshold that a crossing outlasts."""
+NEED = 3.0
+"""Sum of log odds above which slip is ON."""
+MOST_ODDS = 6.0
+LEAST_SUM = -4.0
+"""Most that a tick adds to the sum, and the least sum."""
+STAY_ODDS = -2.0
+STAY_LOOKS = 8
+"""Log odds below which a look at slip that is ON finds a blow, and how many such looks on end turn
+it OFF. A look follows every second tick.
+"""
+SETTLING_S = 0.04
+LEARNING_S = 0.3
+"""Time in which the filters settle, and end of the first learning of floors [s]. OFF until then."""
+RISE_PER_S = 1.0
+FALL_PER_S = 0.25
+DROP_PER_S = 10.0
+"""Growth rates of the floor [1/s]: above it, below it, and below half of it."""
+QUANTILE_RATIO = 1.12
+"""Ratio of the level below which four of five means of noise lie to their mean."""
+BAND_SHARE = 0.3
+BAND_DROP_SHARE = 4.0
+"""Rates at which energies at rest are averaged, over 1 / `LEARNING_S`."""
+CLIP_RATIO = 4.0
+"""Multiple of its value at rest above which an energy counts for no more."""
+AFTER_S = 0.3
+"""Time after ON for which the floor stands [s]: a slide falters."""
+VETOED_S = 1.0
+"""Time of vibration that the table calls no slip after which the floor learns it [s]."""
+STEP_RATIO = 0.15
+"""RMS noise of a signal at rest, over the smallest step of its converter, that is never learned as
+less.
+"""
+
+
+@dataclass(frozen=True)
+class Floors:
+    """What a detector has learned while its signal rested, for a start in which nothing rests."""
+
+    level_v: float
+    """Floor of the mean vibration [V]."""
+    energies_v2: tuple[float, ...]
+    """Energies of the slow force, of the bands and of all vibration [V^2]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Decisions:
+    """Flags, mean vibration and threshold at each tick."""
+
+    on: Flags
+    incipient: Flags
+    statistic_v: Singles
+    threshold_v: Singles
+
+
+@dataclass(frozen=True, eq=False)
+class AskedTicks:
+    """Ticks at which the table would be asked, for its training."""
+
+    rows: Singles
+    """(asked, features)"""
+    ticks: NDArray[np.int64]
+    """Number of each tick."""
+
+
+class FastDecision:
+    """Decides tick by tick; its state has the names of the C library's."""
+
+    def __init__(
+        self, settings: FastSettings, table: BlowTable, with_filtered: bool, floors: Floors | None
+    ) -> None:
+        scale = settings.threshold_scale
+        self._table = table
+        self._short_ratio = np.float32(SHORT_RATIO * scale)
+        self._long_ratio = np.float32(LONG_RATIO * scale)
+        self._need = np.float32(NEED * scale)
+        self._rise = np.float32(math.exp(RISE_PER_S * settings.tick_s))
+        self._fall = np.float32(math.exp(-FALL_PER_S * settings.tick_s))
+        self._drop = np.float32(math.exp(-DROP_PER_S * settings.tick_s))
+        learning_ticks = settings.ticks(LEARNING_S)
+        self._settling_ticks = settings.ticks(SETTLING_S)
+        self._learning_ticks = learning_ticks if floors is None else self._settling_ticks
+        self._band_share = np.float32(BAND_SHARE / learning_ticks)
+        self._band_drop_share = np.float32(BAND_DROP_SHARE / learning_ticks)
+        self._after_ticks = settings.ticks(AFTER_S)
+        self._vetoed_ticks = settings.ticks(VETOED_S)
+
+        white = white_energies(settings.sample_rate_hz, settings.cutoff_hz)
+        self._step_energies = np.array(white, dtype=np.float32) * np.float32(STEP_RATIO**2)
+        self._step_level = np.float32(STEP_RATIO * NOISE_MEAN * math.sqrt(white[-1]))
+        self._least_v = np.float32(settings.least_level_v)
+        self._least_filtered_v = np.float32(MIN_FILTERED_V)
+
+        noise_v = MIN_FILTERED_V / NOISE_MEAN if with_filtered else settings.noise_v
+        stated = Floors(
+            level_v=noise_v * NOISE_MEAN * QUANTILE_RATIO * math.sqrt(white[-1]),
+            energies_v2=tuple(noise_v * noise_v * energy for energy in white),
+        )
+        begin = floors or stated
+        self.floor = np.float32(begin.level_v)
+        self.band_floors = np.array(begin.energies_v2, dtype=np.float32)
+        self.ticks = 0
+        self.heard = 0
+        self.age = 0
+        self.missed = 0
+        self.odds = np.float32(0.0)
+        self.vetoed = 0
+        self.after = 0
+        self.refused = 0
+        self.is_second = False
+        self.incipient = False
+        self.on = False
+        self._levels = np.zeros(LONG_TICKS - 1, dtype=np.float32)
+        self._energy = np.zeros((RING - 1, ENERGIES), dtype=np.float32)
+        self._tone = np.zeros((RING - 1, 3), dtype=np.float32)
+        self._force = np.zeros(RING - 1, dtype=np.float32)
+
+    @property
+    def floors(self) -> Floors:
+        return Floors(float(self.floor), tuple(self.band_floors.tolist()))
+
+    def process(self, ticks: Ticks) -> Decisions:
+        """Decide at each tick of a block."""
+        decisions, _ = self._run(ticks, None)
+        return decisions
+
+    def collect(self, ticks: Ticks, is_slip: Flags) -> AskedTicks:
+        """Compute the features of all ticks at which the table would be asked.
+
+        `is_slip`, the truth at each tick, takes the place of the table.
+        """
+        _, asked = self._run(ticks, is_slip)
+        return asked
+
+    def _run(self, ticks: Ticks, is_slip: Flags | None) -> tuple[Decisions, AskedTicks]:
+        count = len(ticks.sums)
+        past = RING - 1
+        levels = np.concatenate((self._levels, ticks.sums[:, 0]))
+        energy = np.concatenate((self._energy, ticks.sums[:, 1 : 1 + ENERGIES]))
+        tone = np.concatenate((self._tone, ticks.sums[:, 1 + ENERGIES :]))
+        force = np.concatenate((self._force, ticks.slow))
+        short, long = _compute_means(levels)
+        least, least_energies = self._find_least(ticks)
+
+        on = np.zeros(count, dtype=bool)
+        incipient = np.zeros(count, dtype=bool)
+        floors = np.zeros(count, dtype=np.float32)
+        rows = list[Singles]()
+        asked = list[int]()
+        for i in range(count):
+            self.ticks += 1
+            floor = max(self.floor, least[i])
+            looks = self._follow(short[i], long[i], floor, bool(ticks.is_blocked[i]))
+            if looks:
+                newest = slice(i + past, i - 1 if i else None, -1)
+                row = measure(
+                    energy=energy[newest],
+                    tone=tone[newest],
+                    force=force[newest],
+                    floors=np.maximum(self.band_floors, least_energies[i]),
+                    level_ratio=short[i] / floor,
+                    age=self.age,
+                )
+                if is_slip is None:
+                    self._judge(self._table.evaluate(row))
+                else:
+                    rows.append(row)
+                    asked.append(i)
+
+            if is_slip is not None:
+                self.on = self.incipient and bool(is_slip[i])
+
+            self._wait()
+            if not (ticks.is_still[i] or ticks.is_blocked[i]):
+                self._learn(short[i], levels[i + LONG_TICKS - 1], energy[i + past])
+
+            on[i] = self.on
+            incipient[i] = self.incipient or self.on
+            floors[i] = floor
+
+        self._levels = levels[count:]
+        self._energy = energy[count:]
+        self._tone = tone[count:]
+        self._force = force[count:]
+        statistic = np.maximum(short, long * (self._short_ratio / self._long_ratio))
+        decisions = Decisions(on, incipient, statistic, self._short_ratio * floors)
+        return decisions, AskedTicks(np.array(rows, dtype=np.float32), np.array(asked, dtype=int))
+
+    def _find_least(self, ticks: Ticks) -> tuple[Singles, Singles]:
+        """Least floor and least energies at rest: those of a converter's steps, or of the board."""
+        least = np.where(ticks.is_filtered, self._least_filtered_v, self._least_v)
+        step_energies = (ticks.step * ticks.step)[:, None] * self._step_energies
+        step_energies[:, 0] = ticks.slow_step * ticks.slow_step * self._step_energies[0]
+        return np.maximum(least, ticks.step * self._step_level), step_energies
+
+    def _follow(
+        self, short: np.float32, long: np.float32, floor: np.float32, is_blocked: bool
+    ) -> bool:
+        """Follow the crossing and, in ON, the hold; return whether the table is to be asked."""
+        if is_blocked or self.ticks <= self._learning_ticks:
+            self.on = False
+            self.incipient = False
+            self._forget()
+            return False
+
+        above = bool(short > self._short_ratio * floor or long > self._long_ratio * floor)
+        self.incipient = above
+        if above:
+            self.age += 1 + self.missed
+            self.missed = 0
+        else:
+            self.missed += 1
+
+        if self.missed > GAP_TICKS:
+            self._forget()
+
+        if self.on:
+            hold = np.float32(HOLD_RATIO) * floor
+            self.on = bool(short > hold or long > hold)
+            self.is_second = not self.is_second
+            if not self.on:
+                self.odds = np.float32(0.0)
+
+            return self.on and self.is_second
+
+        if not above:
+            self.vetoed = 0
+
+        return above and self.age >= MIN_AGE_TICKS
+
+    def _forget(self) -> None:
+        """Forget the crossing, which has ended."""
+        self.age = 0
+        self.missed = 0
+        self.odds = np.float32(0.0)
+
+    def _judge(self, odds: np.float32) -> None:
+        """Take the log odds of one look: towards ON, or for staying ON."""
+        if self.on:
+            self.refused = self.refused + 1 if odds < STAY_ODDS else 0
+            if self.refused > STAY_LOOKS:
+                self.on = False
+                self.odds = np.float32(0.0)
+
+            return
+
+        total = self.odds + min(odds, np.float32(MOST_ODDS))
+        self.odds = max(total, np.float32(LEAST_SUM))
+        self.on = bool(self.odds > self._need)
+        self.vetoed += 1
+        self.refused = 0
+        self.is_second = False
+
+    def _wait(self) -> None:
+        """Count the time since ON."""
+        if self.on:
+            self.after = self._after_ticks
+            self.vetoed = 0
+        elif self.after > 0:
+            self.after -= 1
+
+    def _learn(self, short: np.float32, level: np.float32, energy: Singles) -> None:
+        """Let the floor and the energies at rest follow what is no slip.
+
+        A signal that stands still teaches nothing: the stated noise holds, or what was learned.
+        """
+        if self.ticks <= self._learning_ticks:
+            if self.ticks > self._settling_ticks:
+                self.heard += 1
+                share = np.float32(1.0) / np.float32(self.heard)
+                self.floor += share * (level * np.float32(QUANTILE_RATIO) - self.floor)
+                self.band_floors += share * (energy - self.band_floors)
+
+            return
+
+        may_be_slip = self.incipient or self.on or self.after > 0
+        if may_be_slip and self.vetoed < self._vetoed_ticks:
+            return
+
+        is_far_below = short < np.float32(0.5) * self.floor
+        share = self._band_drop_share if is_far_below else self._band_share
+        clipped = np.minimum(energy, np.float32(CLIP_RATIO) * self.band_floors)
+        self.band_floors += share * (clipped - self.band_floors)
+        if short > self.floor:
+            self.floor *= self._rise
+        else:
+            self.floor *= self._drop if is_far_below else self._fall
+
+
+def _compute_means(levels: Singles) -> tuple[Singles, Singles]:
+    """Means of stage 1 at each tick, added from the newest on; `levels` begin before the first."""
+    count = len(levels) - (LONG_TICKS - 1)
+    total = np.zeros(count, dtype=np.float32)
+    short = total
+    for k in range(LONG_TICKS):
+        begin = LONG_TICKS - 1 - k
+        total = total + levels[begin : begin + count]
+        if k == SHORT_TICKS - 1:
+            short = total * np.float32(1 / SHORT_TICKS)
+
+    return short, total * np.float32(1 / LONG_TICKS)

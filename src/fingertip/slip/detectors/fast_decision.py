@@ -12,7 +12,8 @@ Its crossing is `incipient`. The floor follows three sentences:
 
 Stage 2 looks at each tick above the threshold: a table of small trees gives the log odds of slip,
 and their sum turns ON. A strong slip gathers them sooner; a blow loses what it gathered. ON holds
-while the mean lies above a lower multiple of the floor and the table does not call it a blow.
+while the mean lies above a lower multiple of the floor and the table does not call it a blow. A
+tone of two seconds is learned as rest.
 """
 
 from __future__ import annotations
@@ -55,6 +56,11 @@ STAY_LOOKS = 8
 """Log odds below which a look at slip that is ON finds a blow, and how many such looks on end turn
 it OFF. A look follows every second tick.
 """
+TONE_S = 2.0
+TONE_RATIO = 1.3
+"""Time for which vibration that varies by less than a ratio is a tone, as of a motor or of the
+mains [s]: slip varies more.
+"""
 SETTLING_S = 0.04
 LEARNING_S = 0.3
 """Time in which the filters settle, and end of the first learning of floors [s]. OFF until then."""
@@ -73,7 +79,7 @@ AFTER_S = 0.3
 """Time after ON for which the floor stands [s]: a slide falters."""
 VETOED_S = 1.0
 """Time of vibration that the table calls no slip after which the floor learns it [s]."""
-STEP_RATIO = 0.15
+STEP_RATIO = 0.29
 """RMS noise of a signal at rest, over the smallest step of its converter, that is never learned as
 less.
 """
@@ -130,6 +136,7 @@ class FastDecision:
         self._band_drop_share = np.float32(BAND_DROP_SHARE / learning_ticks)
         self._after_ticks = settings.ticks(AFTER_S)
         self._vetoed_ticks = settings.ticks(VETOED_S)
+        self._tone_ticks = settings.ticks(TONE_S)
 
         white = white_energies(settings.sample_rate_hz, settings.cutoff_hz)
         self._step_energies = np.array(white, dtype=np.float32) * np.float32(STEP_RATIO**2)
@@ -154,6 +161,9 @@ class FastDecision:
         self.after = 0
         self.refused = 0
         self.is_second = False
+        self.steady = 0
+        self.lowest = np.float32(0.0)
+        self.highest = np.float32(0.0)
         self.incipient = False
         self.on = False
         self._levels = np.zeros(LONG_TICKS - 1, dtype=np.float32)
@@ -217,6 +227,7 @@ class FastDecision:
                 self.on = self.incipient and bool(is_slip[i])
 
             self._wait()
+            self._end_tone(short[i], energy[i + past])
             if not (ticks.is_still[i] or ticks.is_blocked[i]):
                 self._learn(short[i], levels[i + LONG_TICKS - 1], energy[i + past])
 
@@ -304,6 +315,25 @@ class FastDecision:
             self.vetoed = 0
         elif self.after > 0:
             self.after -= 1
+
+    def _end_tone(self, short: np.float32, energy: Singles) -> None:
+        """End ON, and learn the vibration as rest, where it has hardly varied for `TONE_S`."""
+        self.steady += 1
+        self.lowest = min(self.lowest, short)
+        self.highest = max(self.highest, short)
+        if not self.on or self.highest > np.float32(TONE_RATIO) * self.lowest:
+            self.steady = 0
+            self.lowest = short
+            self.highest = short
+
+        if self.steady >= self._tone_ticks:
+            self.on = False
+            self.incipient = False
+            self.after = 0
+            self.steady = 0
+            self._forget()
+            self.floor = short * np.float32(QUANTILE_RATIO)
+            self.band_floors[:] = energy
 
     def _learn(self, short: np.float32, level: np.float32, energy: Singles) -> None:
         """Let the floor and the energies at rest follow what is no slip.

@@ -26,7 +26,6 @@ from fingertip.design import Design
 from fingertip.detection.recordings import find_force_scale
 from fingertip.detection.stream_lines import open_stream
 from fingertip.foundation.errors import Issue, TraceError, checked
-from fingertip.slip.detectors import fast_state
 from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.detectors.fast_settings import GAP_S
 from fingertip.slip.force import MEAN_S, Force
@@ -292,7 +291,7 @@ class Finger(AbstractContextManager["Finger"]):
                 detector.step(np.nan)
 
             is_on = detector.step(volts, None if np.isnan(filtered_v) else filtered_v)
-            is_incipient = has_filter and detector.state[fast_state.INCIPIENT] > 0.0
+            is_incipient = has_filter and detector.is_incipient
             mean_v = mean_v + share * (volts - mean_v) if number else volts
             force = scale.read(mean_v) if scale else Force(np.nan, 0.0, np.inf)
             slip = Slip(2 * is_on or is_incipient)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from fingertip.slip.detectors.fast_record import Trust
 from fingertip.slip.detectors.noise_and_threshold import NoiseLevel
 from fingertip.slip.scored_detection import Detection, find_ratio
 from fingertip.slip.traces.truth import (
@@ -51,13 +52,16 @@ def as_text(detection: Detection) -> str:
 
     forces = [f", at {force.describe()}" for force in detection.forces or ()]
     forces = forces or [""] * len(detection.intervals)
-    for interval, force in zip(detection.intervals, forces, strict=True):
+    kinds = [f", {trust.name}" for trust in detection.trusts or ()]
+    kinds = kinds or [""] * len(detection.intervals)
+    for interval, kind, force in zip(detection.intervals, kinds, forces, strict=True):
         begin = _format_begin(interval, detection)
-        lines.append(f"{DETECTED:{width}} {_format_interval(interval)}{begin}{force}")
+        lines.append(f"{DETECTED:{width}} {_format_interval(interval)}{kind}{begin}{force}")
 
     if not detection.intervals:
         lines.append(_describe_silence(detection))
 
+    lines += [trust.describe() for trust in dict.fromkeys(detection.trusts or ())]
     lines += _list_incipient_alone(detection, width)
     if score is None:
         return "\n".join(lines)
@@ -144,12 +148,14 @@ def as_data(detection: Detection, noise: NoiseLevel | None) -> dict[str, Any]:
     moved = detection.motion_delays_s
     forces = [force.as_data() for force in detection.forces or ()]
     forces = forces or [{}] * len(detection.intervals)
-    rows = zip(detection.intervals, detection.confidences, forces, strict=True)
+    trusts = [_trust_data(trust) for trust in detection.trusts or ()]
+    trusts = trusts or [{}] * len(detection.intervals)
+    rows = zip(detection.intervals, detection.strengths, trusts, forces, strict=True)
 
     return {
         "intervals": [
-            _interval_data(interval) | {"confidence": round(confidence, 4)} | force
-            for interval, confidence, force in rows
+            _interval_data(interval) | {"strength": round(strength, 4)} | trust | force
+            for interval, strength, trust, force in rows
         ],
         "incipient": None
         if detection.incipient is None
@@ -174,6 +180,17 @@ def as_data(detection: Detection, noise: NoiseLevel | None) -> dict[str, Any]:
         "learned_noise_v": _round(detection.learned_noise_v),
         "noise_threshold_v": round(noise.threshold_v, 6) if noise else None,
     }
+
+
+def _trust_data(trust: Trust) -> dict[str, Any]:
+    """What such an ON was on real recordings, as data."""
+    data = {
+        "class": trust.name,
+        "slips": trust.slides,
+        "of": trust.slides + trust.others,
+        "delay_s": list(trust.delay_s),
+    }
+    return {"record": data}
 
 
 def _round(value: float | None) -> float | None:

@@ -16,6 +16,7 @@ from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.analog_and_digital import SlipChain, noise_level
 from fingertip.slip.detectors.detector import Detector, DetectorOutput
 from fingertip.slip.detectors.fast import FastDetector, FastOutput, Floors
+from fingertip.slip.detectors.fast_record import Trust, load_record
 from fingertip.slip.detectors.noise_and_threshold import NoiseLevel
 from fingertip.slip.force import MEAN_S, Force, ForceScale
 from fingertip.slip.traces.trace import RawTrace, Trace
@@ -84,8 +85,12 @@ class Detection:
     intervals: tuple[Interval, ...]
     score: Score | None
     """Score against the true slips; None if the trace does not contain them."""
-    confidences: tuple[float, ...]
-    """Greatest ratio of statistic to threshold in each interval, a measure of trust."""
+    strengths: tuple[float, ...]
+    """Greatest ratio of statistic to threshold in the first 50 ms of each interval."""
+    trusts: tuple[Trust, ...] | None
+    """How often an ON of this strength was slip on real recordings; None for detectors but
+    `fast`.
+    """
     incipient: tuple[Interval, ...] | None
     """Slip from its first signs on, with more false alarms; None for detectors but `fast`."""
     learned_noise_v: float | None
@@ -144,7 +149,7 @@ class Detection:
     def _repr_html_(self) -> str:
         """Table of the intervals, for Jupyter."""
         rows = []
-        for interval, confidence in zip(self.intervals, self.confidences, strict=True):
+        for interval, strength in zip(self.intervals, self.strengths, strict=True):
             is_false = self.score is not None and interval in self.score.false_intervals
             if self.score is None:
                 verdict = ""
@@ -154,10 +159,10 @@ class Detection:
                 verdict = "true"
 
             rows.append(
-                (f"{interval.onset_s:.4f}", f"{interval.end_s:.4f}", f"{confidence:.3g}", verdict)
+                (f"{interval.onset_s:.4f}", f"{interval.end_s:.4f}", f"{strength:.3g}", verdict)
             )
 
-        return html_table(repr(self), ("ON from [s]", "to [s]", "confidence", "slip"), rows)
+        return html_table(repr(self), ("ON from [s]", "to [s]", "strength", "slip"), rows)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the intervals; `is_true` is missing where true slip is not known.
@@ -167,7 +172,7 @@ class Detection:
         columns: dict[str, list[object]] = {
             "onset_s": [interval.onset_s for interval in self.intervals],
             "end_s": [interval.end_s for interval in self.intervals],
-            "confidence": [*self.confidences],
+            "strength": [*self.strengths],
         }
         if self.score is not None:
             columns["is_true"] = [
@@ -215,6 +220,7 @@ def detect(
 
     output = instance.process(*inputs)
     detected = intervals(trace.time_s, output.on)
+    strengths = _find_strengths(output, trace.time_s, detected)
     truth = None if trace.slip is None else intervals(trace.time_s, trace.slip)
     return Detection(
         detector=detector,
@@ -225,7 +231,8 @@ def detect(
         output=output,
         intervals=detected,
         score=None if truth is None else score(detected, truth, instance.memory_s),
-        confidences=_find_confidences(output, trace.time_s, detected),
+        strengths=strengths,
+        trusts=tuple(map(load_record().find, strengths)) if detector == "fast" else None,
         incipient=intervals(trace.time_s, output.incipient)
         if isinstance(output, FastOutput)
         else None,
@@ -277,12 +284,12 @@ def find_ratio(output: DetectorOutput, part: slice = slice(None)) -> Array:
     return np.divide(output.statistic_v[part], threshold_v, where=threshold_v > 0.0, out=zeros)
 
 
-def _find_confidences(
+def _find_strengths(
     output: DetectorOutput, time_s: Array, detected: tuple[Interval, ...]
 ) -> tuple[float, ...]:
-    begins = np.searchsorted(time_s, [interval.onset_s for interval in detected])
-    ends = np.searchsorted(time_s, [interval.end_s for interval in detected])
-    return tuple(
-        float(find_ratio(output, slice(begin, max(end, begin + 1))).max())
-        for begin, end in zip(begins.tolist(), ends.tolist(), strict=True)
-    )
+    """Greatest ratio of statistic to threshold in the first 50 ms of each interval."""
+    onsets_s = np.array([interval.onset_s for interval in detected])
+    begins = np.searchsorted(time_s, onsets_s).tolist()
+    ends = np.searchsorted(time_s, onsets_s + load_record().opening_s).tolist()
+    parts = [slice(begin, max(end, begin + 1)) for begin, end in zip(begins, ends, strict=True)]
+    return tuple(float(find_ratio(output, part).max()) for part in parts)

@@ -73,8 +73,10 @@ class FastOutput(DetectorOutput):
 class FastDetector(Detector):
     """Fast detector with its state. It starts in the steady state of the first sample."""
 
-    memory_s = LONG_TICKS * TICK_S
-    """Time until an abrupt end is recognised [s]: the longer mean must have left the slip."""
+    memory_s = (LONG_TICKS + 8) * TICK_S
+    """Time until an abrupt end is recognised [s]: the longer mean must have left the slip, and what
+    the filters kept of it.
+    """
 
     def __init__(
         self,
@@ -87,6 +89,8 @@ class FastDetector(Detector):
         self._table = table or load_table()
         self._inputs: FastInputs | None = None
         self._decision = FastDecision(settings, self._table, with_filtered=False, floors=floors)
+        self._waiting = list[tuple[float, float | None]]()
+        self._taken = settings.phase
         self._incipient = False
         self._on = False
         self._statistic_v = np.float32(0.0)
@@ -133,6 +137,7 @@ class FastDetector(Detector):
     def process(
         self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None = None
     ) -> FastOutput:
+        self._take_waiting()
         outputs = [self._process_block(*part) for part in self._divide(voltage_v, filtered_v)]
         return _join(outputs)
 
@@ -151,8 +156,21 @@ class FastDetector(Detector):
         """Process one sample of the tactile voltage, and of the filtered signal if given [V];
         return if slip is ON.
         """
-        self.process([voltage_v], None if filtered_v is None else [filtered_v])
+        self._waiting.append((voltage_v, filtered_v))
+        if (self._taken + len(self._waiting)) % self.settings.tick_samples == 0:
+            self._take_waiting()
+
         return self._on
+
+    def _take_waiting(self) -> None:
+        """Process the samples of steps: nothing is decided between two ticks, so they wait."""
+        if not self._waiting:
+            return
+
+        tactile, filtered = zip(*self._waiting, strict=True)
+        self._waiting.clear()
+        has_filtered = filtered[0] is not None
+        self._process_block(_as_array(tactile), _as_array(filtered) if has_filtered else None)
 
     @property
     def is_incipient(self) -> bool:
@@ -173,6 +191,7 @@ class FastDetector(Detector):
         if not len(voltage_v):
             return _empty_output()
 
+        self._taken += len(voltage_v)
         block = self._take(voltage_v, filtered_v)
         decisions = self._decision.process(block.ticks)
         return self._spread(block, decisions)

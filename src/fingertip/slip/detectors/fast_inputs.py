@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
+from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.analog_and_digital import FirstOrder, SecondOrder
 from fingertip.slip.detectors.fast_settings import (
@@ -73,14 +73,41 @@ class Filter:
     """Digital filter in single precision, in transposed direct form II, with its state."""
 
     def __init__(self, section: FirstOrder | SecondOrder) -> None:
-        order = (len(section) + 1) // 2
-        self._b = np.array(section[:order], dtype=np.float32)
-        self._a = np.array([1.0, *section[order:]], dtype=np.float32)
-        self._state = np.zeros(order - 1, dtype=np.float32)
+        self._section = section
+        if isinstance(section, FirstOrder):
+            self._section = SecondOrder(b0=section.b0, b1=section.b1, b2=0.0, a1=section.a1, a2=0.0)
+
+        self._state = [0.0, 0.0]
 
     def process(self, values: Singles) -> Singles:
-        filtered, self._state = lfilter(self._b, self._a, values, zi=self._state)
-        return np.asarray(filtered, dtype=np.float32)
+        filtered = np.zeros(len(values))
+        _FILTER(self._section, values, self._state, filtered)
+        return filtered.astype(np.float32)
+
+
+def _filter_loop(
+    section: Floats, samples: Floats, state: MutableFloats, filtered: MutableFloats
+) -> None:
+    b0 = np.float32(section[0])
+    b1 = np.float32(section[1])
+    b2 = np.float32(section[2])
+    a1 = np.float32(section[3])
+    a2 = np.float32(section[4])
+    state_1 = np.float32(state[0])
+    state_2 = np.float32(state[1])
+
+    for i in range(len(samples)):
+        x = np.float32(samples[i])
+        y = state_1 + b0 * x
+        state_1 = (state_2 + b1 * x) - a1 * y
+        state_2 = b2 * x - a2 * y
+        filtered[i] = float(y)
+
+    state[0] = float(state_1)
+    state[1] = float(state_2)
+
+
+_FILTER = CompiledLoop(_filter_loop, samples="samples", plain_us=0.5)
 
 
 def smoother(settings: FastSettings, time_s: float) -> FirstOrder:

@@ -79,9 +79,9 @@ AFTER_S = 0.3
 """Time after ON for which the floor stands [s]: a slide falters."""
 VETOED_S = 1.0
 """Time of vibration that the table calls no slip after which the floor learns it [s]."""
-STEP_RATIO = 0.29
-"""RMS noise of a signal at rest, over the smallest step of its converter, that is never learned as
-less.
+STEP_RATIO = 0.5
+"""Least noise that is learned, over the smallest step of the converter: halfway between two codes
+it toggles between them.
 """
 
 
@@ -280,14 +280,12 @@ class FastDecision:
 
             return self.on and self.is_second
 
-        if not above:
-            self.vetoed = 0
-
         return above and self.age >= MIN_AGE_TICKS
 
     def _forget(self) -> None:
         """Forget the crossing, which has ended."""
         self.age = 0
+        self.vetoed = 0
         self.missed = 0
         self.odds = np.float32(0.0)
 

@@ -94,7 +94,7 @@ class FastDetector(Detector):
         self._incipient = False
         self._on = False
         self._statistic_v = np.float32(0.0)
-        self._level_v = np.float32(0.0)
+        self._threshold_v = self._decision.threshold_v
 
     @classmethod
     def for_design(
@@ -107,11 +107,6 @@ class FastDetector(Detector):
     def floors(self) -> Floors:
         """Floors that were learned, for the next start of a detector of the same inputs."""
         return self._decision.floors
-
-    @property
-    def threshold_v(self) -> float:
-        """Threshold of the mean vibration above the present floor [V]."""
-        return float(self._level_v)
 
     @property
     def noise_v(self) -> float:
@@ -217,7 +212,7 @@ class FastDetector(Detector):
 
         output = FastOutput(
             statistic_v=spread(self._statistic_v, decisions.statistic_v).astype(np.float64),
-            threshold_v=spread(self._level_v, decisions.threshold_v).astype(np.float64),
+            threshold_v=spread(self._threshold_v, decisions.threshold_v).astype(np.float64),
             on=spread(self._on, decisions.on).astype(bool),
             filtered_v=block.vibration.astype(np.float64),
             incipient=spread(self._incipient, decisions.incipient).astype(bool),
@@ -226,7 +221,7 @@ class FastDetector(Detector):
         )
         if len(block.ends):
             self._statistic_v = decisions.statistic_v[-1]
-            self._level_v = decisions.threshold_v[-1]
+            self._threshold_v = float(decisions.threshold_v[-1])
             self._on = bool(decisions.on[-1])
             self._incipient = bool(decisions.incipient[-1])
 

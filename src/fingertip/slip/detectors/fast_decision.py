@@ -175,6 +175,11 @@ class FastDecision:
     def floors(self) -> Floors:
         return Floors(float(self.floor), tuple(self.band_floors.tolist()))
 
+    @property
+    def threshold_v(self) -> float:
+        """Threshold of the shorter mean above the present floor [V]."""
+        return float(self._short_ratio * self.floor)
+
     def process(self, ticks: Ticks) -> Decisions:
         """Decide at each tick of a block."""
         decisions, _ = self._run(ticks, None)

@@ -1,5 +1,5 @@
 """Detectors of this project and of its field, each run over one recording at some factors of its
-threshold.
+threshold. Baselines take their noise from the stated rest, where a recording has one.
 
 The article's chain and its FFT are those of `fingertip.slip.detectors`, the FFT as published and in
 a stronger form.
@@ -11,23 +11,30 @@ to a long mean of the energy: R. Allen, Bull. Seismol. Soc. Am. 68, 1978.
 
 from __future__ import annotations
 
+import functools
+import json
 import math
 from collections.abc import Callable, Iterator, MutableSequence, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.slip.recordings import Recording
+from benchmarks.slip.scores import Flags
 from fingertip.design import Design
 from fingertip.detection.adaptation import adapt_rate, equivalent_noise_v
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.analog_and_digital import ChainSettings, SlipChain, noise_level
+from fingertip.slip.detectors.fast import FastDetector, FastOutput
+from fingertip.slip.detectors.fast_settings import FastSettings
+from fingertip.slip.detectors.fast_table import BlowTable, read_table
 from fingertip.slip.detectors.fft import FftDetector
 from fingertip.slip.detectors.registry import make_detector, select_inputs
 
-Flags = NDArray[np.bool_]
+Run = Callable[[Design, Recording, Sequence[float]], Iterator[Flags]]
+"""Function that returns ON at each sample, for each factor of the threshold."""
 
 
 def adapt(design: Design, recording: Recording) -> tuple[Design, Recording]:
@@ -37,33 +44,50 @@ def adapt(design: Design, recording: Recording) -> tuple[Design, Recording]:
     rises = recording.rises_with_force
     if rises is not None and rises != design.board.tactile_rises:
         signal = replace(recording.signal, voltage_v=-recording.signal.voltage_v)
-        quiet = None if recording.quiet is None else -recording.quiet
-        recording = replace(recording, signal=signal, quiet=quiet)
+        rest = None if recording.rest is None else -recording.rest
+        recording = replace(recording, signal=signal, rest=rest)
 
     return adapt_rate(design, recording.signal.rate_hz), recording
 
 
 def find_noise_v(name: str, design: Design, recording: Recording) -> float | None:
-    """Noise for a detector of this project, from the quiet
-    stretch of the recording; None: the design's.
-    """
-    quiet = recording.quiet
-    return None if quiet is None else equivalent_noise_v(name, design, quiet, recording.signal.kind)
+    """Noise for a baseline, from the stated rest; None: the design's."""
+    rest = recording.rest
+    return None if rest is None else equivalent_noise_v(name, design, rest, recording.signal.kind)
 
 
-def make_fast_run(name: str) -> Callable[[Design, Recording, Sequence[float]], Iterator[Flags]]:
-    """Make the run of `fast` at one of its operating points, whose
-    floors depend on the threshold: one run for each.
-    """
+@functools.lru_cache(maxsize=32)
+def detect(
+    design: Design, recording: Recording, factor: float, table: Path | None = None
+) -> FastOutput:
+    """Run `fast` over a recording, for both of its flags. It learns the noise by itself."""
+    design, recording = adapt(design, recording)
+    settings = replace(FastSettings.from_design(design), threshold_scale=factor)
+    detector = FastDetector(settings, None if table is None else load_file(table))
+    return detector.process(*select_inputs(recording.signal, "fast"))
+
+
+@functools.cache
+def load_file(path: Path) -> BlowTable:
+    """Load a table that is not the package's."""
+    return read_table(json.loads(path.read_text(encoding="utf-8")))
+
+
+def make_fast_run(table: Path | None = None) -> Run:
+    """Make the run of `fast` with the package's table or another one."""
 
     def run(design: Design, recording: Recording, factors: Sequence[float]) -> Iterator[Flags]:
-        design, recording = adapt(design, recording)
-        noise_v = find_noise_v("fast", design, recording)
-        inputs = select_inputs(recording.signal, name)
         for factor in factors:
-            yield make_detector(name, design, noise_v, factor).process(*inputs).on
+            yield detect(design, recording, factor, table).on
 
     return run
+
+
+def run_incipient(
+    design: Design, recording: Recording, factors: Sequence[float]
+) -> Iterator[Flags]:
+    for factor in factors:
+        yield detect(design, recording, factor).incipient
 
 
 def run_chain(design: Design, recording: Recording, factors: Sequence[float]) -> Iterator[Flags]:
@@ -75,7 +99,7 @@ def run_chain(design: Design, recording: Recording, factors: Sequence[float]) ->
         yield statistic > factor * detector.threshold_v
 
 
-def make_fft_run(is_plain: bool) -> Callable[[Design, Recording, Sequence[float]], Iterator[Flags]]:
+def make_fft_run(is_plain: bool) -> Run:
     def run(design: Design, recording: Recording, factors: Sequence[float]) -> Iterator[Flags]:
         design, recording = adapt(design, recording)
         detector = FftDetector(design, find_noise_v("fft", design, recording), is_plain=is_plain)
@@ -160,43 +184,35 @@ def run_ratio(design: Design, recording: Recording, factors: Sequence[float]) ->
     design, recording = adapt(design, recording)
     samples = band_signal(design, recording)
     rate_hz = recording.signal.rate_hz
+    short = 1 / (SHORT_S * rate_hz)
+    long = 1 / (NOISE_S * rate_hz)
     least = least_energy(design, recording)
     on = np.zeros(len(samples))
 
     for factor in factors:
-        _RATIO(
-            samples,
-            1 / (SHORT_S * rate_hz),
-            1 / (NOISE_S * rate_hz),
-            least,
-            factor * RATIO_THRESHOLD,
-            on,
-        )
+        _RATIO(samples, short, long, least, factor * RATIO_THRESHOLD, on)
         yield on > 0.0
 
 
 def run_cusum(design: Design, recording: Recording, factors: Sequence[float]) -> Iterator[Flags]:
     design, recording = adapt(design, recording)
     samples = band_signal(design, recording)
-    rate_hz = recording.signal.rate_hz
+    long = 1 / (NOISE_S * recording.signal.rate_hz)
     least = least_energy(design, recording)
     on = np.zeros(len(samples))
 
     for factor in factors:
-        _CUSUM(samples, 1 / (NOISE_S * rate_hz), least, factor * CUSUM_THRESHOLD, on)
+        _CUSUM(samples, long, least, factor * CUSUM_THRESHOLD, on)
         yield on > 0.0
 
 
 def least_energy(design: Design, recording: Recording) -> float:
-    """Energy of the stated noise or of the quiet stretch above the
-    board's cutoff, below which none is learned.
-    """
+    """Energy of the stated noise or rest above the board's cutoff, below which none is learned."""
     chain = SlipChain(ChainSettings.from_design(design))
-    if recording.quiet is None:
+    if recording.rest is None:
         noise_v = noise_level(design).mean_v * math.sqrt(2 * math.pi)
     else:
-        noise_v = float(
-            np.std(chain.filter(recording.quiet)[round(0.1 * recording.signal.rate_hz) :])
-        )
+        settled = chain.filter(recording.rest)[round(0.1 * recording.signal.rate_hz) :]
+        noise_v = float(np.std(settled))
 
     return max(noise_v / design.board.passband_gain, 1e-9) ** 2

@@ -9,129 +9,131 @@ A detector of your own is a Python file with a function and a number::
 
 It returns one number for each sample, from this and earlier samples alone; slip is ON where it
 exceeds a multiple of `THRESHOLD`. `filtered_v` and `quiet_v` are None where a recording has no
-filtered signal or no quiet stretch.
+filtered signal or no stated rest.
 """
 
 from __future__ import annotations
 
+import functools
 import importlib.util
+import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from benchmarks.slip.baselines import (
-    SHORT_S,
-    Flags,
+    Run,
     adapt,
     make_fast_run,
     make_fft_run,
     run_chain,
     run_cusum,
+    run_incipient,
     run_ratio,
 )
-from benchmarks.slip.recordings import Recording
-from benchmarks.slip.recurrent import FACTORS as RECURRENT_FACTORS
-from benchmarks.slip.recurrent import run_recurrent
+from benchmarks.slip.recordings import MIN_QUIET_S, Recording
+from benchmarks.slip.scores import Flags
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors.registry import make_detector
 
-FACTORS = (0.5, 0.6, 0.7, 0.8, 0.86, 0.93, 1.0, 1.1, 1.2, 1.35, 1.5, 1.8, 2.2, 3.0)
-"""Factors of the threshold of `fast`, whose scores end soon above it."""
-WIDE_FACTORS = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0, 22.0, 32.0, 64.0, 128.0)
+FACTORS = (0.7, 0.85, 1.0, 1.2, 1.6, 2.2)
+"""Factors of the threshold of `fast`."""
+WIDE_FACTORS = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 16.0, 32.0, 64.0, 128.0)
 """Factors of the other thresholds."""
-OWN_MEMORY_S = 0.06
-"""Time after a slip in which ON of a detector of your own is no alarm [s]."""
-COUNTED = "instructions"
-"""Work of a detector whose instructions were counted by an emulator."""
+SHORT_REST_S = MIN_QUIET_S
+LONG_REST_S = 4.0
+"""Rest from which a baseline takes its noise [s], in either of its rows."""
 
 
 @dataclass(frozen=True)
 class Competitor:
     label: str
     words: str
-    factors: tuple[float, ...]
-    run: Callable[[Design, Recording, Sequence[float]], Iterator[Flags]]
-    """Returns ON at each sample, for each factor."""
-    memory_s: Callable[[Design], float]
-    """Time that ON outlasts a slip by construction [s]."""
-    operations: str
-    """Work of a sample: instructions where they were counted,
-    otherwise multiplications and additions.
-    """
+    run: Run
+    factors: tuple[float, ...] = WIDE_FACTORS
+    needs_rest: bool = True
+    """False if it learns the noise by itself."""
 
 
 COMPETITORS = {
     "fast": Competitor(
-        label="fast, on",
-        words="this project's detector at its sure point",
-        factors=FACTORS,
-        run=make_fast_run("fast"),
-        memory_s=lambda design: make_detector("fast", design).memory_s,
-        operations=COUNTED,
+        "fast, on", "this project's detector", make_fast_run(), FACTORS, needs_rest=False
     ),
     "incipient": Competitor(
-        label="fast, incipient",
-        words="the same at its early point",
-        factors=FACTORS,
-        run=make_fast_run("incipient"),
-        memory_s=lambda design: make_detector("fast", design).memory_s,
-        operations=COUNTED,
+        "fast, incipient", "its first stage", run_incipient, FACTORS, needs_rest=False
     ),
-    "digital": Competitor(
-        label="the article's chain",
-        words="Romeo et al. 2021, in software",
-        factors=WIDE_FACTORS,
-        run=run_chain,
-        memory_s=lambda design: make_detector("digital", design).memory_s,
-        operations="16",
-    ),
+    "digital": Competitor("the article's chain", "Romeo et al. 2021, in software", run_chain),
     "fft": Competitor(
-        label="FFT, stronger",
-        words="64 ms every 2 ms, Hann window, one band",
-        factors=WIDE_FACTORS,
-        run=make_fft_run(is_plain=False),
-        memory_s=lambda design: make_detector("fft", design).memory_s,
-        operations="1 200",
+        "FFT, stronger", "64 ms every 2 ms, Hann window, one band", make_fft_run(is_plain=False)
     ),
     "plain_fft": Competitor(
-        label="FFT, as published",
-        words="Romeo et al. 2021: 64 ms side by side, strongest bin",
-        factors=WIDE_FACTORS,
-        run=make_fft_run(is_plain=True),
-        memory_s=lambda design: make_detector("fft", design).memory_s,
-        operations="40",
+        "FFT, as published",
+        "Romeo et al. 2021: 64 ms side by side, strongest bin",
+        make_fft_run(is_plain=True),
     ),
-    "cusum": Competitor(
-        label="CUSUM",
-        words="Page 1954, of the variance",
-        factors=WIDE_FACTORS,
-        run=run_cusum,
-        memory_s=lambda _: 0.1,
-        operations="20",
-    ),
-    "recurrent": Competitor(
-        label="recurrent network",
-        words="16 gated units, trained on this project's training signals",
-        factors=RECURRENT_FACTORS,
-        run=run_recurrent,
-        memory_s=lambda _: 0.06,
-        operations="540",
-    ),
-    "ratio": Competitor(
-        label="energy ratio",
-        words="short over long mean, Allen 1978",
-        factors=WIDE_FACTORS,
-        run=run_ratio,
-        memory_s=lambda _: 5 * SHORT_S,
-        operations="19",
-    ),
+    "cusum": Competitor("CUSUM", "Page 1954, of the variance", run_cusum),
+    "ratio": Competitor("energy ratio", "short over long mean, Allen 1978", run_ratio),
 }
 """Name -> detector."""
+
+
+@functools.cache
+def find_competitor(name: str) -> Competitor:
+    """Find a detector by name; another name is a table of `fast` or a file of the user's detector.
+
+    Raises TraceError.
+    """
+    if name in COMPETITORS:
+        return COMPETITORS[name]
+
+    path = Path(name)
+    if path.suffix == ".json":
+        return replace(COMPETITORS["fast"], label=f"fast, {path.stem}", run=make_fast_run(path))
+
+    return load_own(path)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A detector, and the rest from which it takes the noise."""
+
+    name: str
+    rest_s: float = 0.0
+
+    @property
+    def label(self) -> str:
+        label = find_competitor(self.name).label
+        return f"{label}, rest {self.rest_s:g} s" if self.rest_s else label
+
+    def hears(self, recording: Recording) -> bool:
+        """Tell whether it is run: both rows of a baseline are one where no rest is stated."""
+        return recording.rest is not None or self.rest_s != LONG_REST_S
+
+    def run(
+        self, design: Design, recording: Recording, factors: Sequence[float]
+    ) -> Iterator[Flags]:
+        """Run the detector; it takes the noise from the end of the stated rest."""
+        if recording.rest is not None and self.rest_s:
+            count = math.ceil(self.rest_s * recording.signal.rate_hz)
+            recording = replace(recording, rest=recording.rest[-count:])
+
+        return find_competitor(self.name).run(recording.design or design, recording, factors)
+
+
+def list_rows(names: Sequence[str], has_rest: bool = True) -> list[Row]:
+    """List the rows of detectors: two for each that takes its noise from a stated rest."""
+    rows = list[Row]()
+    for name in names:
+        is_split = has_rest and find_competitor(name).needs_rest
+        rows += [
+            Row(name, rest_s) for rest_s in ((SHORT_REST_S, LONG_REST_S) if is_split else (0.0,))
+        ]
+
+    return rows
 
 
 def load_own(path: Path) -> Competitor:
@@ -161,7 +163,7 @@ def load_own(path: Path) -> Competitor:
     def run(design: Design, recording: Recording, factors: Sequence[float]) -> Iterator[Flags]:
         _, recording = adapt(design, recording)
         signal = recording.signal
-        found = find_statistic(signal.voltage_v, signal.filtered_v, signal.rate_hz, recording.quiet)
+        found = find_statistic(signal.voltage_v, signal.filtered_v, signal.rate_hz, recording.rest)
         statistic = np.asarray(found, dtype=np.float64)
 
         if statistic.shape != signal.voltage_v.shape:
@@ -177,14 +179,7 @@ def load_own(path: Path) -> Competitor:
         for factor in factors:
             yield statistic > factor * threshold
 
-    return Competitor(
-        label=path.stem,
-        words=str(path),
-        factors=WIDE_FACTORS,
-        run=run,
-        memory_s=lambda _: OWN_MEMORY_S,
-        operations="unknown",
-    )
+    return Competitor(path.stem, str(path), run)
 
 
 def _refuse_foresight(
@@ -199,7 +194,7 @@ def _refuse_foresight(
         end = round(share * len(whole))
         filtered = None if signal.filtered_v is None else signal.filtered_v[:end]
         found = np.asarray(
-            find_statistic(signal.voltage_v[:end], filtered, signal.rate_hz, recording.quiet)
+            find_statistic(signal.voltage_v[:end], filtered, signal.rate_hz, recording.rest)
         )
 
         if not np.allclose(

@@ -1,4 +1,4 @@
-"""Wider mix of signals beside a campaign, with seeds of its own, and what a detector makes of it.
+"""Wider mix of signals beside a campaign, with seeds of its own.
 
 Scenes of hands that are not steady follow published figures. Bands of tremor: G. G. Sutton, K.
 Sykes, J. Physiol. 191, 1967. Force variation of able fingers: H. S. Baweja et al., Exp. Brain Res.
@@ -11,34 +11,23 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.slip import mix_signals
-from benchmarks.slip.mix_signals import REACTION_S, LabelledSignal
+from benchmarks.slip.mix_signals import LabelledSignal
 from fingertip.design import Design
-from fingertip.foundation.numerics import poisson_interval
 from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.campaign import NEGATIVE_SCENES
-from fingertip.lab.campaign.run import quantile_s, separate_events
 from fingertip.sim.runs.pose import GRASP_POSE, ScenePose
 from fingertip.sim.runs.scene_and_manipulation_files import DIRECTIONS, SceneFile
-from fingertip.sim.signal.converter import SimulatedBoardDetector
 from fingertip.sim.simulation import article_trials
-from fingertip.slip.detectors.registry import find_detector_type, make_detector, select_inputs
-from fingertip.slip.traces.truth import intervals
 
-EARLY_S = 0.005
-"""Time before gross slip from which a detection counts as one of
-this slip [s]: the pad creeps already.
-"""
-SLIDE_STRENGTHS_V = (0.002, 0.004, 0.008, 0.016)
-BURSTS_V = (0.006, 0.025)
+BURSTS_V = 0.006, 0.025
 _CONTACT_S = 1.7
 """Time after which a grasp of the scene "drift" has been held for 1 s [s]."""
 
@@ -212,33 +201,25 @@ UNSTEADY: Mapping[str, Callable[[np.random.Generator], SceneFile]] = {
     "slips with pauses": _draw_pauses,
 }
 """Kind -> function that draws a scene of it."""
-EXCLUDED_FROM_TRAINING = ("steps of a hobby servo", "steps of a brushless servo", "setting down")
-"""Kinds that the detector `fast` was not fitted to: each of their
-steps looks like the start of a slip.
-"""
 
 
 @dataclass(frozen=True)
 class MixSize:
     events: int = 100
-    """Number of changes of grip; of fast closings; of taps; of
-    controller's steps, about; of bursts of either kind.
-    """
+    """Number of changes of grip, of fast closings, of taps, and of bursts."""
     noisy: int = 48
     """Trials in each condition of `benchmarks.slip.mix_signals.NOISES`."""
 
 
 def generate_mix(design: Design, size: MixSize, first_seed: int) -> Iterator[LabelledSignal]:
-    """Draw and simulate all signals of the mix; a hand gives one for each finger."""
+    """Draw and simulate all signals of the mix."""
     seeds = itertools.count(first_seed)
-    for found in call_each(
-        itertools.chain(_plan_events(design, size.events, seeds), _plan_noisy(design, size, seeds))
-    ):
-        yield from [found] if isinstance(found, LabelledSignal) else found
+    plans = (_plan_events(design, size.events, seeds), _plan_noisy(design, size, seeds))
+    yield from call_each(itertools.chain.from_iterable(plans))
 
 
-Draw: TypeAlias = "partial[Any]"
-"""Call that gives a signal, or those of several fingers."""
+Draw: TypeAlias = "partial[LabelledSignal]"
+"""Call that gives a signal."""
 
 
 def _plan_events(design: Design, events: int, seeds: Iterator[int]) -> Iterator[Draw]:
@@ -252,28 +233,9 @@ def _plan_events(design: Design, events: int, seeds: Iterator[int]) -> Iterator[
                 kind,
             )
 
-    for draw, share, options in (
-        (mix_signals.grip_steps, 7, ()),
-        (mix_signals.manipulation, 7, ()),
-        (mix_signals.abrupt_burst, 1, BURSTS_V),
-        (mix_signals.low_burst, 2, BURSTS_V),
-    ):
-        yield from (
-            partial(draw, design, next(seeds), *options) for _ in range(math.ceil(events / share))
-        )
+    for seed in itertools.islice(seeds, events):
+        yield partial(mix_signals.abrupt_burst, design, seed, *BURSTS_V)
 
-    for i in range(math.ceil(events / 2)):
-        yield partial(
-            mix_signals.long_slide,
-            design,
-            next(seeds),
-            SLIDE_STRENGTHS_V[i % len(SLIDE_STRENGTHS_V)],
-        )
-
-    yield from (
-        partial(mix_signals.ringing_knock, design, next(seeds))
-        for _ in range(math.ceil(events / 3))
-    )
     for kind, draw_scene in UNSTEADY.items():
         for seed in itertools.islice(seeds, math.ceil(events / 8)):
             scene = draw_scene(np.random.default_rng(seed))
@@ -303,201 +265,3 @@ def _plan_noisy(design: Design, size: MixSize, seeds: Iterator[int]) -> Iterator
     for i in range(math.ceil(size.noisy / 4)):
         for scene in (trials[(8 * i) % len(trials)], held):
             yield partial(mix_signals.in_condition, design, scene, next(seeds), "10 bits", coarse)
-
-
-@dataclass(frozen=True)
-class Outcome:
-    kind: str
-    strength_v: float
-    minutes: float
-    slides: int
-    delays_s: tuple[float, ...]
-    """Delays of the slips that were found, from gross slip [s]."""
-    motion_delays_s: tuple[float, ...]
-    on_shares: tuple[float, ...]
-    """Share of each slip, from its onset to its end, that is ON."""
-    alarms: int
-    alarms_s: tuple[float, ...]
-    events: int
-    disturbed: int
-    """Number of events that caused an alarm."""
-    false_on_share: float
-    """Share of the time without slip that is ON, where alarms count."""
-
-
-def assess(signal: LabelledSignal, on: NDArray[np.bool_], memory_s: float) -> Outcome:
-    """Compare the flags of a detector with what is known about a signal.
-
-    A slip is found if the detector turns ON between its onset, less `EARLY_S`, and its end. An
-    alarm is a transition to ON outside the slips, their creep, and the detector's memory after
-    them. Alarms closer together than `fingertip.lab.campaign.run.SAME_EVENT_S` count once.
-    """
-    time_s = np.arange(len(on)) / signal.rate_hz
-    found = intervals(time_s, on)
-    delays = []
-    motion_delays = []
-    shares = []
-    is_slip = np.zeros(len(on), dtype=bool)
-
-    for slide in signal.slides:
-        inside = [i for i in found if slide.onset_s - EARLY_S <= i.onset_s < slide.end_s]
-        if inside:
-            delays.append(max(0.0, inside[0].onset_s - slide.onset_s))
-            motion_delays.append(max(0.0, inside[0].onset_s - slide.motion_s))
-
-        during = (time_s >= slide.onset_s) & (time_s < slide.end_s)
-        shares.append(float(np.mean(on[during])) if during.any() else 0.0)
-        is_slip |= (time_s >= slide.motion_s) & (time_s < slide.end_s + memory_s)
-
-    alarms = separate_events(
-        i
-        for i in found
-        if i.onset_s >= signal.alarms_from_s
-        and not any(s.onset_s - EARLY_S <= i.onset_s < s.end_s + memory_s for s in signal.slides)
-    )
-    # Right before a slip, an alarm that the event causes and the detection of the slip cannot be
-    # told apart.
-    events = [
-        event
-        for event in signal.events
-        if not any(
-            event.onset_s < s.end_s and s.motion_s < event.end_s + REACTION_S for s in signal.slides
-        )
-    ]
-    disturbed = sum(
-        any(event.onset_s <= i.onset_s < event.end_s + REACTION_S for i in found)
-        for event in events
-    )
-    counted = ~is_slip & (time_s >= signal.alarms_from_s)
-
-    return Outcome(
-        kind=signal.kind,
-        strength_v=signal.strength_v,
-        minutes=signal.duration_s / 60,
-        slides=len(signal.slides),
-        delays_s=tuple(delays),
-        motion_delays_s=tuple(motion_delays),
-        on_shares=tuple(shares),
-        alarms=len(alarms),
-        alarms_s=tuple(alarm.onset_s for alarm in alarms),
-        events=len(events),
-        disturbed=disturbed,
-        false_on_share=float(np.mean(on[counted])) if counted.any() else 0.0,
-    )
-
-
-def run_detector(name: str, design: Design, signals: Iterable[LabelledSignal]) -> list[Outcome]:
-    """Run a detector, or the design's simulated board ahead of one
-    that reads it, with the design's noise.
-    """
-    outcomes = []
-    takes_envelope = find_detector_type(name).takes_envelope
-
-    for signal in signals:
-        detector = SimulatedBoardDetector(design) if takes_envelope else make_detector(name, design)
-        inputs = (signal.voltage_v,) if takes_envelope else select_inputs(signal, name)
-        outcomes.append(assess(signal, detector.process(*inputs).on, detector.memory_s))
-
-    return outcomes
-
-
-@dataclass(frozen=True)
-class MixSummary:
-    """Pooled outcomes of one kind of signal."""
-
-    outcomes: tuple[Outcome, ...]
-
-    @property
-    def slides(self) -> int:
-        return sum(outcome.slides for outcome in self.outcomes)
-
-    @property
-    def found_share(self) -> float:
-        return (
-            sum(len(outcome.delays_s) for outcome in self.outcomes) / self.slides
-            if self.slides
-            else math.nan
-        )
-
-    def delay_s(self, fraction: float) -> float:
-        return quantile_s(
-            [d for outcome in self.outcomes for d in outcome.delays_s], self.slides, fraction
-        )
-
-    def motion_delay_s(self, fraction: float) -> float:
-        return quantile_s(
-            [d for outcome in self.outcomes for d in outcome.motion_delays_s], self.slides, fraction
-        )
-
-    @property
-    def worst_s(self) -> float:
-        """Longest delay from gross slip of a slip that was found [s]; infinite if none was."""
-        return max((d for outcome in self.outcomes for d in outcome.delays_s), default=math.inf)
-
-    @property
-    def smallest_on_share(self) -> float:
-        """Smallest share of any slip that is ON."""
-        return min(
-            (share for outcome in self.outcomes for share in outcome.on_shares), default=math.nan
-        )
-
-    @property
-    def minutes(self) -> float:
-        """Duration in which alarms count [min]."""
-        return sum(outcome.minutes for outcome in self.outcomes)
-
-    @property
-    def alarms(self) -> int:
-        return sum(outcome.alarms for outcome in self.outcomes)
-
-    @property
-    def alarms_per_minute(self) -> float:
-        return self.alarms / self.minutes if self.minutes else 0.0
-
-    @property
-    def events(self) -> int:
-        return sum(outcome.events for outcome in self.outcomes)
-
-    @property
-    def disturbed_share(self) -> float:
-        return (
-            sum(outcome.disturbed for outcome in self.outcomes) / self.events
-            if self.events
-            else math.nan
-        )
-
-    def as_data(self) -> dict[str, float | None]:
-        """Convert it to plain data for JSON; None for what these signals do not show."""
-        shares = [share for outcome in self.outcomes for share in outcome.on_shares]
-        found = {
-            "slips": self.slides,
-            "found": sum(len(outcome.delays_s) for outcome in self.outcomes),
-            "median_ms": 1000 * self.delay_s(0.5) if self.slides else math.nan,
-            "p90_ms": 1000 * self.delay_s(0.9) if self.slides else math.nan,
-            "worst_ms": 1000 * self.worst_s,
-            "p90_from_motion_ms": 1000 * self.motion_delay_s(0.9) if self.slides else math.nan,
-            "on_share": sum(shares) / len(shares) if shares else math.nan,
-            "least_on_share": self.smallest_on_share,
-            "events": self.events,
-            "disturbed": sum(outcome.disturbed for outcome in self.outcomes),
-            "alarms": self.alarms,
-            "minutes": self.minutes,
-            "most_alarms_per_minute": poisson_interval(self.alarms)[1] / self.minutes
-            if self.minutes
-            else math.nan,
-        }
-        return {name: value if math.isfinite(value) else None for name, value in found.items()}
-
-
-def summarise(outcomes: Iterable[Outcome]) -> dict[str, MixSummary]:
-    """Pool outcomes by kind, and those in all conditions of
-    `benchmarks.slip.mix_signals.NOISES` together.
-    """
-    groups: dict[str, list[Outcome]] = {}
-    for outcome in outcomes:
-        groups.setdefault(outcome.kind, []).append(outcome)
-
-    groups["unstated noise"] = [
-        outcome for kind in mix_signals.NOISES for outcome in groups.get(kind, [])
-    ]
-    return {kind: MixSummary(tuple(group)) for kind, group in groups.items() if group}

@@ -21,20 +21,18 @@ from __future__ import annotations
 import csv
 import io
 import tomllib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from benchmarks import held_out_signals
 from benchmarks.slip.mix_signals import LabelledSignal, Slide
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.foundation.input_files import PARSED_LIMIT, read_input
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors.registry import find_second_column
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.sampling import rate_bounds_message
 from fingertip.slip.traces.trace import ColumnMap, RawTrace
@@ -94,50 +92,20 @@ class Recording:
     signal: LabelledSignal
     stretches: tuple[Stretch, ...]
     """Stretches without slip that are labelled."""
-    quiet: Array | None = None
-    """Samples of a quiet stretch, from which detectors take the
-    noise; None: the design's noise holds.
+    rest: Array | None = None
+    """Samples of a stated rest, from the end of which detectors take the noise; None: the design's
+    noise holds.
     """
     rises_with_force: bool | None = None
     """True if the signal rises as the force grows; None: as on the design's board."""
+    design: Design | None = None
+    """Design whose detectors hear it; None: that of the command."""
 
 
 @dataclass(frozen=True)
 class RecordingSet:
     title: str
     recordings: tuple[Recording, ...]
-
-
-def draw_held_out(
-    design: Design, share: float, seed: int, rows: Iterable[str] = held_out_signals.ROWS
-) -> Iterator[Recording]:
-    """Draw the benchmark's own signals
-    (`benchmarks/held_out_signals.py`), or a share of them, for a
-    design's board.
-    """
-    board = "A" if find_second_column(design, "fast") is None else "S"
-    for row in rows:
-        for made in held_out_signals.generate(row, board, seed, count_held_out(row, share)):
-            slides = tuple(Slide(*slip) for slip in made.slips)
-            events = tuple(Interval(*event) for event in made.events)
-            signal = LabelledSignal(
-                kind=row,
-                rate_hz=held_out_signals.RATE_HZ,
-                voltage_v=made.tactile_v,
-                slides=slides,
-                events=events,
-                alarms_from_s=made.quiet_from_s,
-                filtered_v=made.filtered_v,
-            )
-            # What a row without slips and events holds is the same from its start to its end.
-            whole_s = Interval(made.quiet_from_s, len(made.tactile_v) / held_out_signals.RATE_HZ)
-            spans = events if slides or events else (whole_s,)
-            yield Recording(signal, tuple(Stretch(row, span.onset_s, span.end_s) for span in spans))
-
-
-def count_held_out(row: str, share: float) -> int:
-    """Count the recordings of a row in a share of all: at least two."""
-    return max(2, round(share * held_out_signals.COUNTS[row]))
 
 
 def read_folder(
@@ -310,14 +278,14 @@ def _share_quiet(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
     """Give recordings without a quiet stretch that of the first one
     that has any, or else their own beginning.
     """
-    first = next((recording.quiet for recording in recordings if recording.quiet is not None), None)
+    first = next((recording.rest for recording in recordings if recording.rest is not None), None)
 
     def choose(one: Recording) -> Recording:
-        if one.quiet is not None:
+        if one.rest is not None:
             return one
 
         begin = one.signal.voltage_v[: round(MIN_QUIET_S * one.signal.rate_hz)]
-        return replace(one, quiet=begin if first is None else first)
+        return replace(one, rest=begin if first is None else first)
 
     return tuple(map(choose, recordings))
 

@@ -1,4 +1,4 @@
-"""Training of the detector `fast`: simulated signals, labels, and the fit of its trees.
+"""Training of the detector `fast`: signals, rows with labels and weights, and the fit of its table.
 
 A developer's tool.
 """

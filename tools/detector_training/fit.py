@@ -1,249 +1,214 @@
-"""Fit the trees of the detector `fast` and write their table.
+"""Fit the small table of the detector `fast`.
 
-Needs scikit-learn, which the package does not.
+    python -m tools.detector_training.fit FOLDER --out FILE [--sizes 1000] [--draws 3] [--small]
 
-    python -m tools.detector_training.fit [--trials 1350] [--events 450] [--disturbances 300]
-        [--repeat 0] [--out FILE]
-
-The first round labels features that were computed without trees. Each further round computes them
-with the trees of the round before, and gives more weight to the false alarms and the late slips of
-all rounds so far. The same versions of Python, numpy and scikit-learn give the same table;
-thresholds and leaves are rounded to six digits.
+Needs scikit-learn, which the package does not. FOLDER holds the public sets of
+`benchmarks.slip.real_sets`: the halves for tuning are trained on. Each draw takes other seeds of
+the generators. Each table is run over the tuning half of the fair bench, and the draw whose number
+of alarms is the median is written; several sizes print their curve, and the last is written.
+`--small` fits in a minute, without real sets, to see that the same versions of Python, numpy and
+scikit-learn still give the same table.
 """
 
 from __future__ import annotations
 
 import argparse
-import hashlib
-import json
-import pickle
 import platform
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fingertip.foundation.numerics import Array
+from benchmarks.slip.bench import Results, measure, select
+from benchmarks.slip.competitors import Row
+from benchmarks.slip.goals import BURST, STEADY
+from benchmarks.slip.own_sets import LINES, TUNING
+from benchmarks.slip.real import hash_sets, list_sources
+from benchmarks.slip.real_sets import SLIDES, RealSet, list_real
+from fingertip.design import Design
 from fingertip.foundation.workers import count_processors, side_by_side
-from fingertip.slip.detectors import fast_coefficients as fast_model
-from fingertip.slip.detectors.fast_coefficients import DEPTH, NODES, FastModel
-from tools.detector_training.rows import Rows, collect
-from tools.detector_training.signals import (
-    DISTURBANCES_FROM,
-    FIRST_SEED,
-    MANIPULATIONS_FROM,
-    TrainingSignal,
-    generate,
+from fingertip.slip.detectors.fast_table import (
+    ALWAYS_LEFT,
+    DEPTH,
+    NODES,
+    TABLE,
+    BlowTable,
+    write_table,
 )
+from tools.detector_training.rows import Rows, collect_all, weigh
+from tools.detector_training.signals import SEEDS, SHARE, list_own_training, list_training
 
-TREES = 88
-ROUNDS = 4
-LEARNING_RATE = 0.2
-THRESHOLD = -0.2
-NOISE_RISE = 0.6
-INCIPIENT_THRESHOLD = 1.0
-"""Mean score from which slip is ON, its rise in more noise than stated, and score from which slip
-may begin. They were chosen on the real slides for tuning and on a seed of the held-out signals that
-does not judge.
-"""
-ROUND_THRESHOLD = 1.4
-ROUND_INCIPIENT_THRESHOLD = 0.7
-"""Scores of the detector of the round before: above the first, a
-row without slip counts as its false alarm.
-"""
-SEEDS = {"simulated": FIRST_SEED, "drawn": DISTURBANCES_FROM, "manipulations": MANIPULATIONS_FROM}
-NEVER = -50.0
-"""Score of a model without trees."""
-_ALWAYS_LEFT = 3e38
-"""Threshold of a node below which a tree does not branch: representable in single precision."""
+PLAN = {40: (1, 1.0), 200: (6, 0.6), 1000: (33, 0.25), 3000: (97, 0.15)}
+"""Size, about, in thresholds, leaves and offset -> number of trees, and rate of learning."""
+LEAVES_PENALTY = 5.0
+LEAST_ROWS = 60
+"""Regularisation of the leaves, and least number of rows in one."""
+SMALL_SEEDS = (1001,)
+SMALL_SHARE = 0.05
+SMALL_COUNT = 4
+SMALL_SIZE = 200
+BENCH_SHARE = 0.15
+"""Share of the project's own signals on which a table is chosen, for each of five seeds."""
 
 
-def main() -> None:
-    """Fit and write the table."""
+def main(words: Sequence[str] | None = None) -> None:
+    """Fit, print what each table reaches, and write one."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--trials", type=int, default=1350)
-    parser.add_argument("--events", type=int, default=450)
-    parser.add_argument("--disturbances", type=int, default=300)
-    parser.add_argument("--trees", type=int, default=TREES)
-    parser.add_argument("--rounds", type=int, default=ROUNDS)
-    parser.add_argument(
-        "--repeat",
-        type=int,
-        default=0,
-        choices=range(3),
-        help="fit with other seeds",
-    )
-    parser.add_argument(
-        "--cache", type=Path, help="file that keeps the signals from one fit to the next"
-    )
-    parser.add_argument(
-        "--out", type=Path, default=Path(fast_model.__file__).with_name(fast_model.TABLE)
-    )
-    arguments = parser.parse_args()
-    sizes = {
-        "trials": arguments.trials,
-        "events": arguments.events,
-        "disturbances": arguments.disturbances,
-        "repeat": arguments.repeat,
-    }
-    signals = load_signals(arguments.cache, sizes)
-    model = FastModel(
-        features=np.zeros(0),
-        thresholds=np.zeros(0),
-        leaves=np.zeros(0),
-        offset=NEVER,
-        threshold=THRESHOLD,
-        noise_rise=NOISE_RISE,
-        incipient_threshold=INCIPIENT_THRESHOLD,
-    )
-    factors: list[Array] = []
-
-    for number in range(arguments.rounds):
-        before = replace(
-            model,
-            threshold=ROUND_THRESHOLD,
-            incipient_threshold=ROUND_INCIPIENT_THRESHOLD,
-            noise_rise=0.0,
-        )
-        rows, factors = collect(signals, before, number, factors)
-        print(
-            f"round {number + 1}: {len(rows.labels)} rows, {100 * rows.labels.mean():.1f} % slip",
-            flush=True,
-        )
-        model = fit(rows, arguments.trees)
-        card = make_card(signals, sizes, number + 1)
-        arguments.out.write_text(as_json(model, card), encoding="utf-8")
-
-
-def load_signals(cache: Path | None, sizes: Mapping[str, int]) -> list[TrainingSignal]:
-    """Load the signals from the cache, or generate them."""
-    if cache and cache.exists():
-        with cache.open("rb") as file:
-            loaded: list[TrainingSignal] = pickle.load(file)
-
-        return loaded
+    parser.add_argument("folder", nargs="?", type=Path)
+    parser.add_argument("--out", type=Path, default=Path(TABLE))
+    parser.add_argument("--sizes", type=int, nargs="+", default=[1000], choices=list(PLAN))
+    parser.add_argument("--draws", type=int, default=len(SEEDS), choices=range(1, len(SEEDS) + 1))
+    parser.add_argument("--small", action="store_true", help="fit to a few own signals alone")
+    options = parser.parse_args(words)
 
     with side_by_side(count_processors()):
-        signals = list(generate(**sizes))
+        if options.small:
+            write_small(options.out)
+        elif options.folder is None:
+            parser.error("the folder of the public sets is missing")
+        else:
+            fit_all(options.folder, options.out, options.sizes, options.draws)
 
-    if cache:
-        with cache.open("wb") as file:
-            pickle.dump(signals, file)
 
-    return signals
+def write_small(out: Path) -> None:
+    """Fit a table to a few signals of the project's own."""
+    sources = list_own_training(SMALL_SEEDS, SMALL_SHARE, SMALL_COUNT, SMALL_COUNT)
+    table = fit(collect_all(sources), SMALL_SIZE)
+    card = make_card(table, {"seeds": SMALL_SEEDS, "share": SMALL_SHARE})
+    out.write_text(write_table(table, card), encoding="utf-8")
 
 
-def fit(rows: Rows, trees: int) -> FastModel:
-    """Fit boosted trees to rows, and round them."""
+def fit_all(folder: Path, out: Path, sizes: Sequence[int], draws: int) -> None:
+    """Fit tables of some sizes to each draw, and write the median of the last size."""
+    sets = list_real(folder, TUNING)
+    files = hash_sets(sets)
+    judged = dict[int, list[Judged]]()
+    for draw in range(draws):
+        rows = collect_all(list_training(folder, draw))
+        print(f"draw {draw}: {len(rows.is_slip)} rows, {100 * rows.is_slip.mean():.0f} % slip")
+        for size in sizes:
+            table = fit(rows, size)
+            card = make_card(table, {"seeds": SEEDS[draw], "share": SHARE, "files": files})
+            path = out.with_stem(f"{out.stem}_{size}_{draw}")
+            path.write_text(write_table(table, card), encoding="utf-8")
+            judged.setdefault(size, []).append(judge(path, sets))
+            print(f"{table.numbers} numbers, draw {draw}: {judged[size][-1].words}", flush=True)
+
+    ranked = sorted(judged[sizes[-1]], key=lambda one: one.alarms)
+    median = ranked[(len(ranked) - 1) // 2]
+    out.write_text(median.path.read_text(encoding="utf-8"), encoding="utf-8")
+    print(f"wrote {median.path.stem} to {out}")
+
+
+def fit(rows: Rows, size: int) -> BlowTable:
+    """Fit boosted trees of a size to rows, and complete each to `DEPTH` levels."""
     from sklearn.ensemble import HistGradientBoostingClassifier
 
+    trees, learning_rate = PLAN[size]
     boosted = HistGradientBoostingClassifier(
         max_iter=trees,
         max_depth=DEPTH,
         max_leaf_nodes=NODES + 1,
-        learning_rate=LEARNING_RATE,
-        l2_regularization=5.0,
-        min_samples_leaf=60,
+        learning_rate=learning_rate,
+        l2_regularization=LEAVES_PENALTY,
+        min_samples_leaf=LEAST_ROWS,
+        max_bins=128,
         early_stopping=False,
         random_state=0,
     )
-    boosted.fit(rows.features, rows.labels, sample_weight=rows.weights)
-    parts = [_complete(predictor.nodes) for (predictor,) in boosted._predictors]
-    features, thresholds, leaves = (np.concatenate(column) for column in zip(*parts, strict=True))
-    offset = float(boosted._baseline_prediction.ravel()[0])
-    scores = THRESHOLD, NOISE_RISE, INCIPIENT_THRESHOLD
-
-    return FastModel(features, _round(thresholds), _round(leaves), _round(offset), *scores)
-
-
-def _complete(nodes: Any) -> tuple[list[float], list[float], list[float]]:
-    """Complete a tree to `DEPTH` levels: a leaf further up fills the whole branch below it."""
-    features = [0.0] * NODES
-    thresholds = [_ALWAYS_LEFT] * NODES
-    leaves = [0.0] * (NODES + 1)
-
-    def place(source: int, node: int) -> None:
-        record = nodes[source]
-        if record["is_leaf"]:
-            first = last = node
-            while first < NODES:
-                first = 2 * first + 1
-                last = 2 * last + 2
-
-            for leaf in range(first, last + 1):
-                leaves[leaf - NODES] = float(record["value"])
-
-            return
-
-        features[node] = float(record["feature_idx"])
-        thresholds[node] = float(record["num_threshold"])
-        place(int(record["left"]), 2 * node + 1)
-        place(int(record["right"]), 2 * node + 2)
-
-    place(0, 0)
-    return features, thresholds, leaves
-
-
-def _round(values: Any) -> Any:
-    return (
-        np.vectorize(lambda value: float(f"{value:.6g}"))(values)
-        if np.ndim(values)
-        else float(f"{values:.6g}")
+    boosted.fit(rows.features, rows.is_slip, sample_weight=weigh(rows))
+    parts = [complete(predictor.nodes) for (predictor,) in boosted._predictors]
+    return BlowTable(
+        features=np.array([part.features for part in parts]),
+        thresholds=np.array([part.thresholds for part in parts], dtype=np.float32),
+        leaves=np.array([part.leaves for part in parts], dtype=np.float32),
+        offset=np.float32(boosted._baseline_prediction.ravel()[0]),
     )
 
 
-def make_card(
-    signals: Sequence[TrainingSignal], sizes: Mapping[str, int], rounds: int
-) -> dict[str, Any]:
-    """State what a model was fitted to, and with what: the same card gives the same bytes."""
+@dataclass(frozen=True, eq=False)
+class Tree:
+    features: NDArray[np.int64]
+    thresholds: NDArray[np.float64]
+    leaves: NDArray[np.float64]
+
+
+def complete(nodes: Any) -> Tree:
+    """Complete a tree to `DEPTH` levels: a leaf further up fills the whole branch below it."""
+    features = np.zeros(NODES, dtype=np.int64)
+    thresholds = np.full(NODES, ALWAYS_LEFT)
+    leaves = np.zeros(NODES + 1)
+
+    def place(source: int, node: int) -> None:
+        record = nodes[source]
+        if node >= NODES:
+            leaves[node - NODES] = record["value"]
+        elif record["is_leaf"]:
+            place(source, 2 * node + 1)
+            place(source, 2 * node + 2)
+        else:
+            features[node] = record["feature_idx"]
+            thresholds[node] = record["num_threshold"]
+            place(int(record["left"]), 2 * node + 1)
+            place(int(record["right"]), 2 * node + 2)
+
+    place(0, 0)
+    return Tree(features, thresholds, leaves)
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What a table reaches on the tuning half of the fair bench."""
+
+    path: Path
+    alarms: float
+    """Alarms on real grasps, doubled, in the steady lines and in hum, and percent of hits taken."""
+    words: str
+
+
+def judge(path: Path, sets: Sequence[RealSet]) -> Judged:
+    """Run `fast` with a table over the tuning half."""
+    row = Row(str(path))
+    sources = list_sources(sets, TUNING, BENCH_SHARE)
+    found = select(measure(Design.load("article"), [row], sources, (1.0,)), row)
+    steady = [kind for line in STEADY for kind in LINES[line]]
+    grasps = found.of("grasp", run=0).counted
+    hits = 100 * found.of("stick hit").taken_share
+    hum = found.of(*LINES["late hum"]).counted
+    alarms = found.of(*steady).counted
+    taken = ", ".join(
+        f"{100 * found.of(*LINES[k]).taken_share:.0f}" for k in ("taps", "knocks", "rings")
+    )
+    words = (
+        f"grasps {grasps}, slides {describe(found, *SLIDES)}, hits {hits:.0f} %, steady lines "
+        f"{alarms}, hum {hum}, taps, knocks and rings {taken} %, bursts {describe(found, BURST)}, "
+        f"trials {describe(found, *list_trials(found))}"
+    )
+    return Judged(path, 2 * grasps + alarms + hum + hits, words)
+
+
+def list_trials(found: Results) -> list[str]:
+    return sorted({kind for kind, _ in found.by_kind if kind.startswith("trials")})
+
+
+def describe(found: Results, *kinds: str) -> str:
+    """Describe how late each kind of slips was found, and how long it was ON."""
+    tallies = [found.of(kind) for kind in kinds]
+    late = ", ".join(f"{one.quantile_ms(0.9):.0f}" for one in tallies)
+    return f"{late} ms (ON {', '.join(f'{one.on_share:.3f}' for one in tallies)})"
+
+
+def make_card(table: BlowTable, signals: dict[str, Any]) -> dict[str, Any]:
+    """State what a table was fitted to, and with what: the same card gives the same bytes."""
     versions = {"python": platform.python_version()}
     versions |= {name: metadata.version(name) for name in ("numpy", "scipy", "scikit-learn")}
-    return {
-        "versions": versions,
-        "sizes": {**sizes, "signals": len(signals), "rounds": rounds},
-        "first_seeds": SEEDS,
-        "signals_sha256": hash_signals(signals),
-    }
-
-
-def hash_signals(signals: Sequence[TrainingSignal]) -> str:
-    digest = hashlib.sha256()
-    for item in signals:
-        for volts in (item.signal.voltage_v, item.signal.filtered_v):
-            digest.update(b"" if volts is None else volts.tobytes())
-
-    return digest.hexdigest()
-
-
-def as_json(model: FastModel, card: Mapping[str, Any]) -> str:
-    """Write a model as text, one tree to a line."""
-    table = {
-        "card": dict(card),
-        "offset": model.offset,
-        "threshold": model.threshold,
-        "noise_rise": model.noise_rise,
-        "incipient_threshold": model.incipient_threshold,
-        "features": [int(number) for number in model.features],
-        "thresholds": model.thresholds.tolist(),
-        "leaves": model.leaves.tolist(),
-    }
-    lines = []
-
-    for name, value in table.items():
-        if not isinstance(value, list):
-            lines.append(f"{json.dumps(name)}: {json.dumps(value)}")
-            continue
-
-        size = NODES + 1 if name == "leaves" else NODES
-        rows = [json.dumps(value[i : i + size])[1:-1] for i in range(0, len(value), size)]
-        lines.append(f"{json.dumps(name)}: [\n" + ",\n".join(rows) + "\n]")
-
-    return "{\n" + ",\n".join(lines) + "\n}\n"
+    return {"numbers": table.numbers, "versions": versions, **signals}
 
 
 if __name__ == "__main__":

@@ -1,179 +1,214 @@
-"""Rows to fit: the features of every tick at which the signal is loud, with label and weight."""
+"""Rows to fit: the features of each tick at which the table is asked, with label and weight."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
-from typing import NamedTuple
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.slip.mix_signals import LabelledSignal
-from fingertip.foundation.jit import compiled
+from benchmarks.slip.baselines import adapt
+from benchmarks.slip.bench import Source
+from benchmarks.slip.real_sets import SLIDES
+from benchmarks.slip.recordings import Recording
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors import fast_state
-from fingertip.slip.detectors.fast import FastDetector
-from fingertip.slip.detectors.fast_coefficients import FastModel
-from fingertip.slip.detectors.fast_settings import LOWEST_SCORE, SETTLING_S, TICK_S, FastSettings
-from tools.detector_training.signals import TrainingSignal
+from fingertip.foundation.workers import call_each
+from fingertip.slip.detectors.fast import FastDetector, collect_rows
+from fingertip.slip.detectors.registry import select_inputs
 
-EARLY_S = 0.004
-"""Time before gross slip from which a tick is labelled as slip [s]."""
-CREEP_S = 0.0055
-"""Time before gross slip up to which the creep before it is labelled as
-no slip [s]: an ON then counts as an alarm.
-"""
-ONSET_S = 0.08
-"""Time after the onset in which rows count most [s]: there the delay is decided."""
-AFTER_S = 0.1
-"""Time after a slip in which rows do not count [s]: the energy decays."""
-ONSET_WEIGHT = 3.0
-SLIP_WEIGHT = 1.0
-EVENT_WEIGHT = 2.0
-QUIET_WEIGHT = 0.25
-CREEP_WEIGHT = 0.3
-BURST_FACTOR = 2.0
-"""Factor of the weights of a burst: slip that the simulation of contact did not make."""
-ALARM_FACTORS = ((-3.0, 3.0), (-1.0, 14.0))
-"""Factors of the weight of rows without slip whose score, relative to the threshold, exceeded a
-value in a round before: its false alarms.
-"""
-LATE_S = 0.022
-LATE_FACTOR = 7.0
-FOUND_S = 0.01
-"""Delay from which a slip of a round before was late [s], the factor of the weight of its rows, and
-the time after the detection up to which it applies [s].
-"""
-CUTOFF_ERROR = 0.08
-GAIN_ERROR = 0.03
-"""Largest deviations of a real board's cutoff and gain, with capacitors of 10 %."""
-KEPT_SHARE = 0.35
-"""Share of the rows of low weight that are kept."""
+EARLY_S = 0.005
+END_S = 0.01
+"""Time before gross slip from which a tick is slip, and before a slip's end up to which [s]."""
+UNSURE_S = 0.01
+AFTER_S = 0.25
+"""Time before a slip's motion and after its end in which ticks do not count [s]."""
+SETTLING_S = 0.32
+LATE_S = 0.06
+LATE_SHARE = 0.1
+"""Time after an onset from which a tick of slip is late [s], and the share that is kept."""
+ABRUPT_S = 0.01
+OPENING_S = 0.03
+"""Times after an onset in which ticks weigh less: slip has hardly begun, or has been found [s]."""
+APART_S = 0.1
+"""Time without ticks between two events [s]."""
+SLIP_WEIGHTS = {
+    "slide full": 1.0,
+    "slide half": 1.0,
+    "slide quarter": 1.0,
+    "slide on board": 0.7,
+    "trials": 1.5,
+    "burst": 3.5,
+}
+OTHER_SLIP_WEIGHT = 1.2
+WEIGHTS = {
+    "grasp": 0.5,
+    "stick hit": 1.0,
+    "hand motion": 1.0,
+    "servo": 1.2,
+    "set-down": 0.6,
+    "isolated step": 1.3,
+    "force ramp": 0.5,
+    "release": 0.4,
+    "tap": 0.4,
+    "knock": 0.4,
+    "ring": 1.5,
+    "hum": 0.8,
+    "vibration": 0.15,
+}
+ON_GRASP = " on grasp"
+ON_GRASP_WEIGHT = 1.5
+OTHER_WEIGHT = 0.3
+"""Weight of all ticks of a kind of slip, and of a kind that is none, by the begin of its name."""
 
 
-class Rows(NamedTuple):
-    """Features, labels and weights."""
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Ticks of any number of recordings."""
 
-    features: Array
-    labels: Array
-    weights: Array
+    features: NDArray[np.float32]
+    is_slip: NDArray[np.bool_]
+    group: NDArray[np.str_]
+    """Kind of signal, to whose weight a tick contributes."""
+    event: NDArray[np.int64]
+    """Number of the event that a tick belongs to."""
+    since_s: Array
+    """Time since the onset of its slip [s]; infinite without one."""
 
 
-def label(signal: LabelledSignal, ticks: int) -> tuple[Array, Array]:
-    """Label every tick of a signal: 1 in slip, with its weight; 0 for rows that do not count."""
-    t = (np.arange(ticks) + 1) * TICK_S
-    labels = np.zeros(ticks)
-    weights = np.full(ticks, QUIET_WEIGHT)
-    for event in signal.events:
-        weights[(t >= event.onset_s - 0.01) & (t < event.end_s + 0.25)] = EVENT_WEIGHT
+def collect(source: Source) -> Rows:
+    """Compute the rows of a source."""
+    parts = [rows for one in source.read() if len((rows := collect_one(one)).is_slip)]
+    return join(parts) if parts else empty_rows()
+
+
+def collect_one(recording: Recording) -> Rows:
+    """Compute the rows of a recording, whose floors the truth guards in place of the table."""
+    assert recording.design is not None
+    design, recording = adapt(recording.design, recording)
+    signal = recording.signal
+    time_s = np.arange(len(signal.voltage_v)) / signal.rate_hz
+    is_slip = np.zeros(len(time_s), dtype=bool)
+    is_known = time_s >= max(signal.alarms_from_s, SETTLING_S)
+    onset_s = np.full(len(time_s), -np.inf)
 
     for slide in signal.slides:
-        early_s = slide.onset_s - EARLY_S
-        weights[(t >= slide.motion_s) & (t < early_s)] = 0.0
-        weights[(t >= slide.motion_s) & (t < slide.onset_s - CREEP_S)] = CREEP_WEIGHT
-        slipping = (t >= early_s) & (t < slide.end_s)
-        labels[slipping] = 1.0
-        weights[slipping] = SLIP_WEIGHT
-        weights[slipping & (t < slide.onset_s + ONSET_S)] = ONSET_WEIGHT
-        weights[(t >= slide.end_s) & (t < slide.end_s + AFTER_S)] = 0.0
+        around = (time_s >= slide.motion_s - UNSURE_S) & (time_s < slide.end_s + AFTER_S)
+        inside = (time_s >= slide.onset_s - EARLY_S) & (time_s < slide.end_s - END_S)
+        is_known[around & ~inside] = False
+        is_slip[inside] = True
+        onset_s[inside] = slide.onset_s
 
-    weights[t < SETTLING_S] = 0.0
-    return labels, weights * BURST_FACTOR if signal.kind.startswith("burst") else weights
+    inputs = select_inputs(signal, "fast")
+    filtered_v = inputs[1] if len(inputs) > 1 else None
+    detector = FastDetector.for_design(design)
+    features, places = collect_rows(detector, signal.voltage_v, filtered_v, is_slip)
+    if not len(places):
+        return empty_rows()
+
+    kept = is_known[places] & ~_thin(time_s[places] - onset_s[places], is_slip[places])
+    return _make_rows(features[kept], places[kept], signal.rate_hz, is_slip, onset_s, signal.kind)
 
 
-def emphasise(signal: LabelledSignal, labels: Array, scores: Array, on: NDArray[np.bool_]) -> Array:
-    """Compute the factor of each tick's weight: more than 1 for false alarms, and for slip that was
-    found late.
+def _thin(since_s: Array, is_slip: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Choose the late ticks of slip to leave out."""
+    drawn = np.random.default_rng(len(since_s)).random(len(since_s))
+    return is_slip & (since_s > LATE_S) & (drawn >= LATE_SHARE)
 
-    Parameters
-    ----------
-    signal
-        The signal.
-    labels
-        Label of each tick.
-    scores
-        Score of each tick, relative to the threshold.
-    on
-        Flag of the detector at each tick.
+
+def _make_rows(
+    features: NDArray[np.float32],
+    places: NDArray[np.int64],
+    rate_hz: float,
+    is_slip: NDArray[np.bool_],
+    onset_s: Array,
+    kind: str,
+) -> Rows:
+    """Join features with their labels; ticks apart from the ones before begin another event."""
+    labels = is_slip[places]
+    groups = [find_group(kind, one) for one in (False, True)]
+    begins = np.diff(places, prepend=places[:1]) > APART_S * rate_hz
+    return Rows(
+        features=features,
+        is_slip=labels,
+        group=np.where(labels, groups[1], groups[0]),
+        event=np.cumsum(begins),
+        since_s=np.where(labels, places / rate_hz - onset_s[places], np.inf),
+    )
+
+
+def find_group(kind: str, is_slip: bool) -> str:
+    """Find the group whose weight a tick of a kind of signal contributes to."""
+    if kind.endswith(ON_GRASP):
+        return ON_GRASP
+
+    if kind in SLIDES and not is_slip:
+        return "grasp"  # to which the slide is joined
+
+    known = SLIP_WEIGHTS if is_slip else WEIGHTS
+    return next((name for name in known if kind.startswith(name)), "other")
+
+
+def empty_rows() -> Rows:
+    return Rows(
+        features=np.zeros((0, 0), dtype=np.float32),
+        is_slip=np.zeros(0, dtype=bool),
+        group=np.zeros(0, dtype=str),
+        event=np.zeros(0, dtype=np.int64),
+        since_s=np.zeros(0),
+    )
+
+
+def join(parts: Iterable[Rows]) -> Rows:
+    """Join rows; events stay apart."""
+    shifted = list[Rows]()
+    last = 0
+    for one in parts:
+        if not len(one.is_slip):
+            continue
+
+        shifted.append(replace(one, event=one.event + last))
+        last = int(shifted[-1].event.max()) + 1
+
+    columns = {
+        name: np.concatenate([getattr(one, name) for one in shifted]) for name in vars(shifted[0])
+    }
+    return Rows(**columns)
+
+
+def collect_all(sources: Iterable[Source]) -> Rows:
+    """Compute the rows of all sources, side by side."""
+    return join(call_each(partial(collect, source) for source in sources))
+
+
+def weigh(rows: Rows) -> Array:
+    """Compute the weight of each row.
+
+    An event counts by the root of its ticks, so that long motion of a hand does not drown the rest;
+    all ticks of a group count as its weight says.
     """
-    factors = np.ones(len(labels))
-    for above, value in ALARM_FACTORS:
-        factors[(scores > above) & (labels == 0.0)] = value
+    weights = np.ones(len(rows.is_slip))
+    is_burst = rows.group == "burst"
+    weights[rows.is_slip & (rows.since_s > OPENING_S)] = 0.5
+    weights[rows.is_slip & (rows.since_s < ABRUPT_S)] = 0.3
+    weights[rows.is_slip & (rows.since_s < ABRUPT_S) & is_burst] = 0.8
+    _, event, ticks = np.unique(rows.event, return_inverse=True, return_counts=True)
+    weights /= np.sqrt(ticks[event])
 
-    t = (np.arange(len(labels)) + 1) * TICK_S
-    for slide in signal.slides:
-        is_onset = (t >= slide.onset_s) & (t < min(slide.end_s, slide.onset_s + ONSET_S))
-        found = t[is_onset & on]
-        found_s = float(found[0]) if len(found) else slide.onset_s + ONSET_S
-        if found_s > slide.onset_s + LATE_S:
-            factors[is_onset & (t <= found_s + FOUND_S)] = LATE_FACTOR
+    for group in np.unique(rows.group):
+        for is_slip in (True, False):
+            inside = (rows.group == group) & (rows.is_slip == is_slip)
+            if inside.any():
+                weights[inside] *= find_weight(group, is_slip) / weights[inside].sum()
 
-    return factors
+    return np.asarray(weights * len(weights) / weights.sum())
 
 
-def collect(
-    signals: Sequence[TrainingSignal], model: FastModel, seed: int, factors: Sequence[Array]
-) -> tuple[Rows, list[Array]]:
-    """Run the detector with a model over signals and collect the rows.
+def find_weight(group: str, is_slip: bool) -> float:
+    if group == ON_GRASP:
+        return ON_GRASP_WEIGHT
+    if is_slip:
+        return SLIP_WEIGHTS.get(group, OTHER_SLIP_WEIGHT)
 
-    The detector assumes the cutoff and the gain of an ideal board; the real one deviates from them.
-
-    Parameters
-    ----------
-    signals
-        The signals.
-    model
-        Trees of the round before, or none.
-    seed
-        Seed of the boards' deviations and of the choice of rows.
-    factors
-        Largest factor of each tick's weight in the rounds before, for each signal; empty in the
-        first.
-
-    Returns
-    -------
-    tuple
-        The rows, and the factors with those of this model. What one round has learned, the next
-        does not forget.
-    """
-    rng = np.random.default_rng(seed)
-    low = fast_state.UPPER_LOUD_20
-    parts: list[tuple[Array, Array, Array]] = []
-    known: list[Array] = []
-
-    with compiled():
-        for number, item in enumerate(signals):
-            signal = item.signal
-            settings = replace(
-                FastSettings.from_design(item.design), suspects_inputs=False, mean_s=0.0
-            )
-            if settings.filtered:
-                cutoff_hz = settings.cutoff_hz * (1 + rng.uniform(-CUTOFF_ERROR, CUTOFF_ERROR))
-                gain = settings.filtered.gain * (1 + rng.uniform(-GAIN_ERROR, GAIN_ERROR))
-                settings = replace(
-                    settings, cutoff_hz=cutoff_hz, filtered=replace(settings.filtered, gain=gain)
-                )
-
-            output, found = FastDetector(settings, model).compute_features(
-                signal.voltage_v, signal.filtered_v
-            )
-            labels, weights = label(signal, len(found))
-            if model.trees:
-                every = round(TICK_S * signal.rate_hz)
-                at_ticks = slice(every - 1, every * len(found), every)
-                # The confidence is 1 at the threshold and 0 at the lowest score.
-                scores = (output.confidence[at_ticks] - 1) * (model.threshold - LOWEST_SCORE)
-                factor = emphasise(signal, labels, scores, output.on[at_ticks])
-                known.append(np.maximum(factor, factors[number]) if factors else factor)
-                weights = weights * known[-1]
-
-            loud = (found[:, [0, 2]] > fast_state.UPPER_LOUD).any(axis=1) | (
-                found[:, [1, 3]] > low
-            ).any(axis=1)
-            thinned = rng.random(len(found)) < KEPT_SHARE
-            kept = loud & (weights > 0.0) & (thinned | (weights >= 1.0))
-            weights = np.where(weights < 1.0, weights / KEPT_SHARE, weights)
-            parts.append((found[kept].astype(np.float32), labels[kept], weights[kept]))
-
-    return Rows(*(np.concatenate(column) for column in zip(*parts, strict=True))), known
+    return WEIGHTS.get(group, OTHER_WEIGHT)

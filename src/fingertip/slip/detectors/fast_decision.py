@@ -42,6 +42,8 @@ LONG_RATIO = 1.65
 """Multiples of the floor above which the two means are incipient slip."""
 HOLD_RATIO = 0.95
 """Multiple of the floor above which a mean keeps slip ON."""
+UNHEARD_S = 0.5
+"""Time without a crossing after which ON ends [s]: what is left may be noise."""
 MIN_AGE_TICKS = 3
 """Ticks after the crossing from which on the table is asked."""
 GAP_TICKS = 5
@@ -137,11 +139,14 @@ class FastDecision:
         self._after_ticks = settings.ticks(AFTER_S)
         self._vetoed_ticks = settings.ticks(VETOED_S)
         self._tone_ticks = settings.ticks(TONE_S)
+        self._unheard_ticks = settings.ticks(UNHEARD_S)
 
         white = white_energies(settings.sample_rate_hz, settings.cutoff_hz)
         self._step_energies = np.array(white, dtype=np.float32) * np.float32(STEP_RATIO**2)
         self._step_level = np.float32(STEP_RATIO * NOISE_MEAN * math.sqrt(white[-1]))
-        self._least_v = np.float32(settings.least_level_v)
+        least_noise_v = settings.min_noise_share * settings.noise_v
+        self._least_energies = np.array(white, dtype=np.float32) * np.float32(least_noise_v**2)
+        self._least_v = np.float32(least_noise_v * NOISE_MEAN * math.sqrt(white[-1]))
         self._least_filtered_v = np.float32(MIN_FILTERED_V)
 
         noise_v = MIN_FILTERED_V / NOISE_MEAN if with_filtered else settings.noise_v
@@ -249,11 +254,13 @@ class FastDecision:
         return decisions, AskedTicks(np.array(rows, dtype=np.float32), np.array(asked, dtype=int))
 
     def _find_least(self, ticks: Ticks) -> tuple[Singles, Singles]:
-        """Least floor and least energies at rest: those of a converter's steps, or of the board."""
+        """Least floor and least energies at rest: those of a converter's steps, or of the noise."""
         least = np.where(ticks.is_filtered, self._least_filtered_v, self._least_v)
-        step_energies = (ticks.step * ticks.step)[:, None] * self._step_energies
-        step_energies[:, 0] = ticks.slow_step * ticks.slow_step * self._step_energies[0]
-        return np.maximum(least, ticks.step * self._step_level), step_energies
+        energies = (ticks.step * ticks.step)[:, None] * self._step_energies
+        energies[:, 0] = ticks.slow_step * ticks.slow_step * self._step_energies[0]
+        is_noisy = ~ticks.is_filtered[:, None] | (np.arange(ENERGIES) == 0)
+        energies = np.maximum(energies, np.where(is_noisy, self._least_energies, 0))
+        return np.maximum(least, ticks.step * self._step_level), energies
 
     def _follow(
         self, short: np.float32, long: np.float32, floor: np.float32, is_blocked: bool
@@ -268,7 +275,7 @@ class FastDecision:
         above = bool(short > self._short_ratio * floor or long > self._long_ratio * floor)
         self.incipient = above
         if above:
-            self.age += 1 + self.missed
+            self.age = self.age + 1 + self.missed if self.age else 1
             self.missed = 0
         else:
             self.missed += 1
@@ -278,7 +285,8 @@ class FastDecision:
 
         if self.on:
             hold = np.float32(HOLD_RATIO) * floor
-            self.on = bool(short > hold or long > hold)
+            is_heard = self.missed <= self._unheard_ticks
+            self.on = bool(is_heard and (short > hold or long > hold))
             self.is_second = not self.is_second
             if not self.on:
                 self.odds = np.float32(0.0)
@@ -291,7 +299,6 @@ class FastDecision:
         """Forget the crossing, which has ended."""
         self.age = 0
         self.vetoed = 0
-        self.missed = 0
         self.odds = np.float32(0.0)
 
     def _judge(self, odds: np.float32) -> None:

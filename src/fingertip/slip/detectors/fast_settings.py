@@ -48,7 +48,11 @@ voltage and in the filtered signal.
 MIN_NOISE_V_RTHZ = 1.26e-5
 """Smallest noise density taken for stated [V/sqrt(Hz)]."""
 MIN_NOISE_SHARE = 0.2
-"""Smallest noise that is learned from the tactile voltage, as a share of the stated noise."""
+DIVIDER_NOISE_SHARE = 1.0
+"""Smallest noise that is learned from the tactile voltage of a board, and of a divider, as a share
+of the stated noise. A divider is silent in the air, where its sensor passes nothing, and has its
+noise in touch.
+"""
 MIN_FILTERED_V = 6e-5
 """Smallest mean vibration that is learned from the filtered signal, at the filter's input [V]."""
 NOISE_MEAN = math.sqrt(2 / math.pi)
@@ -89,6 +93,8 @@ class FastSettings:
     """Stated white RMS noise [V]. It tells what is no voltage, and the least that is learned."""
     threshold_scale: float = 1.0
     """Factor of both thresholds, to trade delay for false alarms."""
+    min_noise_share: float = MIN_NOISE_SHARE
+    """Smallest noise that is learned from the tactile voltage, as a share of the stated one."""
     cutoff_hz: float = 67.0
     """Cutoff of the high-pass filter [Hz]."""
     filtered: FilteredSignal | None = None
@@ -107,6 +113,7 @@ class FastSettings:
         return cls(
             sample_rate_hz=rate_hz,
             noise_v=stated_v if noise_v is None else noise_v,
+            min_noise_share=MIN_NOISE_SHARE if design.board.has_filter else DIVIDER_NOISE_SHARE,
             cutoff_hz=design.board.cutoff_hz,
             filtered=FilteredSignal.from_design(design),
         )
@@ -127,12 +134,6 @@ class FastSettings:
     def ticks(self, time_s: float) -> int:
         """Number of ticks of a time."""
         return max(1, round(time_s / self.tick_s))
-
-    @property
-    def least_level_v(self) -> float:
-        """Least mean vibration that the floor of the tactile voltage may have [V]."""
-        wide = white_energies(self.sample_rate_hz, self.cutoff_hz)[-1]
-        return MIN_NOISE_SHARE * self.noise_v * NOISE_MEAN * math.sqrt(wide)
 
 
 class FastFilters(NamedTuple):

@@ -60,11 +60,21 @@ def find_noise_v(name: str, design: Design, recording: Recording) -> float | Non
 def detect(
     design: Design, recording: Recording, factor: float, table: Path | None = None
 ) -> FastOutput:
-    """Run `fast` over a recording, for both of its flags. It learns the noise by itself."""
+    """Run `fast` over a recording, for both of its flags."""
     design, recording = adapt(design, recording)
-    settings = replace(FastSettings.from_design(design), threshold_scale=factor)
+    settings = replace(make_settings(design, recording), threshold_scale=factor)
     detector = FastDetector(settings, None if table is None else load_file(table))
     return detector.process(*select_inputs(recording.signal, "fast"))
+
+
+def make_settings(design: Design, recording: Recording) -> FastSettings:
+    """Make the settings of `fast`, which learns its floors by itself.
+
+    Of a signal that is no voltage, the rest tells it what is a glitch.
+    """
+    rest = recording.rest
+    noise_v = None if rest is None else FastDetector.equivalent_noise_v(design, rest)
+    return FastSettings.from_design(design, noise_v)
 
 
 @functools.cache

@@ -149,10 +149,14 @@ def list_generated(seeds: Sequence[int], share: float = SHARE) -> list[Generated
     ]
 
 
-def list_own(half: str, share: float = SHARE) -> list[Generated | Bursts | Trials]:
+def list_own(
+    half: str, share: float = SHARE, trials_each: int = TRIALS
+) -> list[Generated | Bursts | Trials]:
     """List all signals of the project's own for a half."""
     bursts = [Bursts(design, BURST_SEEDS[half]) for design in BOARDS.values()]
     trials = [
-        Trials(design, law, TRIAL_SEEDS[half]) for design in TRIAL_DESIGNS for law in LOAD_LAWS
+        Trials(design, law, TRIAL_SEEDS[half], trials_each)
+        for design in TRIAL_DESIGNS
+        for law in LOAD_LAWS
     ]
     return [*trials, *bursts, *list_generated(SEEDS[half], share)]

@@ -29,6 +29,7 @@ from benchmarks.slip.own_sets import (
     LOAD_LAWS,
     SHARE,
     TRIAL_DESIGNS,
+    TRIALS,
     TUNING,
     list_own,
     name_trials,
@@ -273,11 +274,13 @@ def hash_sets(sets: Sequence[RealSet]) -> dict[str, dict[str, Any]]:
     return hashed
 
 
-def list_sources(sets: Sequence[RealSet], half: str, share: float) -> list[Source]:
+def list_sources(
+    sets: Sequence[RealSet], half: str, share: float, trials_each: int = TRIALS
+) -> list[Source]:
     """List all that is judged: real sets, grasps of the other half, and own signals."""
     other = TUNING if half == JUDGING else JUDGING
     more = [replace(one, half=other, run=OTHER_HALF) for one in sets if one.name == "grasps"]
-    own = list_own(half, share) if share else []
+    own = list_own(half, share, trials_each) if share else []
     parts = [part for one in [*sets, *more] for part in one.divide(PARTS)]
     return [*parts, *own]
 

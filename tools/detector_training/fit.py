@@ -51,8 +51,11 @@ SMALL_SEEDS = (1001,)
 SMALL_SHARE = 0.05
 SMALL_COUNT = 4
 SMALL_SIZE = 200
-BENCH_SHARE = 0.15
-"""Share of the project's own signals on which a table is chosen, for each of five seeds."""
+BENCH_SHARE = 0.1
+BENCH_TRIALS = 30
+"""Share of the project's own signals on which a table is chosen, for each of five seeds, and number
+of trials with each design.
+"""
 
 
 def main(words: Sequence[str] | None = None) -> None:
@@ -175,7 +178,7 @@ class Judged:
 def judge(path: Path, sets: Sequence[RealSet]) -> Judged:
     """Run `fast` with a table over the tuning half."""
     row = Row(str(path))
-    sources = list_sources(sets, TUNING, BENCH_SHARE)
+    sources = list_sources(sets, TUNING, BENCH_SHARE, BENCH_TRIALS)
     found = select(measure(Design.load("article"), [row], sources, (1.0,)), row)
     steady = [kind for line in STEADY for kind in LINES[line]]
     grasps = found.of("grasp", run=0).counted

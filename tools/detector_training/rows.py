@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.slip.baselines import adapt
+from benchmarks.slip.baselines import adapt, make_settings
 from benchmarks.slip.bench import Source
 from benchmarks.slip.real_sets import SLIDES
 from benchmarks.slip.recordings import Recording
@@ -102,7 +102,7 @@ def collect_one(recording: Recording) -> Rows:
 
     inputs = select_inputs(signal, "fast")
     filtered_v = inputs[1] if len(inputs) > 1 else None
-    detector = FastDetector.for_design(design)
+    detector = FastDetector(make_settings(design, recording))
     features, places = collect_rows(detector, signal.voltage_v, filtered_v, is_slip)
     if not len(places):
         return empty_rows()

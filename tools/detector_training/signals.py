@@ -120,7 +120,7 @@ def disturb(grasp: Array, made: Recording, rng: np.random.Generator) -> Recordin
         f"{signal.kind} on grasp",
         grasp[:count] + strength * volts[:count],
         RATE_HZ,
-        None,
+        grasp[: round(REST_S * RATE_HZ)],
         events=events,
         alarms_from_s=signal.alarms_from_s,
     )

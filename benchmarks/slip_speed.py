@@ -158,7 +158,7 @@ def measure_break_even(samples: int) -> dict[str, object]:
 
     The long call runs in a fresh process without a `compiled()` block: the policy decides.
     """
-    from fingertip.slip.detectors import fast_loop
+    from fingertip.slip.detectors import fast_inputs
 
     loads = [json.loads(run_python(_LOAD)) for _ in range(COLD_ROUNDS)]
     imported, first, second = (
@@ -173,7 +173,7 @@ def measure_break_even(samples: int) -> dict[str, object]:
     )
     loops = {
         "digital": analog_and_digital._FILTER,
-        "fast": fast_loop.LOOP,
+        "fast": fast_inputs._FILTER,
         "analog": analog_and_digital._AVERAGE,
     }
 

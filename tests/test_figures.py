@@ -101,7 +101,7 @@ def test_one_value_of_a_detectors_table_makes_figures_old_and_a_comment_does_not
     )
     assert hash_detectors(tmp_path / "other") != known
 
-    loop = copy_detectors(tmp_path / "comment").with_name("fast_loop.py")
+    loop = copy_detectors(tmp_path / "comment").with_name("fast_decision.py")
     loop.write_text("# A comment.\n\n" + loop.read_text(encoding="utf-8"), encoding="utf-8")
     assert hash_detectors(tmp_path / "comment") == known
     assert hash_basis(ROOT, ["src/fingertip/slip/detectors"], ["fsr400"]) != known

@@ -32,8 +32,8 @@ class Trust:
         """Describe it as a sentence for people."""
         low_s, _, high_s = self.delay_s
         return (
-            f"{self.name}: on real recordings {self.slides} of {self.slides + self.others} such "
-            f"ON were slip, {1000 * low_s:.0f} to {1000 * high_s:.0f} ms after it began"
+            f"{self.name}: {self.slides} of {self.slides + self.others} such ON were slip on real "
+            f"recordings of a BioTac, {1000 * low_s:.0f} to {1000 * high_s:.0f} ms after it began"
         )
 
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 
 ENVELOPE_MEAN = "mean of the envelope"
+VIBRATION = "mean of the rectified vibration"
 
 
 @dataclass(frozen=True)
@@ -125,9 +126,9 @@ DETECTORS: dict[str, DetectorType] = {
         not_on_divider=_LOUD,
     ),
     "incipient": DetectorType(
-        words="fast at its early point",
+        words="fast at its early flag",
         input_column="voltage_v",
-        quantity="statistic of fast",
+        quantity=VIBRATION,
         load=_load_incipient,
         colour=RED,
         marker="o",
@@ -135,9 +136,9 @@ DETECTORS: dict[str, DetectorType] = {
         not_on_divider="takes knocks for slip on a divider, which gives no filtered signal",
     ),
     "fast": DetectorType(
-        words="short-time energy",
+        words="the article's chain over a learned floor",
         input_column="voltage_v",
-        quantity="statistic of fast",
+        quantity=VIBRATION,
         load=_load_fast,
         colour=RED,
         marker="D",

@@ -98,7 +98,12 @@ def draw(panels: Sequence[Panel], least_per_minute: float) -> bytes:
         for one in panel.curves.values()
         for point in one
     ]
-    x = Axis(least_per_minute, max([10.0, *filter(math.isfinite, rates)]), "alarms a minute", True)
+    x = Axis(
+        least_per_minute,
+        max([10.0 * least_per_minute, 10.0, *filter(math.isfinite, rates)]),
+        "alarms a minute",
+        True,
+    )
     parts = list[Markup]()
 
     for place, panel in enumerate(panels):

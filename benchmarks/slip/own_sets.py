@@ -12,12 +12,21 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from benchmarks import held_out_signals
-from benchmarks.slip.mix_signals import LabelledSignal, Slide, abrupt_burst, simulate_scene
+from benchmarks.slip.mix_signals import (
+    LabelledSignal,
+    Slide,
+    abrupt_burst,
+    simulate_scene,
+)
 from benchmarks.slip.recordings import SETTLING_S, Recording, Stretch
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.lab.campaign.campaign import HELD_OUT_FROM, CampaignPlan, generate_cases
-from fingertip.slip.traces.truth import Interval
+from fingertip.lab.campaign.closed_loop import plan_manipulations
+from fingertip.lab.campaign.run import select_board_outputs
+from fingertip.sim.runs.manipulation import run_manipulation
+from fingertip.slip.traces.trace import Trace
+from fingertip.slip.traces.truth import STICK_S, Interval, intervals, merge
 
 LoadLaw: TypeAlias = Literal["hertz", "proportional"]
 
@@ -31,6 +40,8 @@ BURST_SEEDS = {JUDGING: 4_001_000, TUNING: 3_001_000}
 BURSTS = 60
 BURST_V = 0.005, 0.05
 """Bursts on each board, and the bounds of their RMS voltage [V]: 10 to 100 times the noise."""
+MANIPULATION_SEED = HELD_OUT_FROM + 1_100_000
+"""First seed of the manipulations that train: the closed loop of a report has others."""
 TRIAL_SEEDS = {JUDGING: HELD_OUT_FROM, TUNING: HELD_OUT_FROM + 50_000}
 TRIALS = 120
 BOARDS = {"S": "fsr400", "A": "article"}
@@ -133,6 +144,45 @@ class Trials:
                     scene = case.scene.model_copy(update={"surface": surface})
                     signal = simulate_scene(design, scene, case.seed, kind, SETTLING_S)
                     yield Recording(signal, (), design=design)
+
+
+@dataclass(frozen=True)
+class Manipulations:
+    """Hands that grasp and hold an object until a pin hits it: each finger is a recording."""
+
+    design: str
+    run: int
+    """First seed."""
+    repeats: int = 1
+    """Manipulations of each of four objects."""
+
+    def read(self) -> Iterator[Recording]:
+        design = load_design(self.design)
+        outputs = ["voltage_v", "slip", *select_board_outputs(design, ["fast"])]
+        for scene, seed in plan_manipulations(self.repeats, self.run):
+            with compiled():
+                held = scene.model_copy(update={"outputs": outputs})
+                result = run_manipulation(design, held, None, seed)
+
+            for finger in result.fingers:
+                yield Recording(take_finger(result.trace(finger)), (), design=design)
+
+
+def take_finger(trace: Trace) -> LabelledSignal:
+    """Take the signals of a finger of a hand, with its slips and what is none."""
+    assert trace.slip is not None
+    slips = merge(intervals(trace.time_s, trace.slip), STICK_S)
+    rate_hz = 1 / float(trace.time_s[1] - trace.time_s[0])
+    slides = tuple(Slide(slip.onset_s, slip.onset_s, slip.end_s) for slip in slips)
+    return LabelledSignal(
+        kind="manipulation",
+        rate_hz=rate_hz,
+        voltage_v=trace.voltage_v,
+        slides=slides,
+        events=(),
+        alarms_from_s=SETTLING_S,
+        filtered_v=trace.filtered_v,
+    )
 
 
 def name_trials(design: str, law: LoadLaw) -> str:

@@ -40,6 +40,7 @@ SLIP_WEIGHTS = {
     "slide on board": 0.7,
     "trials": 1.5,
     "burst": 3.5,
+    "manipulation": 0.3,
 }
 OTHER_SLIP_WEIGHT = 1.2
 WEIGHTS = {
@@ -56,6 +57,7 @@ WEIGHTS = {
     "ring": 1.5,
     "hum": 0.8,
     "vibration": 0.15,
+    "manipulation": 1.2,
 }
 ON_GRASP = " on grasp"
 ON_GRASP_WEIGHT = 1.5

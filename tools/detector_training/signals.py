@@ -19,11 +19,13 @@ from benchmarks.slip.own_sets import (
     BOARDS,
     BURST_SEEDS,
     BURSTS,
+    MANIPULATION_SEED,
     TRIAL_DESIGNS,
     TRIAL_SEEDS,
     TUNING,
     Bursts,
     Generated,
+    Manipulations,
     Trials,
     list_generated,
     load_design,
@@ -169,6 +171,7 @@ def list_own_training(
     return [
         *(Trials(design, "hertz", TRIAL_SEEDS[TUNING], trials) for design in TRIAL_DESIGNS),
         *(Bursts(design, BURST_SEEDS[TUNING], bursts) for design in designs),
+        *(Manipulations(design, MANIPULATION_SEED) for design in TRIAL_DESIGNS),
         *list_generated(seeds, share),
     ]
 

@@ -9,100 +9,182 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from importlib import resources
 from string import Template
+from types import ModuleType
 from typing import Any
+
+import numpy as np
 
 from fingertip import __version__
 from fingertip.board.analysis.tactile_response import find_tactile_response
 from fingertip.catalogues.electronics import HYSTERESIS
 from fingertip.catalogues.output_files import BUFFER, HAND, SCAN, TIMER
 from fingertip.design import Design
-from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
 from fingertip.firmware.fingers import CONVERSIONS, GENERIC, TASK_CONVERSIONS, Fingers
 from fingertip.sim.runs.grip import HISTORY, LONGEST_STEP_S, GripSettings
 from fingertip.sim.signal.finger_curve import MIN_PRESENT_N, FingerCurve
-from fingertip.slip.detectors import fast_decision_and_floors, fast_state
-from fingertip.slip.detectors.fast import FastDetector
-from fingertip.slip.detectors.fast_coefficients import NODES, FastModel, load_model
-from fingertip.slip.detectors.fast_settings import REST_SHARE, STILL_S, FastSettings, FilteredSignal
+from fingertip.slip.detectors import (
+    fast_decision,
+    fast_features,
+    fast_inputs,
+    fast_settings,
+    fast_table,
+)
+from fingertip.slip.detectors.analog_and_digital import FirstOrder
+from fingertip.slip.detectors.fast_decision import FastDecision, Floors
+from fingertip.slip.detectors.fast_features import AGE, LOUD, PRODUCT, log2_steps
+from fingertip.slip.detectors.fast_inputs import FilteredInput, InputCheck, smoother
+from fingertip.slip.detectors.fast_settings import FastSettings, FilteredSignal, design_filters
+from fingertip.slip.detectors.fast_table import NODES, BlowTable, load_table
 from fingertip.slip.force import ForceScale
 
-_COUNTS = (
-    "limited_samples still_samples trusted_samples gap_samples fault_samples restart_ticks "
-    "tick_samples slot_ticks"
-)
-"""Coefficients that count samples or ticks: constants without decimals."""
-_TICKS = "LOW_TICKS STEADY_ON_TICKS AFTER_TICKS STANDING_TICKS UNHEARD_TICKS"
-"""The same among the limits of the loop."""
+
+def single(value: float) -> str:
+    """Write a number in single precision as a constant of C, with all its digits."""
+    return "INFINITY" if math.isinf(value) else f"{np.float32(value)!s}f"
 
 
-def real(value: float) -> str:
-    """Write a number with all its digits as a constant of the library's type."""
-    return f"((slip_real){'INFINITY' if math.isinf(value) else repr(value)})"
+def _write(value: Any) -> str:
+    """Write a constant of C: a number, or braces around several."""
+    if isinstance(value, (tuple, list, np.ndarray)):
+        return f"{{{', '.join(_write(each) for each in value)}}}"
+
+    return single(value) if isinstance(value, (float, np.floating)) else str(value)
 
 
 def _render_constants(design: Design) -> str:
     """Render a design's constants as lines of C: its detector and its converter."""
+    settings = library_settings(design, in_codes=True)
     converter = design.detector
-    detector = _start(design, None)
-    both = _start(design, 0.0)
-    coefficients = detector.coefficients
-    state = detector.state
-    rate = detector.coefficients.sample_rate_hz
-    step_v = converter.adc_step_v
-    sections: dict[str, Any] = {
-        name: value for name, value in coefficients._asdict().items() if isinstance(value, tuple)
-    }
-    terms = {}
-    for name, section in sections.items():
-        for key, term in section._asdict().items():
-            terms[f"{name}_{key}".upper()] = term
-
-    limits = {**vars(fast_state), **vars(fast_decision_and_floors)}
-    low_v = converter.adc_low_v
-    values: dict[str, Any] = {
-        **limits,
-        **{name.upper(): value for name, value in coefficients._asdict().items()},
-        **terms,
-        "FILTERED_GAIN": both.coefficients.filtered_gain,
-        "FILTERED_LIMIT": both.coefficients.filtered_limit,
-        **{name.upper(): round(getattr(coefficients, name)) for name in _COUNTS.split()},
-        "LOWEST_CODE": math.ceil(
-            (coefficients.middle_input - coefficients.half_range - low_v) / step_v
-        ),
-        "HIGHEST_CODE": math.floor(
-            (coefficients.middle_input + coefficients.half_range - low_v) / step_v
-        ),
-        "REST_CODE": (signal_ground_ratio(design.board) * design.board.supply_v - low_v) / step_v,
-        "REST_CODES": REST_SHARE
-        * (filtered_range_v(design.board, converter.adc_range_v) or math.inf)
-        / step_v,
-        "LEVEL_SHARE": 1 / (STILL_S * rate),
-        "SETTLING_TICKS": round(state[fast_state.SETTLING]),
-        "SETTLE_TICKS": -state[fast_state.FLOOR_TICKS],
-        **{name: round(limits[name]) for name in _TICKS.split()},
-        "STEADY_COUNT": round(limits["STEADY_TICKS"]),
-        "STATED_WIDE": state[fast_state.FLOOR],
-        "STATED_UPPER": state[fast_state.UPPER_FLOOR],
-        "STATED_INPUT": state[fast_state.INPUT_FLOOR],
-        "FILTERED_STATED_WIDE": both.state[fast_state.FLOOR],
-        "FILTERED_STATED_UPPER": both.state[fast_state.UPPER_FLOOR],
-        "FILTERED_MIN_FLOOR": both.coefficients.min_floor,
-        "FILTERED_MIN_UPPER_FLOOR": both.coefficients.min_upper_floor,
-        "FILTERED_NOISY_FLOOR": both.coefficients.noisy_floor,
-        "SLOPE_GAIN": fast_state.SLOPE_S * fast_state.SLOPE_S * rate * rate,
-        "TREES": load_model().trees,
+    values = {
+        **_constants_of(fast_inputs, fast_decision, fast_features, fast_table),
+        **_input_constants(settings),
+        **_filter_constants(settings),
+        **_decision_constants(settings),
+        **_code_constants(settings, converter.adc_low_v, converter.adc_step_v),
+        "HAS_FILTERED": int(settings.filtered is not None),
+        "FEATURES": len(fast_features.FEATURES),
+        "TREES": load_table().trees,
+        "OFFSET": load_table().offset,
         "SAMPLE_RATE_HZ": converter.sample_rate_hz,
         "SAMPLE_RATE_MILLIHZ": f"{1000 * converter.sample_rate_hz:.0f}u",
         "ADC_BITS": converter.adc_bits,
-        "ADC_LOW_V": low_v,
+        "ADC_LOW_V": converter.adc_low_v,
         "ADC_STEP_V": converter.adc_step_v,
         "VERSION": __version__,
     }
-    texts = {
-        name: real(value) if isinstance(value, float) else value for name, value in values.items()
+    texts = {name: _write(value) for name, value in values.items()}
+    return Template(read_template("slip_constants.h").rstrip()).substitute(texts)
+
+
+def _constants_of(*modules: ModuleType) -> dict[str, Any]:
+    """Constants of modules, by their names."""
+    return {
+        name: value for module in modules for name, value in vars(module).items() if name.isupper()
     }
 
-    return Template(read_template("slip_constants.h").rstrip()).substitute(texts)
+
+def _attributes_of(owner: object) -> dict[str, Any]:
+    """Numbers that a part of the detector was made with, by the names of its attributes."""
+    return {
+        name.strip("_").upper(): value
+        for name, value in vars(owner).items()
+        if isinstance(value, (int, float, np.floating, np.ndarray))
+    }
+
+
+def _input_constants(settings: FastSettings) -> dict[str, Any]:
+    """Constants of the checks, of both inputs and of their sums."""
+    filtered = settings.filtered or NO_FILTERED
+    lowest_v, highest_v = settings.possible_v
+    jumps_v = {
+        "JUMP_LIMIT_V": fast_settings.JUMP_RATIO * settings.noise_v,
+        "FILTERED_JUMP_LIMIT_V": fast_settings.FILTERED_JUMP_RATIO
+        * settings.noise_v
+        * filtered.gain,
+    }
+    beliefs = _attributes_of(FilteredInput(settings, filtered))
+    check = _attributes_of(InputCheck(settings, jumps_v["JUMP_LIMIT_V"]))
+    return {
+        **jumps_v,
+        **_first_order("MOVE", smoother(settings, fast_settings.MOVE_S)),
+        **_first_order("LEVEL", smoother(settings, fast_settings.STILL_S)),
+        "NUMBER_LIMIT_V": check["NUMBER_LIMIT_V"],
+        "GAP_SAMPLES": check["GAP_SAMPLES"],
+        "FAULT_SAMPLES": settings.samples(fast_settings.FAULT_S),
+        "BLOCKED_SAMPLES": settings.samples(fast_settings.BLOCKED_S),
+        "LAG_SAMPLES": settings.samples(fast_settings.LAG_S),
+        "LIMITED_SAMPLES": beliefs["LIMITED_SAMPLES"],
+        "STILL_SAMPLES": beliefs["STILL_SAMPLES"],
+        "FILTERED_SHARE": beliefs["SHARE"],
+        "FILTERED_LIMIT_V": beliefs["LIMIT"],
+        "LOWEST_V": lowest_v,
+        "HIGHEST_V": highest_v,
+        "TICK_SAMPLES": settings.tick_samples,
+        "TICK_SHARE": 1 / settings.tick_samples,
+    }
+
+
+NO_FILTERED = FilteredSignal(gain=1.0, range_v=1.0)
+"""Stands for the signal that a board does not give: its constants are not used."""
+
+
+def _code_constants(settings: FastSettings, low_v: float, step_v: float) -> dict[str, Any]:
+    """Constants that count in the converter's codes."""
+    filtered = settings.filtered or NO_FILTERED
+    lowest_v, highest_v = settings.possible_v
+    return {
+        "LOWEST_CODE": math.ceil((lowest_v - low_v) / step_v),
+        "HIGHEST_CODE": math.floor((highest_v - low_v) / step_v),
+        "REST_CODE": ((filtered.rest_v or 0.0) - low_v) / step_v,
+        "REST_CODES": fast_settings.REST_SHARE * filtered.range_v / step_v,
+    }
+
+
+def _first_order(name: str, section: FirstOrder) -> dict[str, float]:
+    """Share of a sample in a filter of first order, and factor of what it held."""
+    return {f"{name}_SHARE": section.b0, f"{name}_KEEP": -section.a1}
+
+
+def _filter_constants(settings: FastSettings) -> dict[str, Any]:
+    filters = design_filters(settings.sample_rate_hz, settings.cutoff_hz)
+    sections = {"HIGH": filters.high_2, "SLOW": filters.slow}
+    terms = {
+        f"{name}_{term}": value
+        for name, section in sections.items()
+        for term, value in (("B", section.b0), ("A1", section.a1), ("A2", section.a2))
+    }
+    return {
+        **terms,
+        **_first_order("STAGE", filters.high_1),
+        **_first_order("LEAK", filters.leak),
+        "BANDS": len(filters.bands),
+        "BAND_FILTERS": [(band.b0, band.a1, band.a2) for band in filters.bands],
+    }
+
+
+def _decision_constants(settings: FastSettings) -> dict[str, Any]:
+    """Constants of the floor and the flags."""
+    tactile, both = (
+        FastDecision(settings, load_table(), with_filtered=with_filtered, floors=None)
+        for with_filtered in (False, True)
+    )
+    values = _attributes_of(tactile)
+    return {
+        **values,
+        "STEP_ENERGIES": _write_energies(values["STEP_ENERGIES"]),
+        "STATED_FLOORS": _write_floors(tactile.floors),
+        "FILTERED_STATED_FLOORS": _write_floors(both.floors),
+    }
+
+
+def _write_energies(energies: Sequence[float]) -> str:
+    """Write energies as a struct of C, in which the bands stand together."""
+    slow, *bands, wide = energies
+    return f"{{{single(slow)}, {_write([float(band) for band in bands])}, {single(wide)}}}"
+
+
+def _write_floors(floors: Floors) -> str:
+    return f"{{{single(floors.level_v)}, {_write_energies(floors.energies_v2)}}}"
 
 
 OPEN_SHARE = 0.5
@@ -133,42 +215,32 @@ def library_settings(design: Design, in_codes: bool = False) -> FastSettings:
     return replace(FastSettings.from_design(design), possible_v=possible, filtered=filtered)
 
 
-def _start(design: Design, filtered_v: float | None) -> FastDetector:
-    """Return the detector after one sample, with or without the filtered signal [V]."""
-    detector = FastDetector(library_settings(design))
-    detector.step(0.0, filtered_v)
-    return detector
-
-
 _WIDTH = 119
 _INDENT = "    "
 
 
-def render_trees(model: FastModel) -> str:
+def render_trees(table: BlowTable) -> str:
     """Render the three tables.
 
     Each tree has `NODES` + 1 entries, of which nodes leave the first one unused.
     """
-    features = [f"{feature:.0f}" for feature in model.features.tolist()]
-    thresholds = [
-        f"KEY({value!r}, 0x{float_key(value):08X})" for value in model.thresholds.tolist()
+    features = [str(feature) for feature in table.features.ravel().tolist()]
+    keys = [
+        str(find_key(int(feature), threshold))
+        for feature, threshold in zip(table.features.flat, table.thresholds.flat, strict=True)
     ]
-    leaves = [f"R({value!r})" for value in model.leaves.tolist()]
+    leaves = [single(leaf) for leaf in table.leaves.flat]
     tables = (
+        ("Number of the feature that each node compares.", "uint8_t slip_features", _pad(features)),
         (
-            "Number of the feature that each node compares.",
-            "uint8_t slip_features",
-            _pad(features, "0"),
+            "Key of the greatest number for which a node's first branch is taken.",
+            "int32_t slip_thresholds",
+            _pad(keys),
         ),
-        (
-            "Value above which a node's second branch is taken, and its key as a float.",
-            "slip_key slip_thresholds",
-            _pad(thresholds, "KEY(0.0, 0)"),
-        ),
-        ("Values of the leaves.", "slip_real slip_leaves", leaves),
+        ("Log odds that a leaf adds.", "float slip_leaves", leaves),
     )
 
-    blocks = []
+    blocks = ["enum { LEAVES = 1 << SLIP_DEPTH };"]
     for comment, name, values in tables:
         opening = f"static const {name}[SLIP_TREES * LEAVES] = {{"
         blocks.append("\n".join([f"/* {comment} */", opening, *_rows(values), "};"]))
@@ -176,17 +248,41 @@ def render_trees(model: FastModel) -> str:
     return "\n\n".join(blocks)
 
 
-def float_key(value: float) -> int:
+LARGEST_KEY = 0x7F7FFFFF
+"""Key of the largest finite number."""
+
+
+def find_key(feature: int, threshold: np.float32) -> int:
+    """Key of a threshold: of the number itself or, where Python compares the logarithm of a ratio,
+    of the greatest ratio whose logarithm is not above it.
+    """
+    if feature in (AGE, PRODUCT, LOUD):
+        return float_key(threshold)
+
+    low = 0
+    high = LARGEST_KEY
+    while low < high:
+        middle = (low + high + 1) // 2
+        ratio = np.array([middle], dtype=np.uint32).view(np.float32)
+        if log2_steps(ratio)[0] <= threshold:
+            low = middle
+        else:
+            high = middle - 1
+
+    return low
+
+
+def float_key(value: np.float32) -> int:
     """Return the bits of a float32 as an integer in the order of these numbers."""
-    (bits,) = struct.unpack("<I", struct.pack("<f", value))
-    return int(~bits & 0xFFFFFFFF if bits & 0x80000000 else bits | 0x80000000)
+    (bits,) = struct.unpack("<i", struct.pack("<f", value + np.float32(0.0)))
+    return int(bits ^ 0x7FFFFFFF if bits < 0 else bits)
 
 
-def _pad(values: list[str], unused: str) -> list[str]:
+def _pad(values: list[str]) -> list[str]:
     """Put the unused entry ahead of the nodes of each tree."""
     padded = []
     for i in range(0, len(values), NODES):
-        padded += [unused, *values[i : i + NODES]]
+        padded += ["0", *values[i : i + NODES]]
 
     return padded
 
@@ -254,7 +350,7 @@ def _render_grip(settings: GripSettings) -> str:
                 for name, time_s in times.items()
             ),
             f"#define SLIP_GRIP_HISTORY {HISTORY}u",
-            *(f"#define SLIP_GRIP_{name} {real(value)}" for name, value in values.items()),
+            *(f"#define SLIP_GRIP_{name} {single(value)}" for name, value in values.items()),
         )
     )
 
@@ -265,26 +361,26 @@ def _render_curves(curves: Sequence[FingerCurve], designs: Sequence[Design]) -> 
         ForceScale.of(design, curve.volts, curve.forces_n)
         for design, curve in zip(designs, curves, strict=True)
     ]
-    ranges = ", ".join(f"{{{', '.join(map(real, scale.known_n))}}}" for scale in scales)
-    factors = ", ".join(real(scale.factor) for scale in scales)
+    ranges = ", ".join(f"{{{', '.join(map(single, scale.known_n))}}}" for scale in scales)
+    factors = ", ".join(single(scale.factor) for scale in scales)
     numbers = [
         (tuple(curve.volts.tolist()), tuple(curve.forces_n.tolist()), curve.pad.hertz_m_per_n23)
         for curve in curves
     ]
     distinct = list(dict.fromkeys(numbers))
     of_finger = ", ".join(str(distinct.index(curve_numbers)) for curve_numbers in numbers)
-    pads = ", ".join(real(pad) for _, _, pad in distinct)
+    pads = ", ".join(single(pad) for _, _, pad in distinct)
     blocks = [
         f"enum {{ SLIP_CURVES = {len(distinct)}, SLIP_CURVE = {len(distinct[0][0])} }};",
         "/* Curve of each finger. */\nstatic const uint8_t slip_curve_of[SLIP_FINGERS] = "
         f"{{{of_finger}}};",
-        "/* Forces where it is known [N]. */\nstatic const slip_real "
+        "/* Forces where it is known [N]. */\nstatic const float "
         f"slip_known_n[SLIP_FINGERS][2] = {{{ranges}}};",
-        "/* Factor within which a force lies. */\nstatic const slip_real "
+        "/* Factor within which a force lies. */\nstatic const float "
         f"slip_factors[SLIP_FINGERS] = {{{factors}}};",
         "/* By which a falling force reads too high. */\n#define SLIP_HYSTERESIS_FACTOR "
-        f"{real(1 + HYSTERESIS)}",
-        "/* Indentation of its pad under 1 N [m]. */\nstatic const slip_real "
+        f"{single(1 + HYSTERESIS)}",
+        "/* Indentation of its pad under 1 N [m]. */\nstatic const float "
         f"slip_pads_m_per_n23[] = {{{pads}}};",
     ]
     tables = (
@@ -295,9 +391,9 @@ def _render_curves(curves: Sequence[FingerCurve], designs: Sequence[Design]) -> 
     for comment, name, columns in tables:
         rows = []
         for values in columns:
-            rows += ["{", *_rows([f"R({value!r})" for value in values]), "},"]
+            rows += ["{", *_rows([single(value) for value in values]), "},"]
 
-        opening = f"static const slip_real {name}[SLIP_CURVES][SLIP_CURVE] = {{"
+        opening = f"static const float {name}[SLIP_CURVES][SLIP_CURVE] = {{"
         blocks.append("\n".join([f"/* {comment} */", opening, *rows, "};"]))
 
     return "\n\n".join(blocks)
@@ -323,12 +419,12 @@ def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
     settings = GripSettings()
     curves = [FingerCurve.from_design(finger) for finger in designs]
     header = _insert(read_template(GRIP_HEADER), "slip_grip_constants.h", _render_grip(settings))
-    backing = f"#define SLIP_BACKING_N_PER_M {real(curves[0].pad.backing.stiffness_n_per_m)}"
+    backing = f"#define SLIP_BACKING_N_PER_M {single(curves[0].pad.backing.stiffness_n_per_m)}"
     header = _insert(header, "slip_grip_backing.h", backing)
-    command = f"#define SLIP_GRIP_MAX_COMMAND_M_S {real(settings.max_command_m_s)}"
+    command = f"#define SLIP_GRIP_MAX_COMMAND_M_S {single(settings.max_command_m_s)}"
     files = {
         HEADER: _insert(read_template(HEADER), "slip_constants.h", constants),
-        SOURCE: _insert(read_template(SOURCE), "slip_trees.h", render_trees(load_model())),
+        SOURCE: _insert(read_template(SOURCE), "slip_trees.h", render_trees(load_table())),
         GRIP_HEADER: _insert(header, "slip_grip_command.h", command),
         GRIP_SOURCE: _insert(
             read_template(GRIP_SOURCE), "slip_grip_curve.h", _render_curves(curves, designs)

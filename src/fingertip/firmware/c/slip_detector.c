@@ -1,6 +1,6 @@
 #include "slip_detector.h"
 
-#include <math.h> /* INFINITY, and fabs, which is one instruction */
+#include <math.h> /* INFINITY, and fabsf, which is one instruction */
 
 /* A product and a sum must not be contracted into one rounding: numbers are then those of fingertip's Python. GCC knows
  * no such pragma and takes -ffp-contract=off instead, which is its default with -std=c99. */
@@ -10,564 +10,660 @@
 #pragma GCC optimize("fp-contract=off")
 #endif
 
-#define R(number) ((slip_real)(number))
-
-#if defined(__GNUC__)
-#define NOT_INLINED __attribute__((noinline))
-#else
-#define NOT_INLINED
-#endif
-
-/* Trees compare keys: integers in the order of the floats whose bits they hold, which a controller compares faster. A
- * double is its own key. */
-#define IS_DOUBLE_float 0
-#define IS_DOUBLE_double 1
-#define PASTE(left, right) left##right
-#define IS_DOUBLE(type) PASTE(IS_DOUBLE_, type)
-
-#if IS_DOUBLE(SLIP_REAL)
-
-#define MAGNITUDE fabs
-
-typedef double slip_key;
-#define KEY(number, bits) (number)
-
-static slip_key key_of(slip_real value) {
-    return value;
-}
-
-#else
-
-#define MAGNITUDE fabsf
-
-typedef uint32_t slip_key;
-#define KEY(number, bits) (bits)
-
-/* Key of a feature. Every threshold is less than infinity; NaN is above none of them. */
-static slip_key key_of(slip_real value) {
-    const union {
-        slip_real real;
-        uint32_t bits;
-    } both = {value};
-    if (value != value) {
-        return 0;
-    }
-    return both.bits & 0x80000000u ? ~both.bits : both.bits | 0x80000000u;
-}
-
-#endif
-
-enum { LEAVES = 1 << SLIP_DEPTH };
-
 #include "slip_trees.h"
 
-static slip_real greater(slip_real one, slip_real other) {
+static float greater(float one, float other) {
     return one > other ? one : other;
 }
 
-static slip_real lesser(slip_real one, slip_real other) {
+static float lesser(float one, float other) {
     return one < other ? one : other;
 }
 
-/* Sum the leaves of all trees. Nodes count from 1: node k has the branches 2 k and 2 k + 1, and entry 0 is not used. */
-static slip_real evaluate_trees(const slip_real *row) {
-    slip_key keys[SLIP_COUNT];
-    const uint8_t *feature = slip_features;
-    const slip_key *threshold = slip_thresholds;
-    const slip_real *leaf = slip_leaves;
-    slip_real score = SLIP_OFFSET;
-    unsigned i, tree, node, level;
-    for (i = 0; i < SLIP_COUNT; i++) {
-        keys[i] = key_of(row[i]);
+/* Count down from `whole`, where it begins, to 0. */
+static uint16_t count_down(uint16_t left, bool begins, uint16_t whole) {
+    if (begins) {
+        return whole;
     }
+    return left > 0 ? (uint16_t)(left - 1) : 0;
+}
+
+/* Count up to `most`, and from 0 where it ends. */
+static uint16_t count_up(uint16_t count, bool ends, uint16_t most) {
+    if (ends) {
+        return 0;
+    }
+    return count < most ? (uint16_t)(count + 1) : most;
+}
+
+/* -- Inputs: checks and filters ------------------------------------------------------------------------------------- */
+
+/* Check a sample, and return by how much the one that is used differs from the one used before [V]. The last one takes
+ * the place of what is no voltage, and of a jump far beyond the movement until then, unless the next sample confirms it. */
+static float check_sample(slip_check *check, float sample, bool is_voltage, float unit_v, float jump_limit_v) {
+    const bool begins = check->missing > SLIP_GAP_SAMPLES;
+    const bool was_suspected = check->is_suspected;
+    const float limit_v = greater(jump_limit_v, SLIP_JUMP_MOVES * check->mean_move);
+    const float value = is_voltage ? sample : check->last;
+    const float move = begins ? 0.0f : unit_v * (value - check->last);
+    float change = move;
+
+    check->missing = count_up(check->missing, is_voltage, SLIP_GAP_SAMPLES + 1);
+    check->mean_move = SLIP_MOVE_SHARE * fabsf(move) + SLIP_MOVE_KEEP * check->mean_move;
+    check->is_suspected = fabsf(move) > limit_v && !was_suspected;
+    check->is_wrong = !is_voltage;
+
+    if (check->is_suspected) {
+        check->last_used = check->last;
+        change = 0.0f;
+    } else if (was_suspected) {
+        change = unit_v * (value - check->last_used);
+        if (fabsf(change) <= SLIP_GLITCH_SHARE * fabsf(unit_v * (check->last - check->last_used))) {
+            check->is_wrong = true;
+        }
+    }
+
+    check->last = value;
+    return change;
+}
+
+/* Note a change [V]: how long the signal has stood still, and the smallest step of its converter. */
+static void note_change(slip_check *check, float change) {
+    const float size = fabsf(change);
+    check->still = count_up(check->still, change != 0.0f, SLIP_STILL_SAMPLES);
+    if (change != 0.0f && size < check->smallest_step) {
+        check->smallest_step = size;
+    }
+}
+
+/* Third-order high-pass filter at the board's cutoff: its section of second order, behind the first stage. */
+static float filter_high(slip_section *memory, float input) {
+    const float term = SLIP_HIGH_B * input;
+    const float output = memory->first + term;
+    memory->first = (memory->second - 2.0f * term) - SLIP_HIGH_A1 * output;
+    memory->second = term - SLIP_HIGH_A2 * output;
+    return output;
+}
+
+/* Low-pass filter of the slow force. */
+static float filter_slow(slip_section *memory, float input) {
+    const float term = SLIP_SLOW_B * input;
+    const float output = memory->first + term;
+    memory->first = (memory->second + 2.0f * term) - SLIP_SLOW_A1 * output;
+    memory->second = term - SLIP_SLOW_A2 * output;
+    return output;
+}
+
+/* Band-pass filter: a resonator. */
+static float filter_band(slip_section *memory, float input, const float filter[3]) {
+    const float term = filter[0] * input;
+    const float output = memory->first + term;
+    memory->first = memory->second - filter[1] * output;
+    memory->second = -term - filter[2] * output;
+    return output;
+}
+
+/* Judge whether S moves about its rest: its wire is whole. Only codes tell where it rests. */
+static bool is_alive(slip_state *state) {
+    const slip_check *check = &state->filtered;
+    if (state->is_in_codes) {
+        state->filtered_level =
+            SLIP_LEVEL_SHARE * (check->last - SLIP_REST_CODE) + SLIP_LEVEL_KEEP * state->filtered_level;
+        state->is_at_rest = fabsf(state->filtered_level) <= SLIP_REST_CODES;
+    }
+    return check->still < SLIP_STILL_SAMPLES && check->missing <= SLIP_GAP_SAMPLES && state->is_at_rest;
+}
+
+/* Process a sample of S, and return its vibration at the filter's input where it can be believed, else that of T [V]: the
+ * board's stages below their limits, its wire whole. */
+static float use_filtered(slip_state *state, float sample, bool is_voltage, float tactile_vibration) {
+    slip_check *const check = &state->filtered;
+    const float change = SLIP_FILTERED_SHARE
+        * check_sample(check, sample, is_voltage, state->unit_v, SLIP_FILTERED_JUMP_LIMIT_V);
+    const float vibration = change + SLIP_LEAK_KEEP * state->filtered_sum;
+    const bool is_beyond = fabsf(vibration) > SLIP_FILTERED_LIMIT_V || fabsf(state->stage) > SLIP_FILTERED_LIMIT_V;
+
+    state->filtered_sum = vibration;
+    note_change(check, change);
+    state->limited = count_down(state->limited, is_beyond, SLIP_LIMITED_SAMPLES);
+    state->is_alive = is_alive(state);
+    return state->is_alive && state->limited == 0 ? vibration : tactile_vibration;
+}
+
+/* -- Ticks: sums of 2 ms, and means over the last ones --------------------------------------------------------------- */
+
+/* Add a sample to the sums of its tick. */
+static void sum_sample(slip_state *state, float vibration, float slow) {
+    static const float filters[SLIP_BANDS][3] = SLIP_BAND_FILTERS;
+    slip_sums *const sums = &state->sums;
+    const unsigned at = state->past_at;
+    const float one_before = state->past[at < SLIP_LAG_SAMPLES ? at + SLIP_LAG_SAMPLES : at - SLIP_LAG_SAMPLES];
+    const float two_before = state->past[at];
+    unsigned i;
+
+    state->past[at] = vibration;
+    state->past_at = at + 1 < 2 * SLIP_LAG_SAMPLES ? (uint8_t)(at + 1) : 0;
+    sums->level += fabsf(vibration);
+    sums->energies.slow += slow * slow;
+    sums->energies.wide += vibration * vibration;
+    sums->products.one_before += vibration * one_before;
+    sums->products.two_before += vibration * two_before;
+    sums->products.square_before += one_before * one_before;
+
+    for (i = 0; i < SLIP_BANDS; i++) {
+        const float in_band = filter_band(&state->bands[i], vibration, filters[i]);
+        sums->energies.bands[i] += in_band * in_band;
+    }
+}
+
+/* Turn the sums of a tick into means. */
+static void take_means(slip_sums *sums) {
+    unsigned i;
+    sums->level *= SLIP_TICK_SHARE;
+    sums->energies.slow *= SLIP_TICK_SHARE;
+    sums->energies.wide *= SLIP_TICK_SHARE;
+    sums->products.one_before *= SLIP_TICK_SHARE;
+    sums->products.two_before *= SLIP_TICK_SHARE;
+    sums->products.square_before *= SLIP_TICK_SHARE;
+    for (i = 0; i < SLIP_BANDS; i++) {
+        sums->energies.bands[i] *= SLIP_TICK_SHARE;
+    }
+}
+
+/* Store the energies, products and force of a tick as the newest ones. */
+static void store_tick(slip_ticks *ticks, const slip_sums *means, float force) {
+    unsigned at, i;
+    ticks->newest = (uint8_t)((ticks->newest + 1u) % SLIP_RING);
+    at = ticks->newest;
+    ticks->slow[at] = means->energies.slow;
+    ticks->wide[at] = means->energies.wide;
+    ticks->force[at] = force;
+    ticks->products[at % SLIP_PRODUCT_RING] = means->products;
+    for (i = 0; i < SLIP_BANDS; i++) {
+        ticks->bands[i][at % SLIP_BAND_RING] = means->energies.bands[i];
+    }
+}
+
+/* Mean vibration of the last 16 and 24 ticks. Sums of 2, 4 and 8 ticks are each made of two of the one before: what stands
+ * at the newest place of a ring is as old as the ring is long. */
+static void mean_levels(slip_ticks *ticks, float level, float *short_mean, float *long_mean) {
+    const unsigned at = ticks->newest;
+    const float two = level + ticks->level;
+    const float four = two + ticks->twos[at % 2];
+    const float eight = four + ticks->fours[at % 4];
+    const float sixteen = eight + ticks->eights[(at + 8) % 16];
+
+    *short_mean = sixteen * (1.0f / 16.0f);
+    *long_mean = (sixteen + ticks->eights[at % 16]) * (1.0f / 24.0f);
+    ticks->level = level;
+    ticks->twos[at % 2] = two;
+    ticks->fours[at % 4] = four;
+    ticks->eights[at % 16] = eight;
+}
+
+/* -- Features: ratios that tell slip from a blow --------------------------------------------------------------------- */
+
+/* A feature, and its key: an integer in the order of these numbers, which a controller compares faster. A number that is
+ * not negative is its own key. */
+typedef union feature {
+    float number;
+    int32_t key;
+} feature;
+
+/* Places of the features. Of those that Python takes the logarithm of, the ratios stand here, and the table compares them
+ * with the ratios of its thresholds. */
+enum {
+    SLICES = 0,      /* 4 slices of 4 ms, over the floor */
+    SHARES = 4,      /* slow force and bands: share of the vibration, */
+    CHANGES = 9,     /* new over old half of 16 ms, */
+    OVER_FLOORS = 14, /* and over the floor */
+    PEAK = 19,
+    MOVES = 20, /* change of force in 4, 16 and 62 ms */
+    STEEPEST = 23,
+    UNTONED = 24,
+    AGE,
+    LEAST,
+    LEVEL,
+    SLOW_PEAK,
+    LATE_OVER_EARLY,
+    UNTONED_LONG,
+    PRODUCT,
+    LEAST_MIDDLE,
+    LOUD,
+    LONG_OVER_SHORT,
+    BEFORE
+};
+
+/* Bands of 60 to 250 Hz, in which slip is strongest. */
+enum { MIDDLE = 1, UPPER_MIDDLE = 2 };
+
+/* Mean of a slice, two ticks of a ring, the newer of which is `newest`. The length is a power of 2. */
+static float slice(const float *ring, unsigned length, unsigned newest) {
+    return 0.5f * (ring[newest & (length - 1)] + ring[(newest - 1) & (length - 1)]);
+}
+
+/* Mean of a quarter, two slices. */
+static float quarter(const float *ring, unsigned length, unsigned newest) {
+    return 0.5f * (slice(ring, length, newest) + slice(ring, length, newest - 2));
+}
+
+/* Compare the halves of the last 16 ms of a band with each other, with all vibration and with the floor; return their
+ * mean. */
+static float compare_halves(feature *row, unsigned band, const float *ring, unsigned length, unsigned newest,
+                            float total, float floor) {
+    const float new_half = quarter(ring, length, newest) + SLIP_TINY;
+    const float old_half = quarter(ring, length, newest - 4) + SLIP_TINY;
+    const float both = 0.5f * (new_half + old_half);
+    row[SHARES + band].number = both / total;
+    row[CHANGES + band].number = new_half / old_half;
+    row[OVER_FLOORS + band].number = both / (floor + SLIP_TINY);
+    return both;
+}
+
+/* Features of the slices of all vibration; return the mean of the last 16 ms. */
+static float measure_slices(feature *row, const slip_ticks *ticks, float floor) {
+    enum { COUNT = SLIP_RING / 2 };
+    float wide[COUNT], peak = 0.0f, least, total, before;
+    unsigned i;
+    for (i = 0; i < COUNT; i++) {
+        wide[i] = slice(ticks->wide, SLIP_RING, ticks->newest - 2 * i);
+    }
+    for (i = 0; i < SLIP_PEAK_SLICES; i++) {
+        peak = greater(peak, wide[i]);
+    }
+
+    least = lesser(lesser(wide[0], wide[1]), lesser(wide[2], wide[3]));
+    total = 0.5f * ((0.5f * (wide[0] + wide[1]) + SLIP_TINY) + (0.5f * (wide[2] + wide[3]) + SLIP_TINY));
+    before = 0.5f * (0.5f * (wide[4] + wide[5]) + 0.5f * (wide[6] + wide[7]));
+    for (i = 0; i < 4; i++) {
+        row[SLICES + i].number = (wide[i] + SLIP_TINY) / (floor + SLIP_TINY);
+    }
+
+    row[PEAK].number = (peak + SLIP_TINY) / total;
+    row[LEAST].number = (least + SLIP_TINY) / total;
+    row[LATE_OVER_EARLY].number =
+        ((wide[0] + wide[1]) + wide[2] + SLIP_TINY) / ((wide[4] + wide[5]) + wide[6] + SLIP_TINY);
+    row[LONG_OVER_SHORT].number = (0.5f * (total + before) + SLIP_TINY) / total;
+    row[BEFORE].number = (before + SLIP_TINY) / (floor + SLIP_TINY);
+    return total;
+}
+
+/* Number of loud ticks. */
+static void count_loud(feature *row, const slip_ticks *ticks, float floor) {
+    const float loud = SLIP_LOUD_RATIO * floor;
+    int32_t count = 0;
+    unsigned i;
+    for (i = 0; i < SLIP_RING; i++) {
+        count += ticks->wide[i] > loud;
+    }
+    row[LOUD].number = (float)count;
+}
+
+/* Features of the slow force: its energy, and how far it moves for the vibration. */
+static void measure_force(feature *row, const slip_ticks *ticks, float total, float floor) {
+    static const unsigned back[3] = {2, 8, SLIP_RING - 1};
+    const unsigned newest = ticks->newest;
+    const float both = compare_halves(row, 0, ticks->slow, SLIP_RING, newest, total, floor);
+    float steepest = 0.0f, peak = 0.0f;
+    unsigned i, at;
+    for (i = 0; i < SLIP_PEAK_SLICES; i++) {
+        at = newest - 2 * i;
+        peak = greater(peak, slice(ticks->slow, SLIP_RING, at));
+        steepest = greater(steepest, fabsf(ticks->force[at % SLIP_RING] - ticks->force[(at - 2) % SLIP_RING]));
+    }
+
+    row[SLOW_PEAK].number = (peak + SLIP_TINY) / both;
+    row[STEEPEST].number = (steepest * steepest + SLIP_TINY) / total;
+    for (i = 0; i < 3; i++) {
+        const float move = ticks->force[newest] - ticks->force[(newest - back[i]) % SLIP_RING];
+        row[MOVES + i].number = (move * move + SLIP_TINY) / total;
+    }
+}
+
+/* Features of the bands. */
+static void measure_bands(feature *row, const slip_ticks *ticks, float total, const float *floors) {
+    float middle[4];
+    unsigned i;
+    for (i = 0; i < SLIP_BANDS; i++) {
+        compare_halves(row, 1 + i, ticks->bands[i], SLIP_BAND_RING, ticks->newest, total, floors[i]);
+    }
+    for (i = 0; i < 4; i++) {
+        middle[i] = slice(ticks->bands[MIDDLE], SLIP_BAND_RING, ticks->newest - 2 * i)
+            + slice(ticks->bands[UPPER_MIDDLE], SLIP_BAND_RING, ticks->newest - 2 * i);
+    }
+    row[LEAST_MIDDLE].number =
+        (lesser(lesser(middle[0], middle[1]), lesser(middle[2], middle[3])) + SLIP_TINY)
+        / (((middle[0] + middle[1]) + middle[2]) + middle[3] + SLIP_TINY);
+}
+
+/* What a tone is judged by: the energy of all vibration, and its products with itself. */
+typedef struct tone {
+    float square, one_before, two_before, square_before;
+} tone;
+
+static tone add_tones(tone one, tone other) {
+    const tone sum = {one.square + other.square, one.one_before + other.one_before, one.two_before + other.two_before,
+                      one.square_before + other.square_before};
+    return sum;
+}
+
+/* Sum over 4 ticks. */
+static tone sum_tones(const slip_ticks *ticks, unsigned newest) {
+    tone ones[4];
+    unsigned i;
+    for (i = 0; i < 4; i++) {
+        const slip_products *const products = &ticks->products[(newest - i) % SLIP_PRODUCT_RING];
+        ones[i].square = ticks->wide[(newest - i) % SLIP_RING];
+        ones[i].one_before = products->one_before;
+        ones[i].two_before = products->two_before;
+        ones[i].square_before = products->square_before;
+    }
+    return add_tones(add_tones(ones[0], ones[1]), add_tones(ones[2], ones[3]));
+}
+
+/* Share that is no tone. In a tone, a sample and the one of two lags before add up to a multiple of the one between. */
+static float find_rest(tone sum) {
+    const float square = sum.square + SLIP_TINY;
+    const float cross = 2.0f * sum.one_before;
+    const float left = 2.0f * (square + sum.two_before) - cross * cross / (sum.square_before + SLIP_TINY);
+    return greater(left / (2.0f * square), SLIP_LEAST_REST);
+}
+
+/* Features of a tone in the last 16 and 32 ms. */
+static void measure_tone(feature *row, const slip_ticks *ticks) {
+    const unsigned newest = ticks->newest;
+    const tone eight = add_tones(sum_tones(ticks, newest), sum_tones(ticks, newest - 4));
+    const tone earlier = add_tones(sum_tones(ticks, newest - 8), sum_tones(ticks, newest - 12));
+    feature product;
+    product.number = eight.one_before / (eight.square + SLIP_TINY);
+    row[UNTONED].number = find_rest(eight);
+    row[UNTONED_LONG].number = find_rest(add_tones(eight, earlier));
+    /* The only one that may be negative: the bits of negative floats stand in the reverse order. */
+    row[PRODUCT].key = product.key < 0 ? product.key ^ INT32_MAX : product.key;
+}
+
+/* Sum the leaves of all trees. Nodes count from 1: node k has the branches 2 k and 2 k + 1, and entry 0 is not used. */
+static float evaluate_trees(const feature *row) {
+    const uint8_t *feature_of = slip_features;
+    const int32_t *threshold = slip_thresholds;
+    const float *leaf = slip_leaves;
+    float odds = SLIP_OFFSET;
+    unsigned tree, node, level;
     for (tree = 0; tree < SLIP_TREES; tree++) {
         node = 1;
 #if defined(__GNUC__)
 #pragma GCC unroll 4
 #endif
         for (level = 0; level < SLIP_DEPTH; level++) {
-            node = 2 * node + (keys[feature[node]] > threshold[node] ? 1 : 0);
+            node = 2 * node + (row[feature_of[node]].key > threshold[node] ? 1 : 0);
         }
-        score += leaf[node - LEAVES];
-        feature += LEAVES;
+        odds += leaf[node - LEAVES];
+        feature_of += LEAVES;
         threshold += LEAVES;
         leaf += LEAVES;
     }
-    return score;
+    return odds;
 }
 
-/* Move a floor towards an energy, which counts as no more than some times the floor: by one share up, another down. */
-static slip_real adapt_floor(slip_real level, slip_real energy, slip_real rise, slip_real fall) {
-    return level + (energy > level ? rise : fall) * (lesser(energy, SLIP_CLIP_RATIO * level) - level);
+/* Log odds that the vibration of the last 64 ms is slip. */
+static float look(const slip_state *state, float short_mean) {
+    static const slip_energies steps = SLIP_STEP_ENERGIES;
+    const slip_energies *const learned = &state->learned.energies;
+    const float slow_step = state->tactile.smallest_step;
+    const float step = state->is_alive ? state->filtered.smallest_step : slow_step;
+    const float step_square = step * step;
+    const float wide_floor = greater(learned->wide, step_square * steps.wide);
+    const float slow_floor = greater(learned->slow, slow_step * slow_step * steps.slow);
+    feature row[SLIP_FEATURES];
+    float floors[SLIP_BANDS], total;
+    unsigned i;
+    for (i = 0; i < SLIP_BANDS; i++) {
+        floors[i] = greater(learned->bands[i], step_square * steps.bands[i]);
+    }
+
+    total = measure_slices(row, &state->ticks, wide_floor);
+    count_loud(row, &state->ticks, wide_floor);
+    measure_force(row, &state->ticks, total, slow_floor);
+    measure_bands(row, &state->ticks, total, floors);
+    measure_tone(row, &state->ticks);
+    row[AGE].number = (float)state->crossing;
+    row[LEVEL].number = short_mean / state->floor + SLIP_TINY;
+    return evaluate_trees(row);
 }
 
-enum vibration { NONE, LASTS, SURE };
+/* -- Decision: floor and flags --------------------------------------------------------------------------------------- */
 
-/* Follow vibration from the moment it is heard: whether it may be what made slip incipient, and is no knock. `upper` and
- * `wide` are the energies of 20 ms over their floors, `now` is the wide one of 6 ms. */
-static enum vibration hear(slip_state *state, slip_real upper, slip_real wide, slip_real now, bool is_fading,
-                           bool has_ended) {
-    const bool is_heard = upper > SLIP_STAY_RATIO && state->settling == 0;
-    slip_real share = R(1.0) / SLIP_STEADY_TICKS, mean;
-    bool is_steady;
-    if (!is_heard && !state->incipient) {
-        state->heard_ticks = state->steady = 0;
-        state->heard_mean = state->heard_square = R(0.0);
-        return NONE;
-    }
-    if (state->heard_ticks < SLIP_STEADY_COUNT) {
-        state->heard_ticks++;
-        share = R(1.0) / (slip_real)(int32_t)state->heard_ticks;
-    }
-    state->heard_mean += share * (now - state->heard_mean);
-    state->heard_square += share * (now * now - state->heard_square);
-    mean = state->heard_mean;
-    is_steady = state->heard_square - mean * mean < SLIP_STEADY_RATIO * mean * mean;
-    if (!is_steady) {
-        state->steady = 0;
-    } else if (state->steady <= SLIP_STEADY_ON_TICKS) {
-        state->steady++;
-    }
-    if (is_heard || wide > SLIP_STAY_RATIO) {
-        state->unheard = 0;
-    } else if (state->unheard < SLIP_UNHEARD_TICKS) {
-        state->unheard++;
-    }
-    if (has_ended || state->steady > (state->on ? SLIP_STEADY_ON_TICKS : 0)) {
-        return NONE;
-    }
-    if (is_heard && !is_fading) {
-        return SURE;
-    }
-    return (state->on && state->unheard < SLIP_UNHEARD_TICKS) || (wide > SLIP_STAY_RATIO && !is_fading) ? LASTS : NONE;
+/* Least floor: of the converter's steps, and of the board. */
+static float find_least(const slip_state *state) {
+    const bool is_filtered = state->is_alive && state->limited == 0;
+    const float step = state->is_alive ? state->filtered.smallest_step : state->tactile.smallest_step;
+    return greater(is_filtered ? SLIP_LEAST_FILTERED_V : SLIP_LEAST_V, step * SLIP_STEP_LEVEL);
 }
 
-/* Judge whether the floors may learn what is heard: noise, a tone, or what lasts while the force stands still. */
-static bool is_learned(slip_state *state, slip_real upper, slip_real wide, bool is_moving) {
-    const bool is_loud = (upper > SLIP_CLIP_RATIO || wide > SLIP_CLIP_RATIO) && state->settling == 0;
-    if (is_moving) {
-        state->standing = 0;
-    } else if (is_loud && state->standing <= SLIP_STANDING_TICKS) {
-        state->standing++;
-    }
-    return !is_loud || state->steady > 0 || state->standing > SLIP_STANDING_TICKS;
+/* Forget the crossing, which has ended. */
+static void forget_crossing(slip_state *state) {
+    state->crossing = state->missed = state->vetoed = 0;
+    state->odds = 0.0f;
 }
 
-/* Decide at a tick: features, trees, ON or OFF, floors. `slope` is the squared slope of this sample [V^2]. */
-static void tick(slip_state *state, slip_real slope) {
-    slip_real row[SLIP_COUNT];
-    slip_real wide_floor, upper_floor, slow_floor, greatest, peak, low, change, half_change, score, share, fall, excess;
-    slip_real on_score, input_noise, step_noise, raised;
-    unsigned middle, i;
-    bool is_strong, is_moving, may_learn, is_held, has_ended, is_fading, is_silent;
-    enum vibration vibration;
-
-    greatest = greater(state->slopes[2], greater(state->slopes[0], state->slopes[1]));
-    peak = greater(state->peaks[2], greater(state->peaks[0], state->peaks[1]));
-    state->slot++;
-    if (state->slot >= SLIP_SLOT_TICKS) {
-        state->slot = 0;
-        state->slopes[2] = state->slopes[1];
-        state->slopes[1] = state->slopes[0];
-        state->slopes[0] = R(0.0);
-        state->peaks[2] = state->peaks[1];
-        state->peaks[1] = state->peaks[0];
-        state->peaks[0] = R(0.0);
-    }
-    /* Smallest energy of the last slots: of this one, what it has shown so far. */
-    state->low_phase++;
-    if (state->low_phase > SLIP_LOW_TICKS) {
-        state->low_phase = 1;
-        state->lows[2] = state->lows[1];
-        state->lows[1] = state->lows[0];
-        state->lows[0] = state->wide_short;
-    }
-    state->lows[0] = lesser(state->wide_short, state->lows[0]);
-    low = lesser(state->lows[2], lesser(state->lows[0], state->lows[1]));
-    state->ring_phase++;
-    if (state->ring_phase >= 2) {
-        state->ring_phase = 0;
-        state->ring[state->ring_at] = state->slow;
-        state->ring_at++;
-        if (state->ring_at == SLIP_RING) {
-            /* Only differences count. The sum begins again, so that it never grows beyond the last movements. */
-            state->ring_at = 0;
-            for (i = 0; i < SLIP_RING; i++) {
-                state->ring[i] -= state->slow;
-            }
-            state->slow = R(0.0);
-        }
-    }
-    change = state->slow - state->ring[state->ring_at];
-    middle = state->ring_at + SLIP_RING / 2u;
-    half_change = SLIP_DIRECTION * (state->slow - state->ring[middle < SLIP_RING ? middle : middle - SLIP_RING]);
-
-    /* Floors are at least the noise of a converter halfway between two codes. */
-    input_noise = R(0.25) * state->step * state->step;
-    step_noise = state->has_filtered && state->still < SLIP_STILL_SAMPLES
-        ? R(0.25) * state->filtered_step * state->filtered_step : input_noise;
-    wide_floor = greater(state->floor, step_noise * SLIP_WIDE_SHARE);
-    upper_floor = greater(state->upper_floor, step_noise * SLIP_UPPER_SHARE);
-    slow_floor = SLIP_WIDE_SHARE * greater(state->input_floor, input_noise);
-    greatest *= SLIP_SLOPE_GAIN;
-    slope *= SLIP_SLOPE_GAIN;
-    state->upper_mean += SLIP_WEAK_SMOOTHING * (state->upper_short - state->upper_mean);
-    state->wide_mean += SLIP_WEAK_SMOOTHING * (state->wide_short - state->wide_mean);
-    state->slope_mean += SLIP_WEAK_SMOOTHING * (slope - state->slope_mean);
-    row[0] = state->upper_short / upper_floor;
-    row[1] = state->upper_long / upper_floor;
-    row[2] = state->wide_short / wide_floor;
-    row[3] = state->wide_long / wide_floor;
-    has_ended = !(state->wide_short > SLIP_DECAY_RATIO * state->wide_long);
-    is_strong = (row[1] > SLIP_STAY_RATIO || row[3] > SLIP_STAY_RATIO) && !has_ended;
-    state->lasting_ticks = row[1] > SLIP_LASTING_RATIO ? state->lasting_ticks + R(1.0) : R(0.0);
-    state->weak_ticks = row[1] > SLIP_WEAK_RATIO ? state->weak_ticks + R(1.0) : R(0.0);
-    if (row[0] > SLIP_LOUD || row[2] > SLIP_LOUD || row[1] > SLIP_LOUD_20 || row[3] > SLIP_LOUD_20) {
-        row[4] = greatest / slow_floor;
-        row[5] = change * change / slow_floor;
-        row[6] = half_change * MAGNITUDE(half_change) / slow_floor;
-        row[7] = state->upper_short / (peak + SLIP_TINY);
-        row[8] = state->wide_long / (greatest + SLIP_TINY);
-        row[9] = state->upper_long / (greatest + SLIP_TINY);
-        row[10] = state->upper_long / (state->wide_long + SLIP_TINY);
-        row[11] = slope / (greatest + SLIP_TINY);
-        row[12] = low / wide_floor;
-        row[13] = low / (state->wide_long + SLIP_TINY);
-        row[14] = state->upper_mean / upper_floor;
-        row[15] = state->wide_mean / wide_floor;
-        row[16] = state->slope_mean / slow_floor;
-        row[17] = state->slope_mean / (greatest + SLIP_TINY);
-        row[18] = state->upper_mean / (state->wide_mean + SLIP_TINY);
-        row[19] = state->upper_long / (state->upper_mean + SLIP_TINY);
-        row[20] = state->lasting_ticks;
-        row[21] = state->weak_ticks;
-        score = evaluate_trees(row);
-        is_fading = !(row[7] > SLIP_FADE_RATIO);
-    } else { /* a quiet signal does not fade */
-        is_fading = true;
-        score = SLIP_LOWEST_SCORE;
+/* Follow the crossing and, in ON, the hold; return whether the table is to be asked. */
+static bool follow(slip_state *state, float short_mean, float long_mean) {
+    const float hold = SLIP_HOLD_RATIO * state->floor;
+    if (state->blocked > 0 || state->age_ticks <= state->learning_ticks) {
+        state->on = state->incipient = false;
+        forget_crossing(state);
+        return false;
     }
 
-    /* In more noise or coarser steps than stated, more must speak for slip. */
-    excess = greater(wide_floor / state->noisy_floor, slow_floor / SLIP_NOISY_SLOW_FLOOR) - R(1.0);
-    on_score = SLIP_ON_SCORE + SLIP_NOISE_RISE * greater(R(0.0), lesser(excess, R(1.0)));
-    state->mean_score += SLIP_MEAN_SMOOTHING * (score - state->mean_score);
-    state->confidence = greater(R(0.0), (state->mean_score - SLIP_LOWEST_SCORE) / (on_score - SLIP_LOWEST_SCORE));
-
-    vibration = hear(state, row[1], row[3], row[2], is_fading, has_ended);
-    is_moving = greatest > SLIP_MOVING_RATIO * slow_floor && state->settling == 0;
-    may_learn = is_learned(state, row[1], row[3], is_moving);
-    /* Decision: OFF until the floors are learned; slip that has begun stays while its energy does. */
-    if (state->settling > 0) {
-        state->settling--;
-        state->incipient = false;
-    } else if (state->incipient) {
-        if (state->unheard == 0) { /* silence says nothing, and a strong slip no more than a weak one */
-            state->smooth_score += SLIP_HOLD_SMOOTHING * (lesser(score, SLIP_STAY_SCORE) - state->smooth_score);
-        }
-        state->incipient = score > SLIP_STAY_SCORE || (is_strong && state->smooth_score > SLIP_STAY_SCORE)
-            || (vibration != NONE && state->smooth_score > SLIP_HOLD_SCORE);
-    } else {
-        state->smooth_score = on_score + SLIP_INCIPIENT_RISE;
-        state->incipient = score > state->smooth_score || lesser(score, state->mean_score) > on_score;
-    }
-    state->on = state->incipient
-        && (state->on || state->mean_score > on_score
-            || (vibration == SURE && state->on_ticks >= SLIP_SURE_TICKS));
-    if (state->on) {
-        state->after = SLIP_AFTER_TICKS;
-    } else if (state->after > 0) {
-        state->after--;
-    }
-
-    /* No floor learns what the trees may take for slip, nor what follows a slide. */
-    is_held = state->incipient || state->after > 0 || (score > SLIP_STAY_SCORE && state->settling == 0)
-        || state->replaced > 0;
-
+    state->incipient = short_mean > SLIP_SHORT_RATIO * state->floor || long_mean > SLIP_LONG_RATIO * state->floor;
     if (state->incipient) {
-        /* A tone's energy is constant and that of slip is not: floors follow a tone. */
-        state->on_ticks += R(1.0);
-        share = R(1.0) / lesser(state->on_ticks, SLIP_TONE_TICKS);
-        state->mean += share * (state->wide_long - state->mean);
-        state->mean_square += share * (state->wide_long * state->wide_long - state->mean_square);
-        if (state->on_ticks > SLIP_TONE_TICKS
-            && state->mean_square - state->mean * state->mean < SLIP_UNLEARNED_RATIO * state->mean * state->mean) {
-            state->floor += SLIP_UNLEARNING * (state->wide_long - state->floor);
-            state->upper_floor += SLIP_UNLEARNING * (state->upper_long - state->upper_floor);
-        }
+        state->crossing = (uint16_t)(state->crossing + 1 + state->missed);
+        state->crossing = state->crossing < SLIP_LONGEST_AGE ? state->crossing : SLIP_LONGEST_AGE;
+        state->missed = 0;
     } else {
-        state->on_ticks = R(0.0);
+        state->missed++;
+    }
+    if (state->missed > SLIP_GAP_TICKS) {
+        forget_crossing(state);
+    }
+    if (!state->on) {
+        return state->incipient && state->crossing >= SLIP_MIN_AGE_TICKS;
     }
 
-    if (is_held || !(may_learn || is_moving)) {
+    state->is_second = !state->is_second;
+    state->on = short_mean > hold || long_mean > hold;
+    if (!state->on) {
+        state->odds = 0.0f;
+    }
+    return state->on && state->is_second;
+}
+
+/* Take the log odds of a look: towards ON, or for staying ON. */
+static void judge(slip_state *state, float odds) {
+    if (!state->on) {
+        state->odds = greater(state->odds + lesser(odds, SLIP_MOST_ODDS), SLIP_LEAST_SUM);
+        state->on = state->odds > SLIP_NEED;
+        state->vetoed = count_up(state->vetoed, false, SLIP_VETOED_TICKS);
+        state->refused = 0;
+        state->is_second = false;
         return;
     }
-    /* A voltage that stands still shows no noise to learn. */
-    is_silent = has_ended && !state->has_filtered && state->input_long < SLIP_MIN_INPUT_FLOOR;
-    if (is_moving) {
-        state->floor_ticks = SLIP_HELD_TICKS;
-    } else if (state->floor_ticks < R(0.0)) {
-        /* Until the filters have settled, floors are what they show. */
-        state->floor_ticks += R(1.0);
-        state->floor = state->wide_long;
-        state->upper_floor = state->upper_long;
-        state->input_floor = state->input_long;
-    } else if (is_silent) {
-        state->floor_ticks += R(1.0);
+
+    state->refused = count_up(state->refused, !(odds < SLIP_STAY_ODDS), SLIP_STAY_LOOKS + 1);
+    if (state->refused > SLIP_STAY_LOOKS) {
+        state->on = false;
+        state->odds = 0.0f;
+    }
+}
+
+/* Count the time since ON. */
+static void wait_after(slip_state *state) {
+    state->after = count_down(state->after, state->on, SLIP_AFTER_TICKS);
+    if (state->on) {
+        state->vetoed = 0;
+    }
+}
+
+/* End ON, and learn the vibration as rest, where it has hardly varied for two seconds: a tone. */
+static void end_tone(slip_state *state, float short_mean) {
+    state->steady++;
+    state->lowest = lesser(state->lowest, short_mean);
+    state->highest = greater(state->highest, short_mean);
+    if (!state->on || state->highest > SLIP_TONE_RATIO * state->lowest) {
+        state->steady = 0;
+        state->lowest = state->highest = short_mean;
+    }
+    if (state->steady >= SLIP_TONE_TICKS) {
+        state->on = state->incipient = false;
+        state->after = state->steady = 0;
+        forget_crossing(state);
+        state->learned.level = short_mean * SLIP_QUANTILE_RATIO;
+        state->learned.energies = state->sums.energies;
+    }
+}
+
+/* Move an energy at rest towards the one of this tick by a share. */
+static void approach(float *learned, float energy, float share) {
+    *learned += share * (energy - *learned);
+}
+
+/* Learn the floors from the first ticks: means of all. */
+static void learn_first(slip_state *state) {
+    const slip_sums *const means = &state->sums;
+    slip_floors *const learned = &state->learned;
+    float share;
+    unsigned i;
+    if (state->age_ticks <= SLIP_SETTLING_TICKS) {
+        return;
+    }
+    state->heard++;
+    share = 1.0f / (float)state->heard;
+    approach(&learned->level, means->level * SLIP_QUANTILE_RATIO, share);
+    approach(&learned->energies.slow, means->energies.slow, share);
+    approach(&learned->energies.wide, means->energies.wide, share);
+    for (i = 0; i < SLIP_BANDS; i++) {
+        approach(&learned->energies.bands[i], means->energies.bands[i], share);
+    }
+}
+
+/* The same for an energy that counts as no more than some times the one at rest. */
+static void approach_clipped(float *learned, float energy, float share) {
+    approach(learned, lesser(energy, SLIP_CLIP_RATIO * *learned), share);
+}
+
+/* Let the floor and the energies at rest follow what is no slip. */
+static void learn(slip_state *state, float short_mean) {
+    const slip_energies *const energies = &state->sums.energies;
+    slip_floors *const learned = &state->learned;
+    const bool may_be_slip = state->incipient || state->on || state->after > 0;
+    const bool is_far_below = short_mean < 0.5f * learned->level;
+    const float share = is_far_below ? SLIP_BAND_DROP_SHARE : SLIP_BAND_SHARE;
+    unsigned i;
+    if (may_be_slip && state->vetoed < SLIP_VETOED_TICKS) {
+        return;
+    }
+
+    approach_clipped(&learned->energies.slow, energies->slow, share);
+    approach_clipped(&learned->energies.wide, energies->wide, share);
+    for (i = 0; i < SLIP_BANDS; i++) {
+        approach_clipped(&learned->energies.bands[i], energies->bands[i], share);
+    }
+    if (short_mean > learned->level) {
+        learned->level *= SLIP_RISE;
     } else {
-        state->floor_ticks += R(1.0);
-        share = R(1.0) / lesser(state->floor_ticks, SLIP_MAX_FLOOR_TICKS);
-        fall = R(1.0) / lesser(state->floor_ticks, SLIP_FALL_TICKS);
-        state->floor = adapt_floor(state->floor, state->wide_long, share, fall);
-        state->upper_floor = adapt_floor(state->upper_floor, state->upper_long, share, fall);
-        state->input_floor = adapt_floor(state->input_floor, state->input_long, share, fall);
+        learned->level *= is_far_below ? SLIP_DROP : SLIP_FALL;
     }
-    raised = is_silent ? SLIP_SILENT_RATIO : R(1.0);
-    state->floor = greater(state->floor, raised * state->min_floor);
-    state->upper_floor = greater(state->upper_floor, raised * state->min_upper_floor);
-    state->input_floor = greater(state->input_floor, raised * SLIP_MIN_INPUT_FLOOR);
 }
 
-enum check { USED, REPLACED_SAMPLE, CONFIRMED, GLITCH, BEGUN };
+/* Decide at a tick. `force` is the slow force [V]. */
+static void tick(slip_state *state, float force) {
+    const slip_check *const vibrating = state->is_alive ? &state->filtered : &state->tactile;
+    float short_mean, long_mean;
+    take_means(&state->sums);
+    store_tick(&state->ticks, &state->sums, force);
+    mean_levels(&state->ticks, state->sums.level, &short_mean, &long_mean);
+    state->mean = greater(short_mean, long_mean * (SLIP_SHORT_RATIO / SLIP_LONG_RATIO));
+    state->floor = greater(state->learned.level, find_least(state));
+    state->age_ticks = count_up(state->age_ticks, false, SLIP_LEARNING_TICKS + 1);
 
-/* Return whether a value is at most as large as a limit. NaN is not. */
-static bool is_within(slip_real value, slip_real limit) {
-    return MAGNITUDE(value) <= limit;
-}
+    if (follow(state, short_mean, long_mean)) {
+        judge(state, look(state, short_mean));
+    }
+    wait_after(state);
+    end_tone(state, short_mean);
 
-/* Judge a sample by its value and by its distance from the last one that was used. What is no voltage is replaced. A
- * jump is replaced until the next sample confirms it; jumps that follow are trusted for a while. Where nothing is wrong
- * and the sample does not jump, which is nearly always so, the callers need not ask. */
-static NOT_INLINED enum check check_sample(slip_check *check, slip_real value, slip_real jump, slip_real limit) {
-    bool is_gap, is_suspected, is_jump;
-    if (!is_within(value, SLIP_NUMBER_LIMIT)) {
-        if (check->wrong < UINT16_MAX) {
-            check->wrong++;
+    /* A signal that stands still teaches nothing. */
+    if (vibrating->still <= SLIP_GAP_SAMPLES && state->blocked == 0) {
+        if (state->age_ticks <= state->learning_ticks) {
+            learn_first(state);
+        } else {
+            learn(state, short_mean);
         }
-        return REPLACED_SAMPLE;
     }
-    is_gap = check->wrong > SLIP_GAP_SAMPLES;
-    is_suspected = check->is_suspected;
-    /* What comes back half the way is vibration, and no glitch. */
-    is_jump = !is_within(jump, is_suspected ? R(0.5) * limit : limit);
-    check->wrong = 0;
-    if (is_jump && !is_suspected && !is_gap && check->trusted == 0) {
-        check->is_suspected = true;
-        return REPLACED_SAMPLE;
-    }
-    check->is_suspected = false;
-    if (is_jump) {
-        check->trusted = SLIP_TRUSTED_SAMPLES;
-    } else if (check->trusted > 0) {
-        check->trusted--;
-    }
-    if (is_gap) {
-        return BEGUN;
-    }
-    return !is_suspected ? USED : is_jump ? CONFIRMED : GLITCH;
+    state->sums = (slip_sums){0};
 }
 
-static bool is_wrong(const slip_check *check) {
-    return check->wrong > 0 || check->trusted > 0 || check->is_suspected;
-}
+/* -- Samples ---------------------------------------------------------------------------------------------------------- */
 
-/* Note whether the checks must be asked for the next sample. */
-static void note_busy(slip_state *state) {
-    state->is_busy = is_wrong(&state->tactile_check) || is_wrong(&state->filtered_check) || state->replaced > 0;
-}
+/* Process a sample of T, and of S where there is one. */
+static bool step(slip_state *state, float tactile, bool is_voltage, float filtered, bool is_filtered_voltage) {
+    const bool was_alive = state->is_alive;
+    const float change = check_sample(&state->tactile, tactile, is_voltage, state->unit_v, SLIP_JUMP_LIMIT_V);
+    float slow;
+    bool is_wrong = state->tactile.is_wrong;
 
-/* Stay OFF for a while, until the filters have settled after a gap. */
-static void restart(slip_state *state) {
-    if (state->settling < SLIP_RESTART_TICKS) {
-        state->settling = SLIP_RESTART_TICKS;
-    }
-}
-
-/* Judge a sample of T by its voltage and its change [V], note its faults, and return whether it is used. If not, or
- * where it begins anew, the change is 0. */
-static NOT_INLINED bool use_tactile(slip_state *state, slip_real tactile_v, slip_real *change) {
-    const enum check found = check_sample(&state->tactile_check, tactile_v, *change, SLIP_JUMP_LIMIT);
-    /* After a gap much may have happened; and before the detector has settled, the first sample may be a glitch. */
-    if (found == REPLACED_SAMPLE || found == BEGUN || (found == CONFIRMED && state->settling > 0)) {
-        *change = R(0.0);
-    }
-    if (found == GLITCH || state->tactile_check.wrong > 0) {
-        state->replaced = SLIP_FAULT_SAMPLES;
-    } else if (state->replaced > 0) {
-        state->replaced--;
-    }
-    if (state->tactile_check.wrong > SLIP_GAP_SAMPLES) {
-        restart(state);
-    }
-    note_busy(state);
-    return found != REPLACED_SAMPLE;
-}
-
-/* Judge a sample of the filtered signal, as a voltage at the filter's input [V], by its distance from the last one that
- * was used. Return it, or the last one in its place; where its rest is to be set anew, that is its place. `late` becomes
- * what was held back of the sample before it. */
-static NOT_INLINED slip_real use_filtered(slip_state *state, slip_real filtered, slip_real limit, slip_real *late) {
-    const slip_real move = filtered - state->last_filtered;
-    const enum check found = check_sample(&state->filtered_check, filtered, move, limit);
-    if (found == GLITCH || state->filtered_check.wrong > 0) {
-        state->replaced = SLIP_FAULT_SAMPLES;
-    }
-    if (state->filtered_check.wrong > SLIP_GAP_SAMPLES && state->still < SLIP_STILL_SAMPLES) {
-        /* T alone is judged, and what the change of signals leaves is not. */
-        state->still = SLIP_STILL_SAMPLES;
-        restart(state);
-    }
-    note_busy(state);
-    if (found == REPLACED_SAMPLE) {
-        state->held = move;
-        return state->last_filtered;
-    }
-    if (found == CONFIRMED && state->settling > 0) {
-        state->begins = true;
-        state->last_filtered = R(0.0);
-        return R(0.0);
-    }
-    /* The restoring filter adds its input up for 10 ms: it gets what was held back, unless that was a glitch. */
-    if (found == CONFIRMED && move * state->held > R(0.5) * state->held * state->held) {
-        *late = state->held;
-    }
-    return filtered;
-}
-
-/* Count how long the tactile voltage has been one that no force gives. */
-static void note_outside(slip_state *state, bool is_outside) {
-    if (!is_outside) {
-        state->outside = 0;
-    } else if (state->outside <= SLIP_FAULT_SAMPLES) {
-        state->outside++;
-    }
-}
-
-/* Process one sample: the change of the tactile voltage [V], and the filtered signal's deviation from its rest [V]. */
-static void step(slip_state *state, slip_real change, slip_real deviation) {
-    slip_real move, limit, late, board, filtered, restored, edge, upper, wide, slope;
-
-    /* Smallest step of the converter: the smallest difference between two samples. */
-    move = MAGNITUDE(change);
-    if (R(0.0) < move && move < state->step) {
-        state->step = move;
-    }
-
-    /* The stages of the board's filter, driven by the voltage. */
-    state->board_stage = SLIP_BOARD_1_B * change - SLIP_BOARD_1_A1 * state->board_stage;
-    board = SLIP_BOARD_B0 * state->board_stage + state->board_1;
-    state->board_1 = SLIP_BOARD_B1 * state->board_stage - SLIP_BOARD_A1 * board + state->board_2;
-    state->board_2 = SLIP_BOARD_B2 * state->board_stage - SLIP_BOARD_A2 * board;
-
-    /* The board's own filtered signal has finer steps and less noise, unless it stands still or a stage is at its
-     * limit. */
+    state->stage = SLIP_STAGE_SHARE * change + SLIP_STAGE_KEEP * state->stage;
+    state->vibration = filter_high(&state->high, state->stage);
+    state->slow_sum = change + SLIP_LEAK_KEEP * state->slow_sum;
+    slow = filter_slow(&state->slow, state->slow_sum);
+    note_change(&state->tactile, change);
     if (state->has_filtered) {
-        filtered = SLIP_FILTERED_GAIN * deviation;
-        move = filtered - state->last_filtered;
-        late = R(0.0);
-        /* A jump is one where the signal stood nearly still: in slip, what is far beyond its movement until then. */
-        limit = greater(SLIP_JUMP_MOVES * state->mean_move, SLIP_FILTERED_JUMP_LIMIT);
-        if (state->is_busy || !is_within(move, limit)) {
-            filtered = use_filtered(state, filtered, limit, &late);
-            move = filtered - state->last_filtered;
-        }
-        state->last_filtered = filtered;
-        move = MAGNITUDE(move);
-        state->mean_move += SLIP_SHORT * (move - state->mean_move);
-        if (R(0.0) < move && move < state->filtered_step) {
-            state->filtered_step = move;
-        }
-        if (move > R(0.0)) {
-            state->still = 0;
-        } else if (state->still < SLIP_STILL_SAMPLES) {
-            state->still++;
-        }
-        if (state->is_off_level) {
-            state->still = SLIP_STILL_SAMPLES;
-        }
-        if (!is_within(state->board_stage, SLIP_FILTERED_LIMIT) || !is_within(filtered, SLIP_FILTERED_LIMIT)) {
-            state->limited = SLIP_LIMITED_SAMPLES;
-        }
-        if (state->limited > 0) {
-            state->limited--;
-        } else if (state->still < SLIP_STILL_SAMPLES) {
-            board = filtered + late;
-        }
+        state->vibration = use_filtered(state, filtered, is_filtered_voltage, state->vibration);
+        is_wrong = is_wrong || state->filtered.is_wrong;
     }
 
-    /* Filters: the board's with a lower cutoff, below the upper edge, upper band, wide band, slope of the slow voltage. */
-    move = SLIP_RESTORE_1_B0 * board + state->restore_1_1;
-    state->restore_1_1 = SLIP_RESTORE_1_B1 * board - SLIP_RESTORE_1_A1 * move;
-    restored = SLIP_RESTORE_B0 * move + state->restore_1;
-    state->restore_1 = SLIP_RESTORE_B1 * move - SLIP_RESTORE_A1 * restored + state->restore_2;
-    state->restore_2 = SLIP_RESTORE_B2 * move - SLIP_RESTORE_A2 * restored;
-    edge = SLIP_EDGE_B0 * restored + state->edge_1;
-    state->edge_1 = SLIP_EDGE_B1 * restored - SLIP_EDGE_A1 * edge + state->edge_2;
-    state->edge_2 = SLIP_EDGE_B2 * restored - SLIP_EDGE_A2 * edge;
-    upper = SLIP_UPPER_B0 * edge + state->upper_1;
-    state->upper_1 = SLIP_UPPER_B1 * edge - SLIP_UPPER_A1 * upper + state->upper_2;
-    state->upper_2 = SLIP_UPPER_B2 * edge - SLIP_UPPER_A2 * upper;
-    wide = SLIP_WIDE_B0 * edge + state->wide_1;
-    state->wide_1 = SLIP_WIDE_B1 * edge - SLIP_WIDE_A1 * wide + state->wide_2;
-    state->wide_2 = SLIP_WIDE_B2 * edge - SLIP_WIDE_A2 * wide;
-    slope = SLIP_SLOW_B0 * change + state->slow_1;
-    state->slow_1 = SLIP_SLOW_B1 * change - SLIP_SLOW_A1 * slope + state->slow_2;
-    state->slow_2 = SLIP_SLOW_B2 * change - SLIP_SLOW_A2 * slope;
-    state->slow += slope;
-    state->wide = wide;
-
-    /* Energies: exponential means of the squares. */
-    state->upper_short += SLIP_SHORT * (upper * upper - state->upper_short);
-    state->upper_long += SLIP_LONG * (upper * upper - state->upper_long);
-    state->wide_short += SLIP_SHORT * (wide * wide - state->wide_short);
-    state->wide_long += SLIP_LONG * (wide * wide - state->wide_long);
-    state->rough += change - slope;
-    state->input_long += SLIP_LONG * (state->rough * state->rough - state->input_long);
-
-    /* Squared slope and upper energy, the greatest of each slot. */
-    slope *= slope;
-    state->slopes[0] = greater(slope, state->slopes[0]);
-    state->peaks[0] = greater(state->upper_short, state->peaks[0]);
-
+    state->replaced = count_down(state->replaced, is_wrong, SLIP_FAULT_SAMPLES);
+    state->blocked = count_down(state->blocked,
+                                state->tactile.missing > SLIP_GAP_SAMPLES || (was_alive && !state->is_alive),
+                                SLIP_BLOCKED_SAMPLES);
+    sum_sample(state, state->vibration, slow);
     state->phase++;
     if (state->phase >= SLIP_TICK_SAMPLES) {
         state->phase = 0;
-        tick(state, slope);
+        tick(state, slow);
     }
+    return state->on;
 }
 
-/* Begin with the first sample: whether it has a filtered signal decides what noise is stated. */
-static void start(slip_state *state, bool has_filtered) {
+/* Count how long T has been a voltage that no force gives. */
+static void note_outside(slip_state *state, bool is_inside) {
+    state->outside = count_up(state->outside, is_inside, SLIP_FAULT_SAMPLES + 1);
+}
+
+/* Begin with the first sample: whether it has a filtered signal decides what noise is stated, and least learned. */
+static void start(slip_state *state, bool has_filtered, bool is_in_codes) {
+    static const slip_floors stated = SLIP_STATED_FLOORS, filtered_stated = SLIP_FILTERED_STATED_FLOORS;
     state->is_started = true;
-    state->has_filtered = has_filtered && SLIP_FILTERED_GAIN > R(0.0);
-    if (state->has_filtered) {
-        state->wide_short = state->wide_long = state->wide_mean = SLIP_FILTERED_STATED_WIDE;
-        state->upper_short = state->upper_long = state->upper_mean = SLIP_FILTERED_STATED_UPPER;
-        if (!state->is_recalled) {
-            state->floor = state->wide_long;
-            state->upper_floor = state->upper_long;
-        }
-        state->min_floor = SLIP_FILTERED_MIN_FLOOR;
-        state->noisy_floor = SLIP_FILTERED_NOISY_FLOOR;
-        state->min_upper_floor = SLIP_FILTERED_MIN_UPPER_FLOOR;
-    }
-    if (state->is_recalled) {
-        state->floor = greater(state->floor, state->min_floor);
-        state->upper_floor = greater(state->upper_floor, state->min_upper_floor);
-        state->input_floor = greater(state->input_floor, SLIP_MIN_INPUT_FLOOR);
+    state->has_filtered = has_filtered && SLIP_HAS_FILTERED;
+    state->is_in_codes = is_in_codes;
+    state->unit_v = is_in_codes ? SLIP_ADC_STEP_V : 1.0f;
+    if (!state->is_recalled) {
+        state->learned = state->has_filtered ? filtered_stated : stated;
     }
 }
 
-void slip_recall(slip_state *state, slip_floors floors) {
-    if (!(floors.wide > R(0.0) && floors.upper > R(0.0) && floors.tactile > R(0.0))) {
-        return;
-    }
-    state->is_recalled = true;
-    state->floor = floors.wide;
-    state->upper_floor = floors.upper;
-    state->input_floor = floors.tactile;
-    state->settling = (uint16_t)SLIP_SETTLE_TICKS;
-    state->floor_ticks = SLIP_MAX_FLOOR_TICKS;
+static void init_check(slip_check *check) {
+    check->smallest_step = SLIP_NO_STEP;
+    check->missing = SLIP_GAP_SAMPLES + 1;
+    check->still = SLIP_STILL_SAMPLES;
+}
+
+void slip_init(slip_state *state) {
+    *state = (slip_state){0};
+    init_check(&state->tactile);
+    init_check(&state->filtered);
+    state->learning_ticks = SLIP_LEARNING_TICKS;
+    state->is_at_rest = true;
 }
 
 void slip_init_finger(slip_state *state, unsigned finger) {
@@ -575,86 +671,49 @@ void slip_init_finger(slip_state *state, unsigned finger) {
     state->phase = (uint16_t)(finger % SLIP_TICK_SAMPLES);
 }
 
-void slip_init(slip_state *state) {
-    *state = (slip_state){0};
-    /* Energies and floors start at those of the stated noise. */
-    state->wide_short = state->wide_long = state->wide_mean = state->floor = SLIP_STATED_WIDE;
-    state->upper_short = state->upper_long = state->upper_mean = state->upper_floor = SLIP_STATED_UPPER;
-    state->input_long = state->input_floor = SLIP_STATED_INPUT;
-    state->min_floor = SLIP_MIN_FLOOR;
-    state->noisy_floor = SLIP_NOISY_FLOOR;
-    state->min_upper_floor = SLIP_MIN_UPPER_FLOOR;
-    state->step = state->filtered_step = R(INFINITY);
-    state->still = SLIP_STILL_SAMPLES;
-    state->mean_move = SLIP_FILTERED_JUMP_LIMIT;
-    state->mean_score = SLIP_LOWEST_SCORE;
-    state->settling = SLIP_SETTLING_TICKS;
-    state->floor_ticks = -SLIP_SETTLE_TICKS;
+void slip_recall(slip_state *state, slip_floors floors) {
+    bool is_learned = floors.level > 0.0f && floors.energies.slow > 0.0f && floors.energies.wide > 0.0f;
+    unsigned i;
+    for (i = 0; i < SLIP_BANDS; i++) {
+        is_learned = is_learned && floors.energies.bands[i] > 0.0f;
+    }
+    if (is_learned) {
+        state->is_recalled = true;
+        state->learned = floors;
+        state->learning_ticks = SLIP_SETTLING_TICKS;
+    }
 }
 
-/* Process volts. The inputs were constant until the first sample, so nothing is in the bands then. */
-static bool step_volts(slip_state *state, slip_real tactile_v, slip_real filtered_v, bool has_filtered) {
-    slip_real change;
+/* So written that NaN is no voltage. */
+static bool is_voltage(float sample_v) {
+    return fabsf(sample_v) <= SLIP_NUMBER_LIMIT_V;
+}
+
+static bool step_volts(slip_state *state, float tactile_v, float filtered_v, bool has_filtered) {
+    const bool is_used = is_voltage(tactile_v);
+    const float used_v = is_used ? tactile_v : state->tactile.last;
     if (!state->is_started) {
-        start(state, has_filtered);
-        state->last_tactile_v = is_within(tactile_v, SLIP_NUMBER_LIMIT) ? tactile_v : R(0.0);
-        state->rest_v = is_within(filtered_v, SLIP_NUMBER_LIMIT) ? filtered_v : R(0.0);
+        start(state, has_filtered, false);
     }
-    change = tactile_v - state->last_tactile_v;
-    if ((!state->is_busy && is_within(change, SLIP_JUMP_LIMIT)) || use_tactile(state, tactile_v, &change)) {
-        state->last_tactile_v = tactile_v;
-        note_outside(state, !is_within(tactile_v - SLIP_MIDDLE_INPUT, SLIP_HALF_RANGE));
-    }
-    step(state, change, filtered_v - state->rest_v);
-    if (state->is_busy && state->begins) {
-        state->begins = false;
-        state->rest_v = filtered_v;
-    }
-    return state->on;
+    note_outside(state, used_v >= SLIP_LOWEST_V && used_v <= SLIP_HIGHEST_V);
+    return step(state, tactile_v, is_used, filtered_v, is_voltage(filtered_v));
 }
 
-bool slip_step(slip_state *state, slip_real tactile_v, slip_real filtered_v) {
+bool slip_step(slip_state *state, float tactile_v, float filtered_v) {
     return step_volts(state, tactile_v, filtered_v, true);
 }
 
-bool slip_step_tactile(slip_state *state, slip_real tactile_v) {
-    return step_volts(state, tactile_v, R(0.0), false);
+bool slip_step_tactile(slip_state *state, float tactile_v) {
+    return step_volts(state, tactile_v, 0.0f, false);
 }
 
-/* Note whether S rests far from the middle of the supply, as where its wire is open: then T alone is judged, and what
- * the change of signals leaves is not. */
-static void note_level(slip_state *state, int32_t filtered_code) {
-    state->level += SLIP_LEVEL_SHARE * ((slip_real)filtered_code - state->level);
-    state->is_off_level = !is_within(state->level - SLIP_REST_CODE, SLIP_REST_CODES);
-    if (state->is_off_level && state->still < SLIP_STILL_SAMPLES && state->settling < SLIP_RESTART_TICKS) {
-        state->settling = SLIP_RESTART_TICKS;
-    }
-}
-
-/* Process codes in the same way. */
+/* Every code is a voltage. */
 static bool step_codes(slip_state *state, int32_t tactile_code, int32_t filtered_code, bool has_filtered) {
-    slip_real change;
     if (!state->is_started) {
-        start(state, has_filtered);
-        state->last_tactile_code = tactile_code;
-        state->rest_code = filtered_code;
-        state->level = (slip_real)filtered_code;
+        start(state, has_filtered, true);
     }
-    if (state->has_filtered) {
-        note_level(state, filtered_code);
-    }
-    change = SLIP_ADC_STEP_V * (slip_real)(tactile_code - state->last_tactile_code);
-    /* Every code is a voltage. */
-    if ((!state->is_busy && is_within(change, SLIP_JUMP_LIMIT)) || use_tactile(state, R(0.0), &change)) {
-        state->last_tactile_code = tactile_code;
-        note_outside(state, tactile_code < SLIP_LOWEST_CODE || tactile_code > SLIP_HIGHEST_CODE);
-    }
-    step(state, change, SLIP_ADC_STEP_V * (slip_real)(filtered_code - state->rest_code));
-    if (state->is_busy && state->begins) {
-        state->begins = false;
-        state->rest_code = filtered_code;
-    }
-    return state->on;
+    note_outside(state, tactile_code >= SLIP_LOWEST_CODE && tactile_code <= SLIP_HIGHEST_CODE);
+    return step(state, (float)tactile_code, true, (float)filtered_code, true);
 }
 
 bool slip_step_codes(slip_state *state, int32_t tactile_code, int32_t filtered_code) {
@@ -666,18 +725,16 @@ bool slip_step_tactile_code(slip_state *state, int32_t tactile_code) {
 }
 
 bool slip_step_lost(slip_state *state) {
-    slip_real change = R(0.0);
     if (state->is_started) {
-        use_tactile(state, R(INFINITY), &change);
-        step(state, change, R(INFINITY));
+        note_outside(state, state->outside == 0);
+        step(state, 0.0f, false, 0.0f, false);
     }
     return state->on;
 }
 
-void slip_process(slip_state *state, const slip_real *tactile_v, const slip_real *filtered_v, size_t count,
-                  uint8_t *on) {
+void slip_process(slip_state *state, const float *tactile_v, const float *filtered_v, size_t count, uint8_t *on) {
     size_t i;
     for (i = 0; i < count; i++) {
-        on[i] = step_volts(state, tactile_v[i], filtered_v ? filtered_v[i] : R(0.0), filtered_v != NULL) ? 1u : 0u;
+        on[i] = step_volts(state, tactile_v[i], filtered_v ? filtered_v[i] : 0.0f, filtered_v != NULL) ? 1u : 0u;
     }
 }

@@ -8,17 +8,15 @@
 #pragma GCC optimize("fp-contract=off")
 #endif
 
-#define R(number) ((slip_real)(number))
-
 #include "slip_grip_curve.h"
 
 static const uint32_t LONG_AGO = UINT32_MAX;
 
-slip_real slip_force_n(unsigned finger, slip_real tactile_v) {
-    const slip_real *const curve_v = slip_curves_v[slip_curve_of[finger]];
-    const slip_real *const curve_n = slip_curves_n[slip_curve_of[finger]];
+float slip_force_n(unsigned finger, float tactile_v) {
+    const float *const curve_v = slip_curves_v[slip_curve_of[finger]];
+    const float *const curve_n = slip_curves_n[slip_curve_of[finger]];
     unsigned low = 0, high = SLIP_CURVE - 1, middle;
-    slip_real slope;
+    float slope;
     if (tactile_v <= curve_v[low]) {
         return curve_n[low];
     }
@@ -37,29 +35,29 @@ slip_real slip_force_n(unsigned finger, slip_real tactile_v) {
     return slope * (tactile_v - curve_v[low]) + curve_n[low];
 }
 
-slip_real slip_force_interval_n(unsigned finger, slip_real tactile_v, slip_real *low_n, slip_real *high_n) {
-    const slip_real force_n = slip_force_n(finger, tactile_v);
-    const slip_real *const known_n = slip_known_n[finger];
-    const slip_real factor = slip_factors[finger];
-    const slip_real within_n = force_n < known_n[0] ? known_n[0] : force_n > known_n[1] ? known_n[1] : force_n;
-    *low_n = force_n > known_n[0] ? within_n / (factor * SLIP_HYSTERESIS_FACTOR) : R(0.0);
-    *high_n = force_n < known_n[1] ? within_n * factor : R(INFINITY);
+float slip_force_interval_n(unsigned finger, float tactile_v, float *low_n, float *high_n) {
+    const float force_n = slip_force_n(finger, tactile_v);
+    const float *const known_n = slip_known_n[finger];
+    const float factor = slip_factors[finger];
+    const float within_n = force_n < known_n[0] ? known_n[0] : force_n > known_n[1] ? known_n[1] : force_n;
+    *low_n = force_n > known_n[0] ? within_n / (factor * SLIP_HYSTERESIS_FACTOR) : 0.0f;
+    *high_n = force_n < known_n[1] ? within_n * factor : INFINITY;
     return force_n;
 }
 
 /* Travel of the hand beyond the touch for a force [m]. */
-static slip_real depth_m(unsigned finger, slip_real force_n) {
-    const slip_real root = (slip_real)cbrt((double)force_n);
+static float depth_m(unsigned finger, float force_n) {
+    const float root = (float)cbrt((double)force_n);
     return force_n / SLIP_BACKING_N_PER_M + slip_pads_m_per_n23[slip_curve_of[finger]] * (root * root);
 }
 
 /* Closing that increases a force by the ratio, but not beyond the limit [m]. It never opens. */
-static slip_real further_m(unsigned finger, slip_real force_n) {
-    const slip_real present = force_n > SLIP_GRIP_MIN_PRESENT_N ? force_n : SLIP_GRIP_MIN_PRESENT_N;
-    const slip_real wanted = present * SLIP_GRIP_FORCE_RATIO;
-    const slip_real target = wanted < SLIP_GRIP_MAX_FORCE_N ? wanted : SLIP_GRIP_MAX_FORCE_N;
-    const slip_real further = depth_m(finger, target) - depth_m(finger, present);
-    return further > R(0.0) ? further : R(0.0);
+static float further_m(unsigned finger, float force_n) {
+    const float present = force_n > SLIP_GRIP_MIN_PRESENT_N ? force_n : SLIP_GRIP_MIN_PRESENT_N;
+    const float wanted = present * SLIP_GRIP_FORCE_RATIO;
+    const float target = wanted < SLIP_GRIP_MAX_FORCE_N ? wanted : SLIP_GRIP_MAX_FORCE_N;
+    const float further = depth_m(finger, target) - depth_m(finger, present);
+    return further > 0.0f ? further : 0.0f;
 }
 
 static uint32_t later(uint32_t since_us, uint32_t by_us) {
@@ -93,12 +91,12 @@ void slip_grip_init(slip_grip *grip) {
 void slip_grip_release(slip_grip *grip) {
     unsigned i;
     for (i = 0; i < SLIP_FINGERS; i++) {
-        grip->target_m[i] = R(0.0);
+        grip->target_m[i] = 0.0f;
     }
 }
 
 /* Move towards a target by a step at most. */
-static slip_real approach(slip_real from, slip_real to, slip_real step) {
+static float approach(float from, float to, float step) {
     if (to > from + step) {
         return from + step;
     }
@@ -110,7 +108,7 @@ bool slip_grip_step(slip_grip *grip, uint32_t now_us, unsigned on, unsigned usab
     const bool is_late = elapsed_us > SLIP_GRIP_WATCHDOG_US;
     const slip_grip_moment *then;
     slip_grip_moment now;
-    slip_real max_step_m, seconds, target;
+    float max_step_m, seconds, target;
     bool is_growing = is_late;
     unsigned i;
 
@@ -128,7 +126,7 @@ bool slip_grip_step(slip_grip *grip, uint32_t now_us, unsigned on, unsigned usab
         grip->count = 0;
     }
     then = remember(grip, &now);
-    seconds = R(1e-6) * (slip_real)(now_us == then->time_us ? 1u : now_us - then->time_us);
+    seconds = 1e-6f * (float)(now_us == then->time_us ? 1u : now_us - then->time_us);
     for (i = 0; i < SLIP_FINGERS; i++) {
         if ((usable >> i & 1u)
             && ((now.force_n[i] - then->force_n[i]) / seconds > SLIP_GRIP_MAX_GROWTH_N_S
@@ -145,11 +143,11 @@ bool slip_grip_step(slip_grip *grip, uint32_t now_us, unsigned on, unsigned usab
     if (grip->has_tightened) {
         grip->since_tightening_us = 0;
     }
-    max_step_m = is_late ? R(0.0) : SLIP_GRIP_MAX_COMMAND_M_S
-        * (R(1e-6) * (slip_real)(elapsed_us < SLIP_GRIP_LONGEST_STEP_US ? elapsed_us : SLIP_GRIP_LONGEST_STEP_US));
+    max_step_m = is_late ? 0.0f : SLIP_GRIP_MAX_COMMAND_M_S
+        * (1e-6f * (float)(elapsed_us < SLIP_GRIP_LONGEST_STEP_US ? elapsed_us : SLIP_GRIP_LONGEST_STEP_US));
     for (i = 0; i < SLIP_FINGERS; i++) {
         if (grip->has_tightened) {
-            target = grip->target_m[i] + ((usable >> i & 1u) ? further_m(i, now.force_n[i]) : R(0.0));
+            target = grip->target_m[i] + ((usable >> i & 1u) ? further_m(i, now.force_n[i]) : 0.0f);
             grip->target_m[i] = target < SLIP_GRIP_MAX_ADDED_M ? target : SLIP_GRIP_MAX_ADDED_M;
         }
         /* In a hand that is stiffer than assumed the measured force comes to its limit first: go no further. */

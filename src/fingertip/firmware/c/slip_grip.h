@@ -31,20 +31,20 @@ extern "C" {
 
 /* What a finger showed in a control period. */
 typedef struct slip_grip_input {
-    slip_real tactile_v; /* mean tactile voltage [V] */
-    slip_real closing_m; /* present way of the fingertip, as the encoder of its motor shows it [m] */
+    float tactile_v; /* mean tactile voltage [V] */
+    float closing_m; /* present way of the fingertip, as the encoder of its motor shows it [m] */
 } slip_grip_input;
 
 /* Forces and closings at a time. */
 typedef struct slip_grip_moment {
     uint32_t time_us;
-    slip_real force_n[SLIP_FINGERS], closing_m[SLIP_FINGERS];
+    float force_n[SLIP_FINGERS], closing_m[SLIP_FINGERS];
 } slip_grip_moment;
 
 /* State of the law. `added_m`, `is_suppressed` and `has_tightened` are read after a step. */
 typedef struct slip_grip {
-    slip_real added_m[SLIP_FINGERS];  /* closing that detections have added to what the hand plans [m] */
-    slip_real target_m[SLIP_FINGERS]; /* where it goes, as fast as the limit allows [m] */
+    float added_m[SLIP_FINGERS];  /* closing that detections have added to what the hand plans [m] */
+    float target_m[SLIP_FINGERS]; /* where it goes, as fast as the limit allows [m] */
     slip_grip_moment moments[SLIP_GRIP_HISTORY];
     uint32_t last_us, since_growth_us, since_tightening_us; /* UINT32_MAX: long ago */
     uint8_t first, count;
@@ -68,11 +68,11 @@ void slip_grip_release(slip_grip *grip);
 bool slip_grip_is_alive(slip_grip *grip, uint32_t now_us);
 
 /* Return the force that a tactile voltage of a finger means [N], by the curve of its sensor. */
-slip_real slip_force_n(unsigned finger, slip_real tactile_v);
+float slip_force_n(unsigned finger, float tactile_v);
 
 /* Return that force with the ends of its interval: of the calibrated sensor, or of a typical one, from which real ones
  * differ. The lower end counts the hysteresis; beyond the forces that are known, an end is 0 or infinite. */
-slip_real slip_force_interval_n(unsigned finger, slip_real tactile_v, slip_real *low_n, slip_real *high_n);
+float slip_force_interval_n(unsigned finger, float tactile_v, float *low_n, float *high_n);
 
 #ifdef __cplusplus
 }

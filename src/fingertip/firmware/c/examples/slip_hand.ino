@@ -11,14 +11,14 @@
 #include <stdio.h>
 
 // The way that a fingertip has closed, in metres, from the encoder of its motor.
-static slip_real read_closing_m(unsigned finger) {
+static float read_closing_m(unsigned finger) {
   (void)finger;
   return 0;
 }
 
 // Make a motor close by this much more than your hand plans, in metres. Hold its place instead where
 // slip_grip_is_alive(&grip, micros()) is false: ask that in the motor's own interrupt.
-static void command_further_m(unsigned finger, slip_real further_m) {
+static void command_further_m(unsigned finger, float further_m) {
   (void)finger;
   (void)further_m;
 }
@@ -84,7 +84,7 @@ static void control(uint32_t number, unsigned on, const uint32_t sums[SLIP_FINGE
   const unsigned flat = slip_hand_faults(&hand, SLIP_IS_FLAT);
   slip_grip_input inputs[SLIP_FINGERS];
   for (unsigned i = 0; i < SLIP_FINGERS; i++) {
-    inputs[i].tactile_v = SLIP_ADC_LOW_V + SLIP_ADC_STEP_V * ((slip_real)sums[i] / (slip_real)PERIOD);
+    inputs[i].tactile_v = SLIP_ADC_LOW_V + SLIP_ADC_STEP_V * ((float)sums[i] / (float)PERIOD);
     inputs[i].closing_m = read_closing_m(i);
   }
   // A finger whose voltage no force gives neither tightens the grip nor is tightened.

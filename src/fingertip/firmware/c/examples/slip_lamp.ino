@@ -106,7 +106,7 @@ void setup() {
 static void plot(const uint32_t *sums, unsigned on, uint32_t missed) {
   char line[96];
   for (unsigned i = 0; i < SLIP_FINGERS; i++) {
-    const slip_real volts = SLIP_ADC_LOW_V + SLIP_ADC_STEP_V * ((slip_real)sums[i] / (slip_real)LINE_SAMPLES);
+    const float volts = SLIP_ADC_LOW_V + SLIP_ADC_STEP_V * ((float)sums[i] / (float)LINE_SAMPLES);
     const unsigned long n = 100 * slip_force_n(i, volts) + 0.5f, v = 100 * volts + 0.5f;
     Serial.write(line, snprintf(line, sizeof line, "%sforce_n:%lu.%02lu %svolts:%lu.%02lu %sslip:%u ", NAMES[i],
                                 n / 100, n % 100, NAMES[i], v / 100, v % 100, NAMES[i], on >> i & 1u));

@@ -26,18 +26,18 @@ static inline char *slip_format_millionths(char *at, uint64_t millionths) {
 }
 
 /* Write a comma and a voltage [V], and return the position behind it. */
-static inline char *slip_format_volts(char *at, slip_real volts) {
-    slip_real microvolts = volts * (slip_real)1e6;
+static inline char *slip_format_volts(char *at, float volts) {
+    float microvolts = volts * 1e6f;
     *at++ = ',';
-    if (microvolts < (slip_real)0.0) {
+    if (microvolts < 0.0f) {
         *at++ = '-';
         microvolts = -microvolts;
     }
-    return slip_format_millionths(at, (uint64_t)(microvolts + (slip_real)0.5));
+    return slip_format_millionths(at, (uint64_t)(microvolts + 0.5f));
 }
 
 /* Write the line of a sample [V] without a final zero, and return its length. */
-static inline size_t slip_format_line(char *line, uint32_t sample, slip_real tactile_v, slip_real filtered_v) {
+static inline size_t slip_format_line(char *line, uint32_t sample, float tactile_v, float filtered_v) {
     char *at = slip_format_millionths(line, (uint64_t)sample * 1000000000u / SLIP_SAMPLE_RATE_MILLIHZ);
     at = slip_format_volts(at, tactile_v);
     at = slip_format_volts(at, filtered_v);

@@ -68,7 +68,7 @@ void loop() {
   if (!slip_fetch(&sample)) {
     return;
   }
-  const slip_real tactile_v = slip_volts(sample.codes[0].tactile), filtered_v = slip_volts(sample.codes[0].filtered);
+  const float tactile_v = slip_volts(sample.codes[0].tactile), filtered_v = slip_volts(sample.codes[0].filtered);
   char *end = line + slip_format_line(line, sample.number, tactile_v, filtered_v) - 1;
   if (MOTION_PIN >= 0) {
     *end++ = ',';

@@ -34,8 +34,8 @@ from fingertip.firmware.fingers import (
 )
 from fingertip.firmware.measured_costs import cost_table, read_costs
 from fingertip.firmware.packaging import NAME
-from fingertip.slip.detectors.fast_coefficients import load_model
 from fingertip.slip.detectors.fast_settings import TICK_S, FilteredSignal
+from fingertip.slip.detectors.fast_table import load_table
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ def render_readme(design: Design, fingers: Fingers) -> str:
         costs=read_costs(),
         cost_table=cost_table(),
         tick_ms=1e3 * TICK_S,
-        trees=load_model().trees,
+        trees=load_table().trees,
     )
 
 

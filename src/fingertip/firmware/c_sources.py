@@ -38,7 +38,7 @@ from fingertip.slip.detectors.fast_table import NODES, BlowTable, load_table
 from fingertip.slip.force import ForceScale
 
 
-def single(value: float) -> str:
+def single(value: float | np.floating[Any]) -> str:
     """Write a number in single precision as a constant of C, with all its digits."""
     return "INFINITY" if math.isinf(value) else f"{np.float32(value)!s}f"
 
@@ -172,6 +172,7 @@ def _decision_constants(settings: FastSettings) -> dict[str, Any]:
     return {
         **values,
         "STEP_ENERGIES": _write_energies(values["STEP_ENERGIES"]),
+        "LEAST_ENERGIES": _write_energies(values["LEAST_ENERGIES"]),
         "STATED_FLOORS": _write_floors(tactile.floors),
         "FILTERED_STATED_FLOORS": _write_floors(both.floors),
     }

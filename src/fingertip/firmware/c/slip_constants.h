@@ -76,10 +76,11 @@
 #define SLIP_STAY_ODDS $STAY_ODDS
 #define SLIP_STAY_LOOKS $STAY_LOOKS
 
-/* Ticks: from a crossing to the first look, which a crossing outlasts, until filters have settled, until floors are
+/* Ticks: from a crossing to the first look, which a crossing outlasts, without one until ON ends, until filters have settled, until floors are
  * learned, for which they stand after ON, after which they learn what was vetoed, and of a tone. */
 #define SLIP_MIN_AGE_TICKS $MIN_AGE_TICKS
 #define SLIP_GAP_TICKS $GAP_TICKS
+#define SLIP_UNHEARD_TICKS $UNHEARD_TICKS
 #define SLIP_SETTLING_TICKS $SETTLING_TICKS
 #define SLIP_LEARNING_TICKS $LEARNING_TICKS
 #define SLIP_AFTER_TICKS $AFTER_TICKS
@@ -97,8 +98,10 @@
 #define SLIP_CLIP_RATIO $CLIP_RATIO
 #define SLIP_TONE_RATIO $TONE_RATIO
 
-/* Least floors of T and of S [V]; least floor and energies of a converter's step of 1 V; no step yet [V]. */
+/* Least floors of T and of S [V], and least energies of T [V^2]; least floor and energies of a converter's step of 1 V; no
+ * step yet [V]. */
 #define SLIP_LEAST_V $LEAST_V
+#define SLIP_LEAST_ENERGIES $LEAST_ENERGIES
 #define SLIP_LEAST_FILTERED_V $LEAST_FILTERED_V
 #define SLIP_STEP_LEVEL $STEP_LEVEL
 #define SLIP_STEP_ENERGIES $STEP_ENERGIES

@@ -405,20 +405,27 @@ static float evaluate_trees(const feature *row) {
     return odds;
 }
 
+/* Whether the vibration comes from S. */
+static bool is_from_filtered(const slip_state *state) {
+    return state->is_alive && state->limited == 0;
+}
+
 /* Log odds that the vibration of the last 64 ms is slip. */
 static float look(const slip_state *state, float short_mean) {
-    static const slip_energies steps = SLIP_STEP_ENERGIES;
+    static const slip_energies steps = SLIP_STEP_ENERGIES, least = SLIP_LEAST_ENERGIES;
+    static const slip_energies none = {0};
     const slip_energies *const learned = &state->learned.energies;
     const float slow_step = state->tactile.smallest_step;
     const float step = state->is_alive ? state->filtered.smallest_step : slow_step;
     const float step_square = step * step;
-    const float wide_floor = greater(learned->wide, step_square * steps.wide);
-    const float slow_floor = greater(learned->slow, slow_step * slow_step * steps.slow);
+    const slip_energies *const noise = is_from_filtered(state) ? &none : &least;
+    const float wide_floor = greater(learned->wide, greater(step_square * steps.wide, noise->wide));
+    const float slow_floor = greater(learned->slow, greater(slow_step * slow_step * steps.slow, least.slow));
     feature row[SLIP_FEATURES];
     float floors[SLIP_BANDS], total;
     unsigned i;
     for (i = 0; i < SLIP_BANDS; i++) {
-        floors[i] = greater(learned->bands[i], step_square * steps.bands[i]);
+        floors[i] = greater(learned->bands[i], greater(step_square * steps.bands[i], noise->bands[i]));
     }
 
     total = measure_slices(row, &state->ticks, wide_floor);
@@ -433,16 +440,15 @@ static float look(const slip_state *state, float short_mean) {
 
 /* -- Decision: floor and flags --------------------------------------------------------------------------------------- */
 
-/* Least floor: of the converter's steps, and of the board. */
+/* Least floor: of the converter's steps, and of the noise. */
 static float find_least(const slip_state *state) {
-    const bool is_filtered = state->is_alive && state->limited == 0;
     const float step = state->is_alive ? state->filtered.smallest_step : state->tactile.smallest_step;
-    return greater(is_filtered ? SLIP_LEAST_FILTERED_V : SLIP_LEAST_V, step * SLIP_STEP_LEVEL);
+    return greater(is_from_filtered(state) ? SLIP_LEAST_FILTERED_V : SLIP_LEAST_V, step * SLIP_STEP_LEVEL);
 }
 
 /* Forget the crossing, which has ended. */
 static void forget_crossing(slip_state *state) {
-    state->crossing = state->missed = state->vetoed = 0;
+    state->crossing = state->vetoed = 0;
     state->odds = 0.0f;
 }
 
@@ -457,11 +463,11 @@ static bool follow(slip_state *state, float short_mean, float long_mean) {
 
     state->incipient = short_mean > SLIP_SHORT_RATIO * state->floor || long_mean > SLIP_LONG_RATIO * state->floor;
     if (state->incipient) {
-        state->crossing = (uint16_t)(state->crossing + 1 + state->missed);
+        state->crossing = (uint16_t)(state->crossing > 0 ? state->crossing + 1 + state->missed : 1);
         state->crossing = state->crossing < SLIP_LONGEST_AGE ? state->crossing : SLIP_LONGEST_AGE;
         state->missed = 0;
     } else {
-        state->missed++;
+        state->missed = count_up(state->missed, false, SLIP_UNHEARD_TICKS + 1);
     }
     if (state->missed > SLIP_GAP_TICKS) {
         forget_crossing(state);
@@ -471,7 +477,7 @@ static bool follow(slip_state *state, float short_mean, float long_mean) {
     }
 
     state->is_second = !state->is_second;
-    state->on = short_mean > hold || long_mean > hold;
+    state->on = state->missed <= SLIP_UNHEARD_TICKS && (short_mean > hold || long_mean > hold);
     if (!state->on) {
         state->odds = 0.0f;
     }

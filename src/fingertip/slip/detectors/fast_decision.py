@@ -374,14 +374,13 @@ class FastDecision:
 
 
 def _compute_means(levels: Singles) -> tuple[Singles, Singles]:
-    """Means of stage 1 at each tick, added from the newest on; `levels` begin before the first."""
-    count = len(levels) - (LONG_TICKS - 1)
-    total = np.zeros(count, dtype=np.float32)
-    short = total
-    for k in range(LONG_TICKS):
-        begin = LONG_TICKS - 1 - k
-        total = total + levels[begin : begin + count]
-        if k == SHORT_TICKS - 1:
-            short = total * np.float32(1 / SHORT_TICKS)
+    """Means of stage 1 at each tick; `levels` begin before the first.
 
-    return short, total * np.float32(1 / LONG_TICKS)
+    Sums of 2, 4, 8 and 16 ticks are each made of two of the one before, as in the C library.
+    """
+    twos = levels[1:] + levels[:-1]
+    fours = twos[2:] + twos[:-2]
+    eights = fours[4:] + fours[:-4]
+    sixteens = eights[8:] + eights[:-8]
+    long = sixteens[8:] + eights[: len(sixteens) - 8]
+    return sixteens[8:] * np.float32(1 / SHORT_TICKS), long * np.float32(1 / LONG_TICKS)

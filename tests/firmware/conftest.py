@@ -10,7 +10,7 @@ import pytest
 from fingertip.design import Design
 from tests.conftest import design_file
 from tests.tools import require_tool
-from tools.firmware.toolchain import HostDetector, compile_host, write_sources
+from tools.firmware.toolchain import HOST_LIBRARY, HostDetector, compile_host, write_sources
 
 INSTALL = "as root, sh .ci/install-firmware"
 
@@ -31,9 +31,8 @@ class Library:
     design: Design
     folder: Path
 
-    def detector(self, real: str) -> HostDetector:
-        """New detector, with float or double as its type."""
-        return HostDetector(self.folder / f"slip_{real}.so", real)
+    def detector(self) -> HostDetector:
+        return HostDetector(self.folder / HOST_LIBRARY)
 
 
 def make_library(design: Design, folder: Path) -> Library:
@@ -41,8 +40,7 @@ def make_library(design: Design, folder: Path) -> Library:
     require_gcc()
     folder.mkdir(exist_ok=True)
     write_sources(design, folder)
-    for real in ("float", "double"):
-        compile_host(folder, real)
+    compile_host(folder)
     return Library(design, folder)
 
 

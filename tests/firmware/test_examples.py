@@ -115,7 +115,7 @@ def test_examples_switch_the_pin_as_the_detector_decides(
     design = library.design
     codes = slip_recording(design, 2.0).codes(design)
     _, changes, period = run_example(arduino, example, codes)
-    assert changes == find_changes(library.detector("float").process_codes(*codes))
+    assert changes == find_changes(library.detector().process_codes(*codes))
     assert len(changes) > 1
     assert period == pytest.approx(1e6 / design.detector.sample_rate_hz)
 
@@ -131,7 +131,7 @@ def test_a_loop_that_lags_catches_up_without_losing_a_decision(
     arduino: Path, library: Library
 ) -> None:
     codes = slip_recording(library.design, 2.0).codes(library.design)
-    expected = find_changes(library.detector("float").process_codes(*codes))
+    expected = find_changes(library.detector().process_codes(*codes))
     first = expected[1][0] - 500
     last = expected[1][0] + 400
     _, found, _ = run_example(arduino, "slip_pin", codes, (first, last))

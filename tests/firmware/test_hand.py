@@ -30,6 +30,7 @@ from tests.firmware.conftest import require_arm, require_gcc
 from tools.firmware.signals import Recording, campaign_recordings, slip_recording
 from tools.firmware.toolchain import (
     FIVE,
+    HOST_LIBRARY,
     TARGETS,
     HostHand,
     compile_host,
@@ -50,8 +51,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     require_gcc()
     folder = tmp_path_factory.mktemp("hand")
     write_sources(DESIGN, folder, FIVE)
-    for real in ("float", "double"):
-        compile_host(folder, real)
+    compile_host(folder)
     return folder
 
 
@@ -91,8 +91,7 @@ def as_bits(flags: list[np.ndarray]) -> np.ndarray:
 
 
 @pytest.mark.second
-@pytest.mark.parametrize("real", ["double", pytest.param("float", marks=pytest.mark.full)])
-def test_five_fingers_decide_as_python_does_with_glitches_and_gaps(folder: Path, real: str) -> None:
+def test_five_fingers_decide_as_python_does_with_glitches_and_gaps(folder: Path) -> None:
     codes = record_hand(60, 1)
     random = np.random.default_rng(2)
     glitches = random.random(codes.shape) < 1e-4
@@ -101,12 +100,12 @@ def test_five_fingers_decide_as_python_does_with_glitches_and_gaps(folder: Path,
         random.random(len(codes)) < 2e-4, random.integers(1, 200, len(codes)), 0
     ).astype(np.uint32)
     lost[np.flatnonzero(lost)[:3]] = 39, 40, 41  # around the longest gap that does not begin anew
-    on, faults = HostHand(folder / f"slip_{real}.so", real, 5).process(codes, lost)
+    on, faults = HostHand(folder / HOST_LIBRARY, 5).process(codes, lost)
     outputs = process_in_python(codes, lost)
     expected = as_bits([output.on for output in outputs])
     assert (expected > 0).mean() > 0.1
-    print(f"{np.count_nonzero(on != expected)} of {len(on)} decisions differ in {real}")
-    assert np.count_nonzero(on != expected) <= (0 if real == "double" else 1e-4 * len(on))
+    print(f"{np.count_nonzero(on != expected)} of {len(on)} decisions differ")
+    assert np.count_nonzero(on != expected) <= 1e-4 * len(on)
     for finger, output in enumerate(outputs):
         assert np.array_equal(faults[:, finger] & 1, output.is_replaced)
         assert np.array_equal(faults[:, finger] & 2, 2 * output.is_outside)
@@ -211,9 +210,7 @@ def test_an_open_wire_of_s_is_told_and_slip_is_found_by_t(folder: Path) -> None:
     is_open = np.arange(len(pair))[:, None] >= [len(pair), 0, 4000, len(pair), len(pair)]
     codes = np.stack([pair] * len(NAMES), axis=1)
     codes[:, :, 1] = np.where(is_open, (np.arange(len(pair)) % 100 == 0)[:, None], codes[:, :, 1])
-    on, faults = HostHand(folder / "slip_float.so", "float", 5).process(
-        codes, np.zeros(len(codes), np.uint32)
-    )
+    on, faults = HostHand(folder / HOST_LIBRARY, 5).process(codes, np.zeros(len(codes), np.uint32))
     is_still = faults & 4 > 0
     assert not is_still[:, [0, 3, 4]].any()
     assert is_still[400:, 1].all()
@@ -246,7 +243,7 @@ def make_grip_library(folder: Path, fingers: int, designs: tuple[Design, ...] = 
     folder.mkdir()
     hand = replace(FIVE, names=NAMES[:fingers], inputs=FIVE.inputs[:fingers], designs=designs)
     write_sources(DESIGN, folder, hand)
-    return HostHand(compile_host(folder, "double"), "double", fingers)
+    return HostHand(compile_host(folder), fingers)
 
 
 def load_calibrated(name: str, conductance_us: float) -> Design:
@@ -331,9 +328,7 @@ def test_costs_of_five_fingers_are_below_what_the_table_counts() -> None:
 def test_the_hand_on_an_emulated_controller_decides_as_here(folder: Path) -> None:
     require_arm()
     codes = record_hand(120, 4)[:8000]
-    on, _ = HostHand(folder / "slip_float.so", "float", 5).process(
-        codes, np.zeros(len(codes), np.uint32)
-    )
+    on, _ = HostHand(folder / HOST_LIBRARY, 5).process(codes, np.zeros(len(codes), np.uint32))
     image = compile_target(folder, TARGETS[0], program="hand_on_target.c")
     found, instructions = run_hand_on_target(image, TARGETS[0], codes)
     assert np.array_equal(found, on)

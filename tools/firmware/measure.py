@@ -51,7 +51,7 @@ def measure(design: Design, stride: int = STRIDE, seconds: float = SECONDS) -> d
         hand = folder / "hand"
         hand.mkdir()
         write_sources(design, hand, FIVE)
-        state = HostDetector(compile_host(folder, "float"), "float").state_bytes
+        state = HostDetector(compile_host(folder)).state_bytes
         return {
             "design": design.name,
             "board": design.board.variant,

@@ -16,7 +16,7 @@ from fingertip.design.formulas.filter import filtered_range_v, signal_ground_rat
 from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.campaign import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.lab.campaign.run import simulate_trace
-from fingertip.slip.detectors.fast_coefficients import design_board_filter
+from fingertip.slip.detectors.analog_and_digital import ChainSettings, high_pass
 from fingertip.slip.detectors.noise_and_threshold import input_noise_v
 
 QUIET_V = 2.0
@@ -109,10 +109,8 @@ def _record(design: Design, vibration_v: Array, seed: int) -> Recording:
 
     from scipy.signal import lfilter
 
-    (first, second), _ = design_board_filter(design.detector.sample_rate_hz, design.board.cutoff_hz)
-    filtered = lfilter(
-        [first.b0, first.b1], [1.0, first.a1], design.board.passband_gain * vibration_v
-    )
+    first, second = high_pass(ChainSettings.from_design(design))
+    filtered = lfilter([first.b0, first.b1], [1.0, first.a1], vibration_v)
     filtered = lfilter([second.b0, second.b1, second.b2], [1.0, second.a1, second.a2], filtered)
     filtered = np.clip(filtered, -range_v, range_v) + random.normal(0.0, noise_v, len(vibration_v))
 

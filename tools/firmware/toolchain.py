@@ -71,7 +71,7 @@ class TargetRun:
     """Results of a run on an emulated controller, one value per sample."""
 
     on: NDArray[np.bool_]
-    confidence: Array
+    odds: Array
     instructions: Array
     stack_bytes: int
     """Bytes of stack that the deepest step used, by the pattern that it left."""
@@ -89,14 +89,15 @@ def write_sources(design: Design, folder: Path, fingers: Fingers = ONE_FINGER) -
         (folder / name).write_bytes(data)
 
 
-def compile_host(folder: Path, real: str, *options: str) -> Path:
-    """Compile the library in a folder as a shared library for this
-    machine, with float or double as its type.
-    """
-    library = folder / f"slip_{real}.so"
+HOST_LIBRARY = "slip.so"
+
+
+def compile_host(folder: Path, *options: str) -> Path:
+    """Compile the library in a folder as a shared library for this machine."""
+    library = folder / HOST_LIBRARY
     program = [str(PROGRAMS / "probe.c"), str(PROGRAMS / "probe_hand.c")]
     program += [str(folder / SOURCE), str(folder / GRIP_SOURCE)]
-    flags = [*STRICT, "-O2", "-shared", "-fPIC", f"-DSLIP_REAL={real}", f"-I{folder}", *options]
+    flags = [*STRICT, "-O2", "-shared", "-fPIC", f"-I{folder}", *options]
     _run("gcc", *flags, *program, "-lm", "-o", str(library))
 
     return library
@@ -194,12 +195,12 @@ def run_target(image: Path, target: Target, recording: Recording) -> TargetRun:
         np.zeros(len(recording.tactile_v)) if recording.filtered_v is None else recording.filtered_v
     )
     _emulate(image, target, np.column_stack((recording.tactile_v, filtered)).astype("<f4"))
-    kinds = np.dtype([("confidence", "<f4"), ("ticks", "<u4"), ("on", "<u4")])
+    kinds = np.dtype([("odds", "<f4"), ("ticks", "<u4"), ("on", "<u4")])
     results = np.fromfile(folder / "results.bin", kinds)
     (stack,) = np.fromfile(folder / "stack.bin", "<u4").tolist()
     instructions = np.round(results["ticks"] / (target.clock_hz * INSTRUCTION_S))
 
-    return TargetRun(results["on"] > 0, results["confidence"], instructions, stack)
+    return TargetRun(results["on"] > 0, results["odds"], instructions, stack)
 
 
 def run_hand_on_target(
@@ -250,19 +251,10 @@ def tool_version(tool: str) -> str:
 
 
 class HostDetector:
-    """Detector of a library that `compile_host` made, with its state.
+    """Detector of a library that `compile_host` made, with its state."""
 
-    Parameters
-    ----------
-    library
-        The shared library.
-    real
-        Its type, float or double.
-    """
-
-    def __init__(self, library: Path, real: str) -> None:
+    def __init__(self, library: Path) -> None:
         self._library = ctypes.CDLL(str(library))
-        self._type = {"float": np.float32, "double": np.float64}[real]
         self._library.probe_state_bytes.restype = ctypes.c_size_t
         self._state = ctypes.create_string_buffer(self.state_bytes)
         self._library.slip_init(self._state)
@@ -275,21 +267,21 @@ class HostDetector:
     def process(
         self, tactile_v: Array, filtered_v: Array | None = None
     ) -> tuple[Array, Array, Array, NDArray[np.bool_], NDArray[np.bool_], NDArray[np.uint8]]:
-        """Process samples [V]; wide band [V], confidence, wide floor
-        [V^2], incipient slip, ON and faults of each.
+        """Process samples [V]; vibration, mean and floor [V], incipient slip, ON and faults of
+        each.
         """
         given = [
-            None if volts is None else volts.astype(self._type) for volts in (tactile_v, filtered_v)
+            None if volts is None else volts.astype(np.float32) for volts in (tactile_v, filtered_v)
         ]
-        numbers = [np.zeros(len(tactile_v), self._type) for _ in range(3)]
+        numbers = [np.zeros(len(tactile_v), np.float32) for _ in range(3)]
         incipient, faults, on = (np.zeros(len(tactile_v), np.uint8) for _ in range(3))
         count = ctypes.c_size_t(len(tactile_v))
         self._library.probe_process(
             self._state, *map(_point, given), count, *map(_point, (*numbers, incipient, faults, on))
         )
-        wide, confidence, floor = numbers
+        vibration, mean, floor = numbers
 
-        return wide, confidence, floor, incipient > 0, on > 0, faults
+        return vibration, mean, floor, incipient > 0, on > 0, faults
 
     def process_codes(
         self, tactile: NDArray[np.int32], filtered: NDArray[np.int32] | None = None
@@ -307,9 +299,8 @@ class HostHand:
     several fingers.
     """
 
-    def __init__(self, library: Path, real: str, fingers: int) -> None:
+    def __init__(self, library: Path, fingers: int) -> None:
         self._library = ctypes.CDLL(str(library))
-        self._type = {"float": np.float32, "double": np.float64}[real]
         self._fingers = fingers
         for name in ("probe_hand_bytes", "probe_grip_bytes"):
             getattr(self._library, name).restype = ctypes.c_size_t
@@ -345,10 +336,10 @@ class HostHand:
         Returns closings that were added, (periods, fingers), and whether it was suppressed and
         tightened.
         """
-        added = np.zeros((len(now_us), self._fingers), self._type)
+        added = np.zeros((len(now_us), self._fingers), np.float32)
         flags = np.zeros(len(now_us), np.uint8)
         state = ctypes.create_string_buffer(self.grip_bytes)
-        given = np.ascontiguousarray(inputs, self._type)
+        given = np.ascontiguousarray(inputs, np.float32)
         count = ctypes.c_size_t(len(now_us))
         self._library.probe_grip(
             state,
@@ -364,14 +355,12 @@ class HostHand:
         return added, flags % 2 > 0, flags > 1
 
     def read_force(self, finger: int, tactile_v: float) -> tuple[float, float, float]:
-        """Force that a voltage of a finger means, and the ends of
-        its interval [N], of a library of doubles.
-        """
+        """Force that a voltage of a finger means, and the ends of its interval [N]."""
         read = self._library.slip_force_interval_n
-        low = ctypes.c_double()
-        high = ctypes.c_double()
-        read.restype = ctypes.c_double
-        read.argtypes = (ctypes.c_uint, ctypes.c_double, *[ctypes.c_void_p] * 2)
+        low = ctypes.c_float()
+        high = ctypes.c_float()
+        read.restype = ctypes.c_float
+        read.argtypes = (ctypes.c_uint, ctypes.c_float, *[ctypes.c_void_p] * 2)
 
         return read(finger, tactile_v, ctypes.byref(low), ctypes.byref(high)), low.value, high.value
 

@@ -1,6 +1,6 @@
 /* Program for a bare controller: it runs the detector on the pairs of samples.bin, and writes the result of each.
  *
- * Each record of results.bin holds the decision, the confidence, and the time that the step took by the controller's
+ * Each record of results.bin holds the decision, the evidence, and the time that the step took by the controller's
  * timer SysTick, without that of an empty step. stack.bin holds the bytes of stack that the deepest step used. Under
  * `qemu-system-arm -icount shift=10` an instruction takes 1.024 us, so the time is a number of instructions. */
 #include "slip_detector.h"
@@ -9,19 +9,19 @@
 enum { CHUNK = 64, STACK_WORDS = 512 };
 static const uint32_t PATTERN = 0x51A9C0DEu;
 
-typedef bool (*step_function)(slip_state *, slip_real, slip_real);
+typedef bool (*step_function)(slip_state *, float, float);
 
 struct sample {
-    slip_real tactile_v, filtered_v;
+    float tactile_v, filtered_v;
 };
 
 struct record {
-    slip_real confidence;
+    float odds;
     uint32_t ticks;
     uint32_t on;
 };
 
-static bool do_nothing(slip_state *state, slip_real tactile_v, slip_real filtered_v) {
+static bool do_nothing(slip_state *state, float tactile_v, float filtered_v) {
     (void)tactile_v;
     (void)filtered_v;
     return state->on;
@@ -71,7 +71,7 @@ int main(void) {
             deepest = depth > deepest ? depth : deepest;
             records[i].ticks = time_step(step, &state, samples[i], &on) - overhead;
             records[i].on = on;
-            records[i].confidence = state.confidence;
+            records[i].odds = state.odds;
         }
         write_file(output, records, count * sizeof records[0]);
     }

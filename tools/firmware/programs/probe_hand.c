@@ -7,7 +7,7 @@ size_t probe_grip_bytes(void);
 void probe_hand(slip_hand *hand, const slip_codes (*codes)[SLIP_FINGERS], const uint32_t *lost, size_t count, uint8_t *on,
                 uint8_t (*faults)[SLIP_FINGERS]);
 void probe_grip(slip_grip *grip, const uint32_t *now_us, const uint8_t *on, const uint8_t *usable,
-                const slip_grip_input (*inputs)[SLIP_FINGERS], size_t count, slip_real (*added_m)[SLIP_FINGERS],
+                const slip_grip_input (*inputs)[SLIP_FINGERS], size_t count, float (*added_m)[SLIP_FINGERS],
                 uint8_t *flags);
 
 size_t probe_hand_bytes(void) {
@@ -31,7 +31,7 @@ void probe_hand(slip_hand *hand, const slip_codes (*codes)[SLIP_FINGERS], const 
 }
 
 void probe_grip(slip_grip *grip, const uint32_t *now_us, const uint8_t *on, const uint8_t *usable,
-                const slip_grip_input (*inputs)[SLIP_FINGERS], size_t count, slip_real (*added_m)[SLIP_FINGERS],
+                const slip_grip_input (*inputs)[SLIP_FINGERS], size_t count, float (*added_m)[SLIP_FINGERS],
                 uint8_t *flags) {
     size_t i, k;
     slip_grip_init(grip);

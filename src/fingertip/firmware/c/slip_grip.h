@@ -2,8 +2,7 @@
  *
  * Call slip_grip_step once in each control period of the hand, every 5 to 20 ms, with what the fingers showed since the
  * last call. `added_m` then holds what each finger is to close beyond what the hand plans. The operations and their order
- * are those of fingertip's Python (fingertip.sim.runs.grip): with SLIP_REAL defined as double every number has the same
- * bits.
+ * are those of fingertip's Python (fingertip.sim.runs.grip), in single precision.
  */
 #ifndef SLIP_GRIP_H
 #define SLIP_GRIP_H

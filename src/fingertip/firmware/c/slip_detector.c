@@ -41,19 +41,25 @@ static uint16_t count_up(uint16_t count, bool ends, uint16_t most) {
 /* Check a sample, and return by how much the one that is used differs from the one used before [V]. The last one takes
  * the place of what is no voltage, and of a jump far beyond the movement until then, unless the next sample confirms it. */
 static float check_sample(slip_check *check, float sample, bool is_voltage, float unit_v, float jump_limit_v) {
-    const bool begins = check->missing > SLIP_GAP_SAMPLES;
+    const bool is_first = check->missing > SLIP_GAP_SAMPLES;
     const bool was_suspected = check->is_suspected;
     const float limit_v = greater(jump_limit_v, SLIP_JUMP_MOVES * check->mean_move);
     const float value = is_voltage ? sample : check->last;
-    const float move = begins ? 0.0f : unit_v * (value - check->last);
+    const float move = is_first ? 0.0f : unit_v * (value - check->last);
+    const bool is_jump = fabsf(move) > limit_v;
+    /* Where the first sample was a glitch, the next one begins anew. */
+    const bool begins = is_first || (is_jump && check->has_just_begun);
     float change = move;
 
+    check->has_just_begun = is_first;
     check->missing = count_up(check->missing, is_voltage, SLIP_GAP_SAMPLES + 1);
     check->mean_move = SLIP_MOVE_SHARE * fabsf(move) + SLIP_MOVE_KEEP * check->mean_move;
-    check->is_suspected = fabsf(move) > limit_v && !was_suspected;
+    check->is_suspected = is_jump && !begins && !was_suspected;
     check->is_wrong = !is_voltage;
 
-    if (check->is_suspected) {
+    if (begins) {
+        change = 0.0f;
+    } else if (check->is_suspected) {
         check->last_used = check->last;
         change = 0.0f;
     } else if (was_suspected) {

@@ -39,6 +39,7 @@ typedef struct slip_check {
     uint16_t missing;       /* samples since the last voltage, up to SLIP_GAP_SAMPLES + 1 */
     uint16_t still;         /* samples since the last change, up to SLIP_STILL_SAMPLES */
     bool is_suspected;      /* the last sample jumped, and was not used yet */
+    bool has_just_begun;    /* the last sample was the first one, or the first after a gap */
     bool is_wrong;          /* the last sample was no voltage, or proved the one before it a glitch */
 } slip_check;
 

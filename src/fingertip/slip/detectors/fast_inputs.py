@@ -163,6 +163,7 @@ class InputCheck:
         self._last_v = 0.0
         self._last_used_v = 0.0
         self._was_suspected = False
+        self._has_just_begun = False
 
     def process(self, values_v: Array) -> CheckedSamples:
         # So written that NaN is no voltage.
@@ -177,7 +178,12 @@ class InputCheck:
         self._last_v = float(filled_v[-1])
 
         moves = np.where(begins, 0.0, filled_v - before_v).astype(np.float32)
-        is_suspected = self._suspect(np.abs(moves))
+        is_jump = self._find_jumps(np.abs(moves))
+        # Where the first sample was a glitch, the next one begins anew.
+        has_just_begun = shift(begins, self._has_just_begun)
+        self._has_just_begun = bool(begins[-1])
+        begins |= is_jump & has_just_begun
+        is_suspected = self._take_turns(is_jump & ~begins)
         changes, is_glitch = self._replace(filled_v, before_v, is_suspected)
 
         return CheckedSamples(
@@ -187,14 +193,16 @@ class InputCheck:
             is_lost=is_lost,
         )
 
-    def _suspect(self, moves: Singles) -> Flags:
-        """Find jumps far beyond the mean movement before them, but none right after another."""
+    def _find_jumps(self, moves: Singles) -> Flags:
+        """Find movements far beyond the mean one before them."""
         means = self._movement.process(moves)
         before = shift(means, self._mean_move)
         self._mean_move = means[-1]
-        is_jump = moves > np.maximum(self._jump_limit, JUMP_MOVES * before)
+        return np.asarray(moves > np.maximum(self._jump_limit, JUMP_MOVES * before))
 
-        is_suspected = np.zeros(len(moves), dtype=bool)
+    def _take_turns(self, is_jump: Flags) -> Flags:
+        """Suspect each jump but the one right after another."""
+        is_suspected = np.zeros(len(is_jump), dtype=bool)
         last = -1 if self._was_suspected else -2
         for place in np.flatnonzero(is_jump).tolist():
             if place != last + 1:

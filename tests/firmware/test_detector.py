@@ -338,7 +338,7 @@ def assert_limits(data: dict) -> None:
     assert data["state_bytes"] <= 1200
     for target in data["targets"].values():
         assert target["flash_bytes"] <= 32 * 1024
-        assert target["stack_bytes"] <= 512
+        assert target["stack_bytes"] <= 640
     assert data["targets"]["Cortex-M4F"]["instructions"]["campaign"] <= 1000
 
 

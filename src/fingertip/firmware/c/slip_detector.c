@@ -162,17 +162,24 @@ static void sum_sample(slip_state *state, float vibration, float slow) {
     }
 }
 
-/* Turn the sums of a tick into means. */
-static void take_means(slip_sums *sums) {
+/* Take the mean of a sum, which begins anew. */
+static float take_mean(float *sum) {
+    const float mean = *sum * SLIP_TICK_SHARE;
+    *sum = 0.0f;
+    return mean;
+}
+
+/* Take the means of a tick, and begin the sums of the next one. */
+static void take_means(slip_sums *sums, slip_sums *means) {
     unsigned i;
-    sums->level *= SLIP_TICK_SHARE;
-    sums->energies.slow *= SLIP_TICK_SHARE;
-    sums->energies.wide *= SLIP_TICK_SHARE;
-    sums->products.one_before *= SLIP_TICK_SHARE;
-    sums->products.two_before *= SLIP_TICK_SHARE;
-    sums->products.square_before *= SLIP_TICK_SHARE;
+    means->level = take_mean(&sums->level);
+    means->energies.slow = take_mean(&sums->energies.slow);
+    means->energies.wide = take_mean(&sums->energies.wide);
+    means->products.one_before = take_mean(&sums->products.one_before);
+    means->products.two_before = take_mean(&sums->products.two_before);
+    means->products.square_before = take_mean(&sums->products.square_before);
     for (i = 0; i < SLIP_BANDS; i++) {
-        sums->energies.bands[i] *= SLIP_TICK_SHARE;
+        means->energies.bands[i] = take_mean(&sums->energies.bands[i]);
     }
 }
 
@@ -244,12 +251,12 @@ enum {
 enum { MIDDLE = 1, UPPER_MIDDLE = 2 };
 
 /* Mean of a slice, two ticks of a ring, the newer of which is `newest`. The length is a power of 2. */
-static float slice(const float *ring, unsigned length, unsigned newest) {
+static inline float slice(const float *ring, unsigned length, unsigned newest) {
     return 0.5f * (ring[newest & (length - 1)] + ring[(newest - 1) & (length - 1)]);
 }
 
 /* Mean of a quarter, two slices. */
-static float quarter(const float *ring, unsigned length, unsigned newest) {
+static inline float quarter(const float *ring, unsigned length, unsigned newest) {
     return 0.5f * (slice(ring, length, newest) + slice(ring, length, newest - 2));
 }
 
@@ -297,10 +304,12 @@ static float measure_slices(feature *row, const slip_ticks *ticks, float floor) 
 /* Number of loud ticks. */
 static void count_loud(feature *row, const slip_ticks *ticks, float floor) {
     const float loud = SLIP_LOUD_RATIO * floor;
+    const float *wide;
     int32_t count = 0;
-    unsigned i;
-    for (i = 0; i < SLIP_RING; i++) {
-        count += ticks->wide[i] > loud;
+    for (wide = ticks->wide; wide < ticks->wide + SLIP_RING; wide++) {
+        if (*wide > loud) {
+            count++;
+        }
     }
     row[LOUD].number = (float)count;
 }
@@ -517,7 +526,7 @@ static void wait_after(slip_state *state) {
 }
 
 /* End ON, and learn the vibration as rest, where it has hardly varied for two seconds: a tone. */
-static void end_tone(slip_state *state, float short_mean) {
+static void end_tone(slip_state *state, const slip_energies *energies, float short_mean) {
     state->steady++;
     state->lowest = lesser(state->lowest, short_mean);
     state->highest = greater(state->highest, short_mean);
@@ -530,7 +539,7 @@ static void end_tone(slip_state *state, float short_mean) {
         state->after = state->steady = 0;
         forget_crossing(state);
         state->learned.level = short_mean * SLIP_QUANTILE_RATIO;
-        state->learned.energies = state->sums.energies;
+        state->learned.energies = *energies;
     }
 }
 
@@ -540,8 +549,7 @@ static void approach(float *learned, float energy, float share) {
 }
 
 /* Learn the floors from the first ticks: means of all. */
-static void learn_first(slip_state *state) {
-    const slip_sums *const means = &state->sums;
+static void learn_first(slip_state *state, const slip_sums *means) {
     slip_floors *const learned = &state->learned;
     float share;
     unsigned i;
@@ -564,8 +572,7 @@ static void approach_clipped(float *learned, float energy, float share) {
 }
 
 /* Let the floor and the energies at rest follow what is no slip. */
-static void learn(slip_state *state, float short_mean) {
-    const slip_energies *const energies = &state->sums.energies;
+static void learn(slip_state *state, const slip_energies *energies, float short_mean) {
     slip_floors *const learned = &state->learned;
     const bool may_be_slip = state->incipient || state->on || state->after > 0;
     const bool is_far_below = short_mean < 0.5f * learned->level;
@@ -590,10 +597,11 @@ static void learn(slip_state *state, float short_mean) {
 /* Decide at a tick. `force` is the slow force [V]. */
 static void tick(slip_state *state, float force) {
     const slip_check *const vibrating = state->is_alive ? &state->filtered : &state->tactile;
+    slip_sums means;
     float short_mean, long_mean;
-    take_means(&state->sums);
-    store_tick(&state->ticks, &state->sums, force);
-    mean_levels(&state->ticks, state->sums.level, &short_mean, &long_mean);
+    take_means(&state->sums, &means);
+    store_tick(&state->ticks, &means, force);
+    mean_levels(&state->ticks, means.level, &short_mean, &long_mean);
     state->mean = greater(short_mean, long_mean * (SLIP_SHORT_RATIO / SLIP_LONG_RATIO));
     state->floor = greater(state->learned.level, find_least(state));
     state->age_ticks = count_up(state->age_ticks, false, SLIP_LEARNING_TICKS + 1);
@@ -602,17 +610,16 @@ static void tick(slip_state *state, float force) {
         judge(state, look(state, short_mean));
     }
     wait_after(state);
-    end_tone(state, short_mean);
+    end_tone(state, &means.energies, short_mean);
 
     /* A signal that stands still teaches nothing. */
     if (vibrating->still <= SLIP_GAP_SAMPLES && state->blocked == 0) {
         if (state->age_ticks <= state->learning_ticks) {
-            learn_first(state);
+            learn_first(state, &means);
         } else {
-            learn(state, short_mean);
+            learn(state, &means.energies, short_mean);
         }
     }
-    state->sums = (slip_sums){0};
 }
 
 /* -- Samples ---------------------------------------------------------------------------------------------------------- */

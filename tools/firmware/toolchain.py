@@ -66,6 +66,9 @@ TARGETS = (
 )
 
 
+Singles = NDArray[np.float32]
+
+
 @dataclass(frozen=True, eq=False)
 class TargetRun:
     """Results of a run on an emulated controller, one value per sample."""
@@ -266,7 +269,7 @@ class HostDetector:
 
     def process(
         self, tactile_v: Array, filtered_v: Array | None = None
-    ) -> tuple[Array, Array, Array, NDArray[np.bool_], NDArray[np.bool_], NDArray[np.uint8]]:
+    ) -> tuple[Singles, Singles, Singles, NDArray[np.bool_], NDArray[np.bool_], NDArray[np.uint8]]:
         """Process samples [V]; vibration, mean and floor [V], incipient slip, ON and faults of
         each.
         """
@@ -276,9 +279,8 @@ class HostDetector:
         numbers = [np.zeros(len(tactile_v), np.float32) for _ in range(3)]
         incipient, faults, on = (np.zeros(len(tactile_v), np.uint8) for _ in range(3))
         count = ctypes.c_size_t(len(tactile_v))
-        self._library.probe_process(
-            self._state, *map(_point, given), count, *map(_point, (*numbers, incipient, faults, on))
-        )
+        outputs = [_point(array) for array in (*numbers, incipient, faults, on)]
+        self._library.probe_process(self._state, *map(_point, given), count, *outputs)
         vibration, mean, floor = numbers
 
         return vibration, mean, floor, incipient > 0, on > 0, faults
@@ -330,7 +332,7 @@ class HostHand:
         on: NDArray[np.uint8],
         usable: NDArray[np.uint8],
         inputs: Array,
-    ) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
+    ) -> tuple[Singles, NDArray[np.bool_], NDArray[np.bool_]]:
         """Run the grip law over periods, with voltages and closings (periods, fingers, 2).
 
         Returns closings that were added, (periods, fingers), and whether it was suppressed and

@@ -279,7 +279,7 @@ class HostDetector:
         numbers = [np.zeros(len(tactile_v), np.float32) for _ in range(3)]
         incipient, faults, on = (np.zeros(len(tactile_v), np.uint8) for _ in range(3))
         count = ctypes.c_size_t(len(tactile_v))
-        outputs = [_point(array) for array in (*numbers, incipient, faults, on)]
+        outputs = [*map(_point, numbers), *map(_point, (incipient, faults, on))]
         self._library.probe_process(self._state, *map(_point, given), count, *outputs)
         vibration, mean, floor = numbers
 

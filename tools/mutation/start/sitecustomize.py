@@ -27,14 +27,6 @@ from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from types import CodeType, ModuleType
 from typing import Any
 
-LOOPS = ("CompiledLoop", "compile_for_process")
-"""Words in the source of modules that numba compiles: it cannot compile what a hook adds, so they
-record nothing.
-
-A module whose functions the loops of others inline, such as `sim/contact/friction.py`, has them in
-its text too.
-"""
-
 
 def number_blocks(tree: ast.Module) -> list[list[ast.stmt]]:
     """List the blocks of all functions of a module, in the order of the source."""

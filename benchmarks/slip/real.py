@@ -75,8 +75,16 @@ class FairReport:
                 mix: [one.as_data() for one in _list_points(self.found, row, mix)] for mix in MIXES
             }
             data["rows"].append(
-                {"detector": row.name, "rest_s": row.rest_s, "label": row.label, "kinds": found}
-                | {"lines": self._count_lines(row), "curves": curves}
+                {
+                    "detector": row.name,
+                    "rest_s": row.rest_s,
+                    "label": row.label,
+                    "kinds": found,
+                    "lines": self._describe_lines(row),
+                    "own_slips": results.of(*_slip_rows(results)).as_data(),
+                    "null_test": results.of("grasp", *LINES["quiet"]).as_data(),
+                    "curves": curves,
+                }
             )
 
         data["goals"] = [goal.as_data() for goal in self.goals()]
@@ -162,6 +170,14 @@ class FairReport:
         return {
             line: [results.of(*kinds, run=run).counted for run in runs]
             for line, kinds in LINES.items()
+        }
+
+    def _describe_lines(self, row: Row) -> dict[str, dict[str, Any]]:
+        """Describe each line of the project's own signals, with its alarms by seed."""
+        results = self._own(row)
+        return {
+            line: {"alarms_by_seed": counts, **results.of(*LINES[line]).as_data()}
+            for line, counts in self._count_lines(row).items()
         }
 
     def _curve_table(self) -> Iterator[str]:

@@ -146,7 +146,7 @@ def find_better(result: CampaignResult, detector: str) -> str | None:
     """Find the detector that misses fewer requirements than another one or, with as few, is sooner
     by a quarter.
 
-    `incipient` does not count: it is the early point of `fast`.
+    `incipient` does not count: it is the early flag of `fast`.
     """
 
     def rank(name: str) -> tuple[int, float]:

@@ -100,7 +100,7 @@ def evaluate(
     """Run a detector on a trace for each factor of its threshold, in the order of `scales`.
 
     A constant threshold needs a single run. `fast_runs` stores the runs of `fast` on this trace by
-    factor: `incipient` is another operating point of the same run.
+    factor: `incipient` is another flag of the same run.
     """
     runs = {} if fast_runs is None else fast_runs
     nominal = registry.make_detector(detector, design)

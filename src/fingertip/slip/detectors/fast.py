@@ -137,7 +137,7 @@ class FastDetector(Detector):
         return _join(outputs)
 
     def select(self, output: FastOutput) -> FastOutput:
-        """Return the output of a detector `fast` at this operating point."""
+        """Return the output of a detector `fast` with this flag as its verdict."""
         return output
 
     def is_off_beyond(self, output: FastOutput) -> bool:
@@ -229,7 +229,7 @@ class FastDetector(Detector):
 
 
 class IncipientDetector(FastDetector):
-    """Detector `fast` at its early operating point: ON from the first signs of slip."""
+    """Detector `fast` by its early flag: ON from the first signs of slip."""
 
     def process(
         self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None = None

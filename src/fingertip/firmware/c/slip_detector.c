@@ -126,14 +126,16 @@ static float use_filtered(slip_state *state, float sample, bool is_voltage, floa
     slip_check *const check = &state->filtered;
     const float change = SLIP_FILTERED_SHARE
         * check_sample(check, sample, is_voltage, state->unit_v, SLIP_FILTERED_JUMP_LIMIT_V);
-    const float vibration = change + SLIP_LEAK_KEEP * state->filtered_sum;
-    const bool is_beyond = fabsf(vibration) > SLIP_FILTERED_LIMIT_V || fabsf(state->stage) > SLIP_FILTERED_LIMIT_V;
+    const float sum = change + SLIP_LEAK_KEEP * state->filtered_sum;
+    const bool is_beyond = fabsf(sum) > SLIP_FILTERED_LIMIT_V || fabsf(state->stage) > SLIP_FILTERED_LIMIT_V;
+    const bool was_limited = state->limited > 0;
 
-    state->filtered_sum = vibration;
-    note_change(check, change);
     state->limited = count_down(state->limited, is_beyond, SLIP_LIMITED_SAMPLES);
+    /* What a limit cuts off leaves an offset: the sum begins anew behind it. */
+    state->filtered_sum = was_limited && state->limited == 0 ? 0.0f : sum;
+    note_change(check, change);
     state->is_alive = is_alive(state);
-    return state->is_alive && state->limited == 0 ? vibration : tactile_vibration;
+    return state->is_alive && state->limited == 0 ? state->filtered_sum : tactile_vibration;
 }
 
 /* -- Ticks: sums of 2 ms, and means over the last ones --------------------------------------------------------------- */

@@ -262,6 +262,57 @@ class Block:
     ticks: Ticks
 
 
+class LimitedSum:
+    """Sum of the changes of a filtered signal that forgets drift, while no stage is at its limit.
+
+    What a limit cuts off leaves an offset, so the sum begins anew when the stages have been within
+    their limits for a while.
+    """
+
+    def __init__(self, leak: FirstOrder, limit_v: float, limited_samples: int) -> None:
+        self._constants = np.array([-leak.a1, limit_v, limited_samples])
+        self._state = [0.0, 0.0]
+
+    def process(self, changes: Singles, stage: Singles) -> tuple[Singles, Flags]:
+        """Return the sum [V], and whether it can be believed, at each sample."""
+        summed = np.zeros(len(changes))
+        limited = np.zeros(len(changes))
+        _SUM(self._constants, changes, stage, self._state, summed, limited)
+        return summed.astype(np.float32), limited == 0
+
+
+def _sum_loop(
+    constants: Floats,
+    changes: Floats,
+    stage: Floats,
+    state: MutableFloats,
+    summed: MutableFloats,
+    limited: MutableFloats,
+) -> None:
+    keep = np.float32(constants[0])
+    limit = np.float32(constants[1])
+    total = np.float32(state[0])
+    left = state[1]
+
+    for i in range(len(changes)):
+        total = np.float32(changes[i]) + keep * total
+        if abs(total) > limit or abs(np.float32(stage[i])) > limit:
+            left = constants[2]
+        elif left > 0:
+            left -= 1
+            if left == 0:
+                total = np.float32(0.0)
+
+        summed[i] = float(total)
+        limited[i] = left
+
+    state[0] = float(total)
+    state[1] = left
+
+
+_SUM = CompiledLoop(_sum_loop, samples="changes", plain_us=0.7)
+
+
 @dataclass(frozen=True, eq=False)
 class Filtered:
     """What the board's filtered signal says."""
@@ -286,23 +337,20 @@ class FilteredInput:
         filters = design_filters(settings.sample_rate_hz, settings.cutoff_hz)
         self._share = np.float32(1 / signal.gain)
         self._rest_v = signal.rest_v
-        self._limit = np.float32(LIMIT_SHARE * signal.range_v / signal.gain)
         self._level_limit = np.float32(REST_SHARE * signal.range_v)
         jump_limit_v = FILTERED_JUMP_RATIO * settings.noise_v * signal.gain
         self._check = InputCheck(settings, jump_limit_v)
-        self._leak = Filter(filters.leak)
+        limit_v = LIMIT_SHARE * signal.range_v / signal.gain
+        self._sum = LimitedSum(filters.leak, limit_v, settings.samples(LIMITED_S))
         self._level = Filter(smoother(settings, STILL_S))
         self._still_samples = settings.samples(STILL_S)
-        self._limited_samples = settings.samples(LIMITED_S)
         self._since_change = SinceLast(NEVER)
-        self._since_limit = SinceLast(NEVER)
 
     def process(self, values_v: Array, stage: Singles) -> Filtered:
         """`stage` is the first stage of the board's filter, from the tactile voltage [V]."""
         checked = self._check.process(values_v)
         changes = self._share * checked.changes
-        vibration = self._leak.process(changes)
-        is_beyond = (np.abs(vibration) > self._limit) | (np.abs(stage) > self._limit)
+        vibration, is_within = self._sum.process(changes, stage)
         still = self._since_change.count(changes != 0)
         is_moved = still < self._still_samples
         return Filtered(
@@ -310,7 +358,7 @@ class FilteredInput:
             changes=changes,
             still=still,
             is_wrong=checked.is_wrong,
-            is_within=self._since_limit.count(is_beyond) >= self._limited_samples,
+            is_within=is_within,
             is_alive=is_moved & ~checked.is_lost & self._is_at_rest(checked.values_v),
         )
 

@@ -30,9 +30,9 @@ from fingertip.slip.detectors import (
     fast_table,
 )
 from fingertip.slip.detectors.analog_and_digital import FirstOrder
-from fingertip.slip.detectors.fast_decision import FastDecision, Floors
+from fingertip.slip.detectors.fast_decision import DecisionConstants, Floors, state_floors
 from fingertip.slip.detectors.fast_features import AGE, LOUD, PRODUCT, log2_steps
-from fingertip.slip.detectors.fast_inputs import FilteredInput, InputCheck, smoother
+from fingertip.slip.detectors.fast_inputs import smoother
 from fingertip.slip.detectors.fast_settings import FastSettings, FilteredSignal, design_filters
 from fingertip.slip.detectors.fast_table import NODES, BlowTable, load_table
 from fingertip.slip.force import ForceScale
@@ -83,15 +83,6 @@ def _constants_of(*modules: ModuleType) -> dict[str, Any]:
     }
 
 
-def _attributes_of(owner: object) -> dict[str, Any]:
-    """Numbers that a part of the detector was made with, by the names of its attributes."""
-    return {
-        name.strip("_").upper(): value
-        for name, value in vars(owner).items()
-        if isinstance(value, (int, float, np.floating, np.ndarray))
-    }
-
-
 def _input_constants(settings: FastSettings) -> dict[str, Any]:
     """Constants of the checks, of both inputs and of their sums."""
     filtered = settings.filtered or NO_FILTERED
@@ -102,21 +93,19 @@ def _input_constants(settings: FastSettings) -> dict[str, Any]:
         * settings.noise_v
         * filtered.gain,
     }
-    beliefs = _attributes_of(FilteredInput(settings, filtered))
-    check = _attributes_of(InputCheck(settings, jumps_v["JUMP_LIMIT_V"]))
     return {
         **jumps_v,
         **_first_order("MOVE", smoother(settings, fast_settings.MOVE_S)),
         **_first_order("LEVEL", smoother(settings, fast_settings.STILL_S)),
-        "NUMBER_LIMIT_V": check["NUMBER_LIMIT_V"],
-        "GAP_SAMPLES": check["GAP_SAMPLES"],
+        "NUMBER_LIMIT_V": settings.number_limit_v,
+        "GAP_SAMPLES": settings.samples(fast_settings.GAP_S),
         "FAULT_SAMPLES": settings.samples(fast_settings.FAULT_S),
         "BLOCKED_SAMPLES": settings.samples(fast_settings.BLOCKED_S),
         "LAG_SAMPLES": settings.samples(fast_settings.LAG_S),
-        "LIMITED_SAMPLES": beliefs["LIMITED_SAMPLES"],
-        "STILL_SAMPLES": beliefs["STILL_SAMPLES"],
-        "FILTERED_SHARE": beliefs["SHARE"],
-        "FILTERED_LIMIT_V": beliefs["LIMIT"],
+        "LIMITED_SAMPLES": settings.samples(fast_settings.LIMITED_S),
+        "STILL_SAMPLES": settings.samples(fast_settings.STILL_S),
+        "FILTERED_SHARE": 1 / filtered.gain,
+        "FILTERED_LIMIT_V": filtered.limit_v,
         "LOWEST_V": lowest_v,
         "HIGHEST_V": highest_v,
         "TICK_SAMPLES": settings.tick_samples,
@@ -164,17 +153,13 @@ def _filter_constants(settings: FastSettings) -> dict[str, Any]:
 
 def _decision_constants(settings: FastSettings) -> dict[str, Any]:
     """Constants of the floor and the flags."""
-    tactile, both = (
-        FastDecision(settings, load_table(), with_filtered=with_filtered, floors=None)
-        for with_filtered in (False, True)
-    )
-    values = _attributes_of(tactile)
+    constants = DecisionConstants.for_settings(settings)
     return {
-        **values,
-        "STEP_ENERGIES": _write_energies(values["STEP_ENERGIES"]),
-        "LEAST_ENERGIES": _write_energies(values["LEAST_ENERGIES"]),
-        "STATED_FLOORS": _write_floors(tactile.floors),
-        "FILTERED_STATED_FLOORS": _write_floors(both.floors),
+        **{name.upper(): value for name, value in vars(constants).items()},
+        "STEP_ENERGIES": _write_energies(constants.step_energies.tolist()),
+        "LEAST_ENERGIES": _write_energies(constants.least_energies.tolist()),
+        "STATED_FLOORS": _write_floors(state_floors(settings, with_filtered=False)),
+        "FILTERED_STATED_FLOORS": _write_floors(state_floors(settings, with_filtered=True)),
     }
 
 

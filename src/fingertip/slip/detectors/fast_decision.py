@@ -117,44 +117,91 @@ class AskedTicks:
     """Number of each tick."""
 
 
+@dataclass(frozen=True, eq=False)
+class DecisionConstants:
+    """What a detector decides with, at its sampling rate and its stated noise."""
+
+    short_ratio: np.float32
+    long_ratio: np.float32
+    """Multiples of the floor above which the two means are incipient slip."""
+    need: np.float32
+    """Sum of log odds above which slip is ON."""
+    rise: np.float32
+    fall: np.float32
+    drop: np.float32
+    """Factors of the floor in a tick: above it, below it, and below half of it."""
+    band_share: np.float32
+    band_drop_share: np.float32
+    """Shares of a tick in the energies at rest, the second one far below the floor."""
+    settling_ticks: int
+    learning_ticks: int
+    after_ticks: int
+    vetoed_ticks: int
+    tone_ticks: int
+    unheard_ticks: int
+    step_level: np.float32
+    step_energies: Singles
+    """Least floor and least energies for a converter's step of 1 V."""
+    least_v: np.float32
+    least_energies: Singles
+    """Least floor [V] and least energies [V^2] of the tactile voltage, from the stated noise."""
+    least_filtered_v: np.float32
+    """Least floor of the board's filtered signal [V]."""
+
+    @classmethod
+    def for_settings(cls, settings: FastSettings) -> DecisionConstants:
+        scale = settings.threshold_scale
+        tick_s = settings.tick_s
+        learning_ticks = settings.ticks(LEARNING_S)
+        white = white_energies(settings.sample_rate_hz, settings.cutoff_hz)
+        wide_root = math.sqrt(white[-1])
+        least_noise_v = settings.min_noise_share * settings.noise_v
+        return cls(
+            short_ratio=np.float32(SHORT_RATIO * scale),
+            long_ratio=np.float32(LONG_RATIO * scale),
+            need=np.float32(NEED * scale),
+            rise=np.float32(math.exp(RISE_PER_S * tick_s)),
+            fall=np.float32(math.exp(-FALL_PER_S * tick_s)),
+            drop=np.float32(math.exp(-DROP_PER_S * tick_s)),
+            band_share=np.float32(BAND_SHARE / learning_ticks),
+            band_drop_share=np.float32(BAND_DROP_SHARE / learning_ticks),
+            settling_ticks=settings.ticks(SETTLING_S),
+            learning_ticks=learning_ticks,
+            after_ticks=settings.ticks(AFTER_S),
+            vetoed_ticks=settings.ticks(VETOED_S),
+            tone_ticks=settings.ticks(TONE_S),
+            unheard_ticks=settings.ticks(UNHEARD_S),
+            step_level=np.float32(STEP_RATIO * NOISE_MEAN * wide_root),
+            step_energies=np.array(white, dtype=np.float32) * np.float32(STEP_RATIO**2),
+            least_v=np.float32(least_noise_v * NOISE_MEAN * wide_root),
+            least_energies=np.array(white, dtype=np.float32) * np.float32(least_noise_v**2),
+            least_filtered_v=np.float32(MIN_FILTERED_V),
+        )
+
+
+def state_floors(settings: FastSettings, with_filtered: bool) -> Floors:
+    """Return the floors before the first learning: those of the stated noise."""
+    white = white_energies(settings.sample_rate_hz, settings.cutoff_hz)
+    noise_v = MIN_FILTERED_V / NOISE_MEAN if with_filtered else settings.noise_v
+    return Floors(
+        level_v=noise_v * NOISE_MEAN * QUANTILE_RATIO * math.sqrt(white[-1]),
+        energies_v2=tuple(noise_v * noise_v * energy for energy in white),
+    )
+
+
 class FastDecision:
     """Decides tick by tick; its state has the names of the C library's."""
 
     def __init__(
         self, settings: FastSettings, table: BlowTable, with_filtered: bool, floors: Floors | None
     ) -> None:
-        scale = settings.threshold_scale
         self._table = table
-        self._short_ratio = np.float32(SHORT_RATIO * scale)
-        self._long_ratio = np.float32(LONG_RATIO * scale)
-        self._need = np.float32(NEED * scale)
-        self._rise = np.float32(math.exp(RISE_PER_S * settings.tick_s))
-        self._fall = np.float32(math.exp(-FALL_PER_S * settings.tick_s))
-        self._drop = np.float32(math.exp(-DROP_PER_S * settings.tick_s))
-        learning_ticks = settings.ticks(LEARNING_S)
-        self._settling_ticks = settings.ticks(SETTLING_S)
-        self._learning_ticks = learning_ticks if floors is None else self._settling_ticks
-        self._band_share = np.float32(BAND_SHARE / learning_ticks)
-        self._band_drop_share = np.float32(BAND_DROP_SHARE / learning_ticks)
-        self._after_ticks = settings.ticks(AFTER_S)
-        self._vetoed_ticks = settings.ticks(VETOED_S)
-        self._tone_ticks = settings.ticks(TONE_S)
-        self._unheard_ticks = settings.ticks(UNHEARD_S)
+        self.constants = DecisionConstants.for_settings(settings)
+        self._learning_ticks = self.constants.learning_ticks
+        if floors is not None:
+            self._learning_ticks = self.constants.settling_ticks
 
-        white = white_energies(settings.sample_rate_hz, settings.cutoff_hz)
-        self._step_energies = np.array(white, dtype=np.float32) * np.float32(STEP_RATIO**2)
-        self._step_level = np.float32(STEP_RATIO * NOISE_MEAN * math.sqrt(white[-1]))
-        least_noise_v = settings.min_noise_share * settings.noise_v
-        self._least_energies = np.array(white, dtype=np.float32) * np.float32(least_noise_v**2)
-        self._least_v = np.float32(least_noise_v * NOISE_MEAN * math.sqrt(white[-1]))
-        self._least_filtered_v = np.float32(MIN_FILTERED_V)
-
-        noise_v = MIN_FILTERED_V / NOISE_MEAN if with_filtered else settings.noise_v
-        stated = Floors(
-            level_v=noise_v * NOISE_MEAN * QUANTILE_RATIO * math.sqrt(white[-1]),
-            energies_v2=tuple(noise_v * noise_v * energy for energy in white),
-        )
-        begin = floors or stated
+        begin = floors or state_floors(settings, with_filtered)
         self.floor = np.float32(begin.level_v)
         self.band_floors = np.array(begin.energies_v2, dtype=np.float32)
         self.ticks = 0
@@ -183,7 +230,7 @@ class FastDecision:
     @property
     def threshold_v(self) -> float:
         """Threshold of the shorter mean above the present floor [V]."""
-        return float(self._short_ratio * self.floor)
+        return float(self.constants.short_ratio * self.floor)
 
     def process(self, ticks: Ticks) -> Decisions:
         """Decide at each tick of a block."""
@@ -249,18 +296,20 @@ class FastDecision:
         self._energy = energy[count:]
         self._tone = tone[count:]
         self._force = force[count:]
-        statistic = np.maximum(short, long * (self._short_ratio / self._long_ratio))
-        decisions = Decisions(on, incipient, statistic, self._short_ratio * floors)
+        statistic = np.maximum(
+            short, long * (self.constants.short_ratio / self.constants.long_ratio)
+        )
+        decisions = Decisions(on, incipient, statistic, self.constants.short_ratio * floors)
         return decisions, AskedTicks(np.array(rows, dtype=np.float32), np.array(asked, dtype=int))
 
     def _find_least(self, ticks: Ticks) -> tuple[Singles, Singles]:
         """Least floor and least energies at rest: those of a converter's steps, or of the noise."""
-        least = np.where(ticks.is_filtered, self._least_filtered_v, self._least_v)
-        energies = (ticks.step * ticks.step)[:, None] * self._step_energies
-        energies[:, 0] = ticks.slow_step * ticks.slow_step * self._step_energies[0]
+        least = np.where(ticks.is_filtered, self.constants.least_filtered_v, self.constants.least_v)
+        energies = (ticks.step * ticks.step)[:, None] * self.constants.step_energies
+        energies[:, 0] = ticks.slow_step * ticks.slow_step * self.constants.step_energies[0]
         is_noisy = ~ticks.is_filtered[:, None] | (np.arange(ENERGIES) == 0)
-        energies = np.maximum(energies, np.where(is_noisy, self._least_energies, 0))
-        return np.maximum(least, ticks.step * self._step_level), energies
+        energies = np.maximum(energies, np.where(is_noisy, self.constants.least_energies, 0))
+        return np.maximum(least, ticks.step * self.constants.step_level), energies
 
     def _follow(
         self, short: np.float32, long: np.float32, floor: np.float32, is_blocked: bool
@@ -272,7 +321,9 @@ class FastDecision:
             self._forget()
             return False
 
-        above = bool(short > self._short_ratio * floor or long > self._long_ratio * floor)
+        above = bool(
+            short > self.constants.short_ratio * floor or long > self.constants.long_ratio * floor
+        )
         self.incipient = above
         if above:
             self.age = self.age + 1 + self.missed if self.age else 1
@@ -285,7 +336,7 @@ class FastDecision:
 
         if self.on:
             hold = np.float32(HOLD_RATIO) * floor
-            is_heard = self.missed <= self._unheard_ticks
+            is_heard = self.missed <= self.constants.unheard_ticks
             self.on = bool(is_heard and (short > hold or long > hold))
             self.is_second = not self.is_second
             if not self.on:
@@ -313,7 +364,7 @@ class FastDecision:
 
         total = self.odds + min(odds, np.float32(MOST_ODDS))
         self.odds = max(total, np.float32(LEAST_SUM))
-        self.on = bool(self.odds > self._need)
+        self.on = bool(self.odds > self.constants.need)
         self.vetoed += 1
         self.refused = 0
         self.is_second = False
@@ -321,7 +372,7 @@ class FastDecision:
     def _wait(self) -> None:
         """Count the time since ON."""
         if self.on:
-            self.after = self._after_ticks
+            self.after = self.constants.after_ticks
             self.vetoed = 0
         elif self.after > 0:
             self.after -= 1
@@ -336,7 +387,7 @@ class FastDecision:
             self.lowest = short
             self.highest = short
 
-        if self.steady >= self._tone_ticks:
+        if self.steady >= self.constants.tone_ticks:
             self.on = False
             self.incipient = False
             self.after = 0
@@ -351,7 +402,7 @@ class FastDecision:
         A signal that stands still teaches nothing: the stated noise holds, or what was learned.
         """
         if self.ticks <= self._learning_ticks:
-            if self.ticks > self._settling_ticks:
+            if self.ticks > self.constants.settling_ticks:
                 self.heard += 1
                 share = np.float32(1.0) / np.float32(self.heard)
                 self.floor += share * (level * np.float32(QUANTILE_RATIO) - self.floor)
@@ -360,17 +411,17 @@ class FastDecision:
             return
 
         may_be_slip = self.incipient or self.on or self.after > 0
-        if may_be_slip and self.vetoed < self._vetoed_ticks:
+        if may_be_slip and self.vetoed < self.constants.vetoed_ticks:
             return
 
         is_far_below = short < np.float32(0.5) * self.floor
-        share = self._band_drop_share if is_far_below else self._band_share
+        share = self.constants.band_drop_share if is_far_below else self.constants.band_share
         clipped = np.minimum(energy, np.float32(CLIP_RATIO) * self.band_floors)
         self.band_floors += share * (clipped - self.band_floors)
         if short > self.floor:
-            self.floor *= self._rise
+            self.floor *= self.constants.rise
         else:
-            self.floor *= self._drop if is_far_below else self._fall
+            self.floor *= self.constants.drop if is_far_below else self.constants.fall
 
 
 def _compute_means(levels: Singles) -> tuple[Singles, Singles]:

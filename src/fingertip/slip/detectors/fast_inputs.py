@@ -26,10 +26,8 @@ from fingertip.slip.detectors.fast_settings import (
     GAP_S,
     JUMP_RATIO,
     LAG_S,
-    LIMIT_SHARE,
     LIMITED_S,
     MOVE_S,
-    NUMBER_RATIO,
     REST_SHARE,
     STILL_S,
     FastSettings,
@@ -153,7 +151,7 @@ class InputCheck:
     """
 
     def __init__(self, settings: FastSettings, jump_limit_v: float) -> None:
-        self._number_limit_v = NUMBER_RATIO * settings.noise_v
+        self._number_limit_v = settings.number_limit_v
         self._jump_limit = np.float32(jump_limit_v)
         self._gap_samples = settings.samples(GAP_S)
         self._movement = Filter(smoother(settings, MOVE_S))
@@ -340,8 +338,7 @@ class FilteredInput:
         self._level_limit = np.float32(REST_SHARE * signal.range_v)
         jump_limit_v = FILTERED_JUMP_RATIO * settings.noise_v * signal.gain
         self._check = InputCheck(settings, jump_limit_v)
-        limit_v = LIMIT_SHARE * signal.range_v / signal.gain
-        self._sum = LimitedSum(filters.leak, limit_v, settings.samples(LIMITED_S))
+        self._sum = LimitedSum(filters.leak, signal.limit_v, settings.samples(LIMITED_S))
         self._level = Filter(smoother(settings, STILL_S))
         self._still_samples = settings.samples(STILL_S)
         self._since_change = SinceLast(NEVER)

@@ -70,6 +70,11 @@ class FilteredSignal:
     rest_v: float | None = None
     """Rest that its mean is compared with [V]; None: a recording may have any."""
 
+    @property
+    def limit_v(self) -> float:
+        """Vibration at the filter's input beyond which a stage counts as limited [V]."""
+        return LIMIT_SHARE * self.range_v / self.gain
+
     @classmethod
     def from_design(cls, design: Design, in_codes: bool = False) -> FilteredSignal | None:
         """Take it from a design; None if the board does not give it to a controller.
@@ -117,6 +122,11 @@ class FastSettings:
             cutoff_hz=design.board.cutoff_hz,
             filtered=FilteredSignal.from_design(design),
         )
+
+    @property
+    def number_limit_v(self) -> float:
+        """Largest number that is a voltage [V]."""
+        return NUMBER_RATIO * self.noise_v
 
     @property
     def tick_samples(self) -> int:

@@ -59,11 +59,11 @@ def test_slip_of_a_simulated_trace_is_detected(tmp_path, surface):
     assert set(data["intervals"][0]) == {
         "onset_s",
         "end_s",
-        "confidence",
+        "strength",
         "force_n",
         "force_interval_n",
     }
-    assert data["intervals"][0]["confidence"] > 1.0
+    assert data["intervals"][0]["strength"] > 1.0
     assert data["incipient"] is data["learned_noise_v"] is None
     assert data["missed_slips"] == []
 
@@ -246,8 +246,8 @@ def test_a_recording_that_begins_in_slip_is_decided_with_the_floors_of_a_rest(tm
     words = ("--detector", "fast", "--json")
     rested = ("--floors", tmp_path / "rest.csv")
     for name, end_s, said in (
-        ("slip", 2.0, "noise of 3.5 mV, 7 times"),
-        ("late", 2.2, "before 2.2 s"),
+        ("slip", 2.0, "noise of 3.9 mV, 8 times"),
+        ("late", 2.08, "before 2.1 s"),
     ):
         done = json.loads(run("detect", tmp_path / f"{name}.csv", *words, "-q").stdout)
         assert (done["intervals"], done["undecided"]["end_s"]) == (
@@ -269,7 +269,7 @@ def test_a_recording_that_begins_in_slip_is_decided_with_the_floors_of_a_rest(tm
     assert streamed["transitions"][0]["time_s"] == done["intervals"][0]["onset_s"]
     for name, options, said in (
         ("short", (), "the rest lasts 0.499 s"),
-        ("slip", (), "the rest vibrates by 3.5 mV, over 5 times the stated"),
+        ("slip", (), "the rest vibrates by 3.9 mV, over 5 times the stated"),
         ("rest", ("--detector", "digital"), "are not learned by digital"),
         ("rest", ("--calibrate", "0:1"), "are not"),
     ):

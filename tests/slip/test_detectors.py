@@ -27,12 +27,11 @@ FIELDS = ("statistic_v", "threshold_v", "on")
 
 
 def make_signal(count: int, seed: int = 0) -> np.ndarray:
-    """Noise with a contact, a burst about 90 Hz and a step, so that every branch is executed."""
+    """Noise with a contact, a rough burst and a step, so that every branch is executed."""
     t = np.arange(count) / 2000
     rng = np.random.default_rng(seed)
     volts = 4.3 + rng.normal(0, 4e-4, count) - 0.3 * np.clip(t - 0.1, 0, 0.2) / 0.2
-    strength = 0.02 + 0.01 * np.sin(2 * math.pi * 23 * t) + 0.005 * np.sin(2 * math.pi * 11 * t)
-    burst = strength * np.sin(2 * math.pi * 90 * t) * ((t > 0.5) & (t < 0.7))
+    burst = rng.normal(0, 0.02, count) * ((t > 0.5) & (t < 0.7))
     return np.asarray(volts + burst + 0.2 * (t > 0.8))
 
 

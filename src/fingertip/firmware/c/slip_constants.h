@@ -77,7 +77,7 @@
 #define SLIP_STAY_LOOKS $STAY_LOOKS
 
 /* Ticks: from a crossing to the first look, which a crossing outlasts, without one until ON ends, until filters have settled, until floors are
- * learned, for which they stand after ON, after which they learn what was vetoed, and of a tone. */
+ * learned, for which they stand after ON, after which they learn what was vetoed, of a tone, and of a calm force. */
 #define SLIP_MIN_AGE_TICKS $MIN_AGE_TICKS
 #define SLIP_GAP_TICKS $GAP_TICKS
 #define SLIP_UNHEARD_TICKS $UNHEARD_TICKS
@@ -86,9 +86,10 @@
 #define SLIP_AFTER_TICKS $AFTER_TICKS
 #define SLIP_VETOED_TICKS $VETOED_TICKS
 #define SLIP_TONE_TICKS $TONE_TICKS
+#define SLIP_CALM_TICKS $CALM_TICKS
 
 /* Floor: factors of a tick above it, below it, and far below it; level of four of five means over their mean. Energies at
- * rest: shares of a tick, far below too; multiple that counts. Most variation of a tone. */
+ * rest: shares of a tick, far below too; multiple that counts; ratio below which a force is calm. Most variation of a tone. */
 #define SLIP_RISE $RISE
 #define SLIP_FALL $FALL
 #define SLIP_DROP $DROP
@@ -96,6 +97,7 @@
 #define SLIP_BAND_SHARE $BAND_SHARE
 #define SLIP_BAND_DROP_SHARE $BAND_DROP_SHARE
 #define SLIP_CLIP_RATIO $CLIP_RATIO
+#define SLIP_CALM_RATIO $CALM_RATIO
 #define SLIP_TONE_RATIO $TONE_RATIO
 
 /* Least floors of T and of S [V], and least energies of T [V^2]; least floor and energies of a converter's step of 1 V; no

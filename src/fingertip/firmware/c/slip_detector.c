@@ -573,6 +573,15 @@ static void approach_clipped(float *learned, float energy, float share) {
     approach(learned, lesser(energy, SLIP_CLIP_RATIO * *learned), share);
 }
 
+/* Halve the slow force's energy at rest where the force has been far calmer for a while: it was learned from a contact. */
+static void forget_contact(slip_state *state, float slow_energy) {
+    float *const learned = &state->learned.energies.slow;
+    state->calm = count_up(state->calm, SLIP_CALM_RATIO * slow_energy >= *learned, SLIP_CALM_TICKS + 1);
+    if (state->calm > SLIP_CALM_TICKS) {
+        *learned *= 0.5f;
+    }
+}
+
 /* Let the floor and the energies at rest follow what is no slip. */
 static void learn(slip_state *state, const slip_energies *energies, float short_mean) {
     slip_floors *const learned = &state->learned;
@@ -589,6 +598,7 @@ static void learn(slip_state *state, const slip_energies *energies, float short_
     for (i = 0; i < SLIP_BANDS; i++) {
         approach_clipped(&learned->energies.bands[i], energies->bands[i], share);
     }
+    forget_contact(state, energies->slow);
     if (short_mean > learned->level) {
         learned->level *= SLIP_RISE;
     } else {

@@ -105,7 +105,7 @@ typedef struct slip_state {
     uint16_t crossing, missed;             /* ticks since the crossing, and since the mean lay below it */
     uint16_t vetoed, refused;              /* looks that found no slip: before ON, and on end in ON */
     uint16_t after, steady;                /* ticks for which floors stand after ON, and of a tone */
-    uint16_t heard;                        /* ticks of the first learning */
+    uint16_t heard, calm;                  /* ticks of the first learning, and of a calm force */
     uint8_t past_at;
     uint16_t phase;                        /* samples of this tick */
     bool on, incipient;

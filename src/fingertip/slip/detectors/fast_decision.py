@@ -77,6 +77,11 @@ BAND_DROP_SHARE = 4.0
 """Rates at which energies at rest are averaged, over 1 / `LEARNING_S`."""
 CLIP_RATIO = 4.0
 """Multiple of its value at rest above which an energy counts for no more."""
+CALM_RATIO = 16.0
+CALM_S = 0.05
+"""Ratio below its energy at rest that the slow force keeps for a time [s], whereupon that energy is
+halved at each tick: it was learned from a contact.
+"""
 AFTER_S = 0.3
 """Time after ON for which the floor stands [s]: a slide falters."""
 VETOED_S = 1.0
@@ -138,6 +143,7 @@ class DecisionConstants:
     after_ticks: int
     vetoed_ticks: int
     tone_ticks: int
+    calm_ticks: int
     unheard_ticks: int
     step_level: np.float32
     step_energies: Singles
@@ -170,6 +176,7 @@ class DecisionConstants:
             after_ticks=settings.ticks(AFTER_S),
             vetoed_ticks=settings.ticks(VETOED_S),
             tone_ticks=settings.ticks(TONE_S),
+            calm_ticks=settings.ticks(CALM_S),
             unheard_ticks=settings.ticks(UNHEARD_S),
             step_level=np.float32(STEP_RATIO * NOISE_MEAN * wide_root),
             step_energies=np.array(white, dtype=np.float32) * np.float32(STEP_RATIO**2),
@@ -212,6 +219,7 @@ class FastDecision:
         self.vetoed = 0
         self.after = 0
         self.refused = 0
+        self.calm = 0
         self.is_second = False
         self.steady = 0
         self.lowest = np.float32(0.0)
@@ -418,10 +426,18 @@ class FastDecision:
         share = self.constants.band_drop_share if is_far_below else self.constants.band_share
         clipped = np.minimum(energy, np.float32(CLIP_RATIO) * self.band_floors)
         self.band_floors += share * (clipped - self.band_floors)
+        self._forget_contact(energy[0])
         if short > self.floor:
             self.floor *= self.constants.rise
         else:
             self.floor *= self.constants.drop if is_far_below else self.constants.fall
+
+    def _forget_contact(self, slow_energy: np.float32) -> None:
+        """Halve the slow force's energy at rest where the force has been far calmer for a while."""
+        is_calm = np.float32(CALM_RATIO) * slow_energy < self.band_floors[0]
+        self.calm = self.calm + 1 if is_calm else 0
+        if self.calm > self.constants.calm_ticks:
+            self.band_floors[0] *= np.float32(0.5)
 
 
 def _compute_means(levels: Singles) -> tuple[Singles, Singles]:

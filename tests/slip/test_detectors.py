@@ -30,7 +30,7 @@ def make_signal(count: int, seed: int = 0) -> np.ndarray:
     """Noise with a contact, a rough burst and a step, so that every branch is executed."""
     t = np.arange(count) / 2000
     rng = np.random.default_rng(seed)
-    volts = 4.3 + rng.normal(0, 4e-4, count) - 0.3 * np.clip(t - 0.1, 0, 0.2) / 0.2
+    volts = 4.3 + rng.normal(0, 4e-4, count) - 0.3 * np.clip(t - 0.3, 0, 0.1) / 0.1
     burst = rng.normal(0, 0.02, count) * ((t > 0.5) & (t < 0.7))
     return np.asarray(volts + burst + 0.2 * (t > 0.8))
 

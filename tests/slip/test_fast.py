@@ -268,6 +268,15 @@ def test_noise_that_ends_hides_slip_no_longer() -> None:
     assert 1.5 < first_s(run(volts).on) < 1.55
 
 
+def test_a_contact_in_the_first_learning_is_forgotten() -> None:
+    """The detector begins while the force grows, as where a hand closes at once."""
+    volts = noise(1.4) - 0.3 * np.clip((times(noise(1.4)) - 0.1) / 0.2, 0.0, 1.0)
+    volts[2000:2400] += band_noise(0.2, 25 * NOISE_V)
+    on = FastDetector(SETTINGS).process(volts).on
+    assert not on[:2000].any()
+    assert on[2000:2080].any()
+
+
 @pytest.mark.parametrize("frequency_hz", [50.0, 100.0, 180.0])
 def test_a_tone_of_two_seconds_is_learned_as_rest(frequency_hz: float) -> None:
     volts = noise(10.0)

@@ -103,11 +103,11 @@ def judge(
     with compiled():
         for signal in signals:
             recording = Recording(signal, (), design=design)
-            for point, tally in run_both_points([recording]).items():
+            for point, tally in run_both_flags([recording]).items():
                 found.setdefault(point, {}).setdefault(signal.kind, Tally()).add(tally)
 
 
-def run_both_points(recordings: Iterable[Recording]) -> dict[str, Tally]:
+def run_both_flags(recordings: Iterable[Recording]) -> dict[str, Tally]:
     """Pool what both flags of `fast` find in recordings."""
     found = {"incipient": Tally(), "on": Tally()}
     for recording in recordings:

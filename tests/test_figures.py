@@ -24,7 +24,7 @@ from tools.figures.manifest import (
 from tools.figures.renewal import RenewalError, lay_out, renew
 
 ENTRIES = read_manifest(FILE.read_text(encoding="utf-8"))
-TABLE = "src/fingertip/slip/detectors/fast_model.json"
+TABLE = "src/fingertip/slip/detectors/fast_table.json"
 SOURCE = '''\
 """Gain of a stage."""
 

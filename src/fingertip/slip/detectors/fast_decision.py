@@ -48,7 +48,7 @@ MIN_AGE_TICKS = 3
 """Ticks after the crossing from which on the table is asked."""
 GAP_TICKS = 5
 """Ticks below the threshold that a crossing outlasts."""
-NEED = 3.0
+NEED = 2.0
 """Sum of log odds above which slip is ON."""
 MOST_ODDS = 6.0
 LEAST_SUM = -4.0

@@ -34,6 +34,7 @@ from fingertip.firmware.fingers import (
 )
 from fingertip.firmware.measured_costs import cost_table, read_costs
 from fingertip.firmware.packaging import NAME
+from fingertip.slip.detectors.fast_decision import NEED
 from fingertip.slip.detectors.fast_settings import TICK_S, FilteredSignal
 from fingertip.slip.detectors.fast_table import load_table
 
@@ -112,6 +113,7 @@ def render_readme(design: Design, fingers: Fingers) -> str:
         cost_table=cost_table(),
         tick_ms=1e3 * TICK_S,
         trees=load_table().trees,
+        need=NEED,
     )
 
 

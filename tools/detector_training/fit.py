@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from benchmarks.slip.bench import Results, measure, select
 from benchmarks.slip.competitors import Row
 from benchmarks.slip.goals import BURST, STEADY
+from benchmarks.slip.mix import MixSize
 from benchmarks.slip.own_sets import LINES, TUNING
 from benchmarks.slip.real import hash_sets, list_sources
 from benchmarks.slip.real_sets import SLIDES, RealSet, list_real
@@ -50,6 +51,7 @@ LEAST_ROWS = 60
 SMALL_SEEDS = (1001,)
 SMALL_SHARE = 0.05
 SMALL_COUNT = 4
+SMALL_MIX = MixSize(events=4, noisy=2)
 SMALL_SIZE = 200
 BENCH_SHARE = 0.1
 BENCH_TRIALS = 30
@@ -81,7 +83,7 @@ def main(words: Sequence[str] | None = None) -> None:
 
 def write_small(out: Path) -> None:
     """Fit a table to a few signals of the project's own."""
-    sources = list_own_training(SMALL_SEEDS, SMALL_SHARE, SMALL_COUNT, SMALL_COUNT)
+    sources = list_own_training(SMALL_SEEDS, SMALL_SHARE, SMALL_COUNT, SMALL_COUNT, SMALL_MIX)
     table = fit(collect_all(sources), SMALL_SIZE)
     card = make_card(table, {"seeds": SMALL_SEEDS, "share": SMALL_SHARE})
     out.write_text(write_table(table, card), encoding="utf-8")

@@ -41,6 +41,7 @@ SLIP_WEIGHTS = {
     "trials": 1.5,
     "burst": 3.5,
     "manipulation": 0.3,
+    "simulated": 0.7,
 }
 OTHER_SLIP_WEIGHT = 1.2
 WEIGHTS = {
@@ -58,6 +59,10 @@ WEIGHTS = {
     "hum": 0.8,
     "vibration": 0.15,
     "manipulation": 1.2,
+    "simulated tap": 0.8,
+    "simulated hard tap": 0.5,
+    "simulated vibration": 0.3,
+    "simulated": 0.8,
 }
 ON_GRASP = " on grasp"
 ON_GRASP_WEIGHT = 1.5

@@ -8,13 +8,14 @@ to real grasps, and real slides are added to the noise of the project's boards.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.slip.bench import Source
-from benchmarks.slip.mix_signals import LabelledSignal, Slide, record
+from benchmarks.slip.mix import MixSize, generate_mix
+from benchmarks.slip.mix_signals import LabelledSignal, Slide, record, simulate_scene
 from benchmarks.slip.own_sets import (
     BOARDS,
     BURST_SEEDS,
@@ -43,13 +44,20 @@ from benchmarks.slip.real_sets import (
 )
 from benchmarks.slip.recordings import SETTLING_S, Recording
 from fingertip.design import Design
+from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array
+from fingertip.lab.campaign.campaign import HELD_OUT_FROM, NEGATIVE_SCENES
 
 SEEDS = ((1001, 1002, 1004, 1005), (1011, 1012, 1014, 1015), (1021, 1022, 1024, 1025))
 """Seeds of the generators in each draw of a training."""
 SHARE = 0.4
 """Share of all recordings of a row that each seed draws."""
 TRIALS = 60
+MIX_SIZE = MixSize(events=48, noisy=12)
+MIX_SEED = HELD_OUT_FROM + 1_200_000
+"""Size and first seed of the mix that trains; `benchmarks.slip_robustness` has other seeds."""
+SIMULATED = "simulated "
+"""Begin of the kinds of that mix."""
 HIT_PASSES = 4
 HIT_SEED = 6
 PARTS = 8
@@ -163,8 +171,37 @@ def slide_on_board(design: Design, values: Array, rng: np.random.Generator) -> R
     return Recording(record(design, rng, signal), (), design=design)
 
 
+@dataclass(frozen=True)
+class SimulatedHands:
+    """Taps, changes of grip, servos, walks and vibration on the simulated finger of a design."""
+
+    design: str
+    run: int
+    """First seed."""
+    size: MixSize = MIX_SIZE
+
+    def read(self) -> Iterator[Recording]:
+        design = load_design(self.design)
+        with compiled():
+            for signal in generate_mix(design, self.size, self.run):
+                yield self._take(signal)
+
+            for number in range(self.size.events // 3):
+                seed = self.run + 50_000 + number
+                scene = NEGATIVE_SCENES["hard tap"][0]
+                yield self._take(simulate_scene(design, scene, seed, "hard tap"))
+
+    def _take(self, signal: LabelledSignal) -> Recording:
+        named = replace(signal, kind=f"{SIMULATED}{signal.kind}")
+        return Recording(named, (), design=load_design(self.design))
+
+
 def list_own_training(
-    seeds: Sequence[int], share: float = SHARE, trials: int = TRIALS, bursts: int = BURSTS
+    seeds: Sequence[int],
+    share: float = SHARE,
+    trials: int = TRIALS,
+    bursts: int = BURSTS,
+    mix: MixSize = MIX_SIZE,
 ) -> list[Source]:
     """List the project's own signals for training."""
     designs = [*BOARDS.values()]
@@ -172,6 +209,7 @@ def list_own_training(
         *(Trials(design, "hertz", TRIAL_SEEDS[TUNING], trials) for design in TRIAL_DESIGNS),
         *(Bursts(design, BURST_SEEDS[TUNING], bursts) for design in designs),
         *(Manipulations(design, MANIPULATION_SEED) for design in TRIAL_DESIGNS),
+        *(SimulatedHands(design, MIX_SEED, mix) for design in TRIAL_DESIGNS),
         *list_generated(seeds, share),
     ]
 

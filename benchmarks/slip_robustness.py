@@ -103,20 +103,10 @@ def judge(
     with compiled():
         for signal in signals:
             recording = Recording(signal, (), design=design)
-            for point, tally in run_both_flags([recording]).items():
-                found.setdefault(point, {}).setdefault(signal.kind, Tally()).add(tally)
-
-
-def run_both_flags(recordings: Iterable[Recording]) -> dict[str, Tally]:
-    """Pool what both flags of `fast` find in recordings."""
-    found = {"incipient": Tally(), "on": Tally()}
-    for recording in recordings:
-        assert recording.design is not None
-        output = detect(recording.design, recording, 1.0)
-        found["incipient"].add(assess(recording, output.incipient))
-        found["on"].add(assess(recording, output.on))
-
-    return found
+            output = detect(design, recording, 1.0)
+            for point, on in (("incipient", output.incipient), ("on", output.on)):
+                tally = found.setdefault(point, {}).setdefault(signal.kind, Tally())
+                tally.add(assess(recording, on))
 
 
 def describe(tally: Tally) -> str:

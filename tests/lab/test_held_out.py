@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 from benchmarks import held_out_signals
-from benchmarks.slip import own_sets
+from benchmarks.slip import bench, own_sets
+from benchmarks.slip.competitors import Row
 from benchmarks.slip.mix_signals import LabelledSignal, Slide
 from benchmarks.slip.recordings import Recording
 from benchmarks.slip.scores import Tally
-from benchmarks.slip_robustness import run_both_flags
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.slip.detectors import fast
@@ -25,15 +25,23 @@ from fingertip.slip.detectors.fast_table import TABLE, load_table, read_table, w
 from fingertip.slip.traces.truth import Interval
 from tools.detector_training import fit, rows, signals
 
-FEW = 0.2
-"""Share of the recordings of a kind."""
+FEW = 6
+"""Recordings of a kind."""
+SEED = 7
+"""Seed of the generators: no training, no tuning and no report has it."""
+FLAGS = {"incipient": Row("incipient"), "on": Row("fast")}
 FROZEN = "9371229ee4c0b150df7c10b6b293174df17830ae7076f6cf56f54430193bb584"
 """SHA-256 of the generators before any detector had run on their signals."""
 
 
 def judge(row: str, board: str = "S") -> dict[str, Tally]:
+    """Judge both flags of `fast` on a few recordings of a kind."""
+    share = FEW / held_out_signals.COUNTS[row]
+    source = own_sets.Generated(row, board, SEED, share)
     with compiled():
-        return run_both_flags(own_sets.Generated(row, board, 7, FEW).read())
+        found = bench.judge(Design.load("article"), [*FLAGS.values()], (1.0,), source)
+
+    return {name: bench.select(found, flag).whole() for name, flag in FLAGS.items()}
 
 
 def test_the_judge_is_the_one_that_was_frozen() -> None:
@@ -51,7 +59,8 @@ def test_a_slide_after_a_load_is_on_as_long_as_it_lasts(board: str) -> None:
     found = judge("slide after load", board)
     assert found["on"].found_share == 1.0
     for tally in found.values():
-        assert min(tally.on_shares) > 0.9
+        # Incipient slip may be ON since the load, which is no new find.
+        assert min(tally.on_shares) > 0.95
 
 
 @pytest.mark.parametrize("row", ["servo steps", "set-down", "hand motion 4-8 Hz"])
@@ -61,13 +70,14 @@ def test_what_a_hand_does_is_no_slip(row: str) -> None:
 
 def test_incipient_slip_is_sooner() -> None:
     found = judge("slip at constant force")
+    assert [(tally.slips, tally.found_share) for tally in found.values()] == [(24, 1.0)] * 2
     assert found["incipient"].quantile_ms(0.5) < found["on"].quantile_ms(0.5) < 35.0
 
 
 def test_no_seed_trains_and_judges() -> None:
     trained = {seed for draw in signals.SEEDS for seed in draw}
     tuned = set(own_sets.SEEDS[own_sets.TUNING])
-    judged = set(own_sets.SEEDS[own_sets.JUDGING])
+    judged = {*own_sets.SEEDS[own_sets.JUDGING], SEED}
     assert not trained & judged
     assert not tuned & judged
     assert not trained & tuned

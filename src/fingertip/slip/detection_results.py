@@ -90,6 +90,9 @@ def _describe_silence(detection: Detection) -> str:
     if ratio[place] == 0.0:
         return "never ON"
 
+    if ratio[place] > 1:
+        return "never ON: what exceeded the threshold was taken for a blow or a step, not for slip"
+
     reached = f"the statistic reached {100 * ratio[place]:.0f} % of its threshold"
     return f"never ON: {reached}, at {detection.trace.time_s[place]:.4f} s"
 

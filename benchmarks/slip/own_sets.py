@@ -208,5 +208,6 @@ def list_own(
         Trials(design, law, TRIAL_SEEDS[half], trials_each)
         for design in TRIAL_DESIGNS
         for law in LOAD_LAWS
+        if trials_each
     ]
     return [*trials, *bursts, *list_generated(SEEDS[half], share)]

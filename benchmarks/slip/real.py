@@ -110,7 +110,9 @@ class FairReport:
     def goals(self) -> list[goals.Goal]:
         """List the goals, if both flags of `fast` were run on everything."""
         both = [self._own(Row(name)) for name in ("fast", "incipient")]
-        is_whole = all(one.of("stage").slips and one.of("tap").events for one in both)
+        last = name_trials(TRIAL_DESIGNS[-1], LOAD_LAWS[-1])
+        needed = [part for one in both for part in (one.of("stage"), one.of(last), one.of("tap"))]
+        is_whole = all(part.slips or part.events for part in needed)
         return list(goals.list_goals(*both)) if is_whole else []
 
     def draw(self) -> bytes:
@@ -322,6 +324,9 @@ def main(words: Sequence[str] | None = None) -> None:
         default=SHARE,
         help="share of the project's own signals that each seed draws; 0: none",
     )
+    parser.add_argument(
+        "--trials", type=int, default=TRIALS, help="simulated trials of each design; 0: none"
+    )
     parser.add_argument("--curve", action="store_true", help="run several thresholds")
     parser.add_argument("--record", action="store_true", help=f"write {record.FILE.name}")
     parser.add_argument("--json", action="store_true", help="print data in place of the tables")
@@ -347,7 +352,7 @@ def _run(options: argparse.Namespace) -> None:
     rows = list_rows(options.detectors)
     factors = None if options.curve else (1.0,)
     with side_by_side(count_processors()):
-        sources = list_sources(sets, half, options.share)
+        sources = list_sources(sets, half, options.share, options.trials)
         found = measure(Design.load("article"), rows, sources, factors)
 
     report = FairReport(found, rows, files)

@@ -151,7 +151,14 @@ def test_thresholds_without_a_run_of_their_own_have_its_results(detector):
     for scale, result in zip(SCALES, found, strict=True):
         alone = make_detector(detector, ARTICLE, threshold_scale=scale)
         assert result == score_trial(SLIP, trace, alone.process(trace.voltage_v).on, alone.memory_s)
-    assert 1 < len(runs) < len(SCALES)
+    assert 1 < len(runs) <= len(SCALES)
+
+
+@pytest.mark.second
+def test_where_nothing_crosses_a_threshold_no_greater_one_is_run():
+    runs = {}
+    evaluate(SLIP, trace_with([], []), "fast", ARTICLE, SCALES, runs)
+    assert 1 <= len(runs) < len(SCALES)
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ import pytest
 
 from fingertip import Design, write_robot
 from fingertip.design.finger_set import load_set
+from fingertip.drivers import Slip
 from fingertip.pad.layer import find_contacts
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.touch import Pose
@@ -269,4 +270,5 @@ def test_example_feels_the_slip_of_a_contact_and_nothing_without_its_vibration()
     example["FeltContact"].step = lambda self, normal_n, shear_n, speed_m_s: step(
         self, normal_n, shear_n, 0.0
     )
-    assert not any(example["slide"]("medium")[0])
+    # The change of force alone may cross the threshold, but it is vetoed.
+    assert max(example["slide"]("medium")[0]) <= Slip.INCIPIENT

@@ -53,7 +53,7 @@ def test_every_public_name_is_documented_and_has_the_approved_defaults() -> None
 
 
 ON = """at_knock automatic_layout bonded has_all_times in_volts is_default is_fitted is_left label_x
-may_be_empty may_be_lower passed uncontrolled verified with_plots with_remedy with_strain"""  # noqa: E501
+may_be_empty may_be_lower passed uncontrolled verified with_plots with_remedy with_strain"""
 OWN = "boards count digits first_seed friction high seed silent_s size trials width width_px"
 """Flags that are on where they are left out, and numbers of which
 functions have defaults of their own.
